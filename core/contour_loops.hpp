@@ -1,0 +1,93 @@
+// Joins a section's segments head to tail into contour loops: the thesis's algorithm 2, in time linear in the
+// number of segments (the thesis searches the rest of the list for every one).
+//
+// What algorithm 2 does by Find, Compare, isInvert and Swap on pixel coordinates happens here on exact
+// points: where two facets share a side, their segments end in the very same bits (see intersect_side). What
+// remains open comes from cracks, missing or turned facets; it is joined by OpenChainJoiner and reported.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/slicer.hpp"
+#include "core/units.hpp"
+
+namespace contourd {
+
+// A closed polygon: a range of Contours::points; its last point is joined to its first.
+struct ContourLoop {
+  std::uint32_t first_point = 0;
+  std::uint32_t point_count = 0;
+};
+
+struct Contours {
+  std::vector<Point> points;
+  // Outer loops run counter-clockwise, holes clockwise (seen from above), when the facets are wound as STL
+  // demands.
+  std::vector<ContourLoop> loops;
+  // Chains that no join within the tolerance could close. They were closed all the same (each is part of a
+  // loop), so that nothing can spill, but what they enclose is a guess.
+  std::uint32_t open_chains = 0;
+  // Ends that missed each other by more than nothing and less than the tolerance, and were joined.
+  std::uint32_t gaps_closed = 0;
+  // The widest distance bridged by any join, a closed open chain's included.
+  Millimeters widest_gap{};
+
+  [[nodiscard]] std::span<const Point> points_of(const ContourLoop& loop) const {
+    return std::span(points).subspan(loop.first_point, loop.point_count);
+  }
+  // Loops that the file's facets close, by themselves or with gaps within the tolerance (the thesis's LC).
+  [[nodiscard]] std::uint32_t closed_loops() const {
+    const auto all = static_cast<std::uint32_t>(loops.size());
+    return all > repaired_loops ? all - repaired_loops : 0;
+  }
+  std::uint32_t repaired_loops = 0;  // loops with a closed open chain in them
+};
+
+// Length of all loops' sides, in millimetres.
+[[nodiscard]] double perimeter_mm(const Contours& contours);
+
+// Keeps its working memory between calls: allocates only while sections grow. Not thread-safe.
+class ContourLinker {
+ public:
+  // Joins `segments` into `contours`, replacing what they held. Ends up to `tolerance` apart count as
+  // meeting.
+  void link(std::span<const Segment> segments, Millimeters tolerance, Contours& contours);
+
+ private:
+  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
+
+  // A distinct end point and the segments that leave it.
+  struct Node {
+    Point point;
+    std::uint32_t first_leaving = kNone;
+    std::int32_t leaving_minus_arriving = 0;
+  };
+  // A run of segments that starts and ends in different points.
+  struct Chain {
+    std::uint32_t first_point, point_count;
+  };
+
+  void build_nodes(std::span<const Segment> segments);
+  std::uint32_t node_at(const Point& point);
+  void drop_duplicates(std::span<const Segment> segments);
+  [[nodiscard]] std::uint32_t leftmost_leaving(std::uint32_t node, std::uint32_t arrived_by,
+                                               std::span<const Segment> segments) const;
+  // Walks from an unused segment until its start point comes again or nothing leaves; true when it came
+  // again.
+  bool walk(std::uint32_t segment, std::span<const Segment> segments, std::vector<Point>& points);
+  void walk_chains(std::span<const Segment> segments, Contours& contours);
+  void walk_loops(std::span<const Segment> segments, Contours& contours);
+  void join_chains(Millimeters tolerance, Contours& contours);
+
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> slots_;  // open addressing: node numbers by the hash of their point
+  std::vector<std::uint32_t> from_node_, to_node_;  // by segment
+  std::vector<std::uint32_t> next_leaving_;         // by segment: the next one that leaves the same node
+  std::vector<bool> used_;                          // by segment
+  std::vector<Point> chain_points_;
+  std::vector<Chain> chains_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,59 @@
+// STL facets as their file has them: three vertices in millimetres, counter-clockwise seen from outside.
+// Values; thread-safe as any value is.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+
+namespace contourd {
+
+struct Vertex {
+  float x, y, z;
+  bool operator==(const Vertex&) const = default;
+};
+
+// A facet's normal is not kept: files get it wrong, the winding tells.
+struct Facet {
+  std::array<Vertex, 3> vertices;
+};
+static_assert(sizeof(Facet) == 36);
+
+// A point of a slicing plane, in millimetres.
+struct Point {
+  double x, y;
+  bool operator==(const Point&) const = default;
+};
+
+// An axis-aligned box around vertices, in millimetres. Empty (min > max) until something is added.
+struct Bounds {
+  double min_x = std::numeric_limits<double>::infinity();
+  double min_y = std::numeric_limits<double>::infinity();
+  double min_z = std::numeric_limits<double>::infinity();
+  double max_x = -std::numeric_limits<double>::infinity();
+  double max_y = -std::numeric_limits<double>::infinity();
+  double max_z = -std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] bool empty() const { return min_x > max_x; }
+  [[nodiscard]] double size_x() const { return empty() ? 0.0 : max_x - min_x; }
+  [[nodiscard]] double size_y() const { return empty() ? 0.0 : max_y - min_y; }
+  [[nodiscard]] double size_z() const { return empty() ? 0.0 : max_z - min_z; }
+  [[nodiscard]] Point center() const { return {(min_x + max_x) / 2, (min_y + max_y) / 2}; }
+};
+
+[[nodiscard]] inline Bounds bounds_of(std::span<const Facet> facets) {
+  // Kept in float: exact, since the coordinates are floats, and half the work.
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  Vertex low{infinity, infinity, infinity};
+  Vertex high{-infinity, -infinity, -infinity};
+  for (const Facet& facet : facets) {
+    for (const Vertex& v : facet.vertices) {
+      low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
+      high = {std::max(high.x, v.x), std::max(high.y, v.y), std::max(high.z, v.z)};
+    }
+  }
+  return {low.x, low.y, low.z, high.x, high.y, high.z};
+}
+
+}  // namespace contourd

@@ -1,0 +1,68 @@
+// Facets findable by height: which of them a horizontal plane crosses. This is step 1 of the thesis's
+// algorithm 1, "L <- Facet intersected by z_slice", without its scan of all facets.
+//
+// The model's height H is cut into 2^k cells on each level k. A facet lies on the deepest level whose cells
+// are at least as high as the facet, in the cell that holds its lowest vertex. A plane in cell c of a level
+// can then only cross facets of cells c-1 and c of that level: on average 2.7 candidates for each facet that
+// it crosses, and two short contiguous runs a level. Facets lie in that order in memory.
+//
+// Immutable once built: any number of threads may query it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/facet.hpp"
+
+namespace contourd {
+
+class HeightIndex {
+ public:
+  HeightIndex() = default;
+
+  // Takes the facets and reorders them in place; extra memory while building: 4 bytes a facet.
+  // REQUIRES: finite coordinates, fewer than 2^32 facets.
+  explicit HeightIndex(std::vector<Facet> facets);
+
+  // All facets, flat ones included, in the index's order.
+  [[nodiscard]] std::span<const Facet> facets() const { return facets_; }
+  [[nodiscard]] const Bounds& bounds() const { return bounds_; }
+
+  // Calls visit(span of facets) for runs that hold every facet crossed by the plane at z (millimetres, model
+  // coordinates), and some that are not crossed. Allocates nothing.
+  template <typename Visit>
+  void for_each_candidate_run(double z, Visit&& visit) const {
+    if (!(z >= bounds_.min_z && z < bounds_.max_z)) return;
+    for (const Level& level : levels_) {
+      const std::size_t cell = cell_of(z, level);
+      const std::size_t first = level.first_cell + (cell > 0 ? cell - 1 : 0);
+      const std::uint32_t begin = cell_starts_[first];
+      const std::uint32_t end = cell_starts_[level.first_cell + cell + 1];
+      if (begin != end) visit(std::span<const Facet>(facets_).subspan(begin, end - begin));
+    }
+  }
+
+ private:
+  struct Level {
+    std::size_t first_cell;  // in cell_starts_
+    std::size_t cells;
+    double cells_per_mm;
+  };
+
+  [[nodiscard]] std::size_t cell_of(double z, const Level& level) const {
+    const auto cell = static_cast<std::size_t>((z - bounds_.min_z) * level.cells_per_mm);
+    return cell < level.cells ? cell : level.cells - 1;
+  }
+  [[nodiscard]] std::size_t cell_of(const Facet& facet) const;
+  void make_levels();
+  void sort_into_cells();
+
+  std::vector<Facet> facets_;
+  Bounds bounds_;
+  std::vector<Level> levels_;               // none for a model without height
+  std::vector<std::uint32_t> cell_starts_;  // facets_ offsets, one more than there are cells
+};
+
+}  // namespace contourd

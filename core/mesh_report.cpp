@@ -1,0 +1,133 @@
+#include "core/mesh_report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <tuple>
+#include <vector>
+
+namespace contourd {
+namespace {
+
+using Corners = std::array<std::uint32_t, 3>;  // vertex numbers
+
+std::uint64_t hash_bits(const Vertex& v) {
+  // -0 + 0 is 0, so that both zeros hash alike.
+  std::uint64_t hash = std::bit_cast<std::uint32_t>(v.x + 0.0F);
+  for (const float coordinate : {v.y, v.z}) {
+    hash = (hash ^ (hash >> 29)) * 0x9E3779B97F4A7C15U + std::bit_cast<std::uint32_t>(coordinate + 0.0F);
+  }
+  return (hash ^ (hash >> 32)) * 0xBF58476D1CE4E5B9U >> 16;
+}
+
+// Gives equal vertices equal numbers.
+std::vector<Corners> number_vertices(std::span<const Facet> facets) {
+  constexpr std::uint32_t kEmpty = 0xFFFFFFFF;
+  std::vector<std::uint32_t> slots(std::bit_ceil(facets.size() * 6 + 1), kEmpty);
+  const std::size_t mask = slots.size() - 1;
+  std::vector<Vertex> vertices;
+  std::vector<Corners> corners(facets.size());
+  for (std::size_t f = 0; f < facets.size(); ++f) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vertex& vertex = facets[f].vertices[i];
+      std::size_t slot = hash_bits(vertex) & mask;
+      while (slots[slot] != kEmpty && !(vertices[slots[slot]] == vertex))
+        slot = (slot + 1) & mask;
+      if (slots[slot] == kEmpty) {
+        slots[slot] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(vertex);
+      }
+      corners[f][i] = slots[slot];
+    }
+  }
+  return corners;
+}
+
+bool is_degenerate(const Corners& c) {
+  return c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
+}
+
+double twice_area(const Facet& facet) {
+  const auto [a, b, c] = facet.vertices;
+  const double ux = static_cast<double>(b.x) - a.x, uy = static_cast<double>(b.y) - a.y;
+  const double uz = static_cast<double>(b.z) - a.z, vx = static_cast<double>(c.x) - a.x;
+  const double vy = static_cast<double>(c.y) - a.y, vz = static_cast<double>(c.z) - a.z;
+  return std::hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
+}
+
+// Of the tetrahedron from `origin` to the facet, times six. An origin amid the model keeps the digits of
+// small models far from (0, 0, 0).
+double six_volumes(const Facet& facet, const std::array<double, 3>& origin) {
+  const auto [a, b, c] = facet.vertices;
+  const double ax = a.x - origin[0], ay = a.y - origin[1], az = a.z - origin[2];
+  const double bx = b.x - origin[0], by = b.y - origin[1], bz = b.z - origin[2];
+  const double cx = c.x - origin[0], cy = c.y - origin[1], cz = c.z - origin[2];
+  return ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
+}
+
+struct Edge {
+  std::uint32_t low, high;  // vertex numbers
+  std::int32_t direction;   // +1 from low to high
+};
+
+void count_edges(const std::vector<Corners>& corners, MeshReport& report) {
+  std::vector<Edge> edges;
+  edges.reserve(corners.size() * 3);
+  for (const Corners& c : corners) {
+    if (is_degenerate(c)) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t from = c[i], to = c[(i + 1) % 3];
+      edges.push_back(from < to ? Edge{from, to, 1} : Edge{to, from, -1});
+    }
+  }
+  std::sort(edges.begin(), edges.end(),
+            [](const Edge& a, const Edge& b) { return std::tie(a.low, a.high) < std::tie(b.low, b.high); });
+  report.watertight = !edges.empty();
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i;
+    std::int32_t balance = 0;
+    for (; end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high; ++end) {
+      balance += edges[end].direction;
+    }
+    const std::size_t facets = end - i;
+    report.open_edges += facets == 1;
+    report.non_manifold_edges += facets > 2;
+    report.flipped_edges += facets == 2 && balance != 0;
+    report.watertight = report.watertight && facets % 2 == 0 && balance == 0;
+    i = end;
+  }
+}
+
+void count_duplicates(std::vector<Corners> corners, MeshReport& report) {
+  std::erase_if(corners, is_degenerate);
+  for (Corners& c : corners)
+    std::sort(c.begin(), c.end());
+  std::sort(corners.begin(), corners.end());
+  const auto unique_end = std::unique(corners.begin(), corners.end());
+  report.duplicate_facets = static_cast<std::uint64_t>(corners.end() - unique_end);
+}
+
+}  // namespace
+
+MeshReport inspect_mesh(std::span<const Facet> facets) {
+  MeshReport report;
+  report.facets = facets.size();
+  report.bounds = bounds_of(facets);
+  const Point middle = report.bounds.center();
+  const std::array<double, 3> origin{middle.x, middle.y, (report.bounds.min_z + report.bounds.max_z) / 2};
+  double volumes = 0;
+  for (const Facet& facet : facets) {
+    volumes += six_volumes(facet, origin);
+    report.zero_area_facets += twice_area(facet) == 0.0;
+  }
+  report.volume_mm3 = volumes / 6;
+  const std::vector<Corners> corners = number_vertices(facets);
+  report.degenerate_facets =
+      static_cast<std::uint64_t>(std::count_if(corners.begin(), corners.end(), is_degenerate));
+  count_edges(corners, report);
+  count_duplicates(corners, report);
+  return report;
+}
+
+}  // namespace contourd

@@ -1,0 +1,71 @@
+// Quantities that cross a function boundary, each a type of its own, so that a unit mix-up does not compile.
+// Value types; thread-safe as any value is.
+#pragma once
+
+#include <cmath>
+#include <compare>
+#include <cstdint>
+#include <optional>
+
+namespace contourd {
+
+// A number of some unit. Explicit to make, explicit to read: `Nanometers{2500}.count()`.
+template <typename Unit, typename Rep>
+class Quantity {
+ public:
+  using rep = Rep;
+
+  constexpr Quantity() = default;
+  constexpr explicit Quantity(Rep count) : count_(count) {}
+
+  [[nodiscard]] constexpr Rep count() const { return count_; }
+
+  constexpr auto operator<=>(const Quantity&) const = default;
+
+  constexpr Quantity operator-() const { return Quantity(-count_); }
+  constexpr Quantity& operator+=(Quantity other) {
+    count_ += other.count_;
+    return *this;
+  }
+  constexpr Quantity& operator-=(Quantity other) {
+    count_ -= other.count_;
+    return *this;
+  }
+  friend constexpr Quantity operator+(Quantity a, Quantity b) { return Quantity(a.count_ + b.count_); }
+  friend constexpr Quantity operator-(Quantity a, Quantity b) { return Quantity(a.count_ - b.count_); }
+  friend constexpr Quantity operator*(Quantity a, Rep factor) { return Quantity(a.count_ * factor); }
+  friend constexpr Quantity operator*(Rep factor, Quantity a) { return Quantity(a.count_ * factor); }
+  friend constexpr Quantity operator/(Quantity a, Rep divisor) { return Quantity(a.count_ / divisor); }
+  friend constexpr Rep operator/(Quantity a, Quantity b) { return a.count_ / b.count_; }
+
+ private:
+  Rep count_{};
+};
+
+// Heights of the plate. Whole nanometres: an 8 mm screw at 3200 microsteps a turn moves 2.5 um a step, so
+// whole micrometres would drift.
+using Nanometers = Quantity<struct NanometerUnit, std::int64_t>;
+// Coordinates and lengths of a model, as its file has them.
+using Millimeters = Quantity<struct MillimeterUnit, double>;
+using Micrometers = Quantity<struct MicrometerUnit, double>;
+using MillimetersPerSecond = Quantity<struct MillimeterPerSecondUnit, double>;
+using MillimetersPerSecondSquared = Quantity<struct MillimeterPerSecondSquaredUnit, double>;
+// Whole display pixels.
+using Pixels = Quantity<struct PixelUnit, std::int32_t>;
+
+[[nodiscard]] constexpr Millimeters to_millimeters(Nanometers height) {
+  return Millimeters{static_cast<double>(height.count()) / 1e6};
+}
+
+[[nodiscard]] constexpr Millimeters to_millimeters(Micrometers length) {
+  return Millimeters{length.count() / 1e3};
+}
+
+// Rounds to the nearest nanometre. Nothing when it is not a number or beyond 9,000 km, where int64 would
+// overflow.
+[[nodiscard]] inline std::optional<Nanometers> to_nanometers(Millimeters length) {
+  if (!(std::fabs(length.count()) <= 9e12)) return std::nullopt;
+  return Nanometers{std::llround(length.count() * 1e6)};
+}
+
+}  // namespace contourd
