@@ -1,0 +1,38 @@
+// The projector's power and light. Not thread-safe: calls and callbacks happen on the event loop's thread.
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+namespace contourd {
+
+enum class ProjectorReply {
+  Ok,
+  Refused,   // it answered, and said no
+  NoAnswer,  // it did not answer in time, retries included
+};
+[[nodiscard]] std::string_view describe(ProjectorReply reply);
+
+class Projector {
+ public:
+  using Done = std::function<void(ProjectorReply)>;
+
+  Projector() = default;
+  Projector(const Projector&) = delete;
+  Projector& operator=(const Projector&) = delete;
+  virtual ~Projector() = default;
+
+  // Power on, then wait until the lamp is warm. The light stays off. Returns at once; may take minutes.
+  virtual void power_on(Done done) = 0;
+
+  // Light on. Returns at once. REQUIRES: powered on; no other light_on() waits for its `done`.
+  virtual void light_on(Done done) = 0;
+
+  // Light off, now, whatever else was asked; a waiting `done` is dropped. Harmless when it is off already.
+  virtual void light_off() noexcept = 0;
+
+  // Light off and power off. The lamp may cool down for a while by itself.
+  virtual void power_off() noexcept = 0;
+};
+
+}  // namespace contourd

@@ -1,0 +1,124 @@
+#include "hw/simulated_axis.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace contourd {
+namespace {
+
+// Homing backs off this far before the slow second pass (Klipper's and Prusa's mSLA profiles use 2 to 5 mm).
+constexpr Nanometers kBackOff{5'000'000};
+// A switch that has not triggered after the travel and this much more never will.
+constexpr Nanometers kOvertravel{5'000'000};
+
+}  // namespace
+
+SimulatedAxis::SimulatedAxis(Clock& clock, const SimulatedAxisConfig& config)
+    : clock_(clock), config_(config), true_height_(config.start_height) {}
+
+Nanometers SimulatedAxis::nearest_step(Nanometers height) const {
+  const double steps = std::round(to_millimeters(height).count() * config_.microsteps_per_mm);
+  return Nanometers{std::llround(steps / config_.microsteps_per_mm * 1e6)};
+}
+
+bool SimulatedAxis::switch_closed() const {
+  switch (config_.limit_switch) {
+    case SimulatedAxisConfig::Switch::StuckOpen:
+      return false;
+    case SimulatedAxisConfig::Switch::StuckClosed:
+      return true;
+    case SimulatedAxisConfig::Switch::Works:
+      break;
+  }
+  return true_height_ <= Nanometers{0};
+}
+
+void SimulatedAxis::home(std::function<void(HomingResult)> done) {
+  homed_ = false;
+  homing_done_ = std::move(done);
+  const auto slow = MillimetersPerSecond{config_.homing_speed.count() / 2};
+  // First pass at full speed, then back off, then the second at half speed: the one that counts.
+  seek_switch(config_.homing_speed, [this, slow] {
+    run(kBackOff, config_.homing_speed, [this, slow](MoveResult result) {
+      if (result != MoveResult::Reached) return end_homing(HomingResult::Aborted);
+      if (switch_closed()) return end_homing(HomingResult::StillClosed);
+      seek_switch(slow, [this] {
+        true_height_ = Nanometers{0};
+        homed_ = true;
+        end_homing(HomingResult::Homed);
+      });
+    });
+  });
+}
+
+void SimulatedAxis::seek_switch(MillimetersPerSecond speed, std::function<void()> found) {
+  const bool closes = config_.limit_switch != SimulatedAxisConfig::Switch::StuckOpen;
+  const Nanometers distance = switch_closed() ? Nanometers{0}
+                              : closes        ? -true_height_
+                                              : -(config_.travel + kOvertravel);
+  run(distance, speed, [this, found = std::move(found)](MoveResult result) {
+    if (result != MoveResult::Reached) return end_homing(HomingResult::Aborted);
+    if (!switch_closed()) return end_homing(HomingResult::NoTrigger);
+    found();
+  });
+}
+
+void SimulatedAxis::end_homing(HomingResult result) {
+  if (const auto done = std::exchange(homing_done_, nullptr)) done(result);
+}
+
+void SimulatedAxis::move_to(Nanometers target, MillimetersPerSecond speed,
+                            std::function<void(MoveResult)> done) {
+  const bool allowed = target >= Nanometers{0} && target <= config_.travel;
+  if (homed_ && allowed) return run(nearest_step(target) - true_height_, speed, std::move(done));
+  const MoveResult refusal = homed_ ? MoveResult::OutsideTravel : MoveResult::NotHomed;
+  move_end_ = clock_.call_after(Duration{0}, [refusal, done = std::move(done)] { done(refusal); });
+}
+
+void SimulatedAxis::run(Nanometers distance, MillimetersPerSecond speed,
+                        std::function<void(MoveResult)> done) {
+  const MotionProfile profile(distance, speed, config_.acceleration);
+  const Nanometers end = true_height_ + distance;
+  move_ = Move{clock_.now(), true_height_, profile, std::move(done)};
+  move_end_ = clock_.call_after(profile.duration(), [this, end] { finish(end, MoveResult::Reached); });
+}
+
+void SimulatedAxis::finish(Nanometers end, MoveResult result) {
+  true_height_ = end;
+  const auto done = std::move(move_->done);
+  move_.reset();
+  done(result);
+}
+
+void SimulatedAxis::stop() {
+  if (!move_) return;
+  const MotionProfile::EarlyStop early = move_->profile.stopped_at(clock_.now() - move_->start);
+  const Nanometers end = nearest_step(move_->from + early.displacement);
+  move_end_ =
+      clock_.call_at(move_->start + early.duration, [this, end] { finish(end, MoveResult::Stopped); });
+}
+
+void SimulatedAxis::abort() noexcept {
+  if (!move_) return;
+  true_height_ = move_->from + move_->profile.displacement(clock_.now() - move_->start);
+  homed_ = false;
+  move_end_.reset();
+  move_.reset();
+  homing_done_ = nullptr;
+}
+
+std::optional<Nanometers> SimulatedAxis::height() const {
+  return height_at(clock_.now());
+}
+
+std::optional<Nanometers> SimulatedAxis::height_at(TimePoint time) const {
+  if (!homed_) return std::nullopt;
+  if (!move_) return true_height_;
+  return nearest_step(move_->from + move_->profile.displacement(time - move_->start));
+}
+
+Duration SimulatedAxis::move_duration(Nanometers distance, MillimetersPerSecond speed) const {
+  return MotionProfile(distance, speed, config_.acceleration).duration();
+}
+
+}  // namespace contourd

@@ -1,0 +1,48 @@
+// The simulated printer's Z axis. Behind simulated_printer.hpp; not for use outside hw.
+#pragma once
+
+#include "hw/motion_profile.hpp"
+#include "hw/simulated_printer.hpp"
+
+namespace contourd {
+
+class SimulatedAxis final : public ZAxis {
+ public:
+  // The clock must outlive the axis.
+  SimulatedAxis(Clock& clock, const SimulatedAxisConfig& config);
+
+  void home(std::function<void(HomingResult)> done) override;
+  void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
+  void stop() override;
+  void abort() noexcept override;
+  [[nodiscard]] bool moving() const override { return move_.has_value(); }
+  [[nodiscard]] std::optional<Nanometers> height() const override;
+  [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override;
+  [[nodiscard]] Nanometers travel() const override { return config_.travel; }
+  [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
+
+ private:
+  struct Move {
+    TimePoint start;
+    Nanometers from;  // true height, as all heights in here
+    MotionProfile profile;
+    std::function<void(MoveResult)> done;
+  };
+
+  [[nodiscard]] Nanometers nearest_step(Nanometers height) const;
+  [[nodiscard]] bool switch_closed() const;
+  void run(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done);
+  void finish(Nanometers end, MoveResult result);
+  void seek_switch(MillimetersPerSecond speed, std::function<void()> found);
+  void end_homing(HomingResult result);
+
+  Clock& clock_;
+  SimulatedAxisConfig config_;
+  Nanometers true_height_;
+  bool homed_ = false;
+  std::optional<Move> move_;
+  std::unique_ptr<Timer> move_end_;
+  std::function<void(HomingResult)> homing_done_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,66 @@
+// The build plate's axis: a homed linear stage that moves to heights. Height 0 is the plate touching the
+// vat's film; up is positive. Not thread-safe: calls and callbacks happen on the event loop's thread.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string_view>
+
+#include "core/units.hpp"
+#include "hw/clock.hpp"
+
+namespace contourd {
+
+enum class HomingResult {
+  Homed,
+  NoTrigger,    // the switch never closed over the whole travel
+  StillClosed,  // the switch stayed closed after backing off
+  Aborted,      // stop() or abort() came first
+};
+[[nodiscard]] std::string_view describe(HomingResult result);
+
+enum class MoveResult {
+  Reached,
+  Stopped,        // stop() came first; the position is still known
+  Aborted,        // abort() came first; the position is unknown until the next homing
+  OutsideTravel,  // the target lies beyond the soft limits; nothing moved
+  NotHomed,       // the position is unknown; nothing moved
+};
+[[nodiscard]] std::string_view describe(MoveResult result);
+
+class ZAxis {
+ public:
+  ZAxis() = default;
+  ZAxis(const ZAxis&) = delete;
+  ZAxis& operator=(const ZAxis&) = delete;
+  virtual ~ZAxis() = default;
+
+  // Finds the limit switch in two passes and makes the position known. Returns at once; `done` is called from
+  // the event loop. REQUIRES: not moving.
+  virtual void home(std::function<void(HomingResult)> done) = 0;
+
+  // Moves to `target` at no more than `speed`. Returns at once; `done` is called from the event loop, also
+  // when nothing moved. REQUIRES: not moving.
+  virtual void move_to(Nanometers target, MillimetersPerSecond speed,
+                       std::function<void(MoveResult)> done) = 0;
+
+  // Decelerates to a standstill; the move's `done` gets Stopped. Does nothing when nothing moves.
+  virtual void stop() = 0;
+
+  // No further step from this instant. The position is unknown afterwards if a move was under way.
+  virtual void abort() noexcept = 0;
+
+  [[nodiscard]] virtual bool moving() const = 0;
+
+  // Where the plate is: now, or at a time within the move under way. Nothing while the position is unknown.
+  [[nodiscard]] virtual std::optional<Nanometers> height() const = 0;
+  [[nodiscard]] virtual std::optional<Nanometers> height_at(TimePoint time) const = 0;
+
+  // The highest height that move_to accepts (soft limit); the lowest is 0.
+  [[nodiscard]] virtual Nanometers travel() const = 0;
+
+  // How long a move over `distance` takes: for progress and for motion timeouts.
+  [[nodiscard]] virtual Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const = 0;
+};
+
+}  // namespace contourd
