@@ -1,0 +1,73 @@
+#include "daemon/config/config_error.hpp"
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace contourd {
+namespace {
+
+constexpr std::size_t longest_quote = 60;
+
+// Without control characters: a file name or a key with a line break in it must not look like two violations.
+std::string printable(std::string_view text) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string result;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x20 && byte != 0x7f) {
+      result += c;
+    } else {
+      result += "\\x";
+      result += digits[byte >> 4U];
+      result += digits[byte & 15U];
+    }
+  }
+  return result;
+}
+
+std::string lines(const std::vector<Violation>& violations) {
+  std::string text;
+  for (const Violation& violation : violations) {
+    if (!text.empty()) text += '\n';
+    text += printable(violation.file) + ": ";
+    if (!violation.pointer.empty()) text += printable(violation.pointer) + ": ";
+    text += violation.message;
+  }
+  return text;
+}
+
+}  // namespace
+
+ConfigError::ConfigError(std::vector<Violation> violations)
+    : std::runtime_error(lines(violations)), violations_(std::move(violations)) {}
+
+std::string in_quotes(std::string_view text) {
+  std::string shown(text.substr(0, longest_quote));
+  if (shown.size() < text.size()) {
+    const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) == 0x80U; };
+    // Never half a character before the dots.
+    for (std::size_t end = shown.size(); end > 0 && continues(text[end]); --end)
+      shown.resize(end - 1);
+    shown += "...";
+  }
+  constexpr auto replace = nlohmann::json::error_handler_t::replace;
+  return printable(nlohmann::json(std::move(shown)).dump(-1, ' ', false, replace));
+}
+
+std::string child_pointer(std::string_view pointer, std::string_view token) {
+  std::string result(pointer);
+  result += '/';
+  for (const char c : token) {
+    if (c == '~') {
+      result += "~0";
+    } else if (c == '/') {
+      result += "~1";
+    } else {
+      result += c;
+    }
+  }
+  return result;
+}
+
+}  // namespace contourd

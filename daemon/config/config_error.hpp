@@ -1,0 +1,39 @@
+// What is wrong with an owner's file: every violation, each with the file and the place in it.
+// Value types; thread-safe as any value is.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace contourd {
+
+struct Violation {
+  std::string file;
+  std::string pointer;  // JSON pointer (RFC 6901); empty for the whole file
+  std::string message;  // one clause, without the place
+
+  bool operator==(const Violation&) const = default;
+};
+
+// what() is one line a violation: `FILE: /pointer: message`, control characters escaped.
+class ConfigError : public std::runtime_error {
+ public:
+  // REQUIRES: at least one violation.
+  explicit ConfigError(std::vector<Violation> violations);
+
+  [[nodiscard]] const std::vector<Violation>& violations() const noexcept { return violations_; }
+
+ private:
+  std::vector<Violation> violations_;
+};
+
+// The text in double quotes, cut at 60 bytes, control characters and invalid UTF-8 replaced: fit for a
+// message.
+[[nodiscard]] std::string in_quotes(std::string_view text);
+
+// The pointer to the member or element `token` of what `pointer` points to.
+[[nodiscard]] std::string child_pointer(std::string_view pointer, std::string_view token);
+
+}  // namespace contourd

@@ -1,0 +1,124 @@
+#include "daemon/config/json_document.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include "daemon/config/json_syntax.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr std::size_t largest_file_bytes = std::size_t{1} << 20U;
+
+[[noreturn]] void reject(const std::string& file, std::string message) {
+  throw ConfigError({{file, "", std::move(message)}});
+}
+
+void check_size(std::size_t bytes, const std::string& file) {
+  if (bytes > largest_file_bytes) reject(file, "it is larger than the limit, 1 MiB");
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  const std::string file = path.string();
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) reject(file, "there is no such file");
+  if (error) reject(file, "it cannot be read: " + error.message());
+  if (fs::is_directory(status)) reject(file, "it is a folder, not a file");
+  if (!fs::is_regular_file(status)) reject(file, "it is not a regular file");
+
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) reject(file, "it cannot be read: " + std::generic_category().message(errno));
+  std::string text(largest_file_bytes + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad()) reject(file, "it cannot be read: " + std::generic_category().message(errno));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+void normalize_number(nlohmann::json& number) {
+  constexpr double exact_limit = 9007199254740992.0;  // 2^53: up to here a double holds every whole number
+  if (number.is_number_float()) {
+    const auto value = number.get<double>();
+    if (std::fabs(value) <= exact_limit && std::trunc(value) == value)
+      number = static_cast<std::int64_t>(value);
+  } else if (number.is_number_unsigned()) {
+    const auto value = number.get<std::uint64_t>();
+    if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
+      number = static_cast<double>(value);
+    }
+  }
+}
+
+// Recursion is bounded by the nesting limit.
+void normalize_numbers(nlohmann::json& value) {
+  if (value.is_structured()) {
+    for (nlohmann::json& child : value)
+      normalize_numbers(child);
+  } else {
+    normalize_number(value);
+  }
+}
+
+}  // namespace
+
+JsonDocument::JsonDocument(std::string file, nlohmann::json value, std::vector<Violation> violations)
+    : file_(std::move(file)), value_(std::move(value)), violations_(std::move(violations)) {}
+
+JsonDocument JsonDocument::from_file(const std::filesystem::path& path) {
+  return from_text(read_file(path), path.string());
+}
+
+JsonDocument JsonDocument::from_text(std::string_view text, std::string file) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  check_size(text.size(), file);
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  std::vector<Violation> violations = check_json_syntax(text, file);
+  nlohmann::json value = nlohmann::json::parse(text.begin(), text.end());
+  normalize_numbers(value);
+  return {std::move(file), std::move(value), std::move(violations)};
+}
+
+void JsonDocument::add_violation(std::string pointer, std::string message) {
+  violations_.push_back({file_, std::move(pointer), std::move(message)});
+}
+
+std::vector<Violation> JsonDocument::violations() const {
+  std::vector<Violation> sorted = violations_;
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const Violation& a, const Violation& b) { return a.pointer < b.pointer; });
+  return sorted;
+}
+
+void JsonDocument::throw_if_violated() const {
+  if (!violations_.empty()) throw ConfigError(violations());
+}
+
+const nlohmann::json* JsonDocument::sound_value(const std::string& pointer) const {
+  const auto is_here = [&](const Violation& violation) { return violation.pointer == pointer; };
+  if (std::any_of(violations_.begin(), violations_.end(), is_here)) return nullptr;
+  const nlohmann::json::json_pointer place(pointer);
+  return value_.contains(place) ? &value_.at(place) : nullptr;
+}
+
+std::optional<double> JsonDocument::sound_number(const std::string& pointer) const {
+  const nlohmann::json* value = sound_value(pointer);
+  if (value == nullptr || !value->is_number()) return std::nullopt;
+  return value->get<double>();
+}
+
+std::optional<std::string> JsonDocument::sound_text(const std::string& pointer) const {
+  const nlohmann::json* value = sound_value(pointer);
+  if (value == nullptr || !value->is_string()) return std::nullopt;
+  return value->get<std::string>();
+}
+
+}  // namespace contourd

@@ -1,0 +1,37 @@
+// The schema files of config/, built into the program: the truth for shape, ranges, units and defaults.
+// Immutable once made; thread-safe.
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "daemon/config/json_document.hpp"
+
+namespace contourd {
+
+class JsonSchema {
+ public:
+  // Draft 7, of which the sentences know: type, enum, minimum, maximum, minLength, maxLength, pattern,
+  // required, properties, additionalProperties: false, and oneOf as a choice between sets of required keys.
+  // Throws nlohmann::json::exception or std::runtime_error when the text is no schema.
+  explicit JsonSchema(std::string_view text);
+  ~JsonSchema();
+  JsonSchema(const JsonSchema&) = delete;
+  JsonSchema& operator=(const JsonSchema&) = delete;
+
+  // Adds every violation of the schema to the document, then gives the keys that are missing their defaults.
+  void check(JsonDocument& document) const;
+
+  [[nodiscard]] const nlohmann::json& value() const;
+
+ private:
+  struct Compiled;
+  std::unique_ptr<Compiled> compiled_;
+};
+
+[[nodiscard]] const JsonSchema& printer_schema();
+[[nodiscard]] const JsonSchema& resin_schema();
+[[nodiscard]] const JsonSchema& ticket_schema();
+
+}  // namespace contourd

@@ -1,0 +1,88 @@
+#include "daemon/config/json_section.hpp"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+namespace contourd {
+
+JsonSection::JsonSection(const JsonDocument& document) : JsonSection(document, document.value(), "") {}
+
+JsonSection::JsonSection(const JsonDocument& document, const nlohmann::json& object, std::string pointer)
+    : document_(document), object_(object), pointer_(std::move(pointer)) {
+  if (!object_.is_object()) throw ConfigError({{document_.file(), pointer_, "expected an object"}});
+}
+
+void JsonSection::reject(std::string_view key, std::string message) const {
+  throw ConfigError({{document_.file(), child_pointer(pointer_, key), std::move(message)}});
+}
+
+const nlohmann::json& JsonSection::at(std::string_view key) const {
+  const auto member = object_.find(std::string(key));
+  if (member == object_.end()) reject(key, "this key is missing");
+  return *member;
+}
+
+bool JsonSection::has(std::string_view key) const {
+  return object_.contains(std::string(key));
+}
+
+JsonSection JsonSection::section(std::string_view key) const {
+  return {document_, at(key), child_pointer(pointer_, key)};
+}
+
+bool JsonSection::boolean(std::string_view key) const {
+  const nlohmann::json& value = at(key);
+  if (!value.is_boolean()) reject(key, "expected true or false");
+  return value.get<bool>();
+}
+
+std::string JsonSection::text(std::string_view key) const {
+  const nlohmann::json& value = at(key);
+  if (!value.is_string()) reject(key, "expected a text");
+  return value.get<std::string>();
+}
+
+double JsonSection::number(std::string_view key) const {
+  const nlohmann::json& value = at(key);
+  if (!value.is_number() || !std::isfinite(value.get<double>())) reject(key, "expected a number");
+  return value.get<double>();
+}
+
+std::int64_t JsonSection::int64(std::string_view key) const {
+  const nlohmann::json& value = at(key);
+  if (!value.is_number_integer()) reject(key, "expected a whole number");
+  if (value.is_number_unsigned() && !std::in_range<std::int64_t>(value.get<std::uint64_t>())) {
+    reject(key, value.dump() + " is out of range");
+  }
+  return value.get<std::int64_t>();
+}
+
+Nanometers JsonSection::length(std::string_view key) const {
+  double length_mm = number(key);
+  if (key.ends_with("_um")) {
+    length_mm /= 1e3;
+  } else if (!key.ends_with("_mm")) {
+    throw std::logic_error("the key " + std::string(key) + " does not name a length's unit");
+  }
+  const std::optional<Nanometers> length = to_nanometers(Millimeters{length_mm});
+  if (!length) reject(key, "this length is out of range");
+  return *length;
+}
+
+Duration JsonSection::duration(std::string_view key) const {
+  double duration_ns = number(key);
+  if (key.ends_with("_ms")) {
+    duration_ns *= 1e6;
+  } else if (key.ends_with("_s")) {
+    duration_ns *= 1e9;
+  } else {
+    throw std::logic_error("the key " + std::string(key) + " does not name a duration's unit");
+  }
+  constexpr double hundred_years_ns = 3.2e18;  // int64 nanoseconds overflow after 292 years
+  if (!(std::fabs(duration_ns) <= hundred_years_ns)) reject(key, "this duration is out of range");
+  return Duration{std::llround(duration_ns)};
+}
+
+}  // namespace contourd

@@ -1,0 +1,192 @@
+#include "daemon/config/printer_config.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "daemon/config/json_document.hpp"
+#include "daemon/config/json_schema.hpp"
+#include "daemon/config/json_section.hpp"
+
+namespace contourd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What relative paths of the file start from.
+fs::path folder_of(const fs::path& file) {
+  return fs::absolute(file).parent_path();
+}
+
+fs::path resolved(const fs::path& folder, const std::string& text) {
+  fs::path path = (folder / text).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();  // "spool/" is "spool"
+}
+
+std::string profile_names(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const fs::path& file = entry->path();
+    const bool is_hidden = file.filename().string().starts_with('.');
+    if (file.extension() == ".json" && !is_hidden) names.push_back(file.stem().string());
+  }
+  if (error) return "its folder cannot be read: " + error.message();
+  if (names.empty()) return "there are none";
+  std::sort(names.begin(), names.end());
+  std::string text;
+  for (const std::string& name : names)
+    text += (text.empty() ? "there are " : ", ") + in_quotes(name);
+  return text;
+}
+
+// Nothing when there is no such profile. A name can never lead out of the folder.
+std::optional<fs::path> profile_file(const fs::path& folder, std::string_view name) {
+  constexpr std::string_view forbidden("/\0", 2);
+  if (name.empty() || name.front() == '.' || name.find_first_of(forbidden) != std::string_view::npos) {
+    return std::nullopt;
+  }
+  fs::path file = folder / (std::string(name) + ".json");
+  std::error_code error;
+  return fs::exists(file, error) || error ? std::optional(std::move(file)) : std::nullopt;
+}
+
+std::string no_such_profile(const fs::path& folder, std::string_view name) {
+  return "there is no resin profile " + in_quotes(name) + " in " + in_quotes(folder.string()) + "; " +
+         profile_names(folder);
+}
+
+void check_rules(JsonDocument& document, const fs::path& folder) {
+  const auto start = document.sound_number("/simulation/start_height_mm");
+  const auto travel = document.sound_number("/z_axis/travel_mm");
+  if (start && travel && *start > *travel) {
+    document.add_violation("/simulation/start_height_mm", nlohmann::json(*start).dump() +
+                                                              " is more than z_axis/travel_mm, " +
+                                                              nlohmann::json(*travel).dump() + " mm");
+  }
+  constexpr std::size_t longest_socket_path = 107;  // unix(7): sun_path has 108 bytes, one for the NUL
+  if (const auto socket = document.sound_text("/control_socket")) {
+    const std::size_t length = resolved(folder, *socket).string().size();
+    if (length > longest_socket_path) {
+      document.add_violation("/control_socket", "the absolute path is " + std::to_string(length) +
+                                                    " bytes long; the limit for a socket is " +
+                                                    std::to_string(longest_socket_path));
+    }
+  }
+}
+
+// The default resin, as far as the printer's file is good enough to find and check it. What is wrong with the
+// profile goes to `violations`; that there is none goes to the printer's file.
+std::optional<ResinProfile> load_default_resin(JsonDocument& printer, const fs::path& folder,
+                                               std::vector<Violation>& violations) {
+  const auto resins = printer.sound_text("/resins_folder");
+  const auto name = printer.sound_text("/resin");
+  if (!resins || !name) return std::nullopt;
+  const fs::path resins_folder = resolved(folder, *resins);
+  const auto file = profile_file(resins_folder, *name);
+  if (!file) {
+    printer.add_violation("/resin", no_such_profile(resins_folder, *name));
+    return std::nullopt;
+  }
+  ResinMachine machine{.travel = {},
+                       .irradiance_mw_cm2 = printer.sound_number("/projector/irradiance_mw_cm2")};
+  if (const auto travel = printer.sound_number("/z_axis/travel_mm")) {
+    machine.travel = to_nanometers(Millimeters{*travel});
+  }
+  try {
+    return load_resin_profile(*file, machine);
+  } catch (const ConfigError& error) {
+    violations = error.violations();
+    return std::nullopt;
+  }
+}
+
+SimulatedAxisConfig::Switch read_limit_switch(const std::string& word) {
+  if (word == "stuck_open") return SimulatedAxisConfig::Switch::StuckOpen;
+  if (word == "stuck_closed") return SimulatedAxisConfig::Switch::StuckClosed;
+  return SimulatedAxisConfig::Switch::Works;
+}
+
+std::optional<int> read_count(const JsonSection& section, std::string_view key) {
+  return section.has(key) ? std::optional(section.integer<int>(key)) : std::nullopt;
+}
+
+SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& folder) {
+  const JsonSection z_axis = root.section("z_axis");
+  const JsonSection display = root.section("display");
+  const JsonSection projector = root.section("projector");
+  const JsonSection simulation = root.section("simulation");
+  SimulatedPrinterConfig config;
+  config.axis.travel = z_axis.length("travel_mm");
+  config.axis.microsteps_per_mm = z_axis.number("microsteps_per_mm");
+  config.axis.homing_speed = MillimetersPerSecond{z_axis.number("homing_speed_mm_s")};
+  config.axis.acceleration = MillimetersPerSecondSquared{z_axis.number("acceleration_mm_s2")};
+  config.axis.start_height = simulation.length("start_height_mm");
+  config.axis.limit_switch = read_limit_switch(simulation.text("limit_switch"));
+  config.display.width = Pixels{display.integer<std::int32_t>("width_px")};
+  config.display.height = Pixels{display.integer<std::int32_t>("height_px")};
+  config.display.frame = Duration{std::llround(1e9 / display.number("refresh_hz"))};
+  if (simulation.has("masks_folder"))
+    config.display.masks = resolved(folder, simulation.text("masks_folder"));
+  config.display.lost_after_frames = read_count(simulation, "display_lost_after_frames");
+  config.projector.warm_up = projector.duration("warm_up_s");
+  config.projector.reply = simulation.duration("projector_reply_ms");
+  config.projector.timeout = projector.duration("reply_timeout_s");
+  config.projector.silent_after_commands = read_count(simulation, "projector_silent_after_commands");
+  return config;
+}
+
+PrinterConfig read_printer(const JsonSection& root, const fs::path& folder, ResinProfile resin) {
+  const JsonSection display = root.section("display");
+  constexpr std::uintmax_t bytes_per_mb = 1'000'000;
+  return {
+      .name = root.text("name"),
+      .spool_folder = resolved(folder, root.text("spool_folder")),
+      .control_socket = resolved(folder, root.text("control_socket")),
+      .resins_folder = resolved(folder, root.text("resins_folder")),
+      .wait_for_plate_cleared = root.boolean("wait_for_plate_cleared"),
+      .min_free_disk_bytes = bytes_per_mb * root.integer<std::uintmax_t>("min_free_disk_mb"),
+      .resin = std::move(resin),
+      .travel = root.section("z_axis").length("travel_mm"),
+      .travel_speed = MillimetersPerSecond{root.section("z_axis").number("travel_speed_mm_s")},
+      .display_width = Pixels{display.integer<std::int32_t>("width_px")},
+      .display_height = Pixels{display.integer<std::int32_t>("height_px")},
+      .pixel_pitch = Micrometers{display.number("pixel_pitch_um")},
+      .mirror_x = display.boolean("mirror_x"),
+      .mirror_y = display.boolean("mirror_y"),
+      .anti_aliasing = display.boolean("anti_aliasing"),
+      .irradiance_mw_cm2 = root.section("projector").number("irradiance_mw_cm2"),
+      .pace = root.section("simulation").text("pace") == "fast" ? Pace::Fast : Pace::Realtime,
+      .simulated = read_simulated(root, folder),
+  };
+}
+
+}  // namespace
+
+PrinterConfig load_printer_config(const fs::path& path) {
+  JsonDocument document = JsonDocument::from_file(path);
+  const fs::path folder = folder_of(path);
+  printer_schema().check(document);
+  check_rules(document, folder);
+  std::vector<Violation> resin_violations;
+  std::optional<ResinProfile> resin = load_default_resin(document, folder, resin_violations);
+
+  std::vector<Violation> violations = document.violations();
+  violations.insert(violations.end(), resin_violations.begin(), resin_violations.end());
+  if (!violations.empty()) throw ConfigError(std::move(violations));
+  return read_printer(JsonSection(document), folder, std::move(resin).value());
+}
+
+ResinProfile find_resin(const PrinterConfig& printer, std::string_view name) {
+  const auto file = profile_file(printer.resins_folder, name);
+  if (!file) {
+    throw ConfigError({{printer.resins_folder.string(), "", no_such_profile(printer.resins_folder, name)}});
+  }
+  return load_resin_profile(*file,
+                            {.travel = printer.travel, .irradiance_mw_cm2 = printer.irradiance_mw_cm2});
+}
+
+}  // namespace contourd

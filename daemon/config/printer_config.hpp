@@ -1,0 +1,55 @@
+// One printer as its owner describes it: machine, folders, resin. Value types; thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "core/units.hpp"
+#include "daemon/config/config_error.hpp"
+#include "daemon/config/resin_profile.hpp"
+#include "hw/simulated_printer.hpp"
+
+namespace contourd {
+
+enum class Pace {
+  Realtime,
+  Fast,  // as fast as the processor goes
+};
+
+// Paths are absolute. What the file leaves out has the schema's default (config/contourd.schema.json), which
+// is the only place that says it.
+struct PrinterConfig {
+  std::string name;
+  std::filesystem::path spool_folder;  // has incoming, printing, done and failed in it
+  std::filesystem::path control_socket;
+  std::filesystem::path resins_folder;
+  bool wait_for_plate_cleared = true;
+  std::uintmax_t min_free_disk_bytes = 0;
+  ResinProfile resin;  // for jobs that name none
+
+  Nanometers travel;
+  MillimetersPerSecond travel_speed;
+
+  Pixels display_width;
+  Pixels display_height;
+  Micrometers pixel_pitch;
+  bool mirror_x = false;
+  bool mirror_y = false;
+  bool anti_aliasing = true;
+
+  double irradiance_mw_cm2 = 0.0;  // of a white pixel, on the film
+
+  Pace pace = Pace::Realtime;
+  SimulatedPrinterConfig simulated;
+};
+
+// Throws ConfigError with everything that is wrong with the file and with the resin profile it names.
+[[nodiscard]] PrinterConfig load_printer_config(const std::filesystem::path& path);
+
+// Reads the profile of that name, checked against the printer. Throws ConfigError with what is wrong with it,
+// or with the profiles there are when there is none of that name. The name may come from anywhere.
+[[nodiscard]] ResinProfile find_resin(const PrinterConfig& printer, std::string_view name);
+
+}  // namespace contourd

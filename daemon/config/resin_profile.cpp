@@ -1,0 +1,160 @@
+#include "daemon/config/resin_profile.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "daemon/config/json_document.hpp"
+#include "daemon/config/json_schema.hpp"
+#include "daemon/config/json_section.hpp"
+
+namespace contourd {
+namespace {
+
+// The shortest decimal form of a number.
+std::string plain(double number) {
+  const auto whole = static_cast<long long>(number);
+  return static_cast<double>(whole) == number ? std::to_string(whole) : nlohmann::json(number).dump();
+}
+
+struct ExposureSeconds {
+  double normal;
+  double bottom;
+};
+
+// The energy that cures to the depth Cd is E = Ec exp(Cd / Dp), and the light takes E / irradiance to bring
+// it.
+ExposureSeconds exposures_s(const ResinProfile& resin, Nanometers layer_height, double irradiance_mw_cm2) {
+  if (const auto* fixed = std::get_if<FixedExposure>(&resin.exposure)) {
+    const auto seconds = [](Duration d) { return std::chrono::duration<double>(d).count(); };
+    return {seconds(fixed->exposure), seconds(fixed->bottom_exposure)};
+  }
+  const auto& curve = std::get<WorkingCurve>(resin.exposure);
+  const double layer_um = static_cast<double>(layer_height.count()) / 1e3;
+  const auto seconds = [&](Micrometers overcure) {
+    return curve.critical_energy_mj_cm2 / irradiance_mw_cm2 *
+           std::exp((layer_um + overcure.count()) / curve.penetration_depth.count());
+  };
+  return {seconds(curve.overcure), seconds(curve.bottom_overcure)};
+}
+
+std::optional<std::string> exposure_problem(const std::string& which, double seconds,
+                                            Nanometers layer_height) {
+  const double shortest = std::chrono::duration<double>(shortest_exposure).count();
+  const double longest = std::chrono::duration<double>(longest_exposure).count();
+  if (seconds >= shortest && seconds <= longest) return std::nullopt;
+  const double rounded_ms = std::round(seconds * 1e6) / 1e3;
+  return which + " at a layer height of " + plain(static_cast<double>(layer_height.count()) / 1e3) +
+         " um comes to " + (std::isfinite(rounded_ms) ? nlohmann::json(rounded_ms).dump() : "ever so many") +
+         " ms; it must be from 1 ms to 120 s";
+}
+
+// Rule: the number at one key is at most that at another.
+void check_order(JsonDocument& document, const std::string& lower, const std::string& upper) {
+  const auto low = document.sound_number("/" + lower);
+  const auto high = document.sound_number("/" + upper);
+  if (low && high && *low > *high) {
+    document.add_violation("/" + lower, plain(*low) + " is more than " + upper + ", " + plain(*high));
+  }
+}
+
+void check_rules(JsonDocument& document, const ResinMachine& machine) {
+  // The range first: against a range that is upside down, no default is right.
+  check_order(document, "layer_height_min_um", "layer_height_max_um");
+  check_order(document, "layer_height_min_um", "layer_height_um");
+  check_order(document, "layer_height_um", "layer_height_max_um");
+  check_order(document, "exposure_ms", "bottom_exposure_ms");
+  check_order(document, "working_curve/overcure_um", "working_curve/bottom_overcure_um");
+
+  const auto bottom = document.sound_number("/bottom_layers");
+  const auto fade = document.sound_number("/fade_layers");
+  if (bottom && fade && *bottom == 0 && *fade > 0) {
+    document.add_violation("/fade_layers",
+                           plain(*fade) + " layers to fade, but bottom_layers is 0: from what?");
+  }
+  const auto lift = document.sound_number("/lift_mm");
+  if (lift && machine.travel && *lift >= to_millimeters(*machine.travel).count()) {
+    document.add_violation("/lift_mm", plain(*lift) + " is not less than the printer's travel, " +
+                                           plain(to_millimeters(*machine.travel).count()) + " mm");
+  }
+}
+
+std::variant<FixedExposure, WorkingCurve> read_exposure(const JsonSection& profile) {
+  if (!profile.has("working_curve")) {
+    return FixedExposure{profile.duration("exposure_ms"), profile.duration("bottom_exposure_ms")};
+  }
+  const JsonSection curve = profile.section("working_curve");
+  return WorkingCurve{Micrometers{curve.number("penetration_depth_um")},
+                      curve.number("critical_energy_mj_cm2"), Micrometers{curve.number("overcure_um")},
+                      Micrometers{curve.number("bottom_overcure_um")}};
+}
+
+ResinProfile read_profile(const JsonSection& profile, std::string name) {
+  return {
+      .name = std::move(name),
+      .layer_height = profile.length("layer_height_um"),
+      .layer_height_min = profile.length("layer_height_min_um"),
+      .layer_height_max = profile.length("layer_height_max_um"),
+      .exposure = read_exposure(profile),
+      .bottom_layers = profile.integer<int>("bottom_layers"),
+      .fade_layers = profile.integer<int>("fade_layers"),
+      .lift = profile.length("lift_mm"),
+      .lift_speed = MillimetersPerSecond{profile.number("lift_speed_mm_s")},
+      .retract_speed = MillimetersPerSecond{profile.number("retract_speed_mm_s")},
+      .settle = profile.duration("settle_ms"),
+      .rest = profile.duration("rest_ms"),
+  };
+}
+
+}  // namespace
+
+ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMachine& machine) {
+  JsonDocument document = JsonDocument::from_file(path);
+  resin_schema().check(document);
+  check_rules(document, machine);
+  document.throw_if_violated();
+  ResinProfile resin = read_profile(JsonSection(document), path.stem().string());
+  if (machine.irradiance_mw_cm2) {
+    for (std::string& problem :
+         layer_height_problems(resin, resin.layer_height, *machine.irradiance_mw_cm2)) {
+      document.add_violation("/working_curve", std::move(problem));
+    }
+  }
+  document.throw_if_violated();
+  return resin;
+}
+
+Duration exposure_time(const ResinProfile& resin, Nanometers layer_height, int layer_index,
+                       double irradiance_mw_cm2) {
+  const auto [normal, bottom] = exposures_s(resin, layer_height, irradiance_mw_cm2);
+  double seconds = normal;
+  if (layer_index < resin.bottom_layers) {
+    seconds = bottom;
+  } else if (layer_index - resin.bottom_layers < resin.fade_layers) {
+    const int gone = layer_index - resin.bottom_layers + 1;
+    seconds = bottom + (normal - bottom) * gone / (resin.fade_layers + 1);
+  }
+  constexpr double hundred_years_s = 3.2e9;  // int64 nanoseconds overflow after 292 years
+  if (!(seconds <= hundred_years_s)) throw std::range_error("the exposure is longer than a hundred years");
+  return Duration{std::llround(seconds * 1e9)};
+}
+
+std::vector<std::string> layer_height_problems(const ResinProfile& resin, Nanometers layer_height,
+                                               double irradiance_mw_cm2) {
+  const auto um = [](Nanometers height) { return plain(static_cast<double>(height.count()) / 1e3) + " um"; };
+  std::vector<std::string> problems;
+  if (layer_height < resin.layer_height_min || layer_height > resin.layer_height_max) {
+    problems.push_back("the layer height of " + um(layer_height) + " is outside what resin " +
+                       in_quotes(resin.name) + " allows, " + um(resin.layer_height_min) + " to " +
+                       um(resin.layer_height_max));
+  }
+  const auto [normal, bottom] = exposures_s(resin, layer_height, irradiance_mw_cm2);
+  for (const auto& problem : {exposure_problem("the exposure", normal, layer_height),
+                              exposure_problem("the bottom exposure", bottom, layer_height)}) {
+    if (problem) problems.push_back(*problem);
+  }
+  return problems;
+}
+
+}  // namespace contourd

@@ -1,0 +1,74 @@
+// How one resin is printed: layer heights, exposures, the moves that peel a layer off. Value types;
+// thread-safe.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/units.hpp"
+#include "hw/clock.hpp"
+
+namespace contourd {
+
+// Exposures outside this are mistakes, not resins.
+inline constexpr Duration shortest_exposure = std::chrono::milliseconds{1};
+inline constexpr Duration longest_exposure = std::chrono::seconds{120};
+
+// Whatever the layer height is.
+struct FixedExposure {
+  Duration exposure{};
+  Duration bottom_exposure{};
+};
+
+// Jacobs' working curve Cd = Dp ln(E / Ec), thesis equation 2.1.
+struct WorkingCurve {
+  Micrometers penetration_depth;        // Dp
+  double critical_energy_mj_cm2 = 0.0;  // Ec
+  Micrometers overcure;                 // cure depth beyond the layer height
+  Micrometers bottom_overcure;
+};
+
+struct ResinProfile {
+  std::string name;  // of its file, without .json
+  Nanometers layer_height;
+  Nanometers layer_height_min;
+  Nanometers layer_height_max;
+  std::variant<FixedExposure, WorkingCurve> exposure;
+  int bottom_layers = 0;  // get the bottom exposure
+  int fade_layers = 0;    // after those: from the bottom exposure to the normal one
+  Nanometers lift;
+  MillimetersPerSecond lift_speed;
+  MillimetersPerSecond retract_speed;
+  Duration settle{};  // plate still, before the light
+  Duration rest{};    // light off, before the lift
+};
+
+// The machine that the resin is for: the figures that a profile is checked against. Those that are not known
+// are not checked.
+struct ResinMachine {
+  std::optional<Nanometers> travel;
+  std::optional<double> irradiance_mw_cm2;
+};
+
+// Throws ConfigError with everything that is wrong with the profile, its exposures at its own layer height
+// included.
+[[nodiscard]] ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMachine& machine);
+
+// Light of layer `layer_index` (0 is the one on the plate). The fade is linear: of n fade layers, the k-th
+// from 1 has gone k/(n+1) of the way. Not clamped: check with layer_height_problems() first. Throws
+// std::range_error beyond a hundred years. REQUIRES: layer_index >= 0, layer_height > 0, irradiance > 0.
+[[nodiscard]] Duration exposure_time(const ResinProfile& resin, Nanometers layer_height, int layer_index,
+                                     double irradiance_mw_cm2);
+
+// What speaks against printing at this layer height, a clause each: the profile's own range, an exposure
+// outside shortest_exposure..longest_exposure. Empty when nothing does. REQUIRES: layer_height > 0,
+// irradiance > 0.
+[[nodiscard]] std::vector<std::string> layer_height_problems(const ResinProfile& resin,
+                                                             Nanometers layer_height,
+                                                             double irradiance_mw_cm2);
+
+}  // namespace contourd

@@ -1,0 +1,221 @@
+#include "daemon/config/json_schema.hpp"
+
+#include <functional>
+#include <regex>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/config/config_fixture.hpp"
+
+namespace contourd {
+namespace {
+
+using nlohmann::json;
+using testing::Complaints;
+using testing::complaints_of;
+
+constexpr std::string_view tank_schema = R"({
+  "type": "object",
+  "additionalProperties": false,
+  "required": ["name"],
+  "properties": {
+    "name": {"description": "A name without '/'.", "type": "string", "maxLength": 5, "pattern": "^[^/]+$"},
+    "depth_mm": {"description": "Depth, in mm.", "type": "number", "minimum": 1, "maximum": 500},
+    "count": {"description": "A number.", "type": "integer", "minimum": -5, "maximum": 10, "default": 3},
+    "lid": {"description": "A lid.", "type": "boolean"},
+    "kind": {"description": "Which.", "type": "string", "enum": ["vat", "tray"]},
+    "rotation_deg": {
+      "description": "Turn.", "type": "object", "additionalProperties": false, "default": {},
+      "properties": {"x": {"description": "x.", "type": "number", "maximum": 360, "default": 1.5}}
+    }
+  }
+})";
+
+JsonDocument checked(std::string_view text) {
+  static const JsonSchema schema(tank_schema);
+  JsonDocument document = JsonDocument::from_text(text, "tank.json");
+  schema.check(document);
+  return document;
+}
+
+Complaints complaints_about(std::string_view text) {
+  return complaints_of([&] { checked(text).throw_if_violated(); });
+}
+
+TEST_CASE("a number outside its range is named with the limit and the unit") {
+  CHECK(complaints_about(R"({"name": "a", "depth_mm": 900})") ==
+        Complaints{"/depth_mm: 900 is more than the limit, 500 mm"});
+  CHECK(complaints_about(R"({"name": "a", "depth_mm": 0.5})") ==
+        Complaints{"/depth_mm: 0.5 is less than the least allowed, 1 mm"});
+  CHECK(complaints_about(R"({"name": "a", "count": 11})") ==
+        Complaints{"/count: 11 is more than the limit, 10"});
+  CHECK(complaints_about(R"({"name": "a", "rotation_deg": {"x": 361}})") ==
+        Complaints{"/rotation_deg/x: 361 is more than the limit, 360 degrees"});
+  CHECK(complaints_about(R"({"name": "a", "depth_mm": 500, "count": -5})").empty());
+}
+
+TEST_CASE("a wrong type is named with what was found and what is expected") {
+  CHECK(complaints_about(R"({"name": 5})") == Complaints{"/name: expected a text, found 5"});
+  CHECK(complaints_about(R"({"name": "a", "depth_mm": "900"})") ==
+        Complaints{"/depth_mm: expected a number, found the text \"900\""});
+  CHECK(complaints_about(R"({"name": "a", "depth_mm": true})") ==
+        Complaints{"/depth_mm: expected a number, found true"});
+  CHECK(complaints_about(R"({"name": "a", "lid": 1})") ==
+        Complaints{"/lid: expected true or false, found 1"});
+  CHECK(complaints_about(R"({"name": "a", "lid": null})") ==
+        Complaints{"/lid: expected true or false, found null"});
+  CHECK(complaints_about(R"({"name": "a", "kind": [1]})") ==
+        Complaints{"/kind: expected a text, found an array"});
+  CHECK(complaints_about(R"({"name": "a", "depth_mm": {}})") ==
+        Complaints{"/depth_mm: expected a number, found an object"});
+  CHECK(complaints_about(R"({"name": "a", "rotation_deg": 3})") ==
+        Complaints{"/rotation_deg: expected an object, found 3"});
+  CHECK(complaints_about("[]") == Complaints{"expected an object, found an array"});
+  CHECK(complaints_about("null") == Complaints{"expected an object, found null"});
+}
+
+TEST_CASE("an integer is a whole number in any notation and nothing else") {
+  CHECK(complaints_about(R"({"name": "a", "count": 3.0})").empty());
+  CHECK(complaints_about(R"({"name": "a", "count": 1e1})").empty());
+  CHECK(complaints_about(R"({"name": "a", "count": -3.7})") ==
+        Complaints{"/count: expected a whole number, found -3.7"});
+  CHECK(complaints_about(R"({"name": "a", "count": true})") ==
+        Complaints{"/count: expected a whole number, found true"});
+  CHECK(complaints_about(R"({"name": "a", "count": "3"})") ==
+        Complaints{"/count: expected a whole number, found the text \"3\""});
+}
+
+TEST_CASE("a huge integer is out of range, also one that would wrap around into the range") {
+  CHECK(complaints_about(R"({"name": "a", "count": 4294967299})") ==
+        Complaints{"/count: 4294967299 is more than the limit, 10"});
+  // As int64 this would be -1.
+  CHECK(complaints_about(R"({"name": "a", "count": 18446744073709551615})") ==
+        Complaints{"/count: 1.8446744073709552e+19 is more than the limit, 10"});
+  CHECK(complaints_about(R"({"name": "a", "depth_mm": 18446744073709551615})") ==
+        Complaints{"/depth_mm: 1.8446744073709552e+19 is more than the limit, 500 mm"});
+  CHECK(complaints_about(R"({"name": "a", "count": -1e300})") ==
+        Complaints{"/count: -1e+300 is less than the least allowed, -5"});
+}
+
+TEST_CASE("an unknown key is named with the closest known one, or with all") {
+  CHECK(complaints_about(R"({"name": "a", "dept_mm": 3})") ==
+        Complaints{"/dept_mm: there is no key \"dept_mm\" here; did you mean \"depth_mm\"?"});
+  CHECK(
+      complaints_about(R"({"name": "a", "zzzzzzzz": 3})") ==
+      Complaints{"/zzzzzzzz: there is no key \"zzzzzzzz\" here; the known ones are \"count\", \"depth_mm\", "
+                 "\"kind\", \"lid\", \"name\", \"rotation_deg\""});
+  CHECK(complaints_about(R"({"name": "a", "rotation_deg": {"a/b~": 1}})") ==
+        Complaints{"/rotation_deg/a~1b~0: there is no key \"a/b~\" here; the known ones are \"x\""});
+  CHECK(complaints_about(R"({"name": "a", "": 1})").size() == 1);
+}
+
+TEST_CASE("all unknown keys are named, and what is in them is left alone") {
+  CHECK(complaints_about(
+            R"({"name": "a", "u1": {"depth_mm": 900}, "u2": 1, "rotation_deg": {"u3": [], "u4": 0}})")
+            .size() == 4);
+}
+
+TEST_CASE("a missing key is named with what it is") {
+  CHECK(complaints_about("{}") == Complaints{"/name: this key is missing: A name without '/'"});
+}
+
+TEST_CASE("a text is checked against the list, its length and its pattern") {
+  CHECK(complaints_about(R"({"name": "a", "kind": "box"})") ==
+        Complaints{"/kind: the text \"box\" is not one of \"vat\", \"tray\""});
+  CHECK(complaints_about(R"({"name": "abcdef"})") ==
+        Complaints{"/name: \"abcdef\" is 6 characters long; the limit is 5"});
+  CHECK(complaints_about("{\"name\": \"\xe2\x82\xac\xe2\x82\xac\xe2\x82\xac\xe2\x82\xac\xe2\x82\xac\"}")
+            .empty());
+  CHECK(complaints_about(R"({"name": "a/b"})") ==
+        Complaints{"/name: \"a/b\" is not allowed: A name without '/'"});
+  CHECK(complaints_about(R"({"name": ""})") == Complaints{"/name: it must not be empty"});
+}
+
+TEST_CASE("the longest text that is read does not exhaust the stack of the pattern's matcher") {
+  CHECK(complaints_about("{\"name\": \"" + std::string(1024, 'x') + "\"}").size() == 1);
+}
+
+TEST_CASE("a schema's duplicates and violations are reported together in the order of their places") {
+  CHECK(complaints_about(R"({"name": "a/b", "lid": 1, "count": 99, "lid": 2})") ==
+        Complaints{"/count: 99 is more than the limit, 10", "/lid: this key is there more than once",
+                   "/lid: expected true or false, found 2",
+                   "/name: \"a/b\" is not allowed: A name without '/'"});
+}
+
+TEST_CASE("missing keys get the schema's defaults, also in sections that are missing") {
+  const JsonDocument document = checked(R"({"name": "a"})");
+  CHECK(document.value().dump() == R"({"count":3,"name":"a","rotation_deg":{"x":1.5}})");
+  CHECK(checked(R"({"name": "a", "count": 4, "rotation_deg": {"x": 2}})").value().at("count").get<int>() ==
+        4);
+}
+
+TEST_CASE("a keyword that has no sentence of its own still refuses the document") {
+  const JsonSchema schema(R"({"type": "object", "minProperties": 1})");
+  JsonDocument document = JsonDocument::from_text("{}", "test.json");
+  schema.check(document);
+  REQUIRE(document.violations().size() == 1);
+  CHECK(document.violations()[0].message.starts_with("it does not fit its schema"));
+}
+
+// Calls `visit` for every property of the schema, its parents first.
+void each_property(const json& schema, const std::string& pointer,
+                   const std::function<void(const std::string&, const json&)>& visit) {
+  if (!schema.contains("properties")) return;
+  for (const auto& property : schema["properties"].items()) {
+    const std::string place = child_pointer(pointer, property.key());
+    visit(place, property.value());
+    each_property(property.value(), place, visit);
+  }
+}
+
+TEST_CASE("every property of every schema says what it is, in which unit and within which limits") {
+  for (const JsonSchema* schema : {&printer_schema(), &resin_schema(), &ticket_schema()}) {
+    each_property(schema->value(), "", [](const std::string& place, const json& property) {
+      INFO(place);
+
+      REQUIRE(property.contains("type"));
+      const std::string description = property.value("description", "");
+      CHECK_FALSE(description.empty());
+      const bool is_number = property["type"] == "number" || property["type"] == "integer";
+      CHECK(is_number == property.contains("minimum"));
+      CHECK(is_number == property.contains("maximum"));
+      const bool is_object = property["type"] == "object";
+      const bool is_closed = property.value("additionalProperties", json()) == false;
+      CHECK(is_object == is_closed);
+      for (const auto& [ending, unit] : {std::pair{"_mm", "mm"},
+                                         {"_um", "um"},
+                                         {"_ms", "ms"},
+                                         {"_hz", "Hz"},
+                                         {"_mm_s", "mm/s"},
+                                         {"_mm_s2", "mm/s2"},
+                                         {"_px", "pixels"},
+                                         {"_mb", "MB"},
+                                         {"_mw_cm2", "mW/cm2"},
+                                         {"_mj_cm2", "mJ/cm2"},
+                                         {"_deg", "degrees"}}) {
+        if (place.ends_with(ending)) CHECK(description.find(unit) != std::string::npos);
+      }
+    });
+  }
+}
+
+TEST_CASE("every default in a schema is one that the schema itself allows") {
+  for (const JsonSchema* schema : {&printer_schema(), &resin_schema(), &ticket_schema()}) {
+    each_property(schema->value(), "", [](const std::string& place, const json& property) {
+      if (!property.contains("default")) return;
+      INFO(place);
+      JsonDocument document = JsonDocument::from_text("{}", "test.json");
+      document.value() = property["default"];
+      JsonSchema(property.dump()).check(document);
+      CHECK(document.violations().empty());
+    });
+  }
+}
+
+TEST_CASE("the embedded schemas are the files in config") {
+  CHECK(printer_schema().value().dump() == testing::shipped("contourd.schema.json").dump());
+  CHECK(resin_schema().value().dump() == testing::shipped("resin.schema.json").dump());
+  CHECK(ticket_schema().value().dump() == testing::shipped("ticket.schema.json").dump());
+}
+
+}  // namespace
+}  // namespace contourd

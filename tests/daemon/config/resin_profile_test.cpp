@@ -1,0 +1,214 @@
+#include "daemon/config/resin_profile.hpp"
+
+#include <cmath>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/config/config_fixture.hpp"
+
+namespace contourd {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using testing::Complaints;
+using testing::complaints_of;
+using testing::shipped;
+using testing::TemporaryFolder;
+
+json curve_profile() {
+  json resin = shipped("resins/standard.json");
+  resin.erase("exposure_ms");
+  resin.erase("bottom_exposure_ms");
+  resin["working_curve"] = {{"penetration_depth_um", 100},
+                            {"critical_energy_mj_cm2", 5},
+                            {"overcure_um", 50},
+                            {"bottom_overcure_um", 150}};
+  return resin;
+}
+
+constexpr double irradiance_mw_cm2 = 5.0;
+
+ResinProfile load(const json& resin) {
+  const TemporaryFolder folder;
+  return load_resin_profile(folder.write_json("grey.json", resin),
+                            {.travel = Nanometers{160'000'000}, .irradiance_mw_cm2 = irradiance_mw_cm2});
+}
+
+Complaints complaints_about(const json& resin) {
+  return complaints_of([&] { (void)load(resin); });
+}
+
+// 1 us: a millionth of the shortest exposure that matters, and far above rounding to 1 ns.
+bool within_a_microsecond(Duration a, double milliseconds_expected) {
+  return std::fabs(std::chrono::duration<double, std::milli>(a).count() - milliseconds_expected) < 1e-3;
+}
+
+TEST_CASE("every key of a resin profile arrives with its unit, and the file gives the name") {
+  const ResinProfile resin = load(shipped("resins/standard.json"));
+  CHECK(resin.name == "grey");
+  CHECK(resin.layer_height == Nanometers{50'000});
+  CHECK(resin.layer_height_min == Nanometers{25'000});
+  CHECK(resin.layer_height_max == Nanometers{100'000});
+  CHECK(std::get<FixedExposure>(resin.exposure).exposure == milliseconds{3000});
+  CHECK(std::get<FixedExposure>(resin.exposure).bottom_exposure == milliseconds{30000});
+  CHECK(resin.bottom_layers == 5);
+  CHECK(resin.fade_layers == 10);
+  CHECK(resin.lift == Nanometers{6'000'000});
+  CHECK(resin.lift_speed == MillimetersPerSecond{1.5});
+  CHECK(resin.retract_speed == MillimetersPerSecond{2.5});
+  CHECK(resin.settle == milliseconds{1000});
+  CHECK(resin.rest == milliseconds{500});
+
+  const auto curve = std::get<WorkingCurve>(load(curve_profile()).exposure);
+  CHECK(curve.penetration_depth == Micrometers{100.0});
+  CHECK(curve.critical_energy_mj_cm2 == 5.0);
+  CHECK(curve.overcure == Micrometers{50.0});
+  CHECK(curve.bottom_overcure == Micrometers{150.0});
+}
+
+TEST_CASE("an exposure given outright is the bottom one, fades linearly, then stays") {
+  const ResinProfile resin = load(shipped("resins/standard.json"));
+  const auto layer = [&](int index) {
+    return exposure_time(resin, resin.layer_height, index, irradiance_mw_cm2);
+  };
+  CHECK(layer(0) == milliseconds{30000});
+  CHECK(layer(4) == milliseconds{30000});
+  // 10 fade layers cut 27 s into 11 equal steps.
+  CHECK(within_a_microsecond(layer(5), 30000.0 - 27000.0 / 11.0));
+  CHECK(within_a_microsecond(layer(9), 30000.0 - 27000.0 * 5.0 / 11.0));
+  CHECK(within_a_microsecond(layer(14), 3000.0 + 27000.0 / 11.0));
+  CHECK(layer(15) == milliseconds{3000});
+  CHECK(layer(1'000'000) == milliseconds{3000});
+  for (int index = 0; index < 20; ++index)
+    CHECK(layer(index + 1) <= layer(index));
+  CHECK(exposure_time(resin, Nanometers{25'000}, 15, 1.0) == milliseconds{3000});
+}
+
+TEST_CASE("the working curve gives t = Ec / I exp((layer height + overcure) / Dp)") {
+  const ResinProfile resin = load(curve_profile());
+  const auto layer = [&](double height_um, int index, double irradiance) {
+    return exposure_time(resin, Nanometers{std::llround(height_um * 1e3)}, index, irradiance);
+  };
+  // 5 / 5 exp((50 + 50) / 100) = e s; the bottom: exp((50 + 150) / 100) = e^2 s.
+  CHECK(within_a_microsecond(layer(50, 100, 5.0), 2718.281828));
+  CHECK(within_a_microsecond(layer(50, 0, 5.0), 7389.056099));
+  // Twice the light is half the time; a layer higher by about Dp ln 2 takes twice as long.
+  CHECK(within_a_microsecond(layer(50, 100, 10.0), 1359.140914));
+  CHECK(within_a_microsecond(layer(119.315, 100, 5.0), 5436.578985));
+  CHECK(within_a_microsecond(layer(5, 4, 5.0), 4711.470183));  // exp(1.55)
+}
+
+TEST_CASE("without fade layers the exposure changes at once, without bottom layers there is only one") {
+  json profile = shipped("resins/standard.json");
+  profile["fade_layers"] = 0;
+  const ResinProfile sudden = load(profile);
+  CHECK(exposure_time(sudden, sudden.layer_height, 4, 5.0) == milliseconds{30000});
+  CHECK(exposure_time(sudden, sudden.layer_height, 5, 5.0) == milliseconds{3000});
+  profile["bottom_layers"] = 0;
+  CHECK(exposure_time(load(profile), Nanometers{50'000}, 0, 5.0) == milliseconds{3000});
+}
+
+TEST_CASE("an exposure that no clock can hold throws instead of overflowing") {
+  ResinProfile resin = load(curve_profile());
+  std::get<WorkingCurve>(resin.exposure).penetration_depth = Micrometers{0.001};
+  CHECK_THROWS_AS(exposure_time(resin, Nanometers{50'000}, 100, 5.0), std::range_error);
+}
+
+TEST_CASE("a profile has exactly one of outright exposures and working curve") {
+  const std::string choice =
+      "give either \"exposure_ms\" and \"bottom_exposure_ms\", or \"working_curve\"; found ";
+  json resin = shipped("resins/standard.json");
+  resin.erase("bottom_exposure_ms");
+  CHECK(complaints_about(resin) == Complaints{choice + "only \"exposure_ms\""});
+  resin.erase("exposure_ms");
+  CHECK(complaints_about(resin) == Complaints{choice + "neither"});
+  json both = curve_profile();
+  both["exposure_ms"] = 3000;
+  CHECK(complaints_about(both) == Complaints{choice + "\"exposure_ms\" and \"working_curve\""});
+  both["bottom_exposure_ms"] = 30000;
+  CHECK(complaints_about(both) ==
+        Complaints{choice + "\"exposure_ms\" and \"bottom_exposure_ms\" and \"working_curve\""});
+  both["working_curve"]["overcure_um"] = -1;
+  CHECK(complaints_about(both).size() == 2);
+}
+
+TEST_CASE("a mistake inside the working curve is reported there and nowhere else") {
+  json resin = curve_profile();
+  resin["working_curve"]["penetration_depth_um"] = 0;
+  resin["working_curve"].erase("overcure_um");
+  CHECK(complaints_about(resin) ==
+        Complaints{"/working_curve/overcure_um: this key is missing: Cure depth beyond the layer height, so "
+                   "that layers "
+                   "bond, in um",
+                   "/working_curve/penetration_depth_um: 0 is less than the least allowed, 1 um"});
+}
+
+TEST_CASE("layer heights are in order") {
+  json resin = shipped("resins/standard.json");
+  resin["layer_height_um"] = 110;
+  CHECK(complaints_about(resin) == Complaints{"/layer_height_um: 110 is more than layer_height_max_um, 100"});
+  resin["layer_height_um"] = 20;
+  CHECK(complaints_about(resin) == Complaints{"/layer_height_min_um: 25 is more than layer_height_um, 20"});
+  resin["layer_height_um"] = 50;
+  resin["layer_height_min_um"] = 120;
+  CHECK(complaints_about(resin) ==
+        Complaints{"/layer_height_min_um: 120 is more than layer_height_max_um, 100"});
+  for (const char* key : {"layer_height_um", "layer_height_min_um", "layer_height_max_um"})
+    resin[key] = 50;
+  CHECK(complaints_about(resin).empty());
+}
+
+TEST_CASE("bottom layers are exposed no shorter than others, and a fade has something to fade from") {
+  json resin = shipped("resins/standard.json");
+  resin["bottom_exposure_ms"] = 2000;
+  CHECK(complaints_about(resin) == Complaints{"/exposure_ms: 3000 is more than bottom_exposure_ms, 2000"});
+  resin = shipped("resins/standard.json");
+  resin["bottom_layers"] = 0;
+  CHECK(complaints_about(resin) ==
+        Complaints{"/fade_layers: 10 layers to fade, but bottom_layers is 0: from what?"});
+  resin = curve_profile();
+  resin["working_curve"]["overcure_um"] = 151;
+  CHECK(complaints_about(resin) ==
+        Complaints{"/working_curve/overcure_um: 151 is more than working_curve/bottom_overcure_um, 150"});
+}
+
+TEST_CASE("rules and schema are reported together") {
+  json resin = shipped("resins/standard.json");
+  resin["layer_height_um"] = 110;
+  resin["lift_mm"] = "high";
+  resin["bottom_layers"] = 2.5;
+  CHECK(complaints_about(resin).size() == 3);
+}
+
+TEST_CASE("a working curve whose exposure is beyond 1 ms to 120 s is refused at load") {
+  json resin = curve_profile();
+  resin["working_curve"]["bottom_overcure_um"] = 450;  // exp(5) = 148.4 s
+  CHECK(complaints_about(resin) ==
+        Complaints{"/working_curve: the bottom exposure at a layer height of 50 um comes to "
+                   "148413.159 ms; it must be from 1 ms to 120 s"});
+  resin["working_curve"]["bottom_overcure_um"] = 428;  // exp(4.78) = 119.1 s
+  CHECK(complaints_about(resin).empty());
+  resin = curve_profile();
+  resin["working_curve"] = {{"penetration_depth_um", 5000},
+                            {"critical_energy_mj_cm2", 0.01},
+                            {"overcure_um", 0},
+                            {"bottom_overcure_um", 2000}};  // 2 ms exp(0.01): fine
+  CHECK(complaints_about(resin).empty());
+  resin["working_curve"]["penetration_depth_um"] = 1;  // exp(50), exp(2050)
+  CHECK(complaints_about(resin).size() == 2);
+}
+
+TEST_CASE("a layer height is checked against the profile's range and its exposures") {
+  const ResinProfile resin = load(curve_profile());
+  CHECK(layer_height_problems(resin, Nanometers{50'000}, 5.0).empty());
+  CHECK(layer_height_problems(resin, Nanometers{25'000}, 5.0).empty());
+  CHECK(layer_height_problems(resin, Nanometers{100'000}, 5.0).empty());
+  CHECK(layer_height_problems(resin, Nanometers{100'500}, 5.0) ==
+        Complaints{"the layer height of 100.5 um is outside what resin \"grey\" allows, 25 um to 100 um"});
+  CHECK(layer_height_problems(resin, Nanometers{24'999}, 5.0).size() == 1);
+  CHECK(layer_height_problems(resin, Nanometers{50'000}, 0.01).size() == 2);      // 1359 s, 3695 s
+  CHECK(layer_height_problems(resin, Nanometers{50'000}, 20'000.0).size() == 1);  // 0.68 ms, 1.85 ms
+}
+
+}  // namespace
+}  // namespace contourd
