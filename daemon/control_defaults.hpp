@@ -1,0 +1,9 @@
+// What contourd and contourctl agree on without being told.
+#pragma once
+
+namespace contourd {
+
+inline constexpr const char* kDefaultSocket = "/run/contourd/control.sock";
+inline constexpr const char* kDefaultConfig = "/etc/contourd/contourd.json";
+
+}  // namespace contourd

@@ -1,0 +1,249 @@
+#include "daemon/control_server.hpp"
+
+#include <fmt/format.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+namespace contourd {
+namespace {
+
+using Json = ControlServer::Json;
+
+// JSON-RPC 2.0's error codes, and ours for "not now".
+constexpr int kParseError = -32700, kInvalidRequest = -32600, kMethodNotFound = -32601,
+              kInvalidParams = -32602;
+constexpr int kRefused = -32000;
+
+constexpr std::size_t kLongestMessage = 65536;
+constexpr std::size_t kMostUnsent = 262144;       // beyond it, lossy notifications are left out
+constexpr std::size_t kMostUnsentEver = 4194304;  // beyond it, the client is not reading: it is dropped
+constexpr std::size_t kMostClients = 64;
+
+Json error_answer(const Json& id, int code, const std::string& message) {
+  return {{"jsonrpc", "2.0"}, {"error", {{"code", code}, {"message", message}}}, {"id", id}};
+}
+
+sockaddr_un address_of(const std::filesystem::path& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string text = path.string();
+  if (text.size() >= sizeof address.sun_path) {
+    throw std::runtime_error(
+        fmt::format("the control socket's path is too long: {} has {} bytes, the limit is {}", text,
+                    text.size(), sizeof address.sun_path - 1));
+  }
+  std::memcpy(address.sun_path, text.c_str(), text.size() + 1);
+  return address;
+}
+
+FileDescriptor new_socket() {
+  FileDescriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!socket.valid()) throw std::system_error(errno, std::generic_category(), "socket");
+  return socket;
+}
+
+}  // namespace
+
+class ControlServer::Client {
+ public:
+  Client(ControlServer& server, FileDescriptor socket) : server_(server), socket_(std::move(socket)) {
+    source_ = server_.loop_.on_ready(socket_.get(), EPOLLIN, [this](std::uint32_t events) { ready(events); });
+  }
+
+  void send(const Json& message) {
+    unsent_ += message.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    flush();
+  }
+
+  [[nodiscard]] bool closed() const { return closed_; }
+  [[nodiscard]] bool reads_slowly() const { return unsent_.size() > kMostUnsent; }
+  bool watching = false;
+
+ private:
+  void ready(std::uint32_t events) {
+    if ((events & EPOLLOUT) != 0) flush();
+    if ((events & (EPOLLIN | EPOLLHUP | EPOLLERR)) != 0) receive();
+    if (closed_) server_.drop_closed_clients();
+  }
+
+  void receive() {
+    std::array<char, 4096> buffer;
+    const ssize_t bytes = ::read(socket_.get(), buffer.data(), buffer.size());
+    if (bytes < 0 && (errno == EAGAIN || errno == EINTR)) return;
+    if (bytes <= 0) {
+      closed_ = true;
+      return;
+    }
+    received_.append(buffer.data(), static_cast<std::size_t>(bytes));
+    for (std::size_t end = 0; (end = received_.find('\n')) != std::string::npos && !closed_;) {
+      const std::string line = received_.substr(0, end);
+      received_.erase(0, end + 1);
+      if (!std::exchange(skipping_, false)) handle(line);
+    }
+    if (received_.size() > kLongestMessage) {
+      if (!skipping_) {
+        send(error_answer(nullptr, kInvalidRequest,
+                          fmt::format("a message has at most {} bytes", kLongestMessage)));
+      }
+      received_.clear();
+      skipping_ = true;
+    }
+  }
+
+  void handle(const std::string& line) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) return;
+    const Json message = Json::parse(line, nullptr, false);
+    if (message.is_discarded()) {
+      return send(error_answer(nullptr, kParseError, "not a JSON message; one message a line is expected"));
+    }
+    if (!message.is_array()) {
+      const Json answer = server_.answer(message, *this);
+      if (!answer.is_discarded()) send(answer);
+      return;
+    }
+    if (message.empty()) return send(error_answer(nullptr, kInvalidRequest, "an empty batch"));
+    Json answers = Json::array();
+    for (const Json& each : message) {
+      Json answer = server_.answer(each, *this);
+      if (!answer.is_discarded()) answers.push_back(std::move(answer));
+    }
+    if (!answers.empty()) send(answers);
+  }
+
+  void flush() {
+    while (!unsent_.empty()) {
+      const ssize_t bytes = ::send(socket_.get(), unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
+      if (bytes < 0 && errno == EINTR) continue;
+      if (bytes < 0 && errno != EAGAIN) closed_ = true;
+      if (bytes < 0) break;
+      unsent_.erase(0, static_cast<std::size_t>(bytes));
+    }
+    if (unsent_.size() > kMostUnsentEver) closed_ = true;
+    const bool want_out = !unsent_.empty();
+    if (want_out != std::exchange(waiting_to_send_, want_out)) {
+      source_ = server_.loop_.on_ready(socket_.get(), want_out ? EPOLLIN | EPOLLOUT : EPOLLIN,
+                                       [this](std::uint32_t events) { ready(events); });
+    }
+  }
+
+  ControlServer& server_;
+  FileDescriptor socket_;
+  EventLoop::SourcePtr source_;
+  std::string received_, unsent_;
+  bool skipping_ = false;
+  bool waiting_to_send_ = false;
+  bool closed_ = false;
+};
+
+ControlServer::ControlServer(EventLoop& loop, std::filesystem::path socket,
+                             std::map<std::string, Method> methods)
+    : loop_(loop), path_(std::move(socket)), methods_(std::move(methods)) {
+  listen();
+  listener_source_ = loop_.on_ready(listener_.get(), EPOLLIN, [this](std::uint32_t) { accept_client(); });
+}
+
+ControlServer::~ControlServer() {
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+}
+
+void ControlServer::listen() {
+  const sockaddr_un address = address_of(path_);
+  const auto* generic = reinterpret_cast<const sockaddr*>(&address);
+  const std::filesystem::file_status status = std::filesystem::symlink_status(path_);
+  if (std::filesystem::exists(status)) {
+    if (!std::filesystem::is_socket(status)) {
+      throw std::runtime_error(
+          fmt::format("the control socket's path {} is taken by a file", path_.string()));
+    }
+    if (::connect(new_socket().get(), generic, sizeof address) == 0) {
+      throw std::runtime_error(fmt::format("another contourd answers on {}", path_.string()));
+    }
+    std::filesystem::remove(path_);
+  }
+  listener_ = new_socket();
+  if (::bind(listener_.get(), generic, sizeof address) != 0 || ::chmod(address.sun_path, 0660) != 0 ||
+      ::listen(listener_.get(), SOMAXCONN) != 0) {
+    throw std::runtime_error(fmt::format("cannot listen on {}: {}", path_.string(), std::strerror(errno)));
+  }
+}
+
+void ControlServer::accept_client() {
+  FileDescriptor socket(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  if (!socket.valid() || clients_.size() >= kMostClients) return;
+  const int key = socket.get();
+  clients_[key] = std::make_unique<Client>(*this, std::move(socket));
+}
+
+Json ControlServer::answer(const Json& message, Client& client) {
+  const Json no_answer(Json::value_t::discarded);
+  if (!message.is_object() || message.value("jsonrpc", Json()) != "2.0" || !message.contains("method") ||
+      !message["method"].is_string()) {
+    const Json id = message.is_object() && message.contains("id") ? message["id"] : Json();
+    return error_answer(id, kInvalidRequest,
+                        R"(not a JSON-RPC 2.0 request; expected {"jsonrpc":"2.0","method":...,"id":...})");
+  }
+  const Json result = call(message, client);
+  if (!message.contains("id")) return no_answer;
+  if (result.contains("error")) {
+    return {{"jsonrpc", "2.0"}, {"error", result["error"]}, {"id", message["id"]}};
+  }
+  return {{"jsonrpc", "2.0"}, {"result", result["result"]}, {"id", message["id"]}};
+}
+
+Json ControlServer::call(const Json& message, Client& client) {
+  const auto failure = [](int code, const std::string& why) {
+    return Json{{"error", {{"code", code}, {"message", why}}}};
+  };
+  const std::string name = message["method"].get<std::string>();
+  const auto method = methods_.find(name);
+  if (method == methods_.end() && name != "watch") {
+    std::string known = "watch";
+    for (const auto& [each, unused] : methods_)
+      known += ", " + each;
+    return failure(kMethodNotFound, fmt::format("no method \"{}\"; there are {}", name, known));
+  }
+  if (message.contains("params") && !message["params"].empty()) {
+    return failure(kInvalidParams, fmt::format("the method \"{}\" takes no parameters", name));
+  }
+  if (name == "watch") {
+    client.watching = true;
+    return Json{{"result", true}};
+  }
+  try {
+    return Json{{"result", method->second()}};
+  } catch (const ControlRefusal& refusal) {
+    return failure(kRefused, refusal.what());
+  }
+}
+
+void ControlServer::notify(const std::string& method, const Json& params, Delivery delivery) {
+  const Json message{{"jsonrpc", "2.0"}, {"method", method}, {"params", params}};
+  bool any_closed = false;
+  for (const auto& [key, client] : clients_) {
+    if (!client->watching || client->closed()) continue;
+    if (delivery == Delivery::Lossy && client->reads_slowly()) continue;
+    client->send(message);
+    any_closed = any_closed || client->closed();
+  }
+  if (any_closed) drop_closed_clients();
+}
+
+void ControlServer::drop_closed_clients() {
+  // Later: the call may come from inside a client.
+  drop_timer_ = loop_.at(std::chrono::steady_clock::now(), [this] {
+    std::erase_if(clients_, [](const auto& entry) { return entry.second->closed(); });
+  });
+}
+
+}  // namespace contourd

@@ -1,0 +1,61 @@
+// The control socket: JSON-RPC 2.0 over a Unix stream socket, one message a line. Whatever a client sends, it
+// gets an answer and stays connected. Event loop's thread only.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "daemon/event_loop.hpp"
+
+namespace contourd {
+
+// A method's refusal: the printer is in no state for it.
+class ControlRefusal : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class ControlServer {
+ public:
+  using Json = nlohmann::ordered_json;
+  // Returns the result; throws ControlRefusal.
+  using Method = std::function<Json()>;
+
+  // Listens at once; the socket is readable and writable for owner and group. The socket of a contourd that
+  // is no more is replaced. Throws std::runtime_error: the path is too long, taken by something else, or by a
+  // running contourd.
+  ControlServer(EventLoop& loop, std::filesystem::path socket, std::map<std::string, Method> methods);
+  ~ControlServer();
+  ControlServer(const ControlServer&) = delete;
+  ControlServer& operator=(const ControlServer&) = delete;
+
+  // Sends a notification to every client that called "watch". A client that reads too slowly misses those
+  // that need not arrive.
+  enum class Delivery { Lossy, Certain };
+  void notify(const std::string& method, const Json& params, Delivery delivery);
+
+ private:
+  class Client;
+
+  void listen();
+  void accept_client();
+  // One message's answer; discarded for a notification.
+  Json answer(const Json& message, Client& client);
+  Json call(const Json& message, Client& client);
+  void drop_closed_clients();
+
+  EventLoop& loop_;
+  std::filesystem::path path_;
+  std::map<std::string, Method> methods_;
+  FileDescriptor listener_;
+  EventLoop::SourcePtr listener_source_;
+  std::map<int, std::unique_ptr<Client>> clients_;
+  EventLoop::SourcePtr drop_timer_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,59 @@
+// contourctl's commands. Each takes its options as a value, prints its result, and returns the exit code;
+// what is wrong with the data or the daemon comes out as an exception (see exit_codes.hpp).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/pixel_map.hpp"
+#include "core/rasterizer.hpp"
+#include "core/stl_reader.hpp"
+
+namespace contourd::ctl {
+
+// read_stl_file(), with the file's name in front of what is wrong with it. Throws as that does.
+[[nodiscard]] inline StlModel read_model(const std::filesystem::path& path) {
+  try {
+    return read_stl_file(path);
+  } catch (const StlError& error) {
+    throw StlError(path.string() + ": " + error.what());
+  }
+}
+
+struct InspectOptions {
+  std::filesystem::path model;
+  bool json = false;
+};
+int inspect(const InspectOptions& options);
+
+struct SliceOptions {
+  std::filesystem::path model;
+  bool json = false;
+  // Exactly one of the two is given: one height (the file's coordinates), or layers.
+  std::optional<Millimeters> z;
+  std::optional<Nanometers> layer_height;
+
+  DisplayGeometry display;
+  bool fit = false;
+  AntiAliasing anti_aliasing = AntiAliasing::On;
+
+  std::optional<std::filesystem::path> mask;      // one PNG, with z
+  std::optional<std::filesystem::path> masks;     // a folder of PNGs, with layer_height
+  std::optional<std::filesystem::path> csv;       // with layer_height
+  std::optional<std::filesystem::path> contours;  // a folder of CSVs, with layer_height
+};
+int slice(const SliceOptions& options);
+
+struct ClientOptions {
+  std::filesystem::path socket;
+  bool json = false;
+};
+// Sends one request (`method` as on the socket) and prints its answer for a person, or as it came.
+int request(const ClientOptions& options, const std::string& method);
+// Shows the print under way until it ends, or until the job of that name has ended (which may be before the
+// call).
+int watch(const ClientOptions& options, const std::optional<std::string>& job);
+
+}  // namespace contourd::ctl

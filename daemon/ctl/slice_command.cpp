@@ -1,0 +1,195 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "core/contour_engine.hpp"
+#include "core/filled_area.hpp"
+#include "core/layer_statistics.hpp"
+#include "core/layers.hpp"
+#include "core/stl_reader.hpp"
+#include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/slice_files.hpp"
+#include "hw/png_file.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using SteadyClock = std::chrono::steady_clock;
+
+double ms_between(SteadyClock::time_point from, SteadyClock::time_point to) {
+  return std::chrono::duration<double, std::milli>(to - from).count();
+}
+
+PixelMap map_for(const SliceOptions& options, const Bounds& bounds) {
+  return options.fit ? PixelMap::fit(options.display, bounds)
+                     : PixelMap::true_scale(options.display, bounds.center());
+}
+
+ContourEngine engine_for(HeightIndex model, const SliceOptions& options) {
+  const PixelMap map = map_for(options, model.bounds());
+  return ContourEngine(std::move(model), options.display, options.anti_aliasing, {map});
+}
+
+void write_mask(const std::filesystem::path& path, const Mask& mask) {
+  try {
+    write_png(path, mask);
+  } catch (const std::system_error& error) {
+    throw OutputError(error.what());
+  }
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code code;
+  std::filesystem::create_directories(folder, code);
+  if (code) throw OutputError(fmt::format("cannot make the folder {}: {}", folder.string(), code.message()));
+}
+
+void warn_if_larger_than_display(const SliceOptions& options, const Bounds& bounds) {
+  const double pitch_mm = to_millimeters(options.display.pixel_pitch).count();
+  const double width = options.display.width.count() * pitch_mm;
+  const double height = options.display.height.count() * pitch_mm;
+  if (options.fit || (bounds.size_x() <= width && bounds.size_y() <= height)) return;
+  fmt::print(
+      stderr,
+      "contourctl: warning: the model ({:.6g} x {:.6g} mm) is larger than the display ({:.6g} x {:.6g} mm); "
+      "the masks are cut off\n",
+      bounds.size_x(), bounds.size_y(), width, height);
+}
+
+int slice_at_height(const SliceOptions& options, HeightIndex model) {
+  const double z = options.z->count();
+  Section section;
+  slice_at(model, z, section);
+  Contours contours;
+  ContourLinker().link(section.segments, to_millimeters(options.display.pixel_pitch), contours);
+  const double area = filled_area_mm2(contours);
+  const double perimeter = perimeter_mm(contours);
+  if (options.mask) {
+    warn_if_larger_than_display(options, model.bounds());
+    write_mask(*options.mask, engine_for(std::move(model), options).mask_at_z(*options.z));
+  }
+  if (options.json) {
+    const Json json{{"z_mm", z},
+                    {"intersecting_facets", section.intersecting_facets},
+                    {"segments", section.segments.size()},
+                    {"contours", contours.closed_loops()},
+                    {"open_chains", contours.open_chains},
+                    {"gaps_closed", contours.gaps_closed},
+                    {"widest_gap_mm", contours.widest_gap.count()},
+                    {"area_mm2", area},
+                    {"perimeter_mm", perimeter}};
+    fmt::print("{}\n", json.dump(2));
+    return kOk;
+  }
+  fmt::print("z            {:.6g} mm\nsegments     {}\ncontours     {}\n", z, section.segments.size(),
+             contours.closed_loops());
+  fmt::print("open chains  {}\ngaps closed  {}, the widest {:.6g} mm\n", contours.open_chains,
+             contours.gaps_closed, contours.widest_gap.count());
+  fmt::print("area         {:.6g} mm2\nperimeter    {:.6g} mm\n", area, perimeter);
+  return kOk;
+}
+
+// The thesis's loop of section 3.5: slice, then join, each timed.
+std::vector<LayerMeasurement> measure_layers(const SliceOptions& options, const HeightIndex& model,
+                                             const LayerStack& layers) {
+  const PixelMap map = map_for(options, model.bounds());
+  const Millimeters tolerance = to_millimeters(options.display.pixel_pitch);
+  Section section;
+  ContourLinker linker;
+  Contours contours;
+  std::vector<LayerMeasurement> measurements;
+  measurements.reserve(static_cast<std::size_t>(layers.count));
+  for (std::int32_t layer = 0; layer < layers.count; ++layer) {
+    const double z = model.bounds().min_z + to_millimeters(layers.middle_of(layer)).count();
+    const auto start = SteadyClock::now();
+    slice_at(model, z, section);
+    const auto sliced = SteadyClock::now();
+    linker.link(section.segments, tolerance, contours);
+    const auto joined = SteadyClock::now();
+    measurements.push_back({Millimeters{z}, ms_between(start, sliced), ms_between(sliced, joined),
+                            section.intersecting_facets, static_cast<std::uint32_t>(contours.loops.size())});
+    if (options.contours) {
+      write_contours(*options.contours / fmt::format("{:04}.csv", layer + 1), contours, map);
+    }
+  }
+  return measurements;
+}
+
+void print_statistics(std::size_t facets, const LayerStack& layers, const LayerStatistics& s) {
+  fmt::print("facets {}, layers {}\n\n{:<20} {:>12} {:>12}\n", facets, layers.count, "", "mean", "SD");
+  const auto row = [](const char* name, const MeanAndDeviation& v) {
+    fmt::print("{:<20} {:>12.4f} {:>12.4f}\n", name, v.mean, v.deviation);
+  };
+  row("slicing ms", s.slicing_ms);
+  row("contour ms", s.contour_ms);
+  row("total ms", s.total_ms);
+  row("intersecting facets", s.intersecting_facets);
+  row("loop count", s.loop_count);
+  fmt::print(
+      "\nnormalized correlation of the contour time with the loop count {:.2f}, with the intersecting facets "
+      "{:.2f}\n",
+      s.contour_time_vs_loop_count, s.contour_time_vs_intersecting_facets);
+}
+
+void report_measurements(const SliceOptions& options, std::size_t facets, const LayerStack& layers,
+                         const std::vector<LayerMeasurement>& measurements) {
+  const LayerStatistics statistics = statistics_of(measurements);
+  if (options.csv) {
+    write_measurements(*options.csv, measurements);
+    std::filesystem::path summary = *options.csv;
+    summary.replace_filename(options.csv->stem().string() + "-summary.csv");
+    write_statistics(summary, statistics);
+  }
+  if (!options.json) return print_statistics(facets, layers, statistics);
+  const auto both = [](const MeanAndDeviation& v) { return Json{{"mean", v.mean}, {"sd", v.deviation}}; };
+  const Json json{
+      {"facets", facets},
+      {"layers", layers.count},
+      {"slicing_ms", both(statistics.slicing_ms)},
+      {"contour_ms", both(statistics.contour_ms)},
+      {"total_ms", both(statistics.total_ms)},
+      {"intersecting_facets", both(statistics.intersecting_facets)},
+      {"loop_count", both(statistics.loop_count)},
+      {"correlation_contour_time_loop_count", statistics.contour_time_vs_loop_count},
+      {"correlation_contour_time_intersecting_facets", statistics.contour_time_vs_intersecting_facets}};
+  fmt::print("{}\n", json.dump(2));
+}
+
+int slice_layers(const SliceOptions& options, HeightIndex model) {
+  const Millimeters height{model.bounds().size_z()};
+  const std::optional<LayerStack> layers = layers_for(height, *options.layer_height);
+  if (!layers) {
+    throw UsageError(fmt::format("a model {:.6g} mm high has more layers of that height than can be counted",
+                                 height.count()));
+  }
+  for (const auto& folder : {options.masks, options.contours}) {
+    if (folder) make_folder(*folder);
+  }
+  const std::size_t facets = model.facets().size();
+  // Masks alone ask for no measurement; anything else is measured.
+  if (options.csv || options.contours || !options.masks) {
+    report_measurements(options, facets, *layers, measure_layers(options, model, *layers));
+  }
+  if (options.masks) {
+    warn_if_larger_than_display(options, model.bounds());
+    ContourEngine engine = engine_for(std::move(model), options);
+    for (std::int32_t layer = 0; layer < layers->count; ++layer) {
+      write_mask(*options.masks / fmt::format("{:04}.png", layer + 1),
+                 engine.mask_at(layers->middle_of(layer)));
+    }
+  }
+  return kOk;
+}
+
+}  // namespace
+
+int slice(const SliceOptions& options) {
+  HeightIndex model(read_model(options.model).facets);
+  return options.z ? slice_at_height(options, std::move(model)) : slice_layers(options, std::move(model));
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,16 @@
+// Files that are either not there or whole, also after a power cut. Blocks until the disk has them.
+// Thread-safe.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace contourd {
+
+// Writes beside it and renames. Throws std::system_error; then what was there before is still there.
+void write_durably(const std::filesystem::path& path, std::string_view text);
+
+// Has a folder's renames on the disk. Where a file system cannot, it is left to that file system.
+void sync_folder(const std::filesystem::path& folder);
+
+}  // namespace contourd

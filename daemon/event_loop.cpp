@@ -1,0 +1,182 @@
+#include "daemon/event_loop.hpp"
+
+#include <signal.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+namespace contourd {
+namespace {
+
+// A result of sd-event: negative errno.
+int check(int result, const char* what) {
+  if (result < 0) throw std::system_error(-result, std::generic_category(), what);
+  return result;
+}
+
+// How late a timer may be. sd-event's default of 250 ms would show in every exposure.
+constexpr std::uint64_t kTimerAccuracyUs = 1;
+
+std::uint64_t microseconds(TimePoint when) {
+  const auto us = std::chrono::ceil<std::chrono::microseconds>(when.time_since_epoch()).count();
+  return us > 0 ? static_cast<std::uint64_t>(us) : 0;
+}
+
+}  // namespace
+
+// The callback lives in a shared_ptr that the running call keeps too, so that it may destroy its own source.
+class EventLoop::SdSource : public EventLoop::IdleSource {
+ public:
+  using Call = std::function<void(std::uint32_t)>;
+
+  SdSource(EventLoop& loop, Call call) : loop_(loop), call_(std::make_shared<Call>(std::move(call))) {}
+  ~SdSource() override { sd_event_source_disable_unref(source_); }
+
+  void wake() override {
+    check(sd_event_source_set_enabled(source_, SD_EVENT_ON), "sd_event_source_set_enabled");
+  }
+  void sleep() { check(sd_event_source_set_enabled(source_, SD_EVENT_OFF), "sd_event_source_set_enabled"); }
+
+  static int io(sd_event_source*, int, std::uint32_t events, void* self) { return run(self, events); }
+  static int time(sd_event_source*, std::uint64_t, void* self) { return run(self, 0); }
+  static int signal(sd_event_source*, const struct signalfd_siginfo*, void* self) { return run(self, 0); }
+  static int defer(sd_event_source*, void* self) { return run(self, 0); }
+
+  sd_event_source* source_ = nullptr;
+
+ private:
+  static int run(void* self, std::uint32_t events) {
+    EventLoop& loop = static_cast<SdSource*>(self)->loop_;
+    const std::shared_ptr<Call> call = static_cast<SdSource*>(self)->call_;
+    return loop.guarded([&] { (*call)(events); });
+  }
+
+  EventLoop& loop_;
+  std::shared_ptr<Call> call_;
+};
+
+EventLoop::EventLoop() {
+  check(sd_event_new(&event_), "sd_event_new");
+}
+
+EventLoop::~EventLoop() {
+  sd_event_unref(event_);
+}
+
+void EventLoop::run() {
+  check(sd_event_loop(event_), "sd_event_loop");
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+}
+
+void EventLoop::stop() {
+  check(sd_event_exit(event_, 0), "sd_event_exit");
+}
+
+// An exception must not pass through sd-event's C frames: it is kept, and leaves by run().
+int EventLoop::guarded(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (...) {
+    failure_ = std::current_exception();
+    sd_event_exit(event_, 1);
+  }
+  return 0;
+}
+
+EventLoop::SourcePtr EventLoop::on_ready(int fd, std::uint32_t events,
+                                         std::function<void(std::uint32_t)> call) {
+  auto source = std::make_unique<SdSource>(*this, std::move(call));
+  check(sd_event_add_io(event_, &source->source_, fd, events, SdSource::io, source.get()), "sd_event_add_io");
+  return source;
+}
+
+EventLoop::SourcePtr EventLoop::on_signal(int signal, std::function<void()> call) {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, signal);
+  check(-pthread_sigmask(SIG_BLOCK, &set, nullptr), "pthread_sigmask");
+  auto source = std::make_unique<SdSource>(*this, [call = std::move(call)](std::uint32_t) { call(); });
+  check(sd_event_add_signal(event_, &source->source_, signal, SdSource::signal, source.get()),
+        "sd_event_add_signal");
+  return source;
+}
+
+EventLoop::SourcePtr EventLoop::at(TimePoint when, std::function<void()> call) {
+  auto source = std::make_unique<SdSource>(*this, [call = std::move(call)](std::uint32_t) { call(); });
+  check(sd_event_add_time(event_, &source->source_, CLOCK_MONOTONIC, microseconds(when), kTimerAccuracyUs,
+                          SdSource::time, source.get()),
+        "sd_event_add_time");
+  return source;
+}
+
+std::unique_ptr<EventLoop::IdleSource> EventLoop::when_idle(std::function<bool()> call) {
+  const auto self = std::make_shared<SdSource*>(nullptr);
+  auto source = std::make_unique<SdSource>(*this, [self, call = std::move(call)](std::uint32_t) {
+    if (!call()) (*self)->sleep();
+  });
+  *self = source.get();
+  check(sd_event_add_defer(event_, &source->source_, SdSource::defer, source.get()), "sd_event_add_defer");
+  check(sd_event_source_set_priority(source->source_, SD_EVENT_PRIORITY_IDLE),
+        "sd_event_source_set_priority");
+  source->wake();
+  return source;
+}
+
+void EventLoop::feed_watchdog() {
+  check(sd_event_set_watchdog(event_, 1), "sd_event_set_watchdog");
+}
+
+TimePoint EventLoopClock::now() const {
+  return std::chrono::steady_clock::now();
+}
+
+namespace {
+
+class SourceTimer final : public Timer {
+ public:
+  explicit SourceTimer(EventLoop::SourcePtr source) : source_(std::move(source)) {}
+
+ private:
+  EventLoop::SourcePtr source_;
+};
+
+}  // namespace
+
+std::unique_ptr<Timer> EventLoopClock::call_at(TimePoint when, std::function<void()> call) {
+  return std::make_unique<SourceTimer>(loop_.at(when, std::move(call)));
+}
+
+Mailbox::Mailbox(EventLoop& loop) : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (!event_.valid()) throw std::system_error(errno, std::generic_category(), "eventfd");
+  source_ = loop.on_ready(event_.get(), EPOLLIN, [this](std::uint32_t) { deliver(); });
+}
+
+void Mailbox::post(std::function<void()> call) {
+  {
+    const std::lock_guard lock(mutex_);
+    calls_.push_back(std::move(call));
+  }
+  const std::uint64_t one = 1;
+  // Can only fail when the counter is full, and then the loop is awake already.
+  [[maybe_unused]] const ssize_t written = ::write(event_.get(), &one, sizeof one);
+}
+
+void Mailbox::deliver() {
+  std::uint64_t posts = 0;
+  [[maybe_unused]] const ssize_t read = ::read(event_.get(), &posts, sizeof posts);
+  std::vector<std::function<void()>> calls;
+  {
+    const std::lock_guard lock(mutex_);
+    calls.swap(calls_);
+  }
+  for (const auto& call : calls)
+    call();
+}
+
+}  // namespace contourd

@@ -1,0 +1,96 @@
+// The daemon's one event loop (sd-event): timers, signals, file descriptors, the watchdog. Everything is a
+// callback on the thread that calls run(); only Mailbox::post() may be called from another.
+#pragma once
+
+#include <systemd/sd-event.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "daemon/file_descriptor.hpp"
+#include "hw/clock.hpp"
+
+namespace contourd {
+
+class EventLoop {
+ public:
+  // Keeps one thing watched; destroying it ends that. Safe to destroy from inside its own callback.
+  class Source {
+   public:
+    Source() = default;
+    Source(const Source&) = delete;
+    Source& operator=(const Source&) = delete;
+    virtual ~Source() = default;
+  };
+  using SourcePtr = std::unique_ptr<Source>;
+
+  // Throws std::system_error when the kernel has no room for one.
+  EventLoop();
+  ~EventLoop();
+  EventLoop(const EventLoop&) = delete;
+  EventLoop& operator=(const EventLoop&) = delete;
+
+  // Runs until stop(). Exceptions from callbacks end it and come out of here.
+  void run();
+  void stop();
+
+  // `events` as for epoll (EPOLLIN, EPOLLOUT); the callback gets those that are due. The descriptor stays the
+  // caller's.
+  [[nodiscard]] SourcePtr on_ready(int fd, std::uint32_t events, std::function<void(std::uint32_t)> call);
+  // Blocks the signal for the whole process, so it must come before any thread is made.
+  [[nodiscard]] SourcePtr on_signal(int signal, std::function<void()> call);
+  // Once, when CLOCK_MONOTONIC reaches `when`.
+  [[nodiscard]] SourcePtr at(TimePoint when, std::function<void()> call);
+  // Again and again whenever nothing else is due, for as long as the call returns true; then after each
+  // wake(). Unlike other sources it must not be destroyed from inside its call.
+  class IdleSource : public Source {
+   public:
+    virtual void wake() = 0;
+  };
+  [[nodiscard]] std::unique_ptr<IdleSource> when_idle(std::function<bool()> call);
+
+  // Pings systemd's watchdog for as long as the loop turns, if the unit asks for it.
+  void feed_watchdog();
+
+ private:
+  class SdSource;
+
+  int guarded(const std::function<void()>& call);
+
+  sd_event* event_ = nullptr;
+  std::exception_ptr failure_;
+};
+
+// Real time: CLOCK_MONOTONIC, through the event loop, which must outlive it.
+class EventLoopClock final : public Clock {
+ public:
+  explicit EventLoopClock(EventLoop& loop) : loop_(loop) {}
+  [[nodiscard]] TimePoint now() const override;
+  [[nodiscard]] std::unique_ptr<Timer> call_at(TimePoint when, std::function<void()> call) override;
+
+ private:
+  EventLoop& loop_;
+};
+
+// Calls handed to the event loop's thread by another.
+class Mailbox {
+ public:
+  // Throws std::system_error when the kernel has no descriptor left.
+  explicit Mailbox(EventLoop& loop);
+
+  // From any thread; the call runs on the loop's.
+  void post(std::function<void()> call);
+
+ private:
+  void deliver();
+
+  FileDescriptor event_;
+  std::mutex mutex_;
+  std::vector<std::function<void()>> calls_;
+  EventLoop::SourcePtr source_;
+};
+
+}  // namespace contourd

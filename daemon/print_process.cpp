@@ -1,0 +1,274 @@
+#include "daemon/print_process.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace contourd {
+namespace {
+
+using namespace std::chrono_literals;
+
+// How far the plate goes up in a pause, to look at the part.
+constexpr Nanometers kLook{30'000'000};
+
+// Devices answer by themselves when something is wrong; these deadlines are for the day when one does not. A
+// motion has its expected time and a tenth, plus this (Ember's figure).
+constexpr Duration kMotionGrace = 15s;
+constexpr Duration kPresentDeadline = 5s;
+constexpr Duration kProjectorDeadline = 30s;
+constexpr Duration kWarmUpDeadline = 300s;
+
+}  // namespace
+
+std::string_view name_of(PrintOutcome outcome) {
+  switch (outcome) {
+    case PrintOutcome::Done:
+      return "done";
+    case PrintOutcome::Canceled:
+      return "cancelled";
+    case PrintOutcome::Failed:
+      return "failed";
+  }
+  return "?";
+}
+
+PrintProcess::PrintProcess(Machine& machine, Clock& clock, PrintObserver& observer)
+    : machine_(machine), clock_(clock), observer_(observer) {
+  make_safe(machine_);
+}
+
+PrintProcess::~PrintProcess() {
+  make_safe(machine_);
+  machine_.projector().power_off();
+}
+
+void PrintProcess::start(PrintPlan plan) {
+  plan_ = std::move(plan);
+  layer_ = 0;
+  pause_wanted_ = canceled_ = false;
+  failure_.clear();
+  left_after_.assign(plan_->exposures.size() + 1, Duration{0});
+  for (std::int32_t layer = plan_->layers.count - 1; layer >= 0; --layer) {
+    const auto i = static_cast<std::size_t>(layer);
+    left_after_[i] = left_after_[i + 1] + layer_duration(layer);
+  }
+  handle(PrintEvent::Started);
+}
+
+void PrintProcess::pause() {
+  pause_wanted_ = state_ != PrintState::Paused;
+}
+
+void PrintProcess::resume() {
+  pause_wanted_ = false;
+  if (state_ == PrintState::Paused) handle(PrintEvent::Resumed);
+}
+
+void PrintProcess::cancel() {
+  if (find_transition(state_, PrintEvent::Canceled) == nullptr) return;
+  canceled_ = true;
+  handle(PrintEvent::Canceled);
+}
+
+void PrintProcess::fail(const std::string& reason) {
+  if (state_ == PrintState::Idle) return;
+  failure_ = reason;
+  handle(PrintEvent::Failed);
+}
+
+void PrintProcess::handle(PrintEvent event) {
+  const PrintTransition* transition = find_transition(state_, event);
+  if (transition == nullptr) return;
+  ++states_entered_;
+  wait_.reset();
+  deadline_.reset();
+  state_ = transition->to;
+  try {
+    for (const PrintEffect effect : transition->done())
+      perform(effect);
+    observer_.state_changed(state_);
+  } catch (const std::exception& error) {
+    machine_.projector().light_off();
+    // A failure on the way out of a print is not another way out.
+    if (state_ == PrintState::Idle) throw;
+    fail(error.what());
+  }
+  if (state_ == PrintState::Idle && plan_) finish();
+}
+
+void PrintProcess::perform(PrintEffect effect) {
+  switch (effect) {
+    case PrintEffect::LightOff:
+      machine_.projector().light_off();
+      record_.exposure_measured = clock_.now() - light_on_at_;
+      return;
+    case PrintEffect::BlackNow:
+      return machine_.display().black_now();
+    case PrintEffect::AbortAxis:
+      return machine_.z_axis().abort();
+    case PrintEffect::StopAxis:
+      return machine_.z_axis().stop();
+    case PrintEffect::PowerOn:
+      expect_within(kWarmUpDeadline, "the projector's lamp to be warm");
+      return machine_.projector().power_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
+        if (reply == ProjectorReply::Ok) return handle(PrintEvent::ProjectorReady);
+        fail(fmt::format("power on: {}", describe(reply)));
+      }));
+    case PrintEffect::PowerOff:
+      return machine_.projector().power_off();
+    case PrintEffect::Home:
+      return home();
+    case PrintEffect::LowerToLayer:
+      return move_to(plan_->layers.top_of(layer_), layer_ == 0 ? plan_->travel_speed : plan_->retract_speed);
+    case PrintEffect::WaitToSettle:
+      return wait(plan_->settle);
+    case PrintEffect::ShowMask:
+      return show_mask();
+    case PrintEffect::LightOn:
+      expect_within(kProjectorDeadline, "the projector to turn the light on");
+      return machine_.projector().light_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
+        if (reply == ProjectorReply::Ok) return handle(PrintEvent::LightIsOn);
+        fail(fmt::format("light on: {}", describe(reply)));
+      }));
+    case PrintEffect::TimeExposure:
+      light_on_at_ = clock_.now();
+      return wait(plan_->exposures[static_cast<std::size_t>(layer_)]);
+    case PrintEffect::ShowBlack:
+      expect_within(kPresentDeadline, "the display to show black");
+      return machine_.display().black(
+          while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
+            if (at) return handle(PrintEvent::ScreenBlack);
+            fail("the display was lost while going black");
+          }));
+    case PrintEffect::RecordLayer:
+      return record_layer();
+    case PrintEffect::WaitToRest:
+      return wait(plan_->rest);
+    case PrintEffect::Lift:
+      return move_to(std::min(current_height() + plan_->lift, machine_.z_axis().travel()), plan_->lift_speed);
+    case PrintEffect::NextLayer:
+      ++layer_;
+      return;
+    case PrintEffect::RaiseForALook:
+      pause_wanted_ = false;
+      return move_to(std::min(current_height() + kLook, machine_.z_axis().travel()), plan_->travel_speed);
+    case PrintEffect::Park:
+      return move_to(machine_.z_axis().travel(), plan_->travel_speed);
+    case PrintEffect::Finish:
+      return;  // by handle(), when everything else is done
+  }
+}
+
+template <typename Answer>
+std::function<void(Answer)> PrintProcess::while_in_state(
+    std::type_identity_t<std::function<void(Answer)>> call) {
+  // This runs while a transition is performed: its state is the one that has just been entered.
+  return [this, entered = states_entered_, call = std::move(call)](Answer answer) {
+    if (entered == states_entered_) call(answer);
+  };
+}
+
+void PrintProcess::wait(Duration duration) {
+  // From light on where light is on: the exposure does not pay for what was done in between.
+  const TimePoint start = state_ == PrintState::Exposing ? light_on_at_ : clock_.now();
+  wait_ = clock_.call_at(start + duration, [this] { handle(PrintEvent::WaitOver); });
+}
+
+void PrintProcess::expect_within(Duration duration, const std::string& what) {
+  deadline_ = clock_.call_after(duration, [this, duration, what] {
+    fail(
+        fmt::format("waited {:.0f} s in vain for {}", std::chrono::duration<double>(duration).count(), what));
+  });
+}
+
+Nanometers PrintProcess::current_height() const {
+  const std::optional<Nanometers> height = machine_.z_axis().height();
+  if (!height) throw std::runtime_error("the plate's position is unknown");
+  return *height;
+}
+
+void PrintProcess::home() {
+  // Twice the travel at the slowest reasonable speed bounds any homing.
+  const ZAxis& axis = machine_.z_axis();
+  const Duration longest = axis.move_duration(axis.travel(), MillimetersPerSecond{1.0});
+  expect_within(longest * 2 + kMotionGrace, "the axis to home");
+  machine_.z_axis().home(while_in_state<HomingResult>([this](HomingResult result) {
+    if (result == HomingResult::Homed) return handle(PrintEvent::Homed);
+    fail(fmt::format("homing failed: {}", describe(result)));
+  }));
+}
+
+void PrintProcess::move_to(Nanometers target, MillimetersPerSecond speed) {
+  const Nanometers distance = target - current_height();
+  expect_within(machine_.z_axis().move_duration(distance, speed) * 11 / 10 + kMotionGrace, "a move to end");
+  machine_.z_axis().move_to(target, speed, [this, move_state = state_](MoveResult result) {
+    // A cancelled move ends in Halting, which the state it began in has become.
+    if (state_ == move_state || state_ == PrintState::Halting) after_move(result);
+  });
+}
+
+void PrintProcess::after_move(MoveResult result) {
+  const bool halted = state_ == PrintState::Halting && result == MoveResult::Stopped;
+  if (result != MoveResult::Reached && !halted)
+    return fail(fmt::format("the plate did not arrive: {}", describe(result)));
+  if (state_ != PrintState::Lifting) return handle(PrintEvent::MoveEnded);
+  if (layer_ + 1 == plan_->layers.count) return handle(PrintEvent::LayersDone);
+  handle(pause_wanted_ ? PrintEvent::PauseDue : PrintEvent::LayerDue);
+}
+
+void PrintProcess::show_mask() {
+  // The mask belongs to the height that the plate has, not to the one it was meant to have. The new layer
+  // lies below the plate's height, and is cut at its middle.
+  record_ = LayerRecord{};
+  record_.layer = layer_;
+  record_.plate_height = current_height();
+  record_.mask_height = record_.plate_height - plan_->layers.thickness / 2;
+  record_.exposure_asked = plan_->exposures[static_cast<std::size_t>(layer_)];
+  const auto start = std::chrono::steady_clock::now();
+  const Mask& mask = plan_->engine->mask_at(record_.mask_height);
+  record_.mask_time = std::chrono::steady_clock::now() - start;
+  record_.area_mm2 = mask.lit_area() * plan_->pixel_area_mm2;
+  expect_within(kPresentDeadline, "the display to show the mask");
+  machine_.display().show(mask, while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
+                            if (!at) return fail("the display was lost");
+                            record_.shown_at = *at;
+                            handle(PrintEvent::MaskShown);
+                          }));
+}
+
+void PrintProcess::record_layer() {
+  const Contours& contours = plan_->engine->contours_at(record_.mask_height);
+  record_.intersecting_facets = plan_->engine->intersecting_facets();
+  record_.loops = static_cast<std::uint32_t>(contours.loops.size());
+  record_.open_chains = contours.open_chains;
+  record_.gaps_closed = contours.gaps_closed;
+  record_.widest_gap = contours.widest_gap;
+  observer_.layer_done(record_);
+}
+
+void PrintProcess::finish() {
+  const PrintOutcome outcome = !failure_.empty() ? PrintOutcome::Failed
+                               : canceled_       ? PrintOutcome::Canceled
+                                                 : PrintOutcome::Done;
+  const PrintPlan plan = std::move(*plan_);
+  plan_.reset();
+  observer_.print_ended(outcome, failure_, plan);
+}
+
+Duration PrintProcess::layer_duration(std::int32_t layer) const {
+  const ZAxis& axis = machine_.z_axis();
+  return plan_->exposures[static_cast<std::size_t>(layer)] + plan_->settle + plan_->rest +
+         axis.move_duration(plan_->lift, plan_->lift_speed) +
+         axis.move_duration(plan_->lift, plan_->retract_speed);
+}
+
+Duration PrintProcess::time_left() const {
+  const bool exposed =
+      state_ == PrintState::Darkening || state_ == PrintState::Resting || state_ == PrintState::Lifting;
+  return left_after_[static_cast<std::size_t>(layer_ + (exposed ? 1 : 0))];
+}
+
+}  // namespace contourd

@@ -1,0 +1,129 @@
+// Carries a print out: takes events from the machine, the clock and the owner through the table of
+// print_states.hpp and does what its rows say. Whatever happens, a print ends with the light off. Event
+// loop's thread only.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "core/contour_engine.hpp"
+#include "core/layers.hpp"
+#include "daemon/print_states.hpp"
+#include "hw/machine.hpp"
+
+namespace contourd {
+
+// How a print is to be made; everything decided before it starts.
+struct PrintPlan {
+  std::string job;
+  std::unique_ptr<ContourEngine> engine;
+  LayerStack layers;
+  std::vector<Duration> exposures;  // by layer
+  double pixel_area_mm2 = 0;
+  Nanometers lift{};
+  MillimetersPerSecond lift_speed, retract_speed, travel_speed;
+  Duration settle{}, rest{};
+};
+
+// What really happened to one layer.
+struct LayerRecord {
+  std::int32_t layer = 0;     // from 0
+  Nanometers plate_height{};  // where the axis said the plate was when the mask was computed
+  Nanometers mask_height{};   // at which the model was cut: half a layer below
+  Duration exposure_asked{};
+  Duration exposure_measured{};  // from the projector's word that the light is on to light off
+  Duration mask_time{};  // processor time from the height to the mask (real time, also when simulated)
+  double area_mm2 = 0;   // exposed
+  std::uint32_t intersecting_facets = 0;
+  std::uint32_t loops = 0;
+  std::uint32_t open_chains = 0;
+  std::uint32_t gaps_closed = 0;
+  Millimeters widest_gap{};
+  TimePoint shown_at{};  // vblank at which the mask was on the screen
+};
+
+enum class PrintOutcome { Done, Canceled, Failed };
+[[nodiscard]] std::string_view name_of(PrintOutcome outcome);
+
+// Told what goes on; called from within the process, which must not be called back from there.
+class PrintObserver {
+ public:
+  PrintObserver() = default;
+  PrintObserver(const PrintObserver&) = delete;
+  PrintObserver& operator=(const PrintObserver&) = delete;
+  virtual ~PrintObserver() = default;
+
+  virtual void state_changed(PrintState state) = 0;
+  virtual void layer_done(const LayerRecord& layer) = 0;
+  // The print is over: the light is off and the process idle. `reason` says why it failed.
+  virtual void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) = 0;
+};
+
+class PrintProcess {
+ public:
+  // All must outlive the process.
+  PrintProcess(Machine& machine, Clock& clock, PrintObserver& observer);
+  // Leaves the machine safe.
+  ~PrintProcess();
+  PrintProcess(const PrintProcess&) = delete;
+  PrintProcess& operator=(const PrintProcess&) = delete;
+
+  // REQUIRES: state() is Idle; at least one layer; as many exposures as layers.
+  void start(PrintPlan plan);
+
+  // Pause after the layer under way, or no longer.
+  void pause();
+  void resume();
+  // Ends the print: light off at once, plate to its parking height.
+  void cancel();
+  // Ends the print at once and leaves the plate where it is.
+  void fail(const std::string& reason);
+
+  [[nodiscard]] PrintState state() const { return state_; }
+  [[nodiscard]] bool pause_pending() const { return pause_wanted_; }
+  // The layer under way, from 0. REQUIRES: not Idle.
+  [[nodiscard]] std::int32_t layer() const { return layer_; }
+  // Nothing while Idle.
+  [[nodiscard]] const PrintPlan* plan() const { return plan_ ? &*plan_ : nullptr; }
+  // From now to the end, pauses aside. REQUIRES: not Idle.
+  [[nodiscard]] Duration time_left() const;
+
+ private:
+  void handle(PrintEvent event);
+  void perform(PrintEffect effect);
+  // A callback that does nothing once the state has changed: late answers belong to the past.
+  template <typename Answer>
+  std::function<void(Answer)> while_in_state(std::type_identity_t<std::function<void(Answer)>> call);
+  void wait(Duration duration);
+  void expect_within(Duration duration, const std::string& what);
+  void move_to(Nanometers target, MillimetersPerSecond speed);
+  void home();
+  void show_mask();
+  void record_layer();
+  void finish();
+  void after_move(MoveResult result);
+  [[nodiscard]] Nanometers current_height() const;
+  [[nodiscard]] Duration layer_duration(std::int32_t layer) const;
+
+  Machine& machine_;
+  Clock& clock_;
+  PrintObserver& observer_;
+  PrintState state_ = PrintState::Idle;
+  std::uint64_t states_entered_ = 0;
+  std::optional<PrintPlan> plan_;
+  std::int32_t layer_ = 0;
+  bool pause_wanted_ = false;
+  bool canceled_ = false;
+  std::string failure_;
+  LayerRecord record_;
+  TimePoint light_on_at_{};
+  std::vector<Duration> left_after_;  // by layer: how long the layers behind it take
+  std::unique_ptr<Timer> wait_;
+  std::unique_ptr<Timer> deadline_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,36 @@
+// The record of one print, for the owner: JSON for programs, and one self-contained HTML page with a picture,
+// the settings, the times and plots against height. Thread-safe (no shared state).
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/print_job.hpp"
+
+namespace contourd {
+
+struct PrintReport {
+  std::string job;
+  std::string printer;
+  PrintOutcome outcome = PrintOutcome::Failed;
+  std::string reason;  // why it failed
+  JobSummary summary;
+  std::vector<LayerRecord> layers;  // those that were exposed
+  std::chrono::system_clock::time_point started,
+      ended;                                   // for people; durations come from the monotonic clock
+  Duration print_time{};                       // by the machine's clock
+  Duration first_mask_after{};                 // from the file's arrival, or from the end of its wait
+  std::optional<std::filesystem::path> masks;  // where the simulated display kept them
+  std::vector<std::uint8_t> preview_png;
+};
+
+[[nodiscard]] std::string report_as_json(const PrintReport& report);
+[[nodiscard]] std::string report_as_html(const PrintReport& report);
+
+// "2026-11-20T19:05:00Z".
+[[nodiscard]] std::string iso_time(std::chrono::system_clock::time_point time);
+
+}  // namespace contourd

@@ -1,0 +1,88 @@
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "daemon/print_report.hpp"
+
+namespace contourd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double ms(Duration duration) {
+  return std::chrono::duration<double, std::milli>(duration).count();
+}
+double mm(Nanometers height) {
+  return to_millimeters(height).count();
+}
+
+Json model_json(const JobSummary& summary) {
+  const MeshReport& mesh = summary.mesh;
+  return {{"format", name_of(summary.format)},
+          {"facets", mesh.facets},
+          {"size_mm", {summary.size_x_mm, summary.size_y_mm, summary.size_z_mm}},
+          {"scale", summary.scale},
+          {"rotation_deg", {summary.rotation_deg.x, summary.rotation_deg.y, summary.rotation_deg.z}},
+          {"position_mm", {summary.position.x.count(), summary.position.y.count()}},
+          {"copies", summary.copies},
+          {"watertight", mesh.watertight},
+          {"open_edges", mesh.open_edges},
+          {"warnings", summary.warnings}};
+}
+
+Json layer_json(const LayerRecord& layer) {
+  return {{"layer", layer.layer + 1},
+          {"plate_height_mm", mm(layer.plate_height)},
+          {"mask_height_mm", mm(layer.mask_height)},
+          {"exposure_asked_ms", ms(layer.exposure_asked)},
+          {"exposure_measured_ms", ms(layer.exposure_measured)},
+          {"mask_ms", ms(layer.mask_time)},
+          {"area_mm2", layer.area_mm2},
+          {"intersecting_facets", layer.intersecting_facets},
+          {"loops", layer.loops},
+          {"open_chains", layer.open_chains},
+          {"gaps_closed", layer.gaps_closed},
+          {"widest_gap_mm", layer.widest_gap.count()}};
+}
+
+}  // namespace
+
+std::string iso_time(std::chrono::system_clock::time_point time) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
+}
+
+std::string report_as_json(const PrintReport& report) {
+  const JobSummary& summary = report.summary;
+  Json json;
+  json["job"] = report.job;
+  json["printer"] = report.printer;
+  json["outcome"] = name_of(report.outcome);
+  if (!report.reason.empty()) json["reason"] = report.reason;
+  json["started"] = iso_time(report.started);
+  json["ended"] = iso_time(report.ended);
+  json["print_time_s"] = ms(report.print_time) / 1000;
+  json["model"] = model_json(summary);
+  json["resin"] = summary.resin.name;
+  json["layer_height_um"] = mm(summary.layers.thickness) * 1000;
+  json["layers"] = summary.layers.count;
+  json["layers_exposed"] = report.layers.size();
+  json["reading_ms"] = ms(summary.reading);
+  json["indexing_ms"] = ms(summary.indexing);
+  json["first_mask_ms"] = ms(summary.first_mask);
+  json["arrival_to_first_mask_ms"] = ms(report.first_mask_after);
+  const double volume = std::accumulate(
+      report.layers.begin(), report.layers.end(), 0.0,
+      [&](double sum, const LayerRecord& l) { return sum + l.area_mm2 * mm(summary.layers.thickness); });
+  json["exposed_volume_mm3"] = volume;
+  if (report.masks) json["masks_folder"] = report.masks->string();
+  Json layers = Json::array();
+  for (const LayerRecord& layer : report.layers)
+    layers.push_back(layer_json(layer));
+  json["layer_records"] = std::move(layers);
+  // File names need not be UTF-8.
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace contourd

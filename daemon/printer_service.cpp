@@ -1,0 +1,442 @@
+#include "daemon/printer_service.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "core/preview.hpp"
+#include "daemon/readable.hpp"
+#include "hw/png_file.hpp"
+
+namespace contourd {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Pixels kPreviewWidth{720}, kPreviewHeight{720};
+// How long until a job that could not start for lack of room on the disk is tried again.
+constexpr Duration kRetryInterval = 30s;
+
+LogFields job_fields(const std::string& job) {
+  return {{"JOB_ID", printable(job)}};
+}
+
+std::variant<PreparedJob, std::string> try_to_prepare(const JobFiles& files, const PrinterConfig& printer) {
+  try {
+    return prepare_job(files, printer);
+  } catch (const JobRefused& refusal) {
+    return std::string(refusal.what());
+  }
+}
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+double milliseconds(Duration duration) {
+  return seconds(duration) * 1000;
+}
+
+}  // namespace
+
+PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine,
+                               const Log& log)
+    : config_(config),
+      loop_(loop),
+      clock_(clock),
+      machine_(machine),
+      log_(log),
+      spool_(config.spool_folder, loop, *this),
+      process_(machine, clock, *this),
+      worker_(loop) {}
+
+void PrinterService::start() {
+  plate_occupant_ = spool_.plate_occupant();
+  file_interrupted_prints();
+  control_ = std::make_unique<ControlServer>(loop_, config_.control_socket, methods());
+  spool_.open();
+  pump_soon();
+}
+
+void PrinterService::shut_down(const std::string& reason) {
+  shutting_down_ = true;
+  process_.fail(reason);
+  // Still being read: nothing was printed, so it waits for the next start.
+  if (active_) log_.warning("interrupted", fmt::format("{}: {}", printable(active_->files.name), reason));
+  loop_.stop();
+}
+
+void PrinterService::file_interrupted_prints() {
+  for (const JobFiles& files : spool_.interrupted()) {
+    log_.error("interrupted",
+               fmt::format("{}: contourd did not end this print (power cut, crash or kill); moved to failed",
+                           printable(files.name)),
+               job_fields(files.name));
+    file_job(
+        files, Spool::Folder::Failed,
+        "The print was interrupted: the power was cut, or contourd was killed or crashed. Put the model into "
+        "incoming again to print it from the start.");
+    set_plate_occupant(files.name);
+  }
+}
+
+// --- the spool's events
+
+void PrinterService::model_arrived(const std::string& file) {
+  const auto same_file = [&](const QueuedJob& job) { return job.file == file; };
+  const auto queued = std::find_if(queue_.begin(), queue_.end(), same_file);
+  const QueuedJob job{file, std::chrono::steady_clock::now()};
+  if (queued != queue_.end()) {
+    *queued = job;  // written again: keeps its place
+  } else {
+    queue_.push_back(job);
+    log_.info("queued", fmt::format("{}: arrived, number {} in the queue", printable(file), queue_.size()),
+              job_fields(file));
+  }
+  pump();
+}
+
+void PrinterService::model_withdrawn(const std::string& file) {
+  const auto removed = std::erase_if(queue_, [&](const QueuedJob& job) { return job.file == file; });
+  if (removed > 0)
+    log_.info("withdrawn", fmt::format("{}: taken away by the owner", printable(file)), job_fields(file));
+}
+
+// --- from the queue to a print
+
+void PrinterService::pump_soon() {
+  pump_timer_ = loop_.at(std::chrono::steady_clock::now(), [this] { pump(); });
+}
+
+std::string PrinterService::reason_to_wait() const {
+  if (config_.wait_for_plate_cleared && plate_occupant_) {
+    return fmt::format("the plate holds {}; say \"contourctl plate-cleared\" when it is clear",
+                       *plate_occupant_);
+  }
+  const std::uintmax_t free = spool_.free_bytes();
+  if (free < config_.min_free_disk_bytes) {
+    return fmt::format("the spool's disk has {} MB free, {} MB are needed", free / 1'000'000,
+                       config_.min_free_disk_bytes / 1'000'000);
+  }
+  return "";
+}
+
+void PrinterService::pump() {
+  if (shutting_down_ || queue_.empty()) return;
+  if (active_) {
+    queue_.front().waited = true;
+    return check_waiting();
+  }
+  const std::string reason = reason_to_wait();
+  if (!reason.empty()) {
+    queue_.front().waited = true;
+    if (std::exchange(waiting_for_, reason) != reason) {
+      log_.info("waiting", fmt::format("{} waits: {}", printable(queue_.front().file), printable(reason)));
+    }
+    pump_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
+    return check_waiting();
+  }
+  waiting_for_.clear();
+  begin_next();
+}
+
+void PrinterService::begin_next() {
+  const QueuedJob job = queue_.front();
+  // Its check is being made right now: its end comes back here.
+  if (job.check == QueuedJob::Check::Running) return;
+  queue_.pop_front();
+  ActiveJob active;
+  active.turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived;
+  try {
+    active.files = spool_.begin(job.file);
+  } catch (const std::system_error& error) {
+    log_.error("claim",
+               fmt::format("{}: cannot be claimed, left where it is: {}", printable(job.file), error.what()));
+    return pump_soon();
+  }
+  active_ = std::move(active);
+  worker_.run([files = active_->files, this] { return try_to_prepare(files, config_); },
+              [this](std::variant<PreparedJob, std::string> result) { prepared(std::move(result)); });
+}
+
+// A waiting job is read once when it arrives, so that its owner hears of a mistake while still there.
+void PrinterService::check_waiting() {
+  const auto wanted = std::find_if(queue_.begin(), queue_.end(), [](const QueuedJob& job) {
+    return job.check == QueuedJob::Check::Wanted;
+  });
+  if (wanted == queue_.end()) return;
+  wanted->check = QueuedJob::Check::Running;
+  const std::string file = wanted->file;
+  worker_.run(
+      [files = spool_.files_of(Spool::Folder::Incoming, file), this]() -> std::optional<std::string> {
+        auto result = try_to_prepare(files, config_);
+        if (auto* refusal = std::get_if<std::string>(&result)) return std::move(*refusal);
+        return std::nullopt;
+      },
+      [this, file](const std::optional<std::string>& refusal) { checked(file, refusal); });
+}
+
+void PrinterService::checked(const std::string& file, const std::optional<std::string>& refusal) {
+  const auto job =
+      std::find_if(queue_.begin(), queue_.end(), [&](const QueuedJob& q) { return q.file == file; });
+  // Gone, or written again meanwhile: what was found out is about another file.
+  if (job != queue_.end() && job->check == QueuedJob::Check::Running) {
+    job->check = QueuedJob::Check::Passed;
+    if (refusal) {
+      queue_.erase(job);
+      reject(file, *refusal);
+    }
+  }
+  pump();
+}
+
+void PrinterService::reject(const std::string& file, const std::string& reason) {
+  log_.error("refused", fmt::format("{}: {}", printable(file), reason), job_fields(file));
+  try {
+    spool_.reject(file, reason + "\n");
+  } catch (const std::system_error& error) {
+    log_.error("refused", fmt::format("{}: cannot be moved to failed: {}", printable(file), error.what()));
+  }
+  ended(std::filesystem::path(file).stem().string(), "failed", reason);
+}
+
+void PrinterService::prepared(std::variant<PreparedJob, std::string> result) {
+  const std::string name = active_->files.name;
+  const auto* refusal = std::get_if<std::string>(&result);
+  if (refusal != nullptr || active_->cancel_wanted || shutting_down_) {
+    const std::string reason = refusal != nullptr ? *refusal : "cancelled before it started";
+    log_.error("refused", fmt::format("{}: {}", printable(name), reason), job_fields(name));
+    file_job(active_->files, Spool::Folder::Failed, reason);
+    active_.reset();
+    ended(name, refusal != nullptr ? "failed" : "cancelled", reason);
+    return pump_soon();
+  }
+  active_->prepared = std::move(std::get<PreparedJob>(result));
+  const JobSummary& summary = active_->prepared->summary;
+  log_.info(
+      "ready",
+      fmt::format(
+          "{}: {} facets, {:.2f} x {:.2f} x {:.2f} mm, {} layers of {:g} um; first mask after {:.0f} ms",
+          printable(name), summary.mesh.facets, summary.size_x_mm, summary.size_y_mm, summary.size_z_mm,
+          summary.layers.count, to_millimeters(summary.layers.thickness).count() * 1000,
+          milliseconds(active_->prepared->first_mask_at - active_->turn_came)),
+      job_fields(name));
+  for (const std::string& warning : summary.warnings) {
+    log_.warning("model", fmt::format("{}: {}", printable(name), warning), job_fields(name));
+  }
+  start_print();
+}
+
+void PrinterService::start_print() {
+  const std::string name = active_->files.name;
+  try {
+    active_->masks = machine_.begin_job(name);
+    // From here on the plate is not clear, whatever happens next.
+    set_plate_occupant(name);
+  } catch (const std::system_error& error) {
+    log_.error("refused", fmt::format("{}: {}", printable(name), error.what()), job_fields(name));
+    file_job(active_->files, Spool::Folder::Failed, error.what());
+    active_.reset();
+    ended(name, "failed", error.what());
+    return pump_soon();
+  }
+  active_->started = clock_.now();
+  active_->started_at = std::chrono::system_clock::now();
+  process_.start(std::move(active_->prepared->plan));
+}
+
+// --- the print's events
+
+void PrinterService::state_changed(PrintState state) {
+  constexpr PrintState kWorthALine[] = {PrintState::WarmingUp, PrintState::Homing, PrintState::Paused,
+                                        PrintState::Parking};
+  if (active_ && std::find(std::begin(kWorthALine), std::end(kWorthALine), state) != std::end(kWorthALine)) {
+    log_.info("state", fmt::format("{}: {}", printable(active_->files.name), name_of(state)),
+              job_fields(active_->files.name));
+  }
+  if (control_) control_->notify("state", status(), ControlServer::Delivery::Lossy);
+}
+
+void PrinterService::layer_done(const LayerRecord& layer) {
+  active_->layers.push_back(layer);
+  const std::int32_t count = active_->prepared->summary.layers.count;
+  LogFields fields = job_fields(active_->files.name);
+  fields.emplace_back("LAYER", std::to_string(layer.layer + 1));
+  fields.emplace_back("Z_NM", std::to_string(layer.plate_height.count()));
+  log_.info(
+      "layer",
+      fmt::format("layer {} of {}: height {:.4f} mm, {:.2f} mm2, {} loops, mask {:.2f} ms, light {:.1f} ms",
+                  layer.layer + 1, count, to_millimeters(layer.plate_height).count(), layer.area_mm2,
+                  layer.loops, milliseconds(layer.mask_time), milliseconds(layer.exposure_measured)),
+      fields);
+  if (layer.open_chains > 0) {
+    log_.warning("gaps",
+                 fmt::format("layer {}: {} contours did not close; the widest gap bridged is {:.3f} mm",
+                             layer.layer + 1, layer.open_chains, layer.widest_gap.count()),
+                 fields);
+  }
+  if (layer.area_mm2 == 0 && layer.layer + 1 < count) {
+    log_.warning("empty", fmt::format("layer {}: nothing to expose", layer.layer + 1), fields);
+  }
+  if (control_) control_->notify("layer", status(), ControlServer::Delivery::Lossy);
+}
+
+void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) {
+  const std::string name = active_->files.name;
+  const bool done = outcome == PrintOutcome::Done;
+  const Spool::Folder folder = done ? Spool::Folder::Done : Spool::Folder::Failed;
+  const PrintReport report = make_report(outcome, reason, plan);
+  const std::string summary = fmt::format("{}: {} after {} of {} layers and {}{}", printable(name),
+                                          name_of(outcome), report.layers.size(), plan.layers.count,
+                                          readable(report.print_time), reason.empty() ? "" : ": " + reason);
+  log_.write(outcome == PrintOutcome::Failed ? LogLevel::Error : LogLevel::Info, name_of(outcome), summary,
+             job_fields(name));
+  // Without an exposure the plate is as it was.
+  if (active_->layers.empty()) set_plate_occupant(std::nullopt);
+  write_report(report, folder);
+  file_job(active_->files, folder,
+           done                                ? ""
+           : outcome == PrintOutcome::Canceled ? "Cancelled by the owner."
+                                               : reason);
+  active_.reset();
+  ended(name, name_of(outcome), reason);
+  pump_soon();
+}
+
+PrintReport PrinterService::make_report(PrintOutcome outcome, const std::string& reason,
+                                        const PrintPlan& plan) const {
+  PrintReport report;
+  report.job = active_->files.name;
+  report.printer = config_.name;
+  report.outcome = outcome;
+  report.reason = reason;
+  report.summary = active_->prepared->summary;
+  report.layers = active_->layers;
+  report.started = active_->started_at;
+  report.ended = std::chrono::system_clock::now();
+  report.print_time = clock_.now() - active_->started;
+  report.first_mask_after = active_->prepared->first_mask_at - active_->turn_came;
+  report.masks = active_->masks;
+  const HeightIndex& model = plan.engine->model();
+  const Nanometers printed =
+      plan.layers.thickness *
+      static_cast<std::int64_t>(active_->layers.empty() ? 0 : active_->layers.back().layer + 1);
+  const Millimeters top{model.bounds().min_z + to_millimeters(printed).count()};
+  report.preview_png = encode_png(render_preview(model.facets(), top, kPreviewWidth, kPreviewHeight));
+  return report;
+}
+
+void PrinterService::write_report(const PrintReport& report, Spool::Folder folder) {
+  try {
+    spool_.write_beside(folder, report.job, "report.json", report_as_json(report));
+    spool_.write_beside(folder, report.job, "report.html", report_as_html(report));
+    const std::string_view picture(reinterpret_cast<const char*>(report.preview_png.data()),
+                                   report.preview_png.size());
+    spool_.write_beside(folder, report.job, "preview.png", std::string(picture));
+  } catch (const std::system_error& error) {
+    log_.error("report", fmt::format("{}: no report: {}", printable(report.job), error.what()),
+               job_fields(report.job));
+  }
+}
+
+void PrinterService::file_job(const JobFiles& files, Spool::Folder to, const std::string& reason) {
+  try {
+    if (!reason.empty()) spool_.write_beside(to, files.name, "reason.txt", reason + "\n");
+    spool_.end(files, to);
+  } catch (const std::system_error& error) {
+    log_.error("spool", fmt::format("{}: stays in printing: {}", printable(files.name), error.what()),
+               job_fields(files.name));
+  }
+}
+
+void PrinterService::ended(const std::string& name, std::string_view outcome, const std::string& reason) {
+  last_ = EndedJob{name, std::string(outcome), reason};
+  if (control_) control_->notify("ended", status(), ControlServer::Delivery::Certain);
+}
+
+void PrinterService::set_plate_occupant(const std::optional<std::string>& job) {
+  plate_occupant_ = job;
+  spool_.set_plate_occupant(job);
+}
+
+// --- the control socket
+
+std::map<std::string, ControlServer::Method> PrinterService::methods() {
+  return {{"status", [this] { return status(); }},
+          {"queue",
+           [this] {
+             Json files = Json::array();
+             for (const QueuedJob& job : queue_)
+               files.push_back(job.file);
+             return Json{{"queue", files}};
+           }},
+          {"pause",
+           [this] {
+             require_print("pause");
+             process_.pause();
+             return status();
+           }},
+          {"resume",
+           [this] {
+             require_print("resume");
+             if (process_.state() != PrintState::Paused && !process_.pause_pending()) {
+               throw ControlRefusal("the print is not paused");
+             }
+             process_.resume();
+             return status();
+           }},
+          {"cancel", [this] { return cancel(); }},
+          {"plate_cleared", [this] {
+             if (active_) throw ControlRefusal(fmt::format("{} is being printed", active_->files.name));
+             if (plate_occupant_) log_.info("plate", "the plate is clear");
+             set_plate_occupant(std::nullopt);
+             pump_soon();
+             return status();
+           }}};
+}
+
+void PrinterService::require_print(std::string_view what) const {
+  if (process_.state() == PrintState::Idle)
+    throw ControlRefusal(fmt::format("there is no print to {}", what));
+}
+
+PrinterService::Json PrinterService::cancel() {
+  if (!active_) throw ControlRefusal("there is no print to cancel");
+  if (active_->prepared) {
+    process_.cancel();
+  } else {
+    active_->cancel_wanted = true;
+  }
+  return status();
+}
+
+PrinterService::Json PrinterService::job_json() const {
+  Json job{{"name", active_->files.name}};
+  if (process_.state() == PrintState::Idle) return job;
+  const LayerStack& layers = active_->prepared->summary.layers;
+  job["layer"] = process_.layer() + 1;
+  job["layers"] = layers.count;
+  job["layers_done"] = active_->layers.size();
+  job["height_mm"] = to_millimeters(layers.top_of(process_.layer())).count();
+  job["elapsed_s"] = seconds(clock_.now() - active_->started);
+  job["time_left_s"] = seconds(process_.time_left());
+  job["pause_pending"] = process_.pause_pending();
+  return job;
+}
+
+PrinterService::Json PrinterService::status() const {
+  std::string_view state = name_of(process_.state());
+  if (active_ && process_.state() == PrintState::Idle) state = active_->prepared ? "finishing" : "preparing";
+  Json status{{"printer", config_.name}, {"state", state}};
+  status["job"] = active_ ? job_json() : Json();
+  status["queued"] = queue_.size();
+  status["plate"] = plate_occupant_ ? "occupied" : "clear";
+  status["plate_job"] = plate_occupant_ ? Json(*plate_occupant_) : Json();
+  status["waiting_for"] = waiting_for_.empty() ? Json() : Json(waiting_for_);
+  status["last"] =
+      last_ ? Json{{"job", last_->name}, {"outcome", last_->outcome}, {"reason", last_->reason}} : Json();
+  return status;
+}
+
+}  // namespace contourd

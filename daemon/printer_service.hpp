@@ -1,0 +1,106 @@
+// The printer: takes jobs from the spool, one after the other, has them prepared, prints them, and files what
+// came of it. Answers for the control socket. Event loop's thread only.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "daemon/control_server.hpp"
+#include "daemon/log.hpp"
+#include "daemon/print_process.hpp"
+#include "daemon/print_report.hpp"
+#include "daemon/spool.hpp"
+#include "daemon/worker.hpp"
+
+namespace contourd {
+
+class PrinterService final : private SpoolObserver, private PrintObserver {
+ public:
+  using Json = ControlServer::Json;
+
+  // All must outlive the service.
+  PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine,
+                 const Log& log);
+
+  // Files interrupted prints, opens the spool and the socket: after this, jobs are taken. Throws
+  // std::runtime_error.
+  void start();
+
+  // Ends a print under way (light off, its files to failed/) and takes no more jobs.
+  void shut_down(const std::string& reason);
+
+ private:
+  struct QueuedJob {
+    std::string file;  // in incoming/
+    TimePoint arrived;
+    enum class Check { Wanted, Running, Passed } check = Check::Wanted;
+    bool waited = false;  // for another print, or for the plate
+  };
+  // The job between its claim and its end.
+  struct ActiveJob {
+    JobFiles files;
+    TimePoint turn_came;                  // when it arrived, or its waiting ended; CLOCK_MONOTONIC
+    std::optional<PreparedJob> prepared;  // nothing while it is being prepared; its plan moves to the process
+    std::vector<LayerRecord> layers;
+    TimePoint started;  // machine's clock
+    std::chrono::system_clock::time_point started_at;
+    std::optional<std::filesystem::path> masks;
+    bool cancel_wanted = false;  // cancelled before it could start
+  };
+  struct EndedJob {
+    std::string name, outcome, reason;
+  };
+
+  void model_arrived(const std::string& file) override;
+  void model_withdrawn(const std::string& file) override;
+  void state_changed(PrintState state) override;
+  void layer_done(const LayerRecord& layer) override;
+  void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) override;
+
+  void file_interrupted_prints();
+  // Does what is due: starts the next job, or has a waiting one checked. Never from inside the print process.
+  void pump();
+  void pump_soon();
+  [[nodiscard]] std::string reason_to_wait() const;
+  void begin_next();
+  void check_waiting();
+  void prepared(std::variant<PreparedJob, std::string> result);
+  void checked(const std::string& file, const std::optional<std::string>& refusal);
+  void reject(const std::string& file, const std::string& reason);
+  void start_print();
+  void file_job(const JobFiles& files, Spool::Folder to, const std::string& reason);
+  [[nodiscard]] PrintReport make_report(PrintOutcome outcome, const std::string& reason,
+                                        const PrintPlan& plan) const;
+  void write_report(const PrintReport& report, Spool::Folder folder);
+  void ended(const std::string& name, std::string_view outcome, const std::string& reason);
+  void set_plate_occupant(const std::optional<std::string>& job);
+
+  [[nodiscard]] std::map<std::string, ControlServer::Method> methods();
+  [[nodiscard]] Json status() const;
+  [[nodiscard]] Json job_json() const;
+  Json cancel();
+  void require_print(std::string_view what) const;
+
+  const PrinterConfig& config_;
+  EventLoop& loop_;
+  Clock& clock_;
+  Machine& machine_;
+  const Log& log_;
+  Spool spool_;
+  PrintProcess process_;
+  std::deque<QueuedJob> queue_;
+  std::optional<ActiveJob> active_;
+  std::optional<EndedJob> last_;
+  std::optional<std::string> plate_occupant_;
+  std::string waiting_for_;  // why the next job does not start, already told
+  bool shutting_down_ = false;
+  std::unique_ptr<ControlServer> control_;
+  EventLoop::SourcePtr pump_timer_;
+  Worker worker_;  // last: its thread ends before what its tasks use
+};
+
+}  // namespace contourd

@@ -1,0 +1,264 @@
+#include "daemon/spool.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/epoll.h>
+#include <sys/inotify.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "daemon/durable_file.hpp"
+
+namespace contourd {
+namespace {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+constexpr const char* kOccupied = "plate-occupied";
+
+// How often a file that is not known to be whole is looked at again, and after how many looks without a
+// change it counts as whole where the file system cannot tell whether someone still writes (network shares).
+// An empty file is given as long: it may be the first step of a copy.
+constexpr Duration kLookInterval = 1s;
+constexpr int kQuietLooks = 3;
+
+std::system_error failure(const std::string& what) {
+  return std::system_error(errno, std::generic_category(), what);
+}
+
+enum class Writers { None, Some, Unknown };
+
+// A read lease (fcntl(2), F_SETLEASE) is given only while nobody has the file open for writing.
+Writers writers_of(const fs::path& path) {
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
+  if (!file.valid()) return Writers::Unknown;
+  if (::fcntl(file.get(), F_SETLEASE, F_RDLCK) == 0) return Writers::None;  // given back on close
+  return errno == EAGAIN ? Writers::Some : Writers::Unknown;
+}
+
+}  // namespace
+
+bool is_model_name(const std::string& file) {
+  std::string extension = fs::path(file).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return extension == ".stl" && !file.starts_with('.');
+}
+
+Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
+    : root_(std::move(root)), loop_(loop), observer_(observer) {
+  for (const Folder each : {Folder::Incoming, Folder::Printing, Folder::Done, Folder::Failed}) {
+    fs::create_directories(folder(each));
+  }
+}
+
+fs::path Spool::folder(Folder which) const {
+  switch (which) {
+    case Folder::Incoming:
+      return root_ / "incoming";
+    case Folder::Printing:
+      return root_ / "printing";
+    case Folder::Done:
+      return root_ / "done";
+    case Folder::Failed:
+      return root_ / "failed";
+  }
+  return root_;
+}
+
+void Spool::open() {
+  inotify_ = FileDescriptor(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
+  if (!inotify_.valid()) throw failure("cannot watch folders (inotify)");
+  const std::string incoming = folder(Folder::Incoming).string();
+  // Watched before it is read, so that nothing can come in between.
+  if (::inotify_add_watch(inotify_.get(), incoming.c_str(),
+                          IN_CREATE | IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR) <
+      0) {
+    throw failure("cannot watch " + incoming);
+  }
+  inotify_source_ = loop_.on_ready(inotify_.get(), EPOLLIN, [this](std::uint32_t) { read_events(); });
+
+  // Oldest first. The change time, since a copied or moved file may keep an old modification time.
+  std::vector<std::pair<std::int64_t, std::string>> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Incoming))) {
+    const std::string file = entry.path().filename().string();
+    struct stat status {};
+    if (!is_model_name(file) || ::lstat(entry.path().c_str(), &status) != 0) continue;
+    found.emplace_back(status.st_ctim.tv_sec * std::int64_t{1'000'000'000} + status.st_ctim.tv_nsec, file);
+  }
+  std::sort(found.begin(), found.end());
+  for (const auto& [changed, file] : found)
+    consider(file);
+}
+
+void Spool::read_events() {
+  alignas(inotify_event) std::array<char, 16384> buffer;
+  while (true) {
+    const ssize_t bytes = ::read(inotify_.get(), buffer.data(), buffer.size());
+    if (bytes <= 0) return;
+    for (ssize_t at = 0; at < bytes;) {
+      const auto* event = reinterpret_cast<const inotify_event*>(buffer.data() + at);
+      at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
+      if ((event->mask & IN_Q_OVERFLOW) != 0) {
+        // Events were lost: everything in the folder is looked at afresh.
+        for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Incoming))) {
+          consider(entry.path().filename().string());
+        }
+        continue;
+      }
+      const std::string file = event->len > 0 ? event->name : "";
+      if ((event->mask & (IN_DELETE | IN_MOVED_FROM)) != 0) {
+        candidates_.erase(file);
+        if (is_model_name(file)) observer_.model_withdrawn(file);
+      } else {
+        consider(file);
+      }
+    }
+  }
+}
+
+void Spool::consider(const std::string& file) {
+  const fs::path path = folder(Folder::Incoming) / file;
+  struct stat status {};
+  if (!is_model_name(file) || ::lstat(path.c_str(), &status) != 0 || S_ISDIR(status.st_mode)) return;
+  const bool regular = S_ISREG(status.st_mode);
+  const std::optional<fs::path> ticket = files_of(Folder::Incoming, file).ticket;
+  Candidate& candidate = candidates_[file];
+  const auto bytes = static_cast<std::uintmax_t>(status.st_size);
+  candidate.unchanged_looks = bytes == candidate.bytes ? candidate.unchanged_looks + 1 : 0;
+  candidate.bytes = bytes;
+  const bool ticket_in_work = ticket && writers_of(*ticket) == Writers::Some;
+  const Writers writers = ticket_in_work ? Writers::Some : regular ? writers_of(path) : Writers::None;
+  const bool quiet = candidate.unchanged_looks >= kQuietLooks;
+  const bool whole = (writers == Writers::None && bytes > 0) || (writers != Writers::Some && quiet) ||
+                     (!regular && !ticket_in_work);
+  if (whole) {
+    candidates_.erase(file);
+    observer_.model_arrived(file);
+    return;
+  }
+  if (!look_again_timer_) {
+    look_again_timer_ = loop_.at(std::chrono::steady_clock::now() + kLookInterval, [this] { look_again(); });
+  }
+}
+
+void Spool::look_again() {
+  look_again_timer_.reset();
+  std::vector<std::string> files;
+  for (const auto& [file, candidate] : candidates_)
+    files.push_back(file);
+  for (const std::string& file : files) {
+    struct stat status {};
+    if (::lstat((folder(Folder::Incoming) / file).c_str(), &status) != 0) {
+      candidates_.erase(file);
+    } else {
+      consider(file);
+    }
+  }
+}
+
+JobFiles Spool::files_of(Folder where, const std::string& file) const {
+  const fs::path model = folder(where) / file;
+  fs::path ticket = model;
+  ticket.replace_extension(".json");
+  JobFiles files{model.stem().string(), model, std::nullopt};
+  if (fs::exists(fs::symlink_status(ticket))) files.ticket = ticket;
+  return files;
+}
+
+std::string Spool::unused_name(const std::string& stem) const {
+  for (int number = 1;; ++number) {
+    const std::string name = number == 1 ? stem : fmt::format("{}-{}", stem, number);
+    const auto used_in = [&](Folder where) {
+      for (const char* suffix : {".stl", ".json", ".report.json", ".reason.txt"}) {
+        if (fs::exists(fs::symlink_status(folder(where) / (name + suffix)))) return true;
+      }
+      return false;
+    };
+    if (!used_in(Folder::Printing) && !used_in(Folder::Done) && !used_in(Folder::Failed)) return name;
+  }
+}
+
+JobFiles Spool::named(Folder where, const std::string& name, const JobFiles& like) const {
+  JobFiles files{name, folder(where) / (name + ".stl"), std::nullopt};
+  if (like.ticket) files.ticket = folder(where) / (name + ".json");
+  return files;
+}
+
+void Spool::move_job(const JobFiles& from, const JobFiles& to) const {
+  // The ticket first: a model without its ticket would be another job.
+  if (from.ticket) fs::rename(*from.ticket, *to.ticket);
+  std::error_code code;
+  fs::rename(from.model, to.model, code);
+  if (code) {
+    std::error_code ignored;
+    if (from.ticket) fs::rename(*to.ticket, *from.ticket, ignored);
+    throw std::system_error(code,
+                            fmt::format("cannot move {} to {}", from.model.string(), to.model.string()));
+  }
+  sync_folder(to.model.parent_path());
+  sync_folder(from.model.parent_path());
+}
+
+JobFiles Spool::begin(const std::string& file) {
+  const JobFiles from = files_of(Folder::Incoming, file);
+  const JobFiles to = named(Folder::Printing, unused_name(from.name), from);
+  move_job(from, to);
+  return to;
+}
+
+void Spool::end(const JobFiles& files, Folder where) {
+  move_job(files, named(where, files.name, files));
+}
+
+void Spool::reject(const std::string& file, const std::string& reason) {
+  const JobFiles from = files_of(Folder::Incoming, file);
+  const JobFiles to = named(Folder::Failed, unused_name(from.name), from);
+  write_beside(Folder::Failed, to.name, "reason.txt", reason);
+  move_job(from, to);
+}
+
+void Spool::write_beside(Folder where, const std::string& name, const std::string& suffix,
+                         const std::string& text) const {
+  write_durably(folder(where) / (name + "." + suffix), text);
+}
+
+std::vector<JobFiles> Spool::interrupted() const {
+  std::vector<JobFiles> jobs;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Printing))) {
+    const std::string file = entry.path().filename().string();
+    if (is_model_name(file)) jobs.push_back(files_of(Folder::Printing, file));
+  }
+  return jobs;
+}
+
+std::optional<std::string> Spool::plate_occupant() const {
+  std::ifstream file(root_ / kOccupied);
+  if (!file) return std::nullopt;
+  std::string job;
+  std::getline(file, job);
+  return job;
+}
+
+void Spool::set_plate_occupant(const std::optional<std::string>& job) const {
+  if (job) {
+    write_durably(root_ / kOccupied, *job + "\n");
+  } else {
+    fs::remove(root_ / kOccupied);
+    sync_folder(root_);
+  }
+}
+
+std::uintmax_t Spool::free_bytes() const {
+  return fs::space(root_).available;
+}
+
+}  // namespace contourd

@@ -1,0 +1,102 @@
+// The spool folder: incoming/ printing/ done/ failed/. Jobs move through it by rename, so that after a power
+// cut at any moment every file is in exactly one place and its folder says how it stands. Event loop's thread
+// only.
+//
+//   incoming/NAME.stl (+ NAME.json)     waits its turn, checked already
+//   printing/NAME.stl (+ NAME.json)     under way
+//   done/NAME.stl ... NAME.report.json NAME.report.html
+//   failed/NAME.stl ... NAME.reason.txt
+//   plate-occupied                      the plate holds a part: the job's name is in it
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/event_loop.hpp"
+#include "daemon/print_job.hpp"
+
+namespace contourd {
+
+// Told of models in incoming/.
+class SpoolObserver {
+ public:
+  SpoolObserver() = default;
+  SpoolObserver(const SpoolObserver&) = delete;
+  SpoolObserver& operator=(const SpoolObserver&) = delete;
+  virtual ~SpoolObserver() = default;
+
+  // incoming/`file` is whole: closed by its writer, or moved in. May come again for the same file when it was
+  // written again.
+  virtual void model_arrived(const std::string& file) = 0;
+  // The owner took incoming/`file` away.
+  virtual void model_withdrawn(const std::string& file) = 0;
+};
+
+class Spool {
+ public:
+  enum class Folder { Incoming, Printing, Done, Failed };
+
+  // Makes the folders. Throws std::system_error when that fails.
+  Spool(std::filesystem::path root, EventLoop& loop, SpoolObserver& observer);
+
+  // Watches incoming/, and reports what is in it already, oldest first. Throws std::system_error.
+  void open();
+
+  [[nodiscard]] std::filesystem::path folder(Folder folder) const;
+
+  // The files of a model in incoming/ or printing/, its ticket with it if there is one.
+  [[nodiscard]] JobFiles files_of(Folder folder, const std::string& file) const;
+
+  // incoming/ -> printing/, under a name that no job in printing/, done/ or failed/ has. Throws
+  // std::system_error; then the files are where they were.
+  [[nodiscard]] JobFiles begin(const std::string& file);
+  // -> done/ or failed/. What goes beside them has been written before: see write_beside(). Throws
+  // std::system_error.
+  void end(const JobFiles& files, Folder to);
+  // incoming/ -> failed/, with a reason file. Throws std::system_error.
+  void reject(const std::string& file, const std::string& reason);
+
+  // Writes NAME.`suffix`, all of it or nothing, and has it on the disk before it returns. Throws
+  // std::system_error.
+  void write_beside(Folder folder, const std::string& name, const std::string& suffix,
+                    const std::string& text) const;
+
+  // Models left in printing/ by a daemon that did not end its print.
+  [[nodiscard]] std::vector<JobFiles> interrupted() const;
+
+  // The job whose part is on the plate, or nothing when the plate is clear. Survives restarts.
+  [[nodiscard]] std::optional<std::string> plate_occupant() const;
+  void set_plate_occupant(const std::optional<std::string>& job) const;
+
+  [[nodiscard]] std::uintmax_t free_bytes() const;
+
+ private:
+  struct Candidate {
+    std::uintmax_t bytes = 0;
+    int unchanged_looks = 0;
+  };
+
+  void read_events();
+  void consider(const std::string& file);
+  void look_again();
+  [[nodiscard]] std::string unused_name(const std::string& stem) const;
+  void move_job(const JobFiles& from, const JobFiles& to) const;
+  [[nodiscard]] JobFiles named(Folder folder, const std::string& name, const JobFiles& like) const;
+
+  std::filesystem::path root_;
+  EventLoop& loop_;
+  SpoolObserver& observer_;
+  FileDescriptor inotify_;
+  EventLoop::SourcePtr inotify_source_;
+  EventLoop::SourcePtr look_again_timer_;
+  std::map<std::string, Candidate> candidates_;  // not known to be whole yet
+};
+
+// Whether a file in incoming/ is a model, by its name.
+[[nodiscard]] bool is_model_name(const std::string& file);
+
+}  // namespace contourd

@@ -1,0 +1,57 @@
+// One thread for what takes too long for the event loop: reading models. Tasks run one after the other; what
+// they return is handed back on the loop's thread.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+
+#include "daemon/event_loop.hpp"
+
+namespace contourd {
+
+class Worker {
+ public:
+  explicit Worker(EventLoop& loop) : mailbox_(loop), thread_([this](std::stop_token stop) { work(stop); }) {}
+
+  // Calls `task` on the worker's thread, then `done` with its result on the loop's. `task` must not throw.
+  template <typename Task, typename Done>
+  void run(Task task, Done done) {
+    enqueue([this, task = std::move(task), done = std::move(done)]() mutable {
+      auto result = std::make_shared<decltype(task())>(task());
+      mailbox_.post([result, done = std::move(done)]() mutable { done(std::move(*result)); });
+    });
+  }
+
+ private:
+  void enqueue(std::function<void()> call) {
+    {
+      const std::lock_guard lock(mutex_);
+      tasks_.push_back(std::move(call));
+    }
+    ready_.notify_one();
+  }
+
+  void work(const std::stop_token& stop) {
+    while (true) {
+      std::unique_lock lock(mutex_);
+      if (!ready_.wait(lock, stop, [this] { return !tasks_.empty(); })) return;
+      const std::function<void()> task = std::move(tasks_.front());
+      tasks_.pop_front();
+      lock.unlock();
+      task();
+    }
+  }
+
+  Mailbox mailbox_;
+  std::mutex mutex_;
+  std::condition_variable_any ready_;
+  std::deque<std::function<void()>> tasks_;
+  std::jthread thread_;  // last: joined before what it uses goes
+};
+
+}  // namespace contourd

@@ -1,0 +1,23 @@
+#include <set>
+
+#include "hw/projector.hpp"
+#include "hw/z_axis.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+
+TEST_CASE("Every outcome of the axis and the projector has words of its own") {
+  std::set<std::string_view> words;
+  for (const HomingResult r :
+       {HomingResult::Homed, HomingResult::NoTrigger, HomingResult::StillClosed, HomingResult::Aborted}) {
+    CHECK(words.insert(describe(r)).second);
+  }
+  for (const MoveResult r : {MoveResult::Reached, MoveResult::Stopped, MoveResult::Aborted,
+                             MoveResult::OutsideTravel, MoveResult::NotHomed}) {
+    CHECK(words.insert(describe(r)).second);
+  }
+  for (const ProjectorReply r : {ProjectorReply::Ok, ProjectorReply::Refused, ProjectorReply::NoAnswer}) {
+    CHECK(words.insert(describe(r)).second);
+  }
+  CHECK(words.count("unknown") == 0);
+}

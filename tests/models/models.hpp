@@ -1,0 +1,42 @@
+// Models for the tests, the benchmark and the demo, made from formulas. Facets are counter-clockwise seen
+// from outside; all closed ones are watertight to the bit.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/facet.hpp"
+
+namespace contourd::models {
+
+using Facets = std::vector<Facet>;
+
+// An axis-aligned box of 12 facets.
+[[nodiscard]] Facets box(Vertex low, Vertex high);
+
+// The surface value = 0 of a function, its inside where the value is negative, within a cube of `cells` cells
+// a side around the origin (marching tetrahedra: every shared vertex is computed from the same two grid
+// points, in the same order). The function must be positive on the cube's faces.
+[[nodiscard]] Facets isosurface(const std::function<double(double, double, double)>& value,
+                                double half_side_mm, int cells);
+
+// A ball; about 24 cells^2 / 4 facets.
+[[nodiscard]] Facets sphere(double radius_mm, int cells);
+
+// A gyroid's walls within a sphere, standing on the origin's plane: many loops, holes and islands a layer.
+[[nodiscard]] Facets gyroid_sphere(double radius_mm, double period_mm, int cells);
+
+void translate(Facets& facets, float x, float y, float z);
+// Turns the inside out.
+void invert(Facets& facets);
+
+[[nodiscard]] std::vector<std::byte> to_binary_stl(std::span<const Facet> facets);
+[[nodiscard]] std::string to_ascii_stl(std::span<const Facet> facets);
+// Throws std::runtime_error.
+void write_binary_stl(const std::filesystem::path& path, std::span<const Facet> facets);
+
+}  // namespace contourd::models
