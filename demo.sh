@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# Prints a model on the simulated printer: ./demo.sh [--pace realtime|fast] [MODEL.stl]
+# Without a model it prints one that it makes: a gyroid in a ball.
+set -euo pipefail
+
+usage() {
+  echo "usage: ./demo.sh [--pace realtime|fast] [MODEL.stl]" >&2
+  exit 64
+}
+pace=fast
+model=
+while (($#)); do
+  case $1 in
+    --pace) pace=${2-}; shift $(($# > 1 ? 2 : 1)); [[ $pace == realtime || $pace == fast ]] || usage ;;
+    -*) usage ;;
+    *) [[ -z $model ]] || usage; model=$1; shift ;;
+  esac
+done
+if [[ -n $model ]]; then
+  [[ -f $model && -r $model ]] || { echo "demo.sh: cannot read $model" >&2; exit 66; }
+  model=$(realpath -- "$model")
+fi
+
+cd "$(dirname "$0")"
+.ci/install-packages
+.ci/build build -- contourd contourctl make-model
+bin=$PWD/build/bin
+
+# Everything of this print lies in one private folder, and stays there.
+folder=$(mktemp -d "${TMPDIR:-/tmp}/contourd-demo.XXXXXX")
+cp -r config/. "$folder"
+mkdir -p "$folder/spool/incoming"
+if [[ -z $model ]]; then
+  model=$folder/gyroid-in-a-ball.stl
+  "$bin/make-model" gyroid-sphere "$model" 60 >/dev/null
+fi
+
+"$bin/contourd" --config "$folder/simulated.json" --pace "$pace" >"$folder/contourd.log" 2>&1 &
+daemon=$!
+trap 'kill "$daemon" 2>/dev/null && wait "$daemon" || true' EXIT
+export CONTOURD_SOCKET=$folder/control.sock
+for ((tries = 0; tries < 100; tries++)); do
+  "$bin/contourctl" status >/dev/null 2>&1 && break
+  kill -0 "$daemon" 2>/dev/null || { cat "$folder/contourd.log" >&2; exit 1; }
+  sleep 0.1
+done
+
+name=$(basename -- "$model")
+name=${name%.*}
+# A model larger than the machine is scaled to it; its size is the line "size X x Y x Z mm".
+if "$bin/contourctl" inspect "$model" 2>/dev/null | awk '$1 == "size" && ($2 > 96 || $4 > 54 || $6 > 150) { exit 1 }'; then
+  echo "Printing $name"
+else
+  echo "Printing $name, scaled to fit the simulated printer (96 x 54 x 150 mm)"
+  echo '{"fit": true}' >"$folder/spool/incoming/$name.json"
+fi
+cp -- "$model" "$folder/spool/incoming/$name.stl"
+
+if ! "$bin/contourctl" watch --job "$name"; then
+  printf '\nThe print failed. Log: %s\n' "$folder/contourd.log"
+  exit 1
+fi
+printf '\n%-9s%s\n' \
+  Masks "$folder/masks/$name/ ($(find "$folder/masks/$name" -name '*.png' | wc -l) PNG files)" \
+  Preview "$folder/spool/done/$name.preview.png" \
+  Report "$folder/spool/done/$name.report.html" \
+  '' "$folder/spool/done/$name.report.json" \
+  Log "$folder/contourd.log"

@@ -1,0 +1,7 @@
+#!/usr/bin/env bash
+# Builds contourd into build/ and runs all its tests. Arguments go to ctest, such as -R REGEX.
+set -euo pipefail
+cd "$(dirname "$0")"
+.ci/install-packages
+.ci/build build
+exec ctest --test-dir build --output-on-failure -j "$(nproc)" "$@"
