@@ -32,7 +32,7 @@ cp -r config/. "$folder"
 mkdir -p "$folder/spool/incoming"
 if [[ -z $model ]]; then
   model=$folder/gyroid-in-a-ball.stl
-  "$bin/make-model" gyroid-sphere "$model" 60 >/dev/null
+  "$bin/make-model" gyroid-sphere "$model" 64 >/dev/null
 fi
 
 "$bin/contourd" --config "$folder/simulated.json" --pace "$pace" >"$folder/contourd.log" 2>&1 &
@@ -60,7 +60,8 @@ if ! "$bin/contourctl" watch --job "$name"; then
   printf '\nThe print failed. Log: %s\n' "$folder/contourd.log"
   exit 1
 fi
-printf '\n%-9s%s\n' \
+echo
+printf '%-9s%s\n' \
   Masks "$folder/masks/$name/ ($(find "$folder/masks/$name" -name '*.png' | wc -l) PNG files)" \
   Preview "$folder/spool/done/$name.preview.png" \
   Report "$folder/spool/done/$name.report.html" \

@@ -76,8 +76,8 @@ Bounds place(std::vector<Facet>& facets, const JobTicket& ticket, const PrinterC
   return bounds;
 }
 
-// Centres of the copies on the plate, relative to its own centre: rows of columns, as square as the plate
-// allows.
+// Centres of the copies on the plate, relative to its own centre: rows of columns, as near to a square as
+// the plate allows.
 std::vector<Point> arrange_copies(const Bounds& bounds, const JobTicket& ticket, const BuildVolume& volume) {
   const double pitch_x = bounds.size_x() + kCopyGapMm, pitch_y = bounds.size_y() + kCopyGapMm;
   const double columns_that_fit = std::fmax(1, std::floor((volume.x_mm + kCopyGapMm) / pitch_x));
@@ -89,10 +89,10 @@ std::vector<Point> arrange_copies(const Bounds& bounds, const JobTicket& ticket,
                     ticket.copies, bounds.size_x(), bounds.size_y(), volume.x_mm, volume.y_mm,
                     columns_that_fit * rows_that_fit));
   }
-  const double wide_plate =
-      std::ceil(std::sqrt(ticket.copies * pitch_y / pitch_x * (volume.x_mm / volume.y_mm)));
+  const double square = std::ceil(std::sqrt(ticket.copies * pitch_y / pitch_x));
+  const double fewest_columns = std::ceil(ticket.copies / rows_that_fit);
   const double columns =
-      std::fmin(columns_that_fit, std::fmax(std::ceil(ticket.copies / rows_that_fit), wide_plate));
+      std::fmin(std::fmin(columns_that_fit, ticket.copies), std::fmax(fewest_columns, square));
   const double rows = std::ceil(ticket.copies / columns);
   std::vector<Point> centers;
   for (int copy = 0; copy < ticket.copies; ++copy) {

@@ -10,6 +10,7 @@
 
 namespace contourd {
 
+// In the order of a print: what comes after Exposing comes after it in every layer.
 enum class PrintState {
   Idle,
   WarmingUp,  // the lamp

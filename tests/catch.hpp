@@ -3,6 +3,12 @@
 
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>
+namespace contourd::testing {
+using Catch::Approx;
+}
 #else
 #include <catch2/catch.hpp>
+namespace contourd::testing {
+using Catch::Detail::Approx;
+}
 #endif

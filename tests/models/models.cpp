@@ -152,7 +152,7 @@ Facets sphere(double radius_mm, int cells) {
 }
 
 Facets gyroid_sphere(double radius_mm, double period_mm, int cells) {
-  constexpr double kHalfWall = 0.35;  // of the gyroid's value, which spans -1.5 to 1.5
+  constexpr double kHalfWall = 0.75;  // of the gyroid's value, which spans -1.5 to 1.5
   const double k = 2 * std::numbers::pi / period_mm;
   Facets facets = isosurface(
       [=](double x, double y, double z) {

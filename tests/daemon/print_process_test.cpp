@@ -1,0 +1,325 @@
+#include "daemon/print_process.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "hw/simulated_printer.hpp"
+#include "hw/virtual_clock.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/config/config_fixture.hpp"
+#include "tests/models/models.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+using contourd::testing::TemporaryFolder;
+
+namespace {
+
+constexpr DisplayGeometry kDisplay{Pixels{64}, Pixels{48}, Micrometers{100.0}};
+constexpr Nanometers kLayer{50'000};
+
+// A printer with a print in it, driven call by call.
+class Bench final : public PrintObserver {
+ public:
+  explicit Bench(const SimulatedPrinterConfig& config = small_printer())
+      : machine(clock, config), process(machine, clock, *this) {}
+
+  static SimulatedPrinterConfig small_printer() {
+    SimulatedPrinterConfig config;
+    config.display.width = kDisplay.width;
+    config.display.height = kDisplay.height;
+    return config;
+  }
+
+  static PrintPlan plan(int count) {
+    PrintPlan plan;
+    plan.job = "box";
+    const double height = to_millimeters(kLayer).count() * count;
+    HeightIndex box(models::box({0, 0, 0}, {3, 2, static_cast<float>(height)}));
+    plan.engine = std::make_unique<ContourEngine>(std::move(box), kDisplay, AntiAliasing::On,
+                                                  std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
+    plan.layers = {kLayer, count};
+    for (int layer = 0; layer < count; ++layer)
+      plan.exposures.push_back(1s + 100ms * layer);
+    plan.pixel_area_mm2 = 0.01;
+    plan.lift = Nanometers{6'000'000};
+    plan.lift_speed = MillimetersPerSecond{2};
+    plan.retract_speed = plan.travel_speed = MillimetersPerSecond{5};
+    plan.settle = 700ms;
+    plan.rest = 300ms;
+    return plan;
+  }
+
+  void start(int count = 3) { process.start(plan(count)); }
+
+  // Makes the clock's calls until the state is reached; false when the print ends before.
+  bool run_to(PrintState state) {
+    while (process.state() != state) {
+      if (!step()) return false;
+    }
+    return true;
+  }
+  void run_out() {
+    while (step()) {
+    }
+  }
+
+  void state_changed(PrintState state) override { states.push_back(state); }
+  void layer_done(const LayerRecord& layer) override { layers.push_back(layer); }
+  void print_ended(PrintOutcome ended, const std::string& why, const PrintPlan&) override {
+    ends.push_back(ended);
+    reason = why;
+    light_at_end = machine.light_is_on();
+  }
+
+  VirtualClock clock;
+  SimulatedPrinter machine;
+  std::vector<PrintState> states;
+  std::vector<LayerRecord> layers;
+  std::vector<PrintOutcome> ends;
+  std::string reason;
+  bool light_at_end = false;
+  bool lit_wrongly = false;  // light on outside an exposure, or over a black screen
+  PrintProcess process;
+
+ private:
+  bool step() {
+    const bool more = clock.run_next();
+    const bool may_be_lit =
+        process.state() == PrintState::Igniting || process.state() == PrintState::Exposing;
+    lit_wrongly = lit_wrongly || (machine.light_is_on() && (!may_be_lit || machine.screen_is_black()));
+    return more;
+  }
+};
+
+using S = PrintState;
+
+constexpr PrintState kActiveStates[] = {S::WarmingUp, S::Homing,   S::Lowering,  S::Settling, S::Showing,
+                                        S::Igniting,  S::Exposing, S::Darkening, S::Resting,  S::Lifting,
+                                        S::Raising,   S::Paused,   S::Halting,   S::Parking};
+
+// Brings a print into a state.
+void bring_to(Bench& bench, PrintState state) {
+  bench.start();
+  if (state == S::Raising || state == S::Paused) bench.process.pause();
+  if (state == S::Halting) {
+    REQUIRE(bench.run_to(S::Lifting));
+    bench.process.cancel();
+  }
+  REQUIRE(bench.run_to(state));
+}
+
+}  // namespace
+
+TEST_CASE("A print goes through its states layer by layer and ends parked, done and dark") {
+  Bench bench;
+  bench.start(2);
+  bench.run_out();
+  const std::vector<S> layer{S::Lowering, S::Settling,  S::Showing, S::Igniting,
+                             S::Exposing, S::Darkening, S::Resting, S::Lifting};
+  std::vector<S> expected{S::WarmingUp, S::Homing};
+  for (int i = 0; i < 2; ++i)
+    expected.insert(expected.end(), layer.begin(), layer.end());
+  expected.insert(expected.end(), {S::Parking, S::Idle});
+  CHECK(bench.states == expected);
+  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+  CHECK_FALSE(bench.lit_wrongly);
+  CHECK_FALSE(bench.light_at_end);
+  CHECK(bench.machine.z_axis().height() == bench.machine.z_axis().travel());
+}
+
+TEST_CASE("Each layer is exposed for exactly as long as was asked, at its own height") {
+  Bench bench;
+  bench.start(3);
+  bench.run_out();
+  REQUIRE(bench.layers.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LayerRecord& layer = bench.layers[i];
+    CHECK(layer.exposure_asked == 1s + 100ms * static_cast<int>(i));
+    CHECK(layer.exposure_measured == layer.exposure_asked);
+    CHECK(layer.plate_height == kLayer * static_cast<std::int64_t>(i + 1));
+    CHECK(layer.mask_height == layer.plate_height - kLayer / 2);
+    // 3 mm by 2 mm at 0.1 mm a pixel: whole pixels, so exact.
+    CHECK(layer.area_mm2 == contourd::testing::Approx(6.0).epsilon(1e-12));
+    CHECK(layer.loops == 1);
+  }
+}
+
+TEST_CASE("The mask belongs to the height that the plate has, not to the one that was asked") {
+  SimulatedPrinterConfig config = Bench::small_printer();
+  config.axis.microsteps_per_mm = 30;  // steps of 33 um: no layer of 50 um falls on one
+  Bench bench(config);
+  bench.start(3);
+  bench.run_out();
+  REQUIRE(bench.layers.size() == 3);
+  CHECK(bench.layers[0].plate_height == Nanometers{66'667});
+  for (const LayerRecord& layer : bench.layers)
+    CHECK(layer.mask_height == layer.plate_height - kLayer / 2);
+}
+
+TEST_CASE("A failure in any state turns the light off, leaves the motor still and ends the print once") {
+  for (const S state : kActiveStates) {
+    CAPTURE(name_of(state));
+    Bench bench;
+    bring_to(bench, state);
+    bench.process.fail("the sky fell");
+    CHECK_FALSE(bench.machine.light_is_on());
+    CHECK(bench.machine.screen_is_black());
+    CHECK_FALSE(bench.machine.z_axis().moving());
+    CHECK(bench.process.state() == S::Idle);
+    CHECK(bench.ends == std::vector{PrintOutcome::Failed});
+    CHECK(bench.reason == "the sky fell");
+    bench.run_out();  // late answers from the machine change nothing
+    CHECK(bench.process.state() == S::Idle);
+    CHECK(bench.ends.size() == 1);
+    CHECK_FALSE(bench.machine.light_is_on());
+  }
+}
+
+TEST_CASE(
+    "A cancel in any state turns the light off at once, and the plate goes up where its position is known") {
+  for (const S state : kActiveStates) {
+    if (state == S::Halting || state == S::Parking) continue;  // cancelled already, or done
+    CAPTURE(name_of(state));
+    Bench bench;
+    bring_to(bench, state);
+    bench.process.cancel();
+    CHECK_FALSE(bench.machine.light_is_on());
+    CHECK(bench.machine.screen_is_black());
+    bench.run_out();
+    CHECK(bench.process.state() == S::Idle);
+    CHECK(bench.ends == std::vector{PrintOutcome::Canceled});
+    CHECK_FALSE(bench.lit_wrongly);
+    const bool position_known = state != S::WarmingUp && state != S::Homing;
+    if (position_known) CHECK(bench.machine.z_axis().height() == bench.machine.z_axis().travel());
+  }
+}
+
+TEST_CASE("A cancel after the last layer does not undo the print") {
+  Bench bench;
+  bring_to(bench, S::Parking);
+  bench.process.cancel();
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+}
+
+TEST_CASE(
+    "A pause waits for the layer under way, lifts the plate, and a resume goes on with the next layer") {
+  Bench bench;
+  bench.start(3);
+  REQUIRE(bench.run_to(S::Exposing));
+  bench.process.pause();
+  CHECK(bench.process.pause_pending());
+  REQUIRE(bench.run_to(S::Paused));
+  CHECK(bench.layers.size() == 1);
+  CHECK(bench.layers[0].exposure_measured == bench.layers[0].exposure_asked);
+  // Layer height, lift and 30 mm for a look.
+  CHECK(bench.machine.z_axis().height() == Nanometers{36'050'000});
+  bench.run_out();
+  CHECK(bench.process.state() == S::Paused);
+  bench.process.resume();
+  bench.run_out();
+  CHECK(bench.layers.size() == 3);
+  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+}
+
+TEST_CASE("A resume before the pause has come takes the pause back") {
+  Bench bench;
+  bench.start(2);
+  bench.process.pause();
+  bench.process.resume();
+  bench.run_out();
+  CHECK(std::count(bench.states.begin(), bench.states.end(), S::Paused) == 0);
+  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+}
+
+TEST_CASE("A limit switch that never closes ends the print with its name") {
+  SimulatedPrinterConfig config = Bench::small_printer();
+  config.axis.limit_switch = SimulatedAxisConfig::Switch::StuckOpen;
+  Bench bench(config);
+  bench.start();
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Failed});
+  CHECK(bench.reason == "homing failed: the limit switch did not trigger after the full travel");
+}
+
+TEST_CASE("A display lost during the print ends it, with the light off") {
+  SimulatedPrinterConfig config = Bench::small_printer();
+  config.display.lost_after_frames = 1;
+  Bench bench(config);
+  bench.start();
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Failed});
+  CHECK(bench.reason == "the display was lost");
+  CHECK(bench.layers.size() == 1);
+  CHECK_FALSE(bench.light_at_end);
+}
+
+TEST_CASE("A projector that falls silent ends the print, with the light off") {
+  SimulatedPrinterConfig config = Bench::small_printer();
+  config.projector.silent_after_commands = 2;  // power on and the first light on
+  Bench bench(config);
+  bench.start();
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Failed});
+  CHECK(bench.reason == "light on: the projector does not answer");
+  CHECK(bench.layers.size() == 1);
+  CHECK_FALSE(bench.light_at_end);
+}
+
+TEST_CASE("A mask that cannot be shown ends the print with the reason, with the light off") {
+  const TemporaryFolder folder;
+  SimulatedPrinterConfig config = Bench::small_printer();
+  config.display.masks = folder.path() / "masks";
+  Bench bench(config);
+  const auto masks = bench.machine.begin_job("box");
+  REQUIRE(masks);
+  bench.start();
+  REQUIRE(bench.run_to(S::Resting));
+  std::filesystem::remove_all(*masks);
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Failed});
+  CHECK(bench.reason.find("cannot write") != std::string::npos);
+  CHECK_FALSE(bench.machine.light_is_on());
+  CHECK(bench.machine.screen_is_black());
+}
+
+TEST_CASE("The process leaves the light off when it is destroyed in the middle of an exposure") {
+  VirtualClock clock;
+  SimulatedPrinter machine(clock, Bench::small_printer());
+  {
+    Bench unused;  // only to observe
+    PrintProcess process(machine, clock, unused);
+    process.start(Bench::plan(1));
+    while (!machine.light_is_on())
+      REQUIRE(clock.run_next());
+  }
+  CHECK_FALSE(machine.light_is_on());
+  CHECK(machine.screen_is_black());
+}
+
+TEST_CASE(
+    "The time left falls to zero and starts with what the layers really take, but for homing and parking") {
+  Bench bench;
+  bench.start(3);
+  const Duration expected = bench.process.time_left();
+  REQUIRE(bench.run_to(S::Lowering));
+  const TimePoint start = bench.clock.now();
+  REQUIRE(bench.run_to(S::Parking));
+  CHECK(bench.process.time_left() == Duration{0});
+  const Duration real = bench.clock.now() - start;
+  // Of some 25 s: up to two frames and two replies a layer are not in the estimate, nor that retracts are a
+  // layer shorter.
+  CHECK(std::chrono::abs(real - expected) < 3 * (2 * 17ms + 2 * 20ms) + 3s);
+}
+
+TEST_CASE("A second print follows the first on the same machine") {
+  Bench bench;
+  bench.start(1);
+  bench.run_out();
+  bench.start(2);
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Done, PrintOutcome::Done});
+  CHECK(bench.layers.size() == 3);
+}

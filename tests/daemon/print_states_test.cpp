@@ -1,0 +1,143 @@
+#include "daemon/print_states.hpp"
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+
+namespace {
+
+using S = PrintState;
+using E = PrintEvent;
+using F = PrintEffect;
+
+struct Row {
+  S from;
+  E on;
+  S to;
+  std::vector<F> effects;
+};
+
+const std::vector<F> kFailure{F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::Finish};
+const std::vector<F> kCancelAtRest{F::LightOff, F::BlackNow, F::Park};
+const std::vector<F> kCancelMoving{F::LightOff, F::BlackNow, F::StopAxis};
+
+// Written out apart from the table, row for row.
+const std::vector<Row> kExpected{
+    {S::Idle, E::Started, S::WarmingUp, {F::LightOff, F::BlackNow, F::PowerOn}},
+    {S::WarmingUp, E::ProjectorReady, S::Homing, {F::Home}},
+    {S::Homing, E::Homed, S::Lowering, {F::LowerToLayer}},
+    {S::Lowering, E::MoveEnded, S::Settling, {F::WaitToSettle}},
+    {S::Settling, E::WaitOver, S::Showing, {F::ShowMask}},
+    {S::Showing, E::MaskShown, S::Igniting, {F::LightOn}},
+    {S::Igniting, E::LightIsOn, S::Exposing, {F::TimeExposure}},
+    {S::Exposing, E::WaitOver, S::Darkening, {F::LightOff, F::ShowBlack}},
+    {S::Darkening, E::ScreenBlack, S::Resting, {F::RecordLayer, F::WaitToRest}},
+    {S::Resting, E::WaitOver, S::Lifting, {F::Lift}},
+    {S::Lifting, E::LayerDue, S::Lowering, {F::NextLayer, F::LowerToLayer}},
+    {S::Lifting, E::PauseDue, S::Raising, {F::RaiseForALook}},
+    {S::Lifting, E::LayersDone, S::Parking, {F::Park}},
+    {S::Raising, E::MoveEnded, S::Paused, {}},
+    {S::Paused, E::Resumed, S::Lowering, {F::NextLayer, F::LowerToLayer}},
+    {S::Parking, E::MoveEnded, S::Idle, {F::LightOff, F::PowerOff, F::Finish}},
+    {S::WarmingUp, E::Canceled, S::Idle, {F::LightOff, F::BlackNow, F::PowerOff, F::Finish}},
+    {S::Homing, E::Canceled, S::Idle, {F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::Finish}},
+    {S::Lowering, E::Canceled, S::Halting, kCancelMoving},
+    {S::Lifting, E::Canceled, S::Halting, kCancelMoving},
+    {S::Raising, E::Canceled, S::Halting, kCancelMoving},
+    {S::Halting, E::MoveEnded, S::Parking, {F::Park}},
+    {S::Settling, E::Canceled, S::Parking, kCancelAtRest},
+    {S::Showing, E::Canceled, S::Parking, kCancelAtRest},
+    {S::Igniting, E::Canceled, S::Parking, kCancelAtRest},
+    {S::Exposing, E::Canceled, S::Parking, kCancelAtRest},
+    {S::Darkening, E::Canceled, S::Parking, kCancelAtRest},
+    {S::Resting, E::Canceled, S::Parking, kCancelAtRest},
+    {S::Paused, E::Canceled, S::Parking, kCancelAtRest},
+    {S::WarmingUp, E::Failed, S::Idle, kFailure},
+    {S::Homing, E::Failed, S::Idle, kFailure},
+    {S::Lowering, E::Failed, S::Idle, kFailure},
+    {S::Settling, E::Failed, S::Idle, kFailure},
+    {S::Showing, E::Failed, S::Idle, kFailure},
+    {S::Igniting, E::Failed, S::Idle, kFailure},
+    {S::Exposing, E::Failed, S::Idle, kFailure},
+    {S::Darkening, E::Failed, S::Idle, kFailure},
+    {S::Resting, E::Failed, S::Idle, kFailure},
+    {S::Lifting, E::Failed, S::Idle, kFailure},
+    {S::Raising, E::Failed, S::Idle, kFailure},
+    {S::Paused, E::Failed, S::Idle, kFailure},
+    {S::Halting, E::Failed, S::Idle, kFailure},
+    {S::Parking, E::Failed, S::Idle, kFailure},
+};
+
+std::set<S> all_states() {
+  std::set<S> states;
+  for (const PrintTransition& t : print_transitions())
+    states.insert({t.from, t.to});
+  return states;
+}
+
+}  // namespace
+
+TEST_CASE("Every row of the print process leads where it should, with the effects it should have") {
+  for (const Row& row : kExpected) {
+    CAPTURE(name_of(row.from), name_of(row.on));
+    const PrintTransition* found = find_transition(row.from, row.on);
+    REQUIRE(found != nullptr);
+    CHECK(found->to == row.to);
+    CHECK(std::vector<F>(found->done().begin(), found->done().end()) == row.effects);
+  }
+  CHECK(print_transitions().size() == kExpected.size());
+}
+
+TEST_CASE("No state has two rows for one event") {
+  std::set<std::pair<S, E>> seen;
+  for (const PrintTransition& t : print_transitions())
+    CHECK(seen.insert({t.from, t.on}).second);
+}
+
+TEST_CASE("Every way out of a state in which the light may be on turns it off before anything else") {
+  for (const S lit : {S::Igniting, S::Exposing}) {
+    for (const PrintTransition& t : print_transitions()) {
+      if (t.from != lit || t.to == S::Exposing) continue;
+      CAPTURE(name_of(t.from), name_of(t.on));
+      CHECK(t.done().front() == F::LightOff);
+    }
+  }
+}
+
+TEST_CASE("Light off comes first wherever it comes at all") {
+  for (const PrintTransition& t : print_transitions()) {
+    const auto effects = t.done();
+    const auto light_off = std::find(effects.begin(), effects.end(), F::LightOff);
+    CHECK((light_off == effects.end() || light_off == effects.begin()));
+  }
+}
+
+TEST_CASE("A print can fail in every state, and ends idle whatever happens to it") {
+  for (const S state : all_states()) {
+    if (state == S::Idle) continue;
+    CAPTURE(name_of(state));
+    REQUIRE(find_transition(state, E::Failed) != nullptr);
+    CHECK(find_transition(state, E::Failed)->to == S::Idle);
+  }
+  for (const PrintTransition& t : print_transitions()) {
+    CHECK((t.to == S::Idle) == (t.effect_count > 0 && t.done().back() == F::Finish));
+  }
+}
+
+TEST_CASE("The light goes on only when the mask is on the screen") {
+  for (const PrintTransition& t : print_transitions()) {
+    const auto effects = t.done();
+    const bool ignites = std::find(effects.begin(), effects.end(), F::LightOn) != effects.end();
+    CHECK(ignites == (t.from == S::Showing && t.on == E::MaskShown));
+  }
+}
+
+TEST_CASE("The drawing names every state") {
+  const std::string drawing = draw_print_states();
+  for (const S state : all_states())
+    CHECK(drawing.find("\"" + std::string(name_of(state)) + "\"") != std::string::npos);
+}
