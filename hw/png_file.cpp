@@ -68,7 +68,10 @@ void write_png(const std::filesystem::path& path, const Mask& mask) {
   const auto cannot_write = [&path] {
     const std::error_code code(errno, std::generic_category());
     std::error_code ignored;
-    std::filesystem::remove(path, ignored);
+    // What was half written goes; a device or a pipe is not ours to remove.
+    if (std::filesystem::is_regular_file(std::filesystem::symlink_status(path, ignored))) {
+      std::filesystem::remove(path, ignored);
+    }
     return std::system_error(code, "cannot write " + path.string());
   };
   std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "wb"));

@@ -9,7 +9,8 @@
 
 namespace contourd {
 
-// Blocks. Throws std::system_error when the file cannot be written; a file half written is removed.
+// Blocks. Throws std::system_error when the file cannot be written; a regular file half written is
+// removed.
 void write_png(const std::filesystem::path& path, const Mask& mask);
 
 // The same PNG in memory.

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <new>
@@ -13,6 +15,7 @@
 #include "daemon/control_defaults.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/readable.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -76,6 +79,9 @@ SliceOptions parse_slice(SliceOptions options, const SliceWords& words, bool has
   return options;
 }
 
+// An unset shell variable must not become 0 or "no output".
+const CLI::Validator kNotEmpty([](const std::string& word) { return word.empty() ? "it is empty" : ""; }, "");
+
 int run(int argc, char** argv) {
   CLI::App app{"Inspects and slices STL models, and talks to contourd."};
   app.require_subcommand(1);
@@ -85,31 +91,40 @@ int run(int argc, char** argv) {
   InspectOptions inspect_options;
   CLI::App* inspect_app =
       app.add_subcommand("inspect", "Say what a model's file holds and what is wrong with it");
-  inspect_app->add_option("MODEL", inspect_options.model, "STL file")->required();
+  inspect_app->add_option("MODEL", inspect_options.model, "STL file")->required()->check(kNotEmpty);
   inspect_app->add_flag("--json", inspect_options.json, "Print JSON");
   inspect_app->callback([&] { chosen = [&] { return inspect(inspect_options); }; });
 
   SliceOptions slice_options;
   SliceWords words;
   CLI::App* slice_app = app.add_subcommand("slice", "Cut a model at one height, or into layers");
-  slice_app->add_option("MODEL", slice_options.model, "STL file")->required();
+  slice_app->add_option("MODEL", slice_options.model, "STL file")->required()->check(kNotEmpty);
   CLI::Option* z =
-      slice_app->add_option("--z", words.z_mm, "Height of the cut, mm, in the file's coordinates");
+      slice_app->add_option("--z", words.z_mm, "Height of the cut, mm, in the file's coordinates")
+          ->check(kNotEmpty);
   CLI::Option* layer_height =
-      slice_app->add_option("--layer-height-um", words.layer_height_um, "Layer height, um");
-  slice_app->add_option("--mask", words.mask, "Write the mask at --z to this PNG file");
-  slice_app->add_option("--masks", words.masks, "Write one PNG file a layer to this folder: 0001.png ...");
-  slice_app->add_option("--csv", words.csv,
-                        "Write each layer's measurements to this file, and FILE-summary.csv");
-  slice_app->add_option("--contours", words.contours,
-                        "Write one CSV file of contour points a layer to this folder");
-  slice_app->add_option("--display", words.display, "Pixels, WIDTHxHEIGHT")->capture_default_str();
+      slice_app->add_option("--layer-height-um", words.layer_height_um, "Layer height, um")->check(kNotEmpty);
+  slice_app->add_option("--mask", words.mask, "Write the mask at --z to this PNG file")->check(kNotEmpty);
+  slice_app->add_option("--masks", words.masks, "Write one PNG file a layer to this folder: 0001.png ...")
+      ->check(kNotEmpty);
+  slice_app
+      ->add_option("--csv", words.csv, "Write each layer's measurements to this file, and FILE-summary.csv")
+      ->check(kNotEmpty);
+  slice_app
+      ->add_option("--contours", words.contours,
+                   "Write one CSV file of contour points a layer to this folder")
+      ->check(kNotEmpty);
+  slice_app->add_option("--display", words.display, "Pixels, WIDTHxHEIGHT")
+      ->capture_default_str()
+      ->check(kNotEmpty);
   slice_app->add_option("--pixel-pitch-um", words.pixel_pitch_um, "Side of a pixel on the plate, um")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(kNotEmpty);
   slice_app->add_flag("--fit", slice_options.fit, "Fit the model to the display instead of true scale");
   slice_app->add_option("--aa", words.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")
       ->check(CLI::IsMember({"on", "off"}))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(kNotEmpty);
   slice_app->add_flag("--json", slice_options.json, "Print JSON");
   slice_app->callback([&] {
     chosen = [&] {
@@ -123,16 +138,18 @@ int run(int argc, char** argv) {
   const auto add_client = [&](const char* name, const char* help, std::function<int()> call) -> CLI::App* {
     CLI::App* command = app.add_subcommand(name, help);
     command->add_option("--socket", client.socket, "contourd's control socket (or CONTOURD_SOCKET)")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->check(kNotEmpty);
     command->add_flag("--json", client.json, "Print JSON, one message a line");
     command->callback([&chosen, call = std::move(call)] { chosen = call; });
     return command;
   };
   add_client("status", "What the printer is doing", [&] { return request(client, "status"); });
   std::optional<std::string> job;
-  add_client("watch", "Follow the print with a progress bar until it ends", [&] {
-    return watch(client, job);
-  })->add_option("--job", job, "Until the job of this name has ended");
+  add_client("watch", "Follow the print with a progress bar until it ends",
+             [&] { return watch(client, job); })
+      ->add_option("--job", job, "Until the job of this name has ended")
+      ->check(kNotEmpty);
   add_client("queue", "The jobs that wait", [&] { return request(client, "queue"); });
   add_client("pause", "Pause after the layer under way", [&] { return request(client, "pause"); });
   add_client("resume", "Go on after a pause", [&] { return request(client, "resume"); });
@@ -146,11 +163,15 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kOk : kBadUsage;
   }
-  return chosen();
+  const int code = chosen();
+  if (std::fflush(stdout) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot write the result");
+  return code;
 }
 
+// One line, whatever a file is called.
 int complain(int code, const char* why) {
-  fmt::print(stderr, "contourctl: {}\n", why);
+  fmt::print(stderr, "contourctl: {}\n", printable(why));
   return code;
 }
 
@@ -170,7 +191,7 @@ int main(int argc, char** argv) {
   } catch (const DaemonError& error) {
     return complain(kUnavailable, error.what());
   } catch (const std::system_error& error) {
-    return complain(kNoInput, error.what());
+    return complain(std::ferror(stdout) != 0 ? kCannotCreate : kNoInput, error.what());
   } catch (const std::bad_alloc&) {
     return complain(kBadData, "the model does not fit into this machine's memory");
   } catch (const std::exception& error) {
