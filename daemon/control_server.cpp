@@ -28,6 +28,7 @@ constexpr std::size_t kLongestMessage = 65536;
 constexpr std::size_t kMostUnsent = 262144;       // beyond it, lossy notifications are left out
 constexpr std::size_t kMostUnsentEver = 4194304;  // beyond it, the client is not reading: it is dropped
 constexpr std::size_t kMostClients = 64;
+constexpr std::size_t kLargestBatch = 64;
 
 Json error_answer(const Json& id, int code, const std::string& message) {
   return {{"jsonrpc", "2.0"}, {"error", {{"code", code}, {"message", message}}}, {"id", id}};
@@ -111,7 +112,10 @@ class ControlServer::Client {
       if (!answer.is_discarded()) send(answer);
       return;
     }
-    if (message.empty()) return send(error_answer(nullptr, kInvalidRequest, "an empty batch"));
+    if (message.empty() || message.size() > kLargestBatch) {
+      return send(
+          error_answer(nullptr, kInvalidRequest, fmt::format("a batch has 1 to {} messages", kLargestBatch)));
+    }
     Json answers = Json::array();
     for (const Json& each : message) {
       Json answer = server_.answer(each, *this);
@@ -187,14 +191,16 @@ void ControlServer::accept_client() {
 
 Json ControlServer::answer(const Json& message, Client& client) {
   const Json no_answer(Json::value_t::discarded);
-  if (!message.is_object() || message.value("jsonrpc", Json()) != "2.0" || !message.contains("method") ||
-      !message["method"].is_string()) {
-    const Json id = message.is_object() && message.contains("id") ? message["id"] : Json();
-    return error_answer(id, kInvalidRequest,
+  const bool is_object = message.is_object();
+  const bool has_id = is_object && message.contains("id");
+  const auto is_id = [](const Json& id) { return id.is_string() || id.is_number() || id.is_null(); };
+  if (!is_object || !message.contains("jsonrpc") || message["jsonrpc"] != "2.0" ||
+      !message.contains("method") || !message["method"].is_string() || (has_id && !is_id(message["id"]))) {
+    return error_answer(is_object && has_id && is_id(message["id"]) ? message["id"] : Json(), kInvalidRequest,
                         R"(not a JSON-RPC 2.0 request; expected {"jsonrpc":"2.0","method":...,"id":...})");
   }
   const Json result = call(message, client);
-  if (!message.contains("id")) return no_answer;
+  if (!has_id) return no_answer;
   if (result.contains("error")) {
     return {{"jsonrpc", "2.0"}, {"error", result["error"]}, {"id", message["id"]}};
   }

@@ -63,8 +63,22 @@ void PrinterService::shut_down(const std::string& reason) {
   shutting_down_ = true;
   process_.fail(reason);
   // Still being read: nothing was printed, so it waits for the next start.
-  if (active_) log_.warning("interrupted", fmt::format("{}: {}", printable(active_->files.name), reason));
+  if (active_) give_back_unbegun();
   loop_.stop();
+}
+
+void PrinterService::give_back_unbegun() {
+  const std::string name = active_->files.name;
+  try {
+    if (!spool_.give_back(active_->files))
+      file_job(active_->files, Spool::Folder::Failed, "contourd was stopped before the print began.");
+    log_.info("stopped", fmt::format("{}: had not begun, waits for the next start", printable(name)),
+              job_fields(name));
+  } catch (const std::system_error& error) {
+    log_.error("spool", fmt::format("{}: stays in printing: {}", printable(name), error.what()),
+               job_fields(name));
+  }
+  active_.reset();
 }
 
 void PrinterService::file_interrupted_prints() {
@@ -123,22 +137,18 @@ std::string PrinterService::reason_to_wait() const {
 }
 
 void PrinterService::pump() {
-  if (shutting_down_ || queue_.empty()) return;
-  if (active_) {
-    queue_.front().waited = true;
-    return check_waiting();
+  if (shutting_down_) return;
+  const std::string reason = active_ || queue_.empty() ? "" : reason_to_wait();
+  if (std::exchange(waiting_for_, reason) != reason && !reason.empty()) {
+    log_.info("waiting", fmt::format("{} waits: {}", printable(queue_.front().file), printable(reason)));
   }
-  const std::string reason = reason_to_wait();
-  if (!reason.empty()) {
-    queue_.front().waited = true;
-    if (std::exchange(waiting_for_, reason) != reason) {
-      log_.info("waiting", fmt::format("{} waits: {}", printable(queue_.front().file), printable(reason)));
-    }
+  if (queue_.empty()) return;
+  if (!active_ && reason.empty()) return begin_next();
+  queue_.front().waited = true;
+  // A disk may get room again without a word.
+  if (!reason.empty())
     pump_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
-    return check_waiting();
-  }
-  waiting_for_.clear();
-  begin_next();
+  check_waiting();
 }
 
 void PrinterService::begin_next() {
@@ -146,6 +156,11 @@ void PrinterService::begin_next() {
   // Its check is being made right now: its end comes back here.
   if (job.check == QueuedJob::Check::Running) return;
   queue_.pop_front();
+  // The owner is writing it anew: it comes back when it is whole.
+  if (spool_.is_being_written(job.file)) {
+    spool_.wait_for(job.file);
+    return pump_soon();
+  }
   ActiveJob active;
   active.turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived;
   try {
@@ -183,7 +198,7 @@ void PrinterService::checked(const std::string& file, const std::optional<std::s
   // Gone, or written again meanwhile: what was found out is about another file.
   if (job != queue_.end() && job->check == QueuedJob::Check::Running) {
     job->check = QueuedJob::Check::Passed;
-    if (refusal) {
+    if (refusal && !spool_.is_being_written(file)) {
       queue_.erase(job);
       reject(file, *refusal);
     }

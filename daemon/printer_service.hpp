@@ -62,6 +62,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) override;
 
   void file_interrupted_prints();
+  void give_back_unbegun();
   // Does what is due: starts the next job, or has a waiting one checked. Never from inside the print process.
   void pump();
   void pump_soon();

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/epoll.h>
+#include <sys/file.h>
 #include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -23,6 +24,10 @@ using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 constexpr const char* kOccupied = "plate-occupied";
+constexpr const char* kLock = ".lock";
+
+// File names have at most 255 bytes; a job's name leaves room for a number and for what is written beside it.
+constexpr std::size_t kLongestName = 200;
 
 // How often a file that is not known to be whole is looked at again, and after how many looks without a
 // change it counts as whole where the file system cannot tell whether someone still writes (network shares).
@@ -57,6 +62,11 @@ Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
     : root_(std::move(root)), loop_(loop), observer_(observer) {
   for (const Folder each : {Folder::Incoming, Folder::Printing, Folder::Done, Folder::Failed}) {
     fs::create_directories(folder(each));
+  }
+  lock_ = FileDescriptor(::open((root_ / kLock).c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
+  if (!lock_.valid()) throw failure("cannot write in the spool " + root_.string());
+  if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0) {
+    throw std::runtime_error(fmt::format("another contourd uses the spool {}", root_.string()));
   }
 }
 
@@ -96,7 +106,7 @@ void Spool::open() {
   }
   std::sort(found.begin(), found.end());
   for (const auto& [changed, file] : found)
-    consider(file);
+    consider(file, Look::Event);
 }
 
 void Spool::read_events() {
@@ -110,7 +120,7 @@ void Spool::read_events() {
       if ((event->mask & IN_Q_OVERFLOW) != 0) {
         // Events were lost: everything in the folder is looked at afresh.
         for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Incoming))) {
-          consider(entry.path().filename().string());
+          consider(entry.path().filename().string(), Look::Event);
         }
         continue;
       }
@@ -119,27 +129,26 @@ void Spool::read_events() {
         candidates_.erase(file);
         if (is_model_name(file)) observer_.model_withdrawn(file);
       } else {
-        consider(file);
+        consider(file, Look::Event);
       }
     }
   }
 }
 
-void Spool::consider(const std::string& file) {
+void Spool::consider(const std::string& file, Look look) {
   const fs::path path = folder(Folder::Incoming) / file;
   struct stat status {};
   if (!is_model_name(file) || ::lstat(path.c_str(), &status) != 0 || S_ISDIR(status.st_mode)) return;
   const bool regular = S_ISREG(status.st_mode);
-  const std::optional<fs::path> ticket = files_of(Folder::Incoming, file).ticket;
   Candidate& candidate = candidates_[file];
   const auto bytes = static_cast<std::uintmax_t>(status.st_size);
-  candidate.unchanged_looks = bytes == candidate.bytes ? candidate.unchanged_looks + 1 : 0;
+  if (bytes != candidate.bytes) candidate.unchanged_looks = 0;
+  if (look == Look::Timer) ++candidate.unchanged_looks;
   candidate.bytes = bytes;
-  const bool ticket_in_work = ticket && writers_of(*ticket) == Writers::Some;
-  const Writers writers = ticket_in_work ? Writers::Some : regular ? writers_of(path) : Writers::None;
+  const bool being_written = is_being_written(file);
   const bool quiet = candidate.unchanged_looks >= kQuietLooks;
-  const bool whole = (writers == Writers::None && bytes > 0) || (writers != Writers::Some && quiet) ||
-                     (!regular && !ticket_in_work);
+  const bool known_to_be_whole = bytes > 0 && writers_of(path) == Writers::None;
+  const bool whole = !being_written && (known_to_be_whole || quiet || !regular);
   if (whole) {
     candidates_.erase(file);
     observer_.model_arrived(file);
@@ -160,9 +169,19 @@ void Spool::look_again() {
     if (::lstat((folder(Folder::Incoming) / file).c_str(), &status) != 0) {
       candidates_.erase(file);
     } else {
-      consider(file);
+      consider(file, Look::Timer);
     }
   }
+}
+
+bool Spool::is_being_written(const std::string& file) const {
+  const JobFiles files = files_of(Folder::Incoming, file);
+  return writers_of(files.model) == Writers::Some ||
+         (files.ticket && writers_of(*files.ticket) == Writers::Some);
+}
+
+void Spool::wait_for(const std::string& file) {
+  consider(file, Look::Event);
 }
 
 JobFiles Spool::files_of(Folder where, const std::string& file) const {
@@ -174,7 +193,13 @@ JobFiles Spool::files_of(Folder where, const std::string& file) const {
   return files;
 }
 
-std::string Spool::unused_name(const std::string& stem) const {
+std::string Spool::unused_name(const std::string& full_stem) const {
+  std::string stem = full_stem.substr(0, kLongestName);
+  // Not in the middle of a UTF-8 sequence.
+  while (stem.size() < full_stem.size() &&
+         (static_cast<unsigned char>(full_stem[stem.size()]) & 0xC0U) == 0x80) {
+    stem.pop_back();
+  }
   for (int number = 1;; ++number) {
     const std::string name = number == 1 ? stem : fmt::format("{}-{}", stem, number);
     const auto used_in = [&](Folder where) {
@@ -194,15 +219,16 @@ JobFiles Spool::named(Folder where, const std::string& name, const JobFiles& lik
 }
 
 void Spool::move_job(const JobFiles& from, const JobFiles& to) const {
-  // The ticket first: a model without its ticket would be another job.
-  if (from.ticket) fs::rename(*from.ticket, *to.ticket);
+  // The model first: where it is, the job is. Cut off in between, a job is filed as interrupted; the other
+  // way round it would be printed without its ticket.
+  fs::rename(from.model, to.model);
   std::error_code code;
-  fs::rename(from.model, to.model, code);
-  if (code) {
+  if (from.ticket) fs::rename(*from.ticket, *to.ticket, code);
+  if (code && code != std::errc::no_such_file_or_directory) {
     std::error_code ignored;
-    if (from.ticket) fs::rename(*to.ticket, *from.ticket, ignored);
+    fs::rename(to.model, from.model, ignored);
     throw std::system_error(code,
-                            fmt::format("cannot move {} to {}", from.model.string(), to.model.string()));
+                            fmt::format("cannot move {} to {}", from.ticket->string(), to.ticket->string()));
   }
   sync_folder(to.model.parent_path());
   sync_folder(from.model.parent_path());
@@ -219,6 +245,14 @@ void Spool::end(const JobFiles& files, Folder where) {
   move_job(files, named(where, files.name, files));
 }
 
+bool Spool::give_back(const JobFiles& files) {
+  const JobFiles to = named(Folder::Incoming, files.name, files);
+  if (fs::exists(fs::symlink_status(to.model)) || (to.ticket && fs::exists(fs::symlink_status(*to.ticket))))
+    return false;
+  move_job(files, to);
+  return true;
+}
+
 void Spool::reject(const std::string& file, const std::string& reason) {
   const JobFiles from = files_of(Folder::Incoming, file);
   const JobFiles to = named(Folder::Failed, unused_name(from.name), from);
@@ -231,11 +265,21 @@ void Spool::write_beside(Folder where, const std::string& name, const std::strin
   write_durably(folder(where) / (name + "." + suffix), text);
 }
 
-std::vector<JobFiles> Spool::interrupted() const {
+std::vector<JobFiles> Spool::interrupted() {
   std::vector<JobFiles> jobs;
+  std::vector<fs::path> others;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Printing))) {
     const std::string file = entry.path().filename().string();
-    if (is_model_name(file)) jobs.push_back(files_of(Folder::Printing, file));
+    if (is_model_name(file)) {
+      jobs.push_back(files_of(Folder::Printing, file));
+    } else {
+      others.push_back(entry.path());
+    }
+  }
+  for (const fs::path& other : others) {
+    const bool belongs_to_job =
+        std::any_of(jobs.begin(), jobs.end(), [&](const JobFiles& job) { return job.ticket == other; });
+    if (!belongs_to_job) fs::rename(other, folder(Folder::Failed) / other.filename());
   }
   return jobs;
 }

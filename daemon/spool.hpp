@@ -40,13 +40,19 @@ class Spool {
  public:
   enum class Folder { Incoming, Printing, Done, Failed };
 
-  // Makes the folders. Throws std::system_error when that fails.
+  // Makes the folders, and takes the spool for this process alone. Throws std::system_error when that fails,
+  // std::runtime_error when another contourd has it.
   Spool(std::filesystem::path root, EventLoop& loop, SpoolObserver& observer);
 
   // Watches incoming/, and reports what is in it already, oldest first. Throws std::system_error.
   void open();
 
   [[nodiscard]] std::filesystem::path folder(Folder folder) const;
+
+  // Whether somebody has incoming/`file` or its ticket open for writing at this moment.
+  [[nodiscard]] bool is_being_written(const std::string& file) const;
+  // Reports incoming/`file` again when it is whole.
+  void wait_for(const std::string& file);
 
   // The files of a model in incoming/ or printing/, its ticket with it if there is one.
   [[nodiscard]] JobFiles files_of(Folder folder, const std::string& file) const;
@@ -57,6 +63,9 @@ class Spool {
   // -> done/ or failed/. What goes beside them has been written before: see write_beside(). Throws
   // std::system_error.
   void end(const JobFiles& files, Folder to);
+  // printing/ -> incoming/, for a job that has not begun. False when incoming/ has another of that name by
+  // now. Throws std::system_error.
+  bool give_back(const JobFiles& files);
   // incoming/ -> failed/, with a reason file. Throws std::system_error.
   void reject(const std::string& file, const std::string& reason);
 
@@ -65,8 +74,9 @@ class Spool {
   void write_beside(Folder folder, const std::string& name, const std::string& suffix,
                     const std::string& text) const;
 
-  // Models left in printing/ by a daemon that did not end its print.
-  [[nodiscard]] std::vector<JobFiles> interrupted() const;
+  // Models left in printing/ by a daemon that did not end its print. Tickets left there without one go to
+  // failed/.
+  [[nodiscard]] std::vector<JobFiles> interrupted();
 
   // The job whose part is on the plate, or nothing when the plate is clear. Survives restarts.
   [[nodiscard]] std::optional<std::string> plate_occupant() const;
@@ -77,19 +87,21 @@ class Spool {
  private:
   struct Candidate {
     std::uintmax_t bytes = 0;
-    int unchanged_looks = 0;
+    int unchanged_looks = 0;  // by the timer: events may come in bursts
   };
 
   void read_events();
-  void consider(const std::string& file);
+  enum class Look { Event, Timer };
+  void consider(const std::string& file, Look look);
   void look_again();
-  [[nodiscard]] std::string unused_name(const std::string& stem) const;
+  [[nodiscard]] std::string unused_name(const std::string& full_stem) const;
   void move_job(const JobFiles& from, const JobFiles& to) const;
   [[nodiscard]] JobFiles named(Folder folder, const std::string& name, const JobFiles& like) const;
 
   std::filesystem::path root_;
   EventLoop& loop_;
   SpoolObserver& observer_;
+  FileDescriptor lock_;
   FileDescriptor inotify_;
   EventLoop::SourcePtr inotify_source_;
   EventLoop::SourcePtr look_again_timer_;

@@ -140,6 +140,10 @@ std::optional<std::filesystem::path> SimulatedPrinter::begin_job(std::string_vie
   }
   const std::filesystem::path folder = *screen_->config().masks / name;
   std::filesystem::create_directories(folder);
+  // An earlier job of that name may have left masks.
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".png") std::filesystem::remove(entry.path());
+  }
   screen_->keep_masks_in(folder);
   return folder;
 }

@@ -166,12 +166,13 @@ int request(const ClientOptions& options, const std::string& method) {
   return kOk;
 }
 
-int watch(const ClientOptions& options, const std::optional<std::string>& job) {
+int watch(const ClientOptions& options, const std::optional<std::string>& wanted_job) {
   Connection connection(options.socket);
   constexpr int kStatus = 2;
   connection.send("watch", 1);
   connection.send("status", kStatus);
   ProgressView view;
+  std::string under_way;
   while (true) {
     const Json message = connection.receive();
     if (options.json) {
@@ -181,10 +182,16 @@ int watch(const ClientOptions& options, const std::optional<std::string>& job) {
     const bool first = message.value("id", 0) == kStatus;
     if (!first && !message.contains("params")) continue;
     const Json& status = first ? message["result"] : message["params"];
-    const bool job_over = status["last"].is_object() && job && status["last"].value("job", "") == *job;
-    const bool any_over = message.value("method", "") == "ended" && !job;
+    if (!wanted_job && status["job"].is_object() && message.value("method", "") != "ended") {
+      under_way = status["job"].value("name", "");
+    }
     if (!options.json) view.show(status);
-    if (!job_over && !any_over) continue;
+    // A refusal in the queue is not the end of the print that is being watched.
+    const std::string ended = status["last"].is_object() ? status["last"].value("job", "") : "";
+    const bool over =
+        wanted_job ? ended == *wanted_job
+                   : message.value("method", "") == "ended" && (under_way.empty() || ended == under_way);
+    if (!over) continue;
     if (options.json) return status["last"].value("outcome", "") == "done" ? kOk : kFailed;
     view.end();
     return print_end(status);
