@@ -1,7 +1,7 @@
-// Maps a section's millimetres to the display's pixels: at true scale (a part must come out at its size) or
-// fitted to the display as the thesis does. Pixel coordinates are continuous: pixel (column, row) covers
-// [column, column + 1) by [row, row + 1), row 0 at the top. x grows to the right; larger y lies higher.
-// Immutable value, thread-safe.
+// Maps a section's millimetres to the display's pixels (step 13 of the thesis's algorithm 1): at true scale
+// (a part must come out at its size) or fitted to the display as the thesis does. Pixel coordinates are
+// continuous: pixel (column, row) covers [column, column + 1) by [row, row + 1), row 0 at the top. x grows to
+// the right; larger y lies higher. Immutable value, thread-safe.
 #pragma once
 
 #include "core/facet.hpp"

@@ -157,6 +157,11 @@ std::string facts(const PrintReport& report) {
   if (s.copies != 1) rows += row("Copies", std::to_string(s.copies));
   if (s.scale != 1) rows += row("Scale", fmt::format("{:.4g}", s.scale));
   rows += row("Resin", s.resin.name);
+  rows +=
+      row("Lift", fmt::format("{:g} mm, {:g} mm/s up, {:g} mm/s down", to_millimeters(s.resin.lift).count(),
+                              s.resin.lift_speed.count(), s.resin.retract_speed.count()));
+  rows += row("Waits",
+              fmt::format("{:g} ms before the light, {:g} ms after", ms(s.resin.settle), ms(s.resin.rest)));
   if (!report.layers.empty()) {
     rows += row("Exposure",
                 fmt::format("{:.0f} ms first, {:.0f} ms last", ms(report.layers.front().exposure_asked),
@@ -168,6 +173,15 @@ std::string facts(const PrintReport& report) {
     rows += row("Measured against asked", fmt::format("at most {:.2f} ms off", ms(worst)));
   }
   rows += row("First mask", fmt::format("{:.1f} ms after its turn came", ms(report.first_mask_after)));
+  Duration slowest{0}, sum{0};
+  for (const LayerRecord& layer : report.layers) {
+    slowest = std::max(slowest, layer.mask_time);
+    sum += layer.mask_time;
+  }
+  if (!report.layers.empty()) {
+    rows += row("Masks", fmt::format("{:.2f} ms each, the slowest {:.2f} ms",
+                                     ms(sum) / static_cast<double>(report.layers.size()), ms(slowest)));
+  }
   for (const std::string& warning : s.warnings)
     rows += row("Warning", warning);
   return rows;

@@ -1,6 +1,7 @@
 #include "daemon/printer_service.hpp"
 
 #include <fmt/format.h>
+#include <systemd/sd-daemon.h>
 
 #include <algorithm>
 #include <system_error>
@@ -21,6 +22,9 @@ constexpr Duration kRetryInterval = 30s;
 
 LogFields job_fields(const std::string& job) {
   return {{"JOB_ID", printable(job)}};
+}
+LogFields file_fields(const std::string& file) {
+  return job_fields(std::filesystem::path(file).stem().string());
 }
 
 std::variant<PreparedJob, std::string> try_to_prepare(const JobFiles& files, const PrinterConfig& printer) {
@@ -106,7 +110,7 @@ void PrinterService::model_arrived(const std::string& file) {
   } else {
     queue_.push_back(job);
     log_.info("queued", fmt::format("{}: arrived, number {} in the queue", printable(file), queue_.size()),
-              job_fields(file));
+              file_fields(file));
   }
   pump();
 }
@@ -114,7 +118,7 @@ void PrinterService::model_arrived(const std::string& file) {
 void PrinterService::model_withdrawn(const std::string& file) {
   const auto removed = std::erase_if(queue_, [&](const QueuedJob& job) { return job.file == file; });
   if (removed > 0)
-    log_.info("withdrawn", fmt::format("{}: taken away by the owner", printable(file)), job_fields(file));
+    log_.info("withdrawn", fmt::format("{}: taken away by the owner", printable(file)), file_fields(file));
 }
 
 // --- from the queue to a print
@@ -207,7 +211,7 @@ void PrinterService::checked(const std::string& file, const std::optional<std::s
 }
 
 void PrinterService::reject(const std::string& file, const std::string& reason) {
-  log_.error("refused", fmt::format("{}: {}", printable(file), reason), job_fields(file));
+  log_.error("refused", fmt::format("{}: {}", printable(file), reason), file_fields(file));
   try {
     spool_.reject(file, reason + "\n");
   } catch (const std::system_error& error) {
@@ -294,6 +298,8 @@ void PrinterService::layer_done(const LayerRecord& layer) {
   if (layer.area_mm2 == 0 && layer.layer + 1 < count) {
     log_.warning("empty", fmt::format("layer {}: nothing to expose", layer.layer + 1), fields);
   }
+  sd_notifyf(0, "STATUS=Printing %s, layer %d of %d", printable(active_->files.name).c_str(), layer.layer + 1,
+             count);
   if (control_) control_->notify("layer", status(), ControlServer::Delivery::Lossy);
 }
 
@@ -367,6 +373,7 @@ void PrinterService::file_job(const JobFiles& files, Spool::Folder to, const std
 
 void PrinterService::ended(const std::string& name, std::string_view outcome, const std::string& reason) {
   last_ = EndedJob{name, std::string(outcome), reason};
+  sd_notifyf(0, "STATUS=Ready; last job %s: %s", printable(name).c_str(), std::string(outcome).c_str());
   if (control_) control_->notify("ended", status(), ControlServer::Delivery::Certain);
 }
 
