@@ -59,7 +59,8 @@ Log::Log() : journald_(stderr_is_journal()) {
   spdlog::set_pattern("%H:%M:%S.%e %^%-7l%$ %v");
 }
 
-void Log::write(LogLevel level, std::string_view event, const std::string& message, LogFields fields) const {
+void Log::write(LogLevel level, std::string_view event, const std::string& message,
+                const LogFields& fields) const {
   if (journald_) {
     send_to_journal(level, event, message, fields);
   } else {

@@ -21,16 +21,17 @@ class Log {
   // Chooses journald when stderr is connected to it (JOURNAL_STREAM, systemd.exec(5)).
   Log();
 
-  void write(LogLevel level, std::string_view event, const std::string& message, LogFields fields = {}) const;
+  void write(LogLevel level, std::string_view event, const std::string& message,
+             const LogFields& fields = {}) const;
 
-  void error(std::string_view event, const std::string& message, LogFields fields = {}) const {
-    write(LogLevel::Error, event, message, std::move(fields));
+  void error(std::string_view event, const std::string& message, const LogFields& fields = {}) const {
+    write(LogLevel::Error, event, message, fields);
   }
-  void warning(std::string_view event, const std::string& message, LogFields fields = {}) const {
-    write(LogLevel::Warning, event, message, std::move(fields));
+  void warning(std::string_view event, const std::string& message, const LogFields& fields = {}) const {
+    write(LogLevel::Warning, event, message, fields);
   }
-  void info(std::string_view event, const std::string& message, LogFields fields = {}) const {
-    write(LogLevel::Info, event, message, std::move(fields));
+  void info(std::string_view event, const std::string& message, const LogFields& fields = {}) const {
+    write(LogLevel::Info, event, message, fields);
   }
 
  private:

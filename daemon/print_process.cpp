@@ -268,7 +268,7 @@ Duration PrintProcess::layer_duration(std::int32_t layer) const {
 Duration PrintProcess::time_left() const {
   // From Darkening on, the layer under way has had its light.
   const bool exposed = state_ >= PrintState::Darkening;
-  return left_after_[static_cast<std::size_t>(layer_ + (exposed ? 1 : 0))];
+  return left_after_[static_cast<std::size_t>(layer_) + (exposed ? 1 : 0)];
 }
 
 }  // namespace contourd

@@ -116,7 +116,8 @@ std::string plot(const std::string& title, const std::vector<PlotPoint>& all) {
   }
   // About five round heights.
   const double step = round_up(right / 5);
-  for (double height = 0; height <= right; height += step) {
+  for (int i = 0; i * step <= right; ++i) {
+    const double height = i * step;
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{:g}{}</text>\n", x(height),
                        kPlotHeight - kPlotBottom + 18, height, height == 0 ? " mm" : "");
   }

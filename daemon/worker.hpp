@@ -16,7 +16,8 @@ namespace contourd {
 
 class Worker {
  public:
-  explicit Worker(EventLoop& loop) : mailbox_(loop), thread_([this](std::stop_token stop) { work(stop); }) {}
+  explicit Worker(EventLoop& loop)
+      : mailbox_(loop), thread_([this](const std::stop_token& stop) { work(stop); }) {}
 
   // Calls `task` on the worker's thread, then `done` with its result on the loop's. `task` must not throw.
   template <typename Task, typename Done>

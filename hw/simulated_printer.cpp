@@ -99,7 +99,7 @@ class SimulatedPrinter::Lamp final : public Projector {
   [[nodiscard]] bool is_on() const { return light_; }
 
  private:
-  void reply(Duration delay, std::function<void()> effect, Done done) {
+  void reply(Duration delay, const std::function<void()>& effect, Done done) {
     ++commands_;
     const bool silent = config_.silent_after_commands && commands_ > *config_.silent_after_commands;
     reply_ = clock_.call_after(silent ? config_.timeout : delay, [=, done = std::move(done)] {
