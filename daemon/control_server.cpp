@@ -21,7 +21,7 @@ using Json = ControlServer::Json;
 
 // JSON-RPC 2.0's error codes, and ours for "not now".
 constexpr int kParseError = -32700, kInvalidRequest = -32600, kMethodNotFound = -32601,
-              kInvalidParams = -32602;
+              kInvalidParams = -32602, kInternalError = -32603;
 constexpr int kRefused = -32000;
 
 constexpr std::size_t kLongestMessage = 65536;
@@ -66,39 +66,52 @@ class ControlServer::Client {
     flush();
   }
 
-  [[nodiscard]] bool closed() const { return closed_; }
+  [[nodiscard]] bool closed() const { return source_ == nullptr; }
   [[nodiscard]] bool reads_slowly() const { return unsent_.size() > kMostUnsent; }
   bool watching = false;
 
  private:
   void ready(std::uint32_t events) {
     if ((events & EPOLLOUT) != 0) flush();
-    if ((events & (EPOLLIN | EPOLLHUP | EPOLLERR)) != 0) receive();
-    if (closed_) server_.drop_closed_clients();
+    if (closed()) return;
+    if ((events & EPOLLIN) != 0) {
+      receive();
+    } else if ((events & (EPOLLHUP | EPOLLERR)) != 0) {
+      close();
+    }
+  }
+
+  // No more is read or sent; the server removes the client when nobody is inside it.
+  void close() {
+    source_.reset();
+    server_.drop_closed_clients();
   }
 
   void receive() {
     std::array<char, 4096> buffer;
     const ssize_t bytes = ::read(socket_.get(), buffer.data(), buffer.size());
     if (bytes < 0 && (errno == EAGAIN || errno == EINTR)) return;
-    if (bytes <= 0) {
-      closed_ = true;
-      return;
-    }
+    if (bytes < 0) return close();
+    if (bytes == 0) return end_input();
     received_.append(buffer.data(), static_cast<std::size_t>(bytes));
-    for (std::size_t end = 0; (end = received_.find('\n')) != std::string::npos && !closed_;) {
+    for (std::size_t end = 0; (end = received_.find('\n')) != std::string::npos && !closed();) {
       const std::string line = received_.substr(0, end);
       received_.erase(0, end + 1);
       if (!std::exchange(skipping_, false)) handle(line);
     }
-    if (received_.size() > kLongestMessage) {
-      if (!skipping_) {
-        send(error_answer(nullptr, kInvalidRequest,
-                          fmt::format("a message has at most {} bytes", kLongestMessage)));
-      }
-      received_.clear();
-      skipping_ = true;
+    if (received_.size() <= kLongestMessage || closed()) return;
+    if (!std::exchange(skipping_, true)) {
+      send(error_answer(nullptr, kInvalidRequest,
+                        fmt::format("a message has at most {} bytes", kLongestMessage)));
     }
+    received_.clear();
+  }
+
+  // The client has said all; it still gets what it has not read yet.
+  void end_input() {
+    watching = false;
+    input_ended_ = true;
+    flush();
   }
 
   void handle(const std::string& line) {
@@ -109,7 +122,7 @@ class ControlServer::Client {
     }
     if (!message.is_array()) {
       const Json answer = server_.answer(message, *this);
-      if (!answer.is_discarded()) send(answer);
+      if (!answer.is_discarded() && !closed()) send(answer);
       return;
     }
     if (message.empty() || message.size() > kLargestBatch) {
@@ -128,25 +141,22 @@ class ControlServer::Client {
     while (!unsent_.empty()) {
       const ssize_t bytes = ::send(socket_.get(), unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
       if (bytes < 0 && errno == EINTR) continue;
-      if (bytes < 0 && errno != EAGAIN) closed_ = true;
+      if (bytes < 0 && errno != EAGAIN) return close();
       if (bytes < 0) break;
       unsent_.erase(0, static_cast<std::size_t>(bytes));
     }
-    if (unsent_.size() > kMostUnsentEver) closed_ = true;
-    const bool want_out = !unsent_.empty();
-    if (want_out != std::exchange(waiting_to_send_, want_out)) {
-      source_ = server_.loop_.on_ready(socket_.get(), want_out ? EPOLLIN | EPOLLOUT : EPOLLIN,
-                                       [this](std::uint32_t events) { ready(events); });
-    }
+    if (unsent_.size() > kMostUnsentEver || (unsent_.empty() && input_ended_)) return close();
+    const std::uint32_t events = (input_ended_ ? 0U : EPOLLIN) | (unsent_.empty() ? 0U : EPOLLOUT);
+    if (events != std::exchange(events_, events)) source_->set_events(events);
   }
 
   ControlServer& server_;
   FileDescriptor socket_;
-  EventLoop::SourcePtr source_;
+  std::unique_ptr<EventLoop::IoSource> source_;  // nothing once it is closed
+  std::uint32_t events_ = EPOLLIN;
   std::string received_, unsent_;
   bool skipping_ = false;
-  bool waiting_to_send_ = false;
-  bool closed_ = false;
+  bool input_ended_ = false;
 };
 
 ControlServer::ControlServer(EventLoop& loop, std::filesystem::path socket,
@@ -230,24 +240,25 @@ Json ControlServer::call(const Json& message, Client& client) {
     return Json{{"result", method->second()}};
   } catch (const ControlRefusal& refusal) {
     return failure(kRefused, refusal.what());
+  } catch (const std::exception& error) {
+    return failure(kInternalError, error.what());
   }
 }
 
 void ControlServer::notify(const std::string& method, const Json& params, Delivery delivery) {
   const Json message{{"jsonrpc", "2.0"}, {"method", method}, {"params", params}};
-  bool any_closed = false;
   for (const auto& [key, client] : clients_) {
     if (!client->watching || client->closed()) continue;
     if (delivery == Delivery::Lossy && client->reads_slowly()) continue;
     client->send(message);
-    any_closed = any_closed || client->closed();
   }
-  if (any_closed) drop_closed_clients();
 }
 
 void ControlServer::drop_closed_clients() {
-  // Later: the call may come from inside a client.
+  if (drop_timer_) return;
+  // Later: the call comes from inside a client.
   drop_timer_ = loop_.at(std::chrono::steady_clock::now(), [this] {
+    drop_timer_.reset();
     std::erase_if(clients_, [](const auto& entry) { return entry.second->closed(); });
   });
 }

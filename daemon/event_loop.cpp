@@ -31,24 +31,25 @@ std::uint64_t microseconds(TimePoint when) {
 }  // namespace
 
 // The callback lives in a shared_ptr that the running call keeps too, so that it may destroy its own source.
-class EventLoop::SdSource : public EventLoop::IdleSource {
+class EventLoop::SdSource {
  public:
   using Call = std::function<void(std::uint32_t)>;
 
   SdSource(EventLoop& loop, Call call) : loop_(loop), call_(std::make_shared<Call>(std::move(call))) {}
-  ~SdSource() override { sd_event_source_disable_unref(source_); }
-
-  void wake() override {
-    check(sd_event_source_set_enabled(source_, SD_EVENT_ON), "sd_event_source_set_enabled");
-  }
-  void sleep() { check(sd_event_source_set_enabled(source_, SD_EVENT_OFF), "sd_event_source_set_enabled"); }
+  SdSource(const SdSource&) = delete;
+  SdSource& operator=(const SdSource&) = delete;
+  ~SdSource() { sd_event_source_disable_unref(source); }
 
   static int io(sd_event_source*, int, std::uint32_t events, void* self) { return run(self, events); }
   static int time(sd_event_source*, std::uint64_t, void* self) { return run(self, 0); }
   static int signal(sd_event_source*, const struct signalfd_siginfo*, void* self) { return run(self, 0); }
   static int defer(sd_event_source*, void* self) { return run(self, 0); }
 
-  sd_event_source* source_ = nullptr;
+  void enable(int enabled) {
+    check(sd_event_source_set_enabled(source, enabled), "sd_event_source_set_enabled");
+  }
+
+  sd_event_source* source = nullptr;
 
  private:
   static int run(void* self, std::uint32_t events) {
@@ -59,6 +60,33 @@ class EventLoop::SdSource : public EventLoop::IdleSource {
 
   EventLoop& loop_;
   std::shared_ptr<Call> call_;
+};
+
+namespace {
+
+// A source of whichever face, around what sd-event knows.
+template <typename Face, typename Sd>
+class OwnedSource : public Face {
+ public:
+  template <typename... Arguments>
+  explicit OwnedSource(Arguments&&... arguments) : sd(std::forward<Arguments>(arguments)...) {}
+  Sd sd;
+};
+
+}  // namespace
+
+class EventLoop::SdIoSource final : public OwnedSource<IoSource, SdSource> {
+ public:
+  using OwnedSource::OwnedSource;
+  void set_events(std::uint32_t events) override {
+    check(sd_event_source_set_io_events(sd.source, events), "sd_event_source_set_io_events");
+  }
+};
+
+class EventLoop::SdIdleSource final : public OwnedSource<IdleSource, SdSource> {
+ public:
+  using OwnedSource::OwnedSource;
+  void wake() override { sd.enable(SD_EVENT_ON); }
 };
 
 EventLoop::EventLoop() {
@@ -89,10 +117,11 @@ int EventLoop::guarded(const std::function<void()>& call) {
   return 0;
 }
 
-EventLoop::SourcePtr EventLoop::on_ready(int fd, std::uint32_t events,
-                                         std::function<void(std::uint32_t)> call) {
-  auto source = std::make_unique<SdSource>(*this, std::move(call));
-  check(sd_event_add_io(event_, &source->source_, fd, events, SdSource::io, source.get()), "sd_event_add_io");
+std::unique_ptr<EventLoop::IoSource> EventLoop::on_ready(int fd, std::uint32_t events,
+                                                         std::function<void(std::uint32_t)> call) {
+  auto source = std::make_unique<SdIoSource>(*this, std::move(call));
+  check(sd_event_add_io(event_, &source->sd.source, fd, events, SdSource::io, &source->sd),
+        "sd_event_add_io");
   return source;
 }
 
@@ -101,28 +130,30 @@ EventLoop::SourcePtr EventLoop::on_signal(int signal, std::function<void()> call
   sigemptyset(&set);
   sigaddset(&set, signal);
   check(-pthread_sigmask(SIG_BLOCK, &set, nullptr), "pthread_sigmask");
-  auto source = std::make_unique<SdSource>(*this, [call = std::move(call)](std::uint32_t) { call(); });
-  check(sd_event_add_signal(event_, &source->source_, signal, SdSource::signal, source.get()),
+  auto source = std::make_unique<OwnedSource<Source, SdSource>>(
+      *this, [call = std::move(call)](std::uint32_t) { call(); });
+  check(sd_event_add_signal(event_, &source->sd.source, signal, SdSource::signal, &source->sd),
         "sd_event_add_signal");
   return source;
 }
 
 EventLoop::SourcePtr EventLoop::at(TimePoint when, std::function<void()> call) {
-  auto source = std::make_unique<SdSource>(*this, [call = std::move(call)](std::uint32_t) { call(); });
-  check(sd_event_add_time(event_, &source->source_, CLOCK_MONOTONIC, microseconds(when), kTimerAccuracyUs,
-                          SdSource::time, source.get()),
+  auto source = std::make_unique<OwnedSource<Source, SdSource>>(
+      *this, [call = std::move(call)](std::uint32_t) { call(); });
+  check(sd_event_add_time(event_, &source->sd.source, CLOCK_MONOTONIC, microseconds(when), kTimerAccuracyUs,
+                          SdSource::time, &source->sd),
         "sd_event_add_time");
   return source;
 }
 
 std::unique_ptr<EventLoop::IdleSource> EventLoop::when_idle(std::function<bool()> call) {
   const auto self = std::make_shared<SdSource*>(nullptr);
-  auto source = std::make_unique<SdSource>(*this, [self, call = std::move(call)](std::uint32_t) {
-    if (!call()) (*self)->sleep();
+  auto source = std::make_unique<SdIdleSource>(*this, [self, call = std::move(call)](std::uint32_t) {
+    if (!call()) (*self)->enable(SD_EVENT_OFF);
   });
-  *self = source.get();
-  check(sd_event_add_defer(event_, &source->source_, SdSource::defer, source.get()), "sd_event_add_defer");
-  check(sd_event_source_set_priority(source->source_, SD_EVENT_PRIORITY_IDLE),
+  *self = &source->sd;
+  check(sd_event_add_defer(event_, &source->sd.source, SdSource::defer, &source->sd), "sd_event_add_defer");
+  check(sd_event_source_set_priority(source->sd.source, SD_EVENT_PRIORITY_IDLE),
         "sd_event_source_set_priority");
   source->wake();
   return source;

@@ -26,6 +26,10 @@ class EventLoop {
     virtual ~Source() = default;
   };
   using SourcePtr = std::unique_ptr<Source>;
+  class IoSource : public Source {
+   public:
+    virtual void set_events(std::uint32_t events) = 0;
+  };
 
   // Throws std::system_error when the kernel has no room for one.
   EventLoop();
@@ -39,7 +43,8 @@ class EventLoop {
 
   // `events` as for epoll (EPOLLIN, EPOLLOUT); the callback gets those that are due. The descriptor stays the
   // caller's.
-  [[nodiscard]] SourcePtr on_ready(int fd, std::uint32_t events, std::function<void(std::uint32_t)> call);
+  [[nodiscard]] std::unique_ptr<IoSource> on_ready(int fd, std::uint32_t events,
+                                                   std::function<void(std::uint32_t)> call);
   // Blocks the signal for the whole process, so it must come before any thread is made.
   [[nodiscard]] SourcePtr on_signal(int signal, std::function<void()> call);
   // Once, when CLOCK_MONOTONIC reaches `when`.
@@ -57,6 +62,8 @@ class EventLoop {
 
  private:
   class SdSource;
+  class SdIoSource;
+  class SdIdleSource;
 
   int guarded(const std::function<void()>& call);
 

@@ -64,14 +64,14 @@ std::string report_as_json(const PrintReport& report) {
   json["ended"] = iso_time(report.ended);
   json["print_time_s"] = ms(report.print_time) / 1000;
   json["model"] = model_json(summary);
-  json["resin"] = {{"name", summary.resin.name},
-                   {"lift_mm", mm(summary.resin.lift)},
-                   {"lift_speed_mm_s", summary.resin.lift_speed.count()},
-                   {"retract_speed_mm_s", summary.resin.retract_speed.count()},
-                   {"settle_ms", ms(summary.resin.settle)},
-                   {"rest_ms", ms(summary.resin.rest)},
-                   {"bottom_layers", summary.resin.bottom_layers},
-                   {"fade_layers", summary.resin.fade_layers}};
+  json["resin"] = summary.resin.name;
+  json["settings"] = {{"lift_mm", mm(summary.resin.lift)},
+                      {"lift_speed_mm_s", summary.resin.lift_speed.count()},
+                      {"retract_speed_mm_s", summary.resin.retract_speed.count()},
+                      {"settle_ms", ms(summary.resin.settle)},
+                      {"rest_ms", ms(summary.resin.rest)},
+                      {"bottom_layers", summary.resin.bottom_layers},
+                      {"fade_layers", summary.resin.fade_layers}};
   json["layer_height_um"] = mm(summary.layers.thickness) * 1000;
   json["layers"] = summary.layers.count;
   json["layers_exposed"] = report.layers.size();

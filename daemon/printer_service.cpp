@@ -19,6 +19,8 @@ using namespace std::chrono_literals;
 constexpr Pixels kPreviewWidth{720}, kPreviewHeight{720};
 // How long until a job that could not start for lack of room on the disk is tried again.
 constexpr Duration kRetryInterval = 30s;
+// How many ended jobs are remembered for whoever asks.
+constexpr std::size_t kLongestHistory = 100;
 
 LogFields job_fields(const std::string& job) {
   return {{"JOB_ID", printable(job)}};
@@ -116,9 +118,9 @@ void PrinterService::model_arrived(const std::string& file) {
 }
 
 void PrinterService::model_withdrawn(const std::string& file) {
-  const auto removed = std::erase_if(queue_, [&](const QueuedJob& job) { return job.file == file; });
-  if (removed > 0)
-    log_.info("withdrawn", fmt::format("{}: taken away by the owner", printable(file)), file_fields(file));
+  if (std::erase_if(queue_, [&](const QueuedJob& job) { return job.file == file; }) == 0) return;
+  log_.info("withdrawn", fmt::format("{}: taken away by the owner", printable(file)), file_fields(file));
+  pump();
 }
 
 // --- from the queue to a print
@@ -141,6 +143,16 @@ std::string PrinterService::reason_to_wait() const {
 }
 
 void PrinterService::pump() {
+  try {
+    take_what_is_due();
+  } catch (const std::system_error& error) {
+    // The spool's disk is gone or full: the queue waits for it.
+    log_.error("spool", fmt::format("the spool cannot be used: {}", error.what()));
+    pump_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
+  }
+}
+
+void PrinterService::take_what_is_due() {
   if (shutting_down_) return;
   const std::string reason = active_ || queue_.empty() ? "" : reason_to_wait();
   if (std::exchange(waiting_for_, reason) != reason && !reason.empty()) {
@@ -251,8 +263,6 @@ void PrinterService::start_print() {
   const std::string name = active_->files.name;
   try {
     active_->masks = machine_.begin_job(name);
-    // From here on the plate is not clear, whatever happens next.
-    set_plate_occupant(name);
   } catch (const std::system_error& error) {
     log_.error("refused", fmt::format("{}: {}", printable(name), error.what()), job_fields(name));
     file_job(active_->files, Spool::Folder::Failed, error.what());
@@ -268,13 +278,15 @@ void PrinterService::start_print() {
 // --- the print's events
 
 void PrinterService::state_changed(PrintState state) {
+  // Told to the disk before the first light: from there on the plate is not clear, whatever happens next.
+  if (state == PrintState::Showing && active_->layers.empty()) set_plate_occupant(active_->files.name);
   constexpr PrintState kWorthALine[] = {PrintState::WarmingUp, PrintState::Homing, PrintState::Paused,
                                         PrintState::Parking};
   if (active_ && std::find(std::begin(kWorthALine), std::end(kWorthALine), state) != std::end(kWorthALine)) {
     log_.info("state", fmt::format("{}: {}", printable(active_->files.name), name_of(state)),
               job_fields(active_->files.name));
   }
-  if (control_) control_->notify("state", status(), ControlServer::Delivery::Lossy);
+  notify("state", ControlServer::Delivery::Lossy);
 }
 
 void PrinterService::layer_done(const LayerRecord& layer) {
@@ -300,7 +312,7 @@ void PrinterService::layer_done(const LayerRecord& layer) {
   }
   sd_notifyf(0, "STATUS=Printing %s, layer %d of %d", printable(active_->files.name).c_str(), layer.layer + 1,
              count);
-  if (control_) control_->notify("layer", status(), ControlServer::Delivery::Lossy);
+  notify("layer", ControlServer::Delivery::Lossy);
 }
 
 void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) {
@@ -313,8 +325,6 @@ void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason
                                           readable(report.print_time), reason.empty() ? "" : ": " + reason);
   log_.write(outcome == PrintOutcome::Failed ? LogLevel::Error : LogLevel::Info, name_of(outcome), summary,
              job_fields(name));
-  // Without an exposure the plate is as it was.
-  if (active_->layers.empty()) set_plate_occupant(std::nullopt);
   write_report(report, folder);
   file_job(active_->files, folder,
            done                                ? ""
@@ -372,9 +382,19 @@ void PrinterService::file_job(const JobFiles& files, Spool::Folder to, const std
 }
 
 void PrinterService::ended(const std::string& name, std::string_view outcome, const std::string& reason) {
-  last_ = EndedJob{name, std::string(outcome), reason};
+  ended_.push_back({name, std::string(outcome), reason});
+  if (ended_.size() > kLongestHistory) ended_.pop_front();
   sd_notifyf(0, "STATUS=Ready; last job %s: %s", printable(name).c_str(), std::string(outcome).c_str());
-  if (control_) control_->notify("ended", status(), ControlServer::Delivery::Certain);
+  notify("ended", ControlServer::Delivery::Certain);
+}
+
+// Whatever is wrong with the socket, a print does not suffer from it.
+void PrinterService::notify(const std::string& what, ControlServer::Delivery delivery) {
+  try {
+    if (control_) control_->notify(what, status(), delivery);
+  } catch (const std::exception& error) {
+    log_.warning("control", fmt::format("the control socket failed: {}", error.what()));
+  }
 }
 
 void PrinterService::set_plate_occupant(const std::optional<std::string>& job) {
@@ -392,6 +412,13 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
              for (const QueuedJob& job : queue_)
                files.push_back(job.file);
              return Json{{"queue", files}};
+           }},
+          {"history",
+           [this] {
+             Json jobs = Json::array();
+             for (const EndedJob& job : ended_)
+               jobs.push_back(ended_json(job));
+             return Json{{"ended", jobs}};
            }},
           {"pause",
            [this] {
@@ -413,7 +440,7 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
              if (active_) throw ControlRefusal(fmt::format("{} is being printed", active_->files.name));
              if (plate_occupant_) log_.info("plate", "the plate is clear");
              set_plate_occupant(std::nullopt);
-             pump_soon();
+             pump();
              return status();
            }}};
 }
@@ -431,6 +458,10 @@ PrinterService::Json PrinterService::cancel() {
     active_->cancel_wanted = true;
   }
   return status();
+}
+
+PrinterService::Json PrinterService::ended_json(const EndedJob& job) {
+  return {{"job", job.name}, {"outcome", job.outcome}, {"reason", job.reason}};
 }
 
 PrinterService::Json PrinterService::job_json() const {
@@ -456,8 +487,7 @@ PrinterService::Json PrinterService::status() const {
   status["plate"] = plate_occupant_ ? "occupied" : "clear";
   status["plate_job"] = plate_occupant_ ? Json(*plate_occupant_) : Json();
   status["waiting_for"] = waiting_for_.empty() ? Json() : Json(waiting_for_);
-  status["last"] =
-      last_ ? Json{{"job", last_->name}, {"outcome", last_->outcome}, {"reason", last_->reason}} : Json();
+  status["last"] = ended_.empty() ? Json() : ended_json(ended_.back());
   return status;
 }
 

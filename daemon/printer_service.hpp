@@ -66,6 +66,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   // Does what is due: starts the next job, or has a waiting one checked. Never from inside the print process.
   void pump();
   void pump_soon();
+  void take_what_is_due();
   [[nodiscard]] std::string reason_to_wait() const;
   void begin_next();
   void check_waiting();
@@ -78,11 +79,13 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
                                         const PrintPlan& plan) const;
   void write_report(const PrintReport& report, Spool::Folder folder);
   void ended(const std::string& name, std::string_view outcome, const std::string& reason);
+  void notify(const std::string& what, ControlServer::Delivery delivery);
   void set_plate_occupant(const std::optional<std::string>& job);
 
   [[nodiscard]] std::map<std::string, ControlServer::Method> methods();
   [[nodiscard]] Json status() const;
   [[nodiscard]] Json job_json() const;
+  [[nodiscard]] static Json ended_json(const EndedJob& job);
   Json cancel();
   void require_print(std::string_view what) const;
 
@@ -95,7 +98,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   PrintProcess process_;
   std::deque<QueuedJob> queue_;
   std::optional<ActiveJob> active_;
-  std::optional<EndedJob> last_;
+  std::deque<EndedJob> ended_;  // the latest last
   std::optional<std::string> plate_occupant_;
   std::string waiting_for_;  // why the next job does not start, already told
   bool shutting_down_ = false;

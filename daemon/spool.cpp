@@ -189,7 +189,9 @@ JobFiles Spool::files_of(Folder where, const std::string& file) const {
   fs::path ticket = model;
   ticket.replace_extension(".json");
   JobFiles files{model.stem().string(), model, std::nullopt};
-  if (fs::exists(fs::symlink_status(ticket))) files.ticket = ticket;
+  // A name too long to have a ticket has none.
+  std::error_code code;
+  if (fs::exists(fs::symlink_status(ticket, code))) files.ticket = ticket;
   return files;
 }
 
@@ -279,7 +281,12 @@ std::vector<JobFiles> Spool::interrupted() {
   for (const fs::path& other : others) {
     const bool belongs_to_job =
         std::any_of(jobs.begin(), jobs.end(), [&](const JobFiles& job) { return job.ticket == other; });
-    if (!belongs_to_job) fs::rename(other, folder(Folder::Failed) / other.filename());
+    if (belongs_to_job) continue;
+    fs::path model_in_incoming = folder(Folder::Incoming) / other.filename();
+    model_in_incoming.replace_extension(".stl");
+    const bool claimed_too_early =
+        fs::exists(model_in_incoming) && !files_of(Folder::Incoming, model_in_incoming.filename()).ticket;
+    fs::rename(other, folder(claimed_too_early ? Folder::Incoming : Folder::Failed) / other.filename());
   }
   return jobs;
 }

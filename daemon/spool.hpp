@@ -74,8 +74,8 @@ class Spool {
   void write_beside(Folder folder, const std::string& name, const std::string& suffix,
                     const std::string& text) const;
 
-  // Models left in printing/ by a daemon that did not end its print. Tickets left there without one go to
-  // failed/.
+  // Models left in printing/ by a daemon that did not end its print. What else lies there goes to failed/, or
+  // back to incoming/ if it is the ticket of a model there.
   [[nodiscard]] std::vector<JobFiles> interrupted();
 
   // The job whose part is on the plate, or nothing when the plate is clear. Survives restarts.

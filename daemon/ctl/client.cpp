@@ -72,22 +72,23 @@ void print_status(const Json& status) {
   fmt::print("printer   {}\nstate     {}\n", status.value("printer", ""), status.value("state", ""));
   if (status["job"].is_object()) {
     const Json& job = status["job"];
-    fmt::print("job       {}\n", job.value("name", ""));
+    fmt::print("job       {}\n", printable(job.value("name", "")));
     if (job.contains("layer")) {
       fmt::print("layer     {} of {}, {:.3f} mm, {} left{}\n", job.value("layer", 0), job.value("layers", 0),
                  job.value("height_mm", 0.0), left(job),
                  job.value("pause_pending", false) ? ", pause after this layer" : "");
     }
   }
-  fmt::print("plate     {}{}\n", status.value("plate", ""),
-             status["plate_job"].is_string() ? " by " + status["plate_job"].get<std::string>() : "");
+  fmt::print(
+      "plate     {}{}\n", status.value("plate", ""),
+      status["plate_job"].is_string() ? " by " + printable(status["plate_job"].get<std::string>()) : "");
   fmt::print("queue     {}\n", status.value("queued", 0));
   if (status["waiting_for"].is_string())
-    fmt::print("waiting   {}\n", status["waiting_for"].get<std::string>());
+    fmt::print("waiting   {}\n", printable(status["waiting_for"].get<std::string>()));
   if (status["last"].is_object()) {
     const Json& last = status["last"];
     const std::string reason = last.value("reason", "");
-    fmt::print("last job  {}: {}{}\n", last.value("job", ""), last.value("outcome", ""),
+    fmt::print("last job  {}: {}{}\n", printable(last.value("job", "")), last.value("outcome", ""),
                reason.empty() ? "" : ": " + reason);
   }
 }
@@ -96,7 +97,7 @@ void print_queue(const Json& result) {
   const Json& queue = result["queue"];
   if (queue.empty()) fmt::print("the queue is empty\n");
   for (std::size_t i = 0; i < queue.size(); ++i)
-    fmt::print("{:>3}  {}\n", i + 1, queue[i].get<std::string>());
+    fmt::print("{:>3}  {}\n", i + 1, printable(queue[i].get<std::string>()));
 }
 
 // The bar on a terminal; elsewhere a line for every tenth of the print.
@@ -105,7 +106,7 @@ class ProgressView {
   void show(const Json& status) {
     if (!status["job"].is_object()) return;
     const Json& job = status["job"];
-    const std::string name = job.value("name", ""), state = status.value("state", "");
+    const std::string name = printable(job.value("name", "")), state = status.value("state", "");
     if (!job.contains("layer")) return line(fmt::format("{}: {}", name, state), state);
     const double layers = std::fmax(job.value("layers", 1), 1);
     const double part = job.value("layers_done", 0) / layers;
@@ -139,11 +140,21 @@ class ProgressView {
   std::string last_step_;
 };
 
-int print_end(const Json& status) {
-  const Json& last = status["last"];
-  const std::string outcome = last.value("outcome", ""), reason = last.value("reason", "");
-  fmt::print("{}: {}{}\n", last.value("job", ""), outcome, reason.empty() ? "" : ": " + reason);
+int print_end(const Json& ended, bool json) {
+  const std::string outcome = ended.value("outcome", ""), reason = ended.value("reason", "");
+  if (!json) {
+    fmt::print("{}: {}{}\n", printable(ended.value("job", "")), outcome, reason.empty() ? "" : ": " + reason);
+  }
   return outcome == "done" ? kOk : kFailed;
+}
+
+// The end of the job of that name that came last, if it is known.
+std::optional<Json> end_of(const Json& history, const std::string& job) {
+  const Json& ended = history["ended"];
+  for (auto each = ended.rbegin(); each != ended.rend(); ++each) {
+    if (each->value("job", "") == job) return *each;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -168,33 +179,31 @@ int request(const ClientOptions& options, const std::string& method) {
 
 int watch(const ClientOptions& options, const std::optional<std::string>& wanted_job) {
   Connection connection(options.socket);
-  constexpr int kStatus = 2;
+  constexpr int kStatus = 2, kHistory = 3;
   connection.send("watch", 1);
   connection.send("status", kStatus);
+  connection.send("history", kHistory);
   ProgressView view;
-  std::string under_way;
+  std::string under_way = wanted_job.value_or("");
   while (true) {
     const Json message = connection.receive();
     if (options.json) {
       fmt::print("{}\n", message.dump());
       std::fflush(stdout);
     }
+    if (wanted_job && message.value("id", 0) == kHistory) {
+      if (const auto end = end_of(message["result"], *wanted_job)) return print_end(*end, options.json);
+    }
     const bool first = message.value("id", 0) == kStatus;
     if (!first && !message.contains("params")) continue;
     const Json& status = first ? message["result"] : message["params"];
-    if (!wanted_job && status["job"].is_object() && message.value("method", "") != "ended") {
-      under_way = status["job"].value("name", "");
-    }
+    const bool any_ended = message.value("method", "") == "ended";
+    if (!wanted_job && !any_ended && status["job"].is_object()) under_way = status["job"].value("name", "");
     if (!options.json) view.show(status);
     // A refusal in the queue is not the end of the print that is being watched.
-    const std::string ended = status["last"].is_object() ? status["last"].value("job", "") : "";
-    const bool over =
-        wanted_job ? ended == *wanted_job
-                   : message.value("method", "") == "ended" && (under_way.empty() || ended == under_way);
-    if (!over) continue;
-    if (options.json) return status["last"].value("outcome", "") == "done" ? kOk : kFailed;
-    view.end();
-    return print_end(status);
+    if (!any_ended || (!under_way.empty() && status["last"].value("job", "") != under_way)) continue;
+    if (!options.json) view.end();
+    return print_end(status["last"], options.json);
   }
 }
 

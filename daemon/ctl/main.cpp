@@ -91,14 +91,14 @@ int run(int argc, char** argv) {
   InspectOptions inspect_options;
   CLI::App* inspect_app =
       app.add_subcommand("inspect", "Say what a model's file holds and what is wrong with it");
-  inspect_app->add_option("MODEL", inspect_options.model, "STL file")->required()->check(kNotEmpty);
+  inspect_app->add_option("MODEL", inspect_options.model, "STL file")->required();
   inspect_app->add_flag("--json", inspect_options.json, "Print JSON");
   inspect_app->callback([&] { chosen = [&] { return inspect(inspect_options); }; });
 
   SliceOptions slice_options;
   SliceWords words;
   CLI::App* slice_app = app.add_subcommand("slice", "Cut a model at one height, or into layers");
-  slice_app->add_option("MODEL", slice_options.model, "STL file")->required()->check(kNotEmpty);
+  slice_app->add_option("MODEL", slice_options.model, "STL file")->required();
   CLI::Option* z =
       slice_app->add_option("--z", words.z_mm, "Height of the cut, mm, in the file's coordinates")
           ->check(kNotEmpty);
