@@ -4,8 +4,6 @@
 #include <bit>
 #include <cmath>
 
-#include "core/open_chain_joiner.hpp"
-
 namespace contourd {
 namespace {
 
@@ -166,12 +164,12 @@ void ContourLinker::walk_loops(std::span<const Segment> segments, Contours& cont
 }
 
 void ContourLinker::join_chains(Millimeters tolerance, Contours& contours) {
-  OpenChainJoiner joiner(tolerance);
+  joiner_.reset(tolerance);
   for (const Chain& chain : chains_) {
     const Point* points = chain_points_.data() + chain.first_point;
-    joiner.add(points[0], points[chain.point_count - 1], chain.point_count);
+    joiner_.add(points[0], points[chain.point_count - 1], chain.point_count);
   }
-  const JoinedChains joined = joiner.join();
+  const JoinedChains& joined = joiner_.join();
   contours.open_chains = joined.open_chains;
   contours.gaps_closed = joined.gaps_closed;
   contours.widest_gap = joined.widest_gap;

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "core/open_chain_joiner.hpp"
 #include "core/slicer.hpp"
 #include "core/units.hpp"
 
@@ -88,6 +89,7 @@ class ContourLinker {
   std::vector<bool> used_;                          // by segment
   std::vector<Point> chain_points_;
   std::vector<Chain> chains_;
+  OpenChainJoiner joiner_;
 };
 
 }  // namespace contourd

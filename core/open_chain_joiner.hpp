@@ -27,14 +27,17 @@ struct JoinedChains {
   Millimeters widest_gap{};
 };
 
+// Keeps its working memory between calls: allocates only while the chains grow in number.
 class OpenChainJoiner {
  public:
-  explicit OpenChainJoiner(Millimeters tolerance) : tolerance_mm_(tolerance.count()) {}
+  // Forgets all chains.
+  void reset(Millimeters tolerance);
 
   // `weight`: among chains that disagree about a loop's direction, the heaviest decides.
   void add(Point start, Point end, std::uint32_t weight);
 
-  [[nodiscard]] JoinedChains join();
+  // Valid until the next reset().
+  [[nodiscard]] const JoinedChains& join();
 
  private:
   // End 2i is chain i's start, 2i + 1 its end.
@@ -42,18 +45,31 @@ class OpenChainJoiner {
     double cost, gap;
     std::uint32_t a, b;
   };
+  // A square of the tolerance's size, by row and column, and an end in it.
+  struct Cell {
+    double row, column;
+    std::uint32_t end;
+  };
 
   [[nodiscard]] Pair pair_of(std::uint32_t a, std::uint32_t b, double reversal_cost) const;
-  void join_within_tolerance(JoinedChains& joined);
-  void join_what_is_left(JoinedChains& joined);
-  void make_pairs(std::vector<Pair>& pairs, JoinedChains& joined);
-  void collect_loops(JoinedChains& joined) const;
+  void join_within_tolerance();
+  void add_neighbors(const Cell& cell, std::vector<Cell>::const_iterator other, double row,
+                     double last_column);
+  void join_what_is_left();
+  void make_pairs();
+  void collect_loops();
 
-  double tolerance_mm_;
+  double tolerance_mm_ = 0;
   std::vector<Point> ends_;
   std::vector<std::uint32_t> weights_;
   std::vector<std::uint32_t> partner_;  // by end
   std::vector<bool> guessed_;           // by end: its join is wider than the tolerance
+  std::vector<Cell> cells_;
+  std::vector<Pair> pairs_;
+  std::vector<std::uint32_t> left_;            // ends without a partner
+  std::vector<std::uint32_t> heaviest_first_;  // chains
+  std::vector<bool> done_;                     // by chain
+  JoinedChains joined_;
 };
 
 }  // namespace contourd

@@ -25,6 +25,9 @@ constexpr Vector kUp{-kSinTurn * kSinRise, kCosTurn* kSinRise, kCosRise};
 constexpr Vector kTowardsEye{kSinTurn * kCosRise, -kCosTurn* kCosRise, kSinRise};
 constexpr Vector kLight{-0.36, -0.56, 0.75};  // from the left, the front and above; about of length 1
 
+// Heights at exactly the top must not be lost to the rounding of the weights.
+constexpr double kRoundingMm = 1e-6;
+
 constexpr double kMargin = 0.06;  // of the picture, on each side
 constexpr double kAmbient = 60, kDiffuse = 190;
 
@@ -93,7 +96,7 @@ class Canvas {
         const double wc = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
         const double wa = 1 - wb - wc;
         if (wa < 0 || wb < 0 || wc < 0) continue;
-        if (wa * a.z + wb * b.z + wc * c.z > top_z_) continue;
+        if (wa * a.z + wb * b.z + wc * c.z > top_z_ + kRoundingMm) continue;
         plot(row, column, wa * a.depth + wb * b.depth + wc * c.depth, grey);
       }
     }

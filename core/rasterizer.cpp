@@ -72,20 +72,16 @@ void Rasterizer::add_covered(PixelPoint from, PixelPoint to) {
 void Rasterizer::add_row_cover(std::int32_t row, double left, double right, std::int32_t cover,
                                std::int32_t sign) {
   if (left >= width_) return;
-  if (right > width_) {
-    // What lies beyond the display's right edge changes no pixel.
-    cover = static_cast<std::int32_t>(
-        cover * ((width_ - std::max(left, 0.0)) / (right - std::max(left, 0.0))) + 0.5);
-    right = width_;
-  }
-  if (left < 0.0) {
-    // What lies left of the display changes all pixels of the row alike.
-    const double beyond = right > 0.0 ? left / (left - right) : 1.0;
-    const auto cover_beyond = static_cast<std::int32_t>(cover * beyond + 0.5);
-    add_delta(row, 0, sign * cover_beyond);
-    cover -= cover_beyond;
-    left = 0.0;
+  if (left < 0.0 || right > width_) {
+    // What lies left of the display changes all pixels of the row alike; what lies right of it changes none.
+    const double cover_per_pixel = right > left ? cover / (right - left) : 0.0;
+    const auto rounded = [](double units) { return static_cast<std::int32_t>(units + 0.5); };
+    const std::int32_t beyond_left = right <= 0.0 ? cover : rounded(cover_per_pixel * std::max(-left, 0.0));
+    if (beyond_left != 0) add_delta(row, 0, sign * beyond_left);
     if (right <= 0.0) return;
+    cover = right <= width_ ? cover - beyond_left : rounded(cover_per_pixel * (width_ - std::max(left, 0.0)));
+    left = std::max(left, 0.0);
+    right = std::min(right, static_cast<double>(width_));
   }
   const double width = right - left;
   // The integral of the growing cover from left to x.

@@ -17,7 +17,8 @@ bool is_line_end(char c) {
   return c == '\n' || c == '\r';
 }
 
-// Splits the text into words; knows the line for error messages. Comments (# to the line's end) are blank.
+// Splits the text into words; knows the line for error messages. Comments (from a word that
+// begins with # to the line's end) are blank.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}
@@ -26,7 +27,7 @@ class Words {
   std::string_view next() {
     skip_blank();
     const std::size_t start = at_;
-    while (at_ < text_.size() && !is_space(text_[at_]) && text_[at_] != '#')
+    while (at_ < text_.size() && !is_space(text_[at_]))
       ++at_;
     return text_.substr(start, at_ - start);
   }
@@ -144,7 +145,8 @@ class AsciiReader {
   float read_coordinate() {
     const std::string_view word = words_.next();
     if (word.empty()) refuse("the file is cut short inside a facet: expected a coordinate");
-    const std::string_view number = word.front() == '+' ? word.substr(1) : word;
+    const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
+    const std::string_view number = plus ? word.substr(1) : word;
     float value = 0;
     const auto [end, code] = std::from_chars(number.data(), number.data() + number.size(), value);
     if (code == std::errc::result_out_of_range && end == number.data() + number.size()) {

@@ -11,7 +11,7 @@ std::string_view describe(HomingResult result) {
       return "the limit switch did not trigger after the full travel";
     case HomingResult::StillClosed:
       return "the limit switch is still closed after backing off";
-    case HomingResult::Aborted:
+    case HomingResult::Stopped:
       return "homing was stopped";
   }
   return "unknown";
@@ -23,8 +23,6 @@ std::string_view describe(MoveResult result) {
       return "reached";
     case MoveResult::Stopped:
       return "the move was stopped";
-    case MoveResult::Aborted:
-      return "the move was aborted, the position is unknown";
     case MoveResult::OutsideTravel:
       return "the target lies outside the travel";
     case MoveResult::NotHomed:

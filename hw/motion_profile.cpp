@@ -50,14 +50,18 @@ Nanometers MotionProfile::displacement(Duration elapsed) const {
   return nanometers(sign_ * mm);
 }
 
-MotionProfile::EarlyStop MotionProfile::stopped_at(Duration elapsed) const {
-  const double t = std::clamp(seconds(elapsed), 0.0, 2 * ramp_s_ + cruise_s_);
-  const double left = 2 * ramp_s_ + cruise_s_ - t;
-  // The speed now is that of the nearer ramp, or full; coming to rest from v takes v / a and v^2 / (2 a).
-  const double speed = acceleration_mm_s2_ * std::min({t, left, ramp_s_});
-  const double braking_mm = speed * speed / (2 * acceleration_mm_s2_);
-  const double here_mm = to_millimeters(displacement(elapsed)).count();
-  return {nanometers(here_mm + sign_ * braking_mm), rounded_up(t + speed / acceleration_mm_s2_)};
+void MotionProfile::stop_at(Duration elapsed) {
+  const double t = std::max(seconds(elapsed), 0.0);
+  if (t >= ramp_s_ + cruise_s_) return;
+  if (t < ramp_s_) {
+    // Not yet at full speed: a triangle with its top here.
+    top_mm_s_ = acceleration_mm_s2_ * t;
+    ramp_s_ = t;
+    cruise_s_ = 0;
+  } else {
+    cruise_s_ = t - ramp_s_;
+  }
+  distance_mm_ = top_mm_s_ * (ramp_s_ + cruise_s_);
 }
 
 }  // namespace contourd

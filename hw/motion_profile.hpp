@@ -22,12 +22,9 @@ class MotionProfile {
   // Displacement `elapsed` after the start: 0 before it, the whole distance after duration().
   [[nodiscard]] Nanometers displacement(Duration elapsed) const;
 
-  // Where the move ends when it starts to decelerate `elapsed` after the start, and when.
-  struct EarlyStop {
-    Nanometers displacement;
-    Duration duration;
-  };
-  [[nodiscard]] EarlyStop stopped_at(Duration elapsed) const;
+  // Decelerates to a standstill from `elapsed` after the start on: shortens the course that the others
+  // describe. Does nothing when it is decelerating already.
+  void stop_at(Duration elapsed);
 
  private:
   double distance_mm_;
@@ -35,7 +32,7 @@ class MotionProfile {
   double top_mm_s_;
   double acceleration_mm_s2_;
   double ramp_s_;
-  double cruise_s_;
+  double cruise_s_;  // at full speed
 };
 
 }  // namespace contourd

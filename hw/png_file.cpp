@@ -66,18 +66,19 @@ std::vector<std::uint8_t> encode_png(const Mask& mask) {
 void write_png(const std::filesystem::path& path, const Mask& mask) {
   const std::vector<std::uint8_t> bytes = encode_png(mask);
   const auto cannot_write = [&path] {
-    const std::error_code code(errno, std::generic_category());
-    std::error_code ignored;
-    // What was half written goes; a device or a pipe is not ours to remove.
-    if (std::filesystem::is_regular_file(std::filesystem::symlink_status(path, ignored))) {
-      std::filesystem::remove(path, ignored);
-    }
-    return std::system_error(code, "cannot write " + path.string());
+    return std::system_error(errno, std::generic_category(), "cannot write " + path.string());
   };
   std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "wb"));
   if (!file) throw cannot_write();
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) throw cannot_write();
-  if (std::fclose(file.release()) != 0) throw cannot_write();
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
+  if (std::fclose(file.release()) == 0 && written) return;
+  const std::system_error error = cannot_write();
+  std::error_code ignored;
+  // What was half written goes; a device or a pipe is not ours to remove.
+  if (std::filesystem::is_regular_file(std::filesystem::symlink_status(path, ignored))) {
+    std::filesystem::remove(path, ignored);
+  }
+  throw error;
 }
 
 }  // namespace contourd

@@ -40,7 +40,7 @@ void SimulatedAxis::home(std::function<void(HomingResult)> done) {
   // First pass at full speed, then back off, then the second at half speed: the one that counts.
   seek_switch(config_.homing_speed, [this, slow] {
     run(kBackOff, config_.homing_speed, [this, slow](MoveResult result) {
-      if (result != MoveResult::Reached) return end_homing(HomingResult::Aborted);
+      if (result != MoveResult::Reached) return end_homing(HomingResult::Stopped);
       if (switch_closed()) return end_homing(HomingResult::StillClosed);
       seek_switch(slow, [this] {
         true_height_ = Nanometers{0};
@@ -57,7 +57,7 @@ void SimulatedAxis::seek_switch(MillimetersPerSecond speed, std::function<void()
                               : closes        ? -true_height_
                                               : -(config_.travel + kOvertravel);
   run(distance, speed, [this, found = std::move(found)](MoveResult result) {
-    if (result != MoveResult::Reached) return end_homing(HomingResult::Aborted);
+    if (result != MoveResult::Reached) return end_homing(HomingResult::Stopped);
     if (!switch_closed()) return end_homing(HomingResult::NoTrigger);
     found();
   });
@@ -92,10 +92,10 @@ void SimulatedAxis::finish(Nanometers end, MoveResult result) {
 
 void SimulatedAxis::stop() {
   if (!move_) return;
-  const MotionProfile::EarlyStop early = move_->profile.stopped_at(clock_.now() - move_->start);
-  const Nanometers end = nearest_step(move_->from + early.displacement);
-  move_end_ =
-      clock_.call_at(move_->start + early.duration, [this, end] { finish(end, MoveResult::Stopped); });
+  move_->profile.stop_at(clock_.now() - move_->start);
+  const Nanometers end = nearest_step(move_->from + move_->profile.displacement(move_->profile.duration()));
+  move_end_ = clock_.call_at(move_->start + move_->profile.duration(),
+                             [this, end] { finish(end, MoveResult::Stopped); });
 }
 
 void SimulatedAxis::abort() noexcept {

@@ -15,14 +15,13 @@ enum class HomingResult {
   Homed,
   NoTrigger,    // the switch never closed over the whole travel
   StillClosed,  // the switch stayed closed after backing off
-  Aborted,      // stop() or abort() came first
+  Stopped,      // stop() came first
 };
 [[nodiscard]] std::string_view describe(HomingResult result);
 
 enum class MoveResult {
   Reached,
   Stopped,        // stop() came first; the position is still known
-  Aborted,        // abort() came first; the position is unknown until the next homing
   OutsideTravel,  // the target lies beyond the soft limits; nothing moved
   NotHomed,       // the position is unknown; nothing moved
 };
@@ -47,7 +46,8 @@ class ZAxis {
   // Decelerates to a standstill; the move's `done` gets Stopped. Does nothing when nothing moves.
   virtual void stop() = 0;
 
-  // No further step from this instant. The position is unknown afterwards if a move was under way.
+  // No further step from this instant; a waiting `done` is dropped. The position is unknown afterwards if a
+  // move was under way.
   virtual void abort() noexcept = 0;
 
   [[nodiscard]] virtual bool moving() const = 0;

@@ -1,0 +1,82 @@
+// "Allocates nothing once it has seen its largest section": counted by this program's own operator new.
+#include <cstdlib>
+#include <new>
+
+#include "core/contour_engine.hpp"
+#include "tests/catch.hpp"
+#include "tests/models/models.hpp"
+
+namespace {
+
+// The tests of this program run in one thread.
+long allocations = 0;
+
+void* counted(std::size_t bytes) {
+  ++allocations;
+  if (void* memory = std::malloc(bytes != 0 ? bytes : 1)) return memory;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(std::size_t bytes) {
+  return counted(bytes);
+}
+void* operator new[](std::size_t bytes) {
+  return counted(bytes);
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+using namespace contourd;
+
+namespace {
+
+constexpr Nanometers kLayer{500'000};
+
+// Allocations of a second pass over all layers.
+long allocations_when_warm(models::Facets facets) {
+  const DisplayGeometry display{Pixels{480}, Pixels{480}};
+  models::translate(facets, 0, 0, 0);
+  ContourEngine engine(HeightIndex(std::move(facets)), display, AntiAliasing::On,
+                       {PixelMap::true_scale(display, {0, 0})});
+  long during_second = 0;
+  for (int pass = 0; pass < 2; ++pass) {
+    const long before = allocations;
+    for (Nanometers height{0}; height < Nanometers{20'000'000}; height += kLayer) {
+      (void)engine.mask_at(height);
+      (void)engine.contours_at(height);
+    }
+    during_second = allocations - before;
+  }
+  return during_second;
+}
+
+}  // namespace
+
+TEST_CASE("Allocations are counted") {
+  const long before = allocations;
+  const std::vector<int> memory(1000);
+  CHECK(allocations > before);
+}
+
+TEST_CASE("A warm engine allocates nothing for a sound model") {
+  CHECK(allocations_when_warm(models::gyroid_sphere(10, 6, 24)) == 0);
+}
+
+TEST_CASE("A warm engine allocates nothing for a cracked model") {
+  models::Facets facets = models::gyroid_sphere(10, 6, 24);
+  for (std::size_t i = 0; i < facets.size(); i += 100)
+    facets[i] = facets.back();
+  CHECK(allocations_when_warm(facets) == 0);
+}

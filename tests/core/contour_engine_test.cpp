@@ -1,0 +1,246 @@
+#include "core/contour_engine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/core/random_shapes.hpp"
+#include "tests/core/section_fixture.hpp"
+
+using namespace contourd;
+using testing::inverted;
+using testing::together;
+
+namespace {
+
+const DisplayGeometry kDisplay{Pixels{480}, Pixels{440}, Micrometers{50.0}};
+
+ContourEngine engine_for(models::Facets facets, AntiAliasing anti_aliasing = AntiAliasing::On,
+                         Point center = {10, 10}) {
+  return ContourEngine(HeightIndex(std::move(facets)), kDisplay, anti_aliasing,
+                       {PixelMap::true_scale(kDisplay, center)});
+}
+
+Mask mask_of(const models::Facets& facets, Nanometers height, AntiAliasing anti_aliasing = AntiAliasing::On) {
+  return engine_for(facets, anti_aliasing).mask_at(height);
+}
+
+// The lit area in square millimetres.
+double area(const Mask& mask) {
+  return mask.lit_area() * 0.05 * 0.05;
+}
+
+bool near(double a, double b, double tolerance) {
+  return std::fabs(a - b) <= tolerance;
+}
+
+// Sums of whole grey values over 255, scaled.
+constexpr double kRoundingMm2 = 1e-9;
+
+// A slab of 20 x 20 x 5 mm with a post of 10 x 10 x 5 mm upon it.
+models::Facets slab_and_post() {
+  return together(models::box({0, 0, 0}, {20, 20, 5}), models::box({5, 5, 5}, {15, 15, 10}));
+}
+
+models::Facets ball() {
+  models::Facets facets = models::sphere(8, 16);
+  models::translate(facets, 10, 10, 0);
+  return facets;
+}
+
+}  // namespace
+
+TEST_CASE("A mask is the section just above its height") {
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    ContourEngine engine = engine_for(slab_and_post(), mode);
+    CHECK(engine.mask_at(Nanometers{-1}).lit_pixels() == 0);
+    CHECK(near(area(engine.mask_at(Nanometers{0})), 400, kRoundingMm2));
+    CHECK(near(area(engine.mask_at(Nanometers{4'999'999})), 400, kRoundingMm2));
+    CHECK(near(area(engine.mask_at(Nanometers{5'000'000})), 100, kRoundingMm2));
+    CHECK(near(area(engine.mask_at(Nanometers{9'999'999})), 100, kRoundingMm2));
+    CHECK(engine.mask_at(Nanometers{10'000'000}).lit_pixels() == 0);
+  }
+}
+
+TEST_CASE("A roof's cavity opens and closes at its flat faces") {
+  ContourEngine engine = engine_for(
+      together(models::box({0, 0, 0}, {20, 20, 20}), inverted(models::box({5, 5, 5}, {15, 15, 15}))));
+  CHECK(near(area(engine.mask_at(Nanometers{4'999'999})), 400, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{5'000'000})), 300, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{14'999'999})), 300, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{15'000'000})), 400, kRoundingMm2));
+}
+
+TEST_CASE("Solids that overlap or share a wall are lit once and without a dark line") {
+  const Nanometers middle{5'000'000};
+  const auto overlapping =
+      together(models::box({0, 0, 0}, {10, 10, 10}), models::box({5, 5, 0}, {15, 15, 10}));
+  CHECK(near(area(mask_of(overlapping, middle)), 175, kRoundingMm2));
+  const auto sharing = together(models::box({0, 0, 0}, {10, 10, 10}), models::box({10, 0, 0}, {20, 10, 10}));
+  CHECK(near(area(mask_of(sharing, middle)), 200, kRoundingMm2));
+  const auto stacked = together(models::box({0, 0, 0}, {10, 10, 5}), models::box({0, 0, 5}, {10, 10, 10}));
+  CHECK(near(area(mask_of(stacked, middle)), 100, kRoundingMm2));
+}
+
+TEST_CASE("Heights count from the model's lowest point wherever that is") {
+  models::Facets low = slab_and_post();
+  models::translate(low, 0, 0, -64);
+  ContourEngine engine = engine_for(low);
+  CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), 400, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{6'000'000})), 100, kRoundingMm2));
+  CHECK(near(area(engine.mask_at_z(Millimeters{-60})), 400, kRoundingMm2));
+  CHECK(near(area(engine.mask_at_z(Millimeters{-58})), 100, kRoundingMm2));
+  CHECK(engine.mask_at_z(Millimeters{1}).lit_pixels() == 0);
+}
+
+TEST_CASE("A mask has the display's size") {
+  ContourEngine engine = engine_for(slab_and_post());
+  CHECK(engine.mask_at(Nanometers{1}).width() == kDisplay.width);
+  CHECK(engine.mask_at(Nanometers{1}).height() == kDisplay.height);
+  CHECK(engine.join_tolerance() == Millimeters{0.05});
+}
+
+TEST_CASE("A display without pixels or with too many is refused") {
+  const auto engine = [](int width, int height) {
+    return ContourEngine(HeightIndex(), {Pixels{width}, Pixels{height}}, AntiAliasing::On, {});
+  };
+  CHECK_THROWS_AS(engine(0, 100), std::invalid_argument);
+  CHECK_THROWS_AS(engine(100, 16385), std::invalid_argument);
+}
+
+TEST_CASE("Every copy of a model is lit at its own place") {
+  const HeightIndex post(models::box({0, 0, 0}, {2, 2, 5}));
+  const PixelMap left = PixelMap::true_scale(kDisplay, {6, 1}),
+                 right = PixelMap::true_scale(kDisplay, {-4, 1});
+  const auto mask_with = [&](const std::vector<PixelMap>& copies) {
+    return Mask(ContourEngine(post, kDisplay, AntiAliasing::On, copies).mask_at(Nanometers{1}));
+  };
+  const Mask both = mask_with({left, right}), one = mask_with({left}), other = mask_with({right});
+  CHECK(both.lit_area() == 2 * 40.0 * 40.0);
+  for (std::size_t i = 0; i < both.pixels().size(); ++i) {
+    if (both.pixels()[i] != one.pixels()[i] + other.pixels()[i]) FAIL("pixel " << i);
+  }
+  CHECK(mask_with({}).lit_pixels() == 0);
+}
+
+TEST_CASE("The copies of a cracked model are lit alike") {
+  models::Facets box = models::box({0, 0, 0}, {2, 2, 5});
+  box.pop_back();
+  const HeightIndex model(box);
+  ContourEngine engine(model, kDisplay, AntiAliasing::On,
+                       {PixelMap::true_scale(kDisplay, {6, 1}), PixelMap::true_scale(kDisplay, {-4, 1})});
+  CHECK(engine.mask_at(Nanometers{1'000'000}).lit_area() == 2 * 40.0 * 40.0);
+}
+
+TEST_CASE("A missing or turned or doubled facet changes no pixel where its gap is a straight line") {
+  const models::Facets whole = ball();
+  CHECK(rc::check([&] {
+    const auto chosen =
+        static_cast<std::size_t>(testing::draw(0, static_cast<std::int64_t>(whole.size()) - 1));
+    const Bounds bounds = bounds_of(std::span(whole).subspan(chosen, 1));
+    const Millimeters z{(bounds.min_z + bounds.max_z) / 2};
+    const auto mask_at = [z](const models::Facets& facets) { return Mask(engine_for(facets).mask_at_z(z)); };
+    const Mask intact = mask_at(whole);
+    RC_ASSERT(intact.lit_pixels() > 0);
+    models::Facets missing = whole;
+    missing.erase(missing.begin() + static_cast<std::ptrdiff_t>(chosen));
+    RC_ASSERT(mask_at(missing) == intact);
+    models::Facets turned = whole;
+    std::swap(turned[chosen].vertices[0], turned[chosen].vertices[1]);
+    RC_ASSERT(mask_at(turned) == intact);
+    models::Facets doubled = whole;
+    doubled.push_back(whole[chosen]);
+    RC_ASSERT(mask_at(doubled) == intact);
+  }));
+}
+
+TEST_CASE("A cracked model's mask differs from the intact one only near the crack") {
+  const models::Facets whole = ball();
+  CHECK(rc::check([&] {
+    const auto chosen =
+        static_cast<std::size_t>(testing::draw(0, static_cast<std::int64_t>(whole.size()) - 1));
+    models::Facets cracked = whole;
+    // A crack of 10 um, a fifth of a pixel.
+    for (Vertex& v : cracked[chosen].vertices)
+      v.x += 0.01F;
+    const Bounds bounds = bounds_of(std::span(cracked).subspan(chosen, 1));
+    const Millimeters z{(bounds.min_z + bounds.max_z) / 2};
+    const Mask intact = engine_for(whole).mask_at_z(z);
+    const Mask mask = engine_for(cracked).mask_at_z(z);
+    // The facet's box on the display and a pixel around it.
+    const PixelMap map = PixelMap::true_scale(kDisplay, {10, 10});
+    const PixelPoint upper_left = map.to_pixels({bounds.min_x, bounds.max_y});
+    const PixelPoint lower_right = map.to_pixels({bounds.max_x, bounds.min_y});
+    for (std::int32_t row = 0; row < mask.height().count(); ++row) {
+      for (std::int32_t column = 0; column < mask.width().count(); ++column) {
+        const auto at = static_cast<std::size_t>(column);
+        const int difference = std::abs(mask.row(row)[at] - intact.row(row)[at]);
+        const bool near_crack = row + 1 >= upper_left.y - 1 && row <= lower_right.y + 1 &&
+                                column + 1 >= upper_left.x - 1 && column <= lower_right.x + 1;
+        RC_ASSERT(near_crack || difference == 0);
+        // A fifth of a pixel's width, and 1.5 levels for the roundings of both masks.
+        RC_ASSERT(difference <= 0.2 * 255 + 1.5);
+      }
+    }
+  }));
+}
+
+TEST_CASE("The same height gives the same bytes whatever came before") {
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    for (const bool broken : {false, true}) {
+      models::Facets facets = models::gyroid_sphere(9, 6, 20);
+      models::translate(facets, 10, 10, 0);
+      if (broken) facets.erase(facets.begin() + 5, facets.begin() + 50);
+      ContourEngine engine = engine_for(facets, mode);
+      std::vector<Mask> first;
+      for (std::int64_t um = 0; um < 18'000; um += 900)
+        first.push_back(engine.mask_at(Nanometers{um * 1000}));
+      CHECK(std::ranges::count_if(first, [](const Mask& mask) { return mask.lit_pixels() > 0; }) > 15);
+      (void)engine.contours_at(Nanometers{5'000'000});
+      for (std::size_t i = first.size(); i-- > 0;) {
+        const Nanometers height{static_cast<std::int64_t>(i) * 900'000};
+        CHECK(engine.mask_at(height) == first[i]);
+        CHECK(engine.mask_at(height) == first[i]);
+        CHECK(engine_for(facets, mode).mask_at(height) == first[i]);
+      }
+    }
+  }
+}
+
+TEST_CASE("The order of the facets in the file does not matter") {
+  CHECK(rc::check([] {
+    models::Facets facets = ball();
+    const Nanometers height{testing::draw(0, 16'000'000)};
+    const Mask mask = mask_of(facets, height);
+    std::ranges::rotate(facets, facets.begin() + testing::draw(0, static_cast<std::int64_t>(facets.size())));
+    std::ranges::reverse(facets);
+    RC_ASSERT(mask_of(facets, height) == mask);
+  }));
+}
+
+TEST_CASE("A section's contours are in the model's coordinates and count its facets") {
+  ContourEngine engine = engine_for(slab_and_post());
+  const Contours& contours = engine.contours_at(Nanometers{6'000'000});
+  REQUIRE(contours.loops.size() == 1);
+  CHECK(engine.intersecting_facets() == 8);
+  for (const Point& p : contours.points) {
+    CHECK((p.x == 5 || p.x == 15 || p.y == 5 || p.y == 15));
+  }
+  (void)engine.mask_at(Nanometers{20'000'000});
+  CHECK(engine.intersecting_facets() == 0);
+}
+
+TEST_CASE("A model without facets is dark") {
+  ContourEngine engine = engine_for({});
+  CHECK(engine.mask_at(Nanometers{0}).lit_pixels() == 0);
+  CHECK(engine.mask_at_z(Millimeters{0}).lit_pixels() == 0);
+  CHECK(engine.contours_at(Nanometers{0}).loops.empty());
+}
+
+TEST_CASE("An engine knows its model") {
+  const ContourEngine engine = engine_for(slab_and_post());
+  CHECK(engine.model().facets().size() == 24);
+  CHECK(engine.model().bounds().max_z == 10);
+}

@@ -1,0 +1,73 @@
+#include "core/layers.hpp"
+
+#include <limits>
+
+#include "tests/catch.hpp"
+#include "tests/core/random_shapes.hpp"
+
+using namespace contourd;
+
+namespace {
+
+constexpr Nanometers kFiftyMicrometers{50'000};
+
+std::int32_t count_for(double height_mm, Nanometers thickness) {
+  return layers_for(Millimeters{height_mm}, thickness).value().count;
+}
+
+}  // namespace
+
+TEST_CASE("A model has as many layers as reach its top") {
+  CHECK(count_for(10.0, kFiftyMicrometers) == 200);
+  CHECK(count_for(10.02, kFiftyMicrometers) == 201);
+  CHECK(count_for(0.001, kFiftyMicrometers) == 1);
+}
+
+TEST_CASE("A rest below a hundredth of a layer is no layer") {
+  CHECK(count_for(10.0 + 0.0004, kFiftyMicrometers) == 200);  // 0.8 hundredths
+  CHECK(count_for(10.0 + 0.0006, kFiftyMicrometers) == 201);  // 1.2 hundredths
+  // 0.1 as a float is 1.5e-9 too large.
+  CHECK(count_for(static_cast<double>(0.1F), Nanometers{100'000}) == 1);
+}
+
+TEST_CASE("A model without height has no layers") {
+  CHECK(count_for(0.0, kFiftyMicrometers) == 0);
+  CHECK(count_for(-1.0, kFiftyMicrometers) == 0);
+}
+
+TEST_CASE("More layers than a print can have are none at all") {
+  CHECK_FALSE(layers_for(Millimeters{3000.0}, Nanometers{1}).has_value());
+  CHECK_FALSE(layers_for(Millimeters{1e300}, kFiftyMicrometers).has_value());
+  CHECK_FALSE(
+      layers_for(Millimeters{std::numeric_limits<double>::infinity()}, kFiftyMicrometers).has_value());
+  CHECK_FALSE(
+      layers_for(Millimeters{std::numeric_limits<double>::quiet_NaN()}, kFiftyMicrometers).has_value());
+  CHECK(count_for(2000.0, Nanometers{1}) == 2'000'000'000);
+}
+
+TEST_CASE("Each layer is cut at its middle") {
+  const LayerStack layers{Nanometers{25'000}, 1000};
+  CHECK(layers.middle_of(0) == Nanometers{12'500});
+  CHECK(layers.top_of(0) == Nanometers{25'000});
+  CHECK(layers.middle_of(7) == Nanometers{187'500});
+  CHECK(layers.top_of(7) == Nanometers{200'000});
+}
+
+TEST_CASE("The highest layers a print can have do not overflow") {
+  const LayerStack layers{Nanometers{1'000'000}, std::numeric_limits<std::int32_t>::max()};
+  CHECK(layers.top_of(layers.count - 1) == Nanometers{2'147'483'647'000'000});
+  CHECK(layers.middle_of(layers.count - 1) == Nanometers{2'147'483'646'500'000});
+}
+
+TEST_CASE("The layers cover the model and none lies above it") {
+  CHECK(rc::check([] {
+    const Nanometers thickness{testing::draw(1'000, 200'000)};
+    const Nanometers height{testing::draw(1, 200'000'000)};
+    const LayerStack layers = layers_for(to_millimeters(height), thickness).value();
+    // A hundredth of a layer may be left out; 1 nm for the rounding of that hundredth.
+    const std::int64_t noise_nm = thickness.count() / 100 + 1;
+    RC_ASSERT(layers.count >= 0);
+    RC_ASSERT(layers.count == 0 || layers.top_of(layers.count - 1).count() + noise_nm >= height.count());
+    RC_ASSERT(layers.count == 0 || layers.top_of(layers.count - 1) - thickness < height);
+  }));
+}

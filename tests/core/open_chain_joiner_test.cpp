@@ -1,0 +1,199 @@
+#include "core/open_chain_joiner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/core/random_shapes.hpp"
+
+using namespace contourd;
+
+namespace {
+
+constexpr Millimeters kTolerance{0.05};
+
+struct OpenChain {
+  Point start, end;
+  std::uint32_t weight = 2;
+};
+
+JoinedChains joined(const std::vector<OpenChain>& chains, Millimeters tolerance = kTolerance) {
+  OpenChainJoiner joiner;
+  joiner.reset(tolerance);
+  for (const OpenChain& chain : chains)
+    joiner.add(chain.start, chain.end, chain.weight);
+  return joiner.join();
+}
+
+// Every chain is in exactly one loop, once.
+bool every_chain_once(const JoinedChains& result, std::size_t chains) {
+  std::vector<int> uses(chains, 0);
+  std::uint32_t next = 0;
+  for (const JoinedChains::Loop& loop : result.loops) {
+    if (loop.first != next || loop.count == 0) return false;
+    next += loop.count;
+  }
+  if (next != result.links.size()) return false;
+  for (const JoinedChains::Link& link : result.links)
+    ++uses.at(link.chain);
+  return std::ranges::all_of(uses, [](int n) { return n == 1; });
+}
+
+std::vector<OpenChain> draw_chains(std::int64_t most, double reach) {
+  std::vector<OpenChain> chains(static_cast<std::size_t>(testing::draw(1, most)));
+  for (OpenChain& chain : chains) {
+    const auto point = [reach] { return Point{testing::draw_real(0, reach), testing::draw_real(0, reach)}; };
+    chain = {point(), point(), static_cast<std::uint32_t>(testing::draw(2, 100))};
+  }
+  return chains;
+}
+
+}  // namespace
+
+TEST_CASE("No chains are no loops") {
+  const JoinedChains result = joined({});
+  CHECK(result.loops.empty());
+  CHECK(result.links.empty());
+  CHECK(result.open_chains == 0);
+}
+
+TEST_CASE("A chain whose ends nearly meet is one sound loop") {
+  const JoinedChains result = joined({{{0, 0}, {0.001, 0}}});
+  REQUIRE(result.loops.size() == 1);
+  CHECK_FALSE(result.loops[0].repaired);
+  CHECK(result.open_chains == 0);
+  CHECK(result.gaps_closed == 1);
+  CHECK(result.widest_gap == Millimeters{0.001});
+  CHECK_FALSE(result.links[0].reversed);
+}
+
+TEST_CASE("A chain whose ends are too far apart is closed as a guess") {
+  const JoinedChains result = joined({{{0, 0}, {3, 4}}});
+  REQUIRE(result.loops.size() == 1);
+  CHECK(result.loops[0].repaired);
+  CHECK(result.open_chains == 1);
+  CHECK(result.gaps_closed == 0);
+  CHECK(result.widest_gap == Millimeters{5});
+}
+
+TEST_CASE("A gap of just the tolerance is closed and one just above it is a guess") {
+  CHECK(joined({{{0, 0}, {0.05, 0}}}).open_chains == 0);
+  CHECK(joined({{{0, 0}, {std::nextafter(0.05, 1.0), 0}}}).open_chains == 1);
+}
+
+TEST_CASE("Chains follow each other head to tail") {
+  const JoinedChains result =
+      joined({{{0, 0}, {10, 0}}, {{10, 10}, {0, 10}}, {{0, 10.001}, {0, 0.002}}, {{10, 0.003}, {10, 9.999}}});
+  REQUIRE(result.loops.size() == 1);
+  CHECK(result.loops[0].count == 4);
+  CHECK(result.gaps_closed == 4);
+  CHECK(result.open_chains == 0);
+  std::vector<std::uint32_t> order;
+  for (const JoinedChains::Link& link : result.links) {
+    CHECK_FALSE(link.reversed);
+    order.push_back(link.chain);
+  }
+  CHECK(order == std::vector<std::uint32_t>{0, 3, 1, 2});
+}
+
+TEST_CASE("Ends in the very same point are no gap") {
+  const JoinedChains result = joined({{{0, 0}, {10, 0}}, {{0, 0}, {10, 0}}});
+  CHECK(result.loops.size() == 1);
+  CHECK(result.gaps_closed == 0);
+  CHECK(result.open_chains == 0);
+  CHECK(result.widest_gap == Millimeters{0});
+}
+
+TEST_CASE("Of chains that disagree the heaviest gives the loop its direction") {
+  for (const std::uint32_t heavy : {0U, 1U}) {
+    std::vector<OpenChain> chains{{{0, 0}, {10, 0}, 2}, {{0, 0}, {10, 0}, 2}};
+    chains[heavy].weight = 9;
+    const JoinedChains result = joined(chains);
+    REQUIRE(result.links.size() == 2);
+    for (const JoinedChains::Link& link : result.links)
+      CHECK(link.reversed == (link.chain != heavy));
+  }
+}
+
+TEST_CASE("The nearest ends are joined first") {
+  // The first chain's end has two starts within reach; the nearer is the third's.
+  const JoinedChains result = joined({{{-10, 0}, {0, 0}}, {{0.04, 0}, {10, 5}}, {{0.01, 0}, {10, -5}}});
+  const auto first = std::ranges::find(result.links, 0U, &JoinedChains::Link::chain);
+  REQUIRE(first != result.links.end());
+  const auto after = std::next(first) == result.links.end() ? result.links.begin() : std::next(first);
+  CHECK(after->chain == 2);
+}
+
+TEST_CASE("An end prefers a start to an end unless that is four times as far") {
+  // Chain 0 ends between chain 1's end, 1 mm away, and chain 2's start.
+  const auto next_to_first = [](double distance_of_start) {
+    const JoinedChains result =
+        joined({{{-100, 0}, {0, 0}, 9}, {{0, 300}, {0, 1}}, {{0, -distance_of_start}, {0, -300}}});
+    return result.links.at(1).chain;
+  };
+  CHECK(next_to_first(3.9) == 2);
+  CHECK(next_to_first(4.1) == 1);
+}
+
+TEST_CASE("Joins within the tolerance and guesses in one loop make it a repaired one") {
+  const JoinedChains result = joined({{{0, 0}, {10, 0}}, {{10, 0.01}, {10, 10}}});
+  REQUIRE(result.loops.size() == 1);
+  CHECK(result.loops[0].repaired);
+  CHECK(result.gaps_closed == 1);
+  CHECK(result.open_chains == 1);
+}
+
+TEST_CASE("Two loops far from each other stay two") {
+  const JoinedChains result = joined({{{0, 0}, {0, 0.01}}, {{50, 0}, {50, 1}}});
+  CHECK(result.loops.size() == 2);
+  CHECK(result.open_chains == 1);
+  CHECK(std::ranges::count_if(result.loops, [](const auto& loop) { return loop.repaired; }) == 1);
+}
+
+TEST_CASE("A tolerance of nothing joins only what meets") {
+  const JoinedChains result = joined({{{0, 0}, {10, 0}}, {{10, 0}, {20, 0}}}, Millimeters{0});
+  CHECK(result.open_chains == 1);
+  CHECK(result.gaps_closed == 0);
+}
+
+TEST_CASE("Whatever the chains each becomes part of one loop") {
+  CHECK(rc::check([] {
+    const double reach = testing::draw(0, 1) == 0 ? 100.0 : 0.2;
+    const std::vector<OpenChain> chains = draw_chains(40, reach);
+    const JoinedChains result = joined(chains);
+    RC_ASSERT(every_chain_once(result, chains.size()));
+    RC_ASSERT(result.open_chains <= chains.size());
+    const bool any_repaired =
+        std::ranges::any_of(result.loops, [](const auto& loop) { return loop.repaired; });
+    RC_ASSERT(any_repaired == (result.open_chains > 0));
+    // No join is wider than the chains lie apart.
+    RC_ASSERT(result.widest_gap.count() <= std::hypot(reach, reach));
+  }));
+}
+
+TEST_CASE("Too many open chains to weigh them all are closed each on itself") {
+  std::vector<OpenChain> chains;
+  for (int i = 0; i < 5000; ++i)
+    chains.push_back({{i * 10.0, 0}, {i * 10.0, 5}});
+  // A pair that meets counts as one chain.
+  chains[1].start = chains[0].end;
+  const JoinedChains result = joined(chains);
+  CHECK(every_chain_once(result, chains.size()));
+  CHECK(result.loops.size() == 4999);
+  CHECK(result.open_chains == 4999);
+  CHECK(std::ranges::all_of(result.loops, [](const auto& loop) { return loop.repaired; }));
+}
+
+TEST_CASE("Thousands of chains that all end in one point are joined without weighing all pairs") {
+  std::vector<OpenChain> chains(8000, OpenChain{{1, 1}, {1, 1}});
+  const JoinedChains result = joined(chains);
+  CHECK(every_chain_once(result, chains.size()));
+  CHECK(result.widest_gap == Millimeters{0});
+}
+
+TEST_CASE("Coordinates far larger than the tolerance are joined all the same") {
+  const JoinedChains result = joined({{{1e17, 1e17}, {3e17, 1e17}}, {{3e17, 1e17}, {1e17, 1e17}}});
+  CHECK(result.loops.size() == 1);
+  CHECK(result.open_chains == 0);
+}

@@ -1,0 +1,58 @@
+// What the contour tests share: a model's section and its loops in one call.
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "core/contour_loops.hpp"
+#include "core/height_index.hpp"
+#include "core/slicer.hpp"
+#include "tests/models/models.hpp"
+
+namespace contourd::testing {
+
+// A pixel of the default display.
+inline constexpr Millimeters kPixel{0.05};
+
+inline Section section_of(models::Facets facets, double z) {
+  Section section;
+  slice_at(HeightIndex(std::move(facets)), z, section);
+  return section;
+}
+
+inline Contours contours_of(models::Facets facets, double z) {
+  Contours contours;
+  ContourLinker().link(section_of(std::move(facets), z).segments, kPixel, contours);
+  return contours;
+}
+
+inline models::Facets together(models::Facets facets, const models::Facets& more) {
+  facets.insert(facets.end(), more.begin(), more.end());
+  return facets;
+}
+
+inline models::Facets inverted(models::Facets facets) {
+  models::invert(facets);
+  return facets;
+}
+
+// Positive when the loop runs counter-clockwise.
+inline double signed_area(std::span<const Point> points) {
+  double twice = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point& a = points[i];
+    const Point& b = points[(i + 1) % points.size()];
+    twice += a.x * b.y - b.x * a.y;
+  }
+  return twice / 2;
+}
+
+inline double signed_area(const Contours& contours) {
+  double sum = 0;
+  for (const ContourLoop& loop : contours.loops)
+    sum += signed_area(contours.points_of(loop));
+  return sum;
+}
+
+}  // namespace contourd::testing

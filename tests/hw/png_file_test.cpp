@@ -1,0 +1,188 @@
+#include "hw/png_file.hpp"
+
+#include <png.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/core/random_shapes.hpp"
+#include "tests/core/temporary_folder.hpp"
+
+using namespace contourd;
+
+namespace {
+
+// What libpng reads from it, as 8-bit grey.
+Mask decoded(const std::vector<std::uint8_t>& bytes) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0)
+    throw std::runtime_error(image.message);
+  // Grey without alpha or colour in the file itself, 8 bits a value.
+  if (image.format != PNG_FORMAT_GRAY) throw std::runtime_error("not 8-bit grey");
+  std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(image));
+  if (png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr) == 0)
+    throw std::runtime_error(image.message);
+  Mask mask(Pixels{static_cast<std::int32_t>(image.width)}, Pixels{static_cast<std::int32_t>(image.height)});
+  for (std::int32_t y = 0; y < mask.height().count(); ++y) {
+    std::memcpy(mask.row(y).data(), pixels.data() + static_cast<std::size_t>(y) * image.width, image.width);
+  }
+  return mask;
+}
+
+std::vector<std::uint8_t> content_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+Mask draw_mask(std::int64_t largest_side) {
+  Mask mask(Pixels{static_cast<std::int32_t>(testing::draw(1, largest_side))},
+            Pixels{static_cast<std::int32_t>(testing::draw(1, largest_side))});
+  auto random = static_cast<std::uint64_t>(testing::draw(0, std::int64_t{1} << 60));
+  for (std::int32_t y = 0; y < mask.height().count(); ++y) {
+    for (std::uint8_t& grey : mask.row(y)) {
+      random = random * 6364136223846793005U + 1442695040888963407U;
+      grey = static_cast<std::uint8_t>(random >> 56);
+    }
+  }
+  return mask;
+}
+
+std::error_code code_of_writing(const std::filesystem::path& path, const Mask& mask) {
+  try {
+    write_png(path, mask);
+  } catch (const std::system_error& error) {
+    CHECK(std::string(error.what()).find(path.string()) != std::string::npos);
+    return error.code();
+  }
+  return {};
+}
+
+// A limit of this process for as long as it lives. Exceeding the file size is an error and no signal
+// meanwhile.
+class LoweredLimit {
+ public:
+  LoweredLimit(int resource, rlim_t limit)
+      : resource_(resource), old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    REQUIRE(getrlimit(resource_, &old_limit_) == 0);
+    const rlimit lowered{limit, old_limit_.rlim_max};
+    REQUIRE(setrlimit(resource_, &lowered) == 0);
+  }
+  LoweredLimit(const LoweredLimit&) = delete;
+  LoweredLimit& operator=(const LoweredLimit&) = delete;
+  ~LoweredLimit() {
+    setrlimit(resource_, &old_limit_);
+    std::signal(SIGXFSZ, old_handler_);
+  }
+
+ private:
+  int resource_;
+  rlimit old_limit_{};
+  void (*old_handler_)(int);
+};
+
+}  // namespace
+
+TEST_CASE("A PNG read back with libpng is the mask bit for bit") {
+  CHECK(rc::check([] {
+    const Mask mask = draw_mask(70);
+    RC_ASSERT(decoded(encode_png(mask)) == mask);
+  }));
+}
+
+TEST_CASE("A written file is the PNG in memory and replaces what was there") {
+  CHECK(rc::check([] {
+    const testing::TemporaryFolder folder;
+    const auto path = folder.write("mask.png", std::string(20'000, 'x'));
+    const Mask mask = draw_mask(30);
+    write_png(path, mask);
+    RC_ASSERT(content_of(path) == encode_png(mask));
+  }));
+}
+
+TEST_CASE("The same mask gives the same bytes") {
+  const Mask mask(Pixels{300}, Pixels{200});
+  CHECK(encode_png(mask) == encode_png(mask));
+}
+
+TEST_CASE("A full-size mask of long runs is packed a hundredfold") {
+  Mask mask(Pixels{1920}, Pixels{1080});
+  for (std::int32_t y = 200; y < 600; ++y)
+    std::memset(mask.row(y).data() + 300, 255, 400);
+  const std::vector<std::uint8_t> bytes = encode_png(mask);
+  CHECK(bytes.size() < 1920 * 1080 / 100);
+  CHECK(decoded(bytes) == mask);
+}
+
+TEST_CASE("A mask without pixels is refused") {
+  CHECK_THROWS_AS(encode_png(Mask()), std::runtime_error);
+}
+
+TEST_CASE("A file that cannot be written is a system error that names it") {
+  const testing::TemporaryFolder folder;
+  const Mask mask(Pixels{4}, Pixels{4});
+  CHECK(code_of_writing(folder.path() / "missing" / "mask.png", mask) ==
+        std::errc::no_such_file_or_directory);
+}
+
+TEST_CASE("A file half written is removed and the error says why") {
+  const testing::TemporaryFolder folder;
+  Mask noise(Pixels{400}, Pixels{400});  // more than any buffer holds
+  std::uint32_t random = 1;
+  for (std::int32_t y = 0; y < 400; ++y) {
+    for (std::uint8_t& grey : noise.row(y)) {
+      random = random * 1664525 + 1013904223;
+      grey = static_cast<std::uint8_t>(random >> 24);
+    }
+  }
+  for (const Mask& mask : {Mask(Pixels{4}, Pixels{4}), noise}) {
+    const auto path = folder.path() / "mask.png";
+    std::error_code code;
+    {
+      // Files end after 10 bytes, as on a full disk.
+      const LoweredLimit limit(RLIMIT_FSIZE, 10);
+      code = code_of_writing(path, mask);
+    }
+    CHECK(code == std::errc::file_too_large);
+    CHECK_FALSE(std::filesystem::exists(path));
+  }
+}
+
+TEST_CASE("A full device is an error and stays") {
+  const testing::TemporaryFolder folder;
+  const auto link = folder.path() / "mask.png";
+  std::filesystem::create_symlink("/dev/full", link);
+  CHECK(code_of_writing(link, Mask(Pixels{4}, Pixels{4})) == std::errc::no_space_on_device);
+  CHECK(std::filesystem::is_symlink(link));
+  CHECK(std::filesystem::exists("/dev/full"));
+}
+
+TEST_CASE("A file that could not be opened is left as it was") {
+  const testing::TemporaryFolder folder;
+  const auto path = folder.write("mask.png", "a picture");
+  std::error_code code;
+  {
+    const LoweredLimit limit(RLIMIT_NOFILE, 0);
+    code = code_of_writing(path, Mask(Pixels{4}, Pixels{4}));
+  }
+  CHECK(code == std::errc::too_many_files_open);
+  CHECK(std::filesystem::exists(path));
+}
+
+TEST_CASE("What stands in the way of a file is not removed") {
+  const testing::TemporaryFolder folder;
+  const auto path = folder.path() / "mask.png";
+  std::filesystem::create_directory(path);
+  CHECK(code_of_writing(path, Mask(Pixels{4}, Pixels{4})) == std::errc::is_a_directory);
+  CHECK(std::filesystem::is_directory(path));
+}

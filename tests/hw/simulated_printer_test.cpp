@@ -1,0 +1,352 @@
+#include "hw/simulated_printer.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hw/png_file.hpp"
+#include "hw/virtual_clock.hpp"
+#include "tests/catch.hpp"
+#include "tests/core/temporary_folder.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr Duration kFrame{16'666'667};
+
+Mask mask_of_grey(std::uint8_t grey) {
+  Mask mask(Pixels{8}, Pixels{6});
+  for (std::int32_t y = 0; y < 6; ++y) {
+    for (std::uint8_t& pixel : mask.row(y))
+      pixel = grey;
+  }
+  return mask;
+}
+
+SimulatedPrinterConfig small_display() {
+  SimulatedPrinterConfig config;
+  config.display.width = Pixels{8};
+  config.display.height = Pixels{6};
+  return config;
+}
+
+// A printer on its own clock, with what its last calls came to.
+struct Bench {
+  explicit Bench(const SimulatedPrinterConfig& config = small_display()) : printer(clock, config) {}
+
+  void run() {
+    while (clock.run_next()) {
+    }
+  }
+  void pass(Duration time) {
+    bool over = false;
+    const auto timer = clock.call_after(time, [&over] { over = true; });
+    while (!over)
+      clock.run_next();
+  }
+  [[nodiscard]] Duration now() const { return clock.now().time_since_epoch(); }
+
+  void start_show(const Mask& mask) {
+    answered = false;
+    printer.display().show(mask, [this](std::optional<TimePoint> at) { answered = true, presented = at; });
+  }
+  void start_black() {
+    answered = false;
+    printer.display().black([this](std::optional<TimePoint> at) { answered = true, presented = at; });
+  }
+  void start_power_on() {
+    reply.reset();
+    printer.projector().power_on([this](ProjectorReply r) { reply = r; });
+  }
+  void start_light_on() {
+    reply.reset();
+    printer.projector().light_on([this](ProjectorReply r) { reply = r; });
+  }
+  void power_on() {
+    start_power_on();
+    run();
+    REQUIRE(reply == ProjectorReply::Ok);
+  }
+  void light_on() {
+    start_light_on();
+    run();
+    REQUIRE(reply == ProjectorReply::Ok);
+  }
+
+  VirtualClock clock;
+  SimulatedPrinter printer;
+  bool answered = false;
+  std::optional<TimePoint> presented;
+  std::optional<ProjectorReply> reply;
+};
+
+}  // namespace
+
+TEST_CASE("A new printer is dark and black and still") {
+  Bench bench;
+  CHECK_FALSE(bench.printer.light_is_on());
+  CHECK(bench.printer.screen_is_black());
+  CHECK(bench.printer.masks_shown() == 0);
+  CHECK_FALSE(bench.printer.z_axis().moving());
+  CHECK(bench.printer.display().width() == Pixels{8});
+  CHECK(bench.printer.display().height() == Pixels{6});
+}
+
+TEST_CASE("A mask is on the screen at the next refresh and not before") {
+  Bench bench;
+  bench.start_show(mask_of_grey(200));
+  CHECK(bench.printer.screen_is_black());
+  CHECK_FALSE(bench.answered);
+  bench.run();
+  CHECK(bench.answered);
+  CHECK(bench.presented == TimePoint{kFrame});
+  CHECK(bench.clock.now() == TimePoint{kFrame});
+  CHECK_FALSE(bench.printer.screen_is_black());
+  CHECK(bench.printer.masks_shown() == 1);
+}
+
+TEST_CASE("A mask asked for at a refresh is on the screen at the one after") {
+  Bench bench;
+  bench.pass(3 * kFrame);
+  bench.start_show(mask_of_grey(200));
+  bench.run();
+  CHECK(bench.presented == TimePoint{4 * kFrame});
+  bench.pass(1ns);
+  bench.start_show(mask_of_grey(100));
+  bench.run();
+  CHECK(bench.presented == TimePoint{5 * kFrame});
+  bench.pass(kFrame - 1ns);
+  bench.start_black();
+  bench.run();
+  CHECK(bench.presented == TimePoint{6 * kFrame});
+  CHECK(bench.printer.screen_is_black());
+}
+
+TEST_CASE("Black at once drops what waits for the next refresh") {
+  Bench bench;
+  bench.start_show(mask_of_grey(200));
+  bench.printer.display().black_now();
+  bench.run();
+  CHECK_FALSE(bench.answered);
+  CHECK(bench.printer.screen_is_black());
+  bench.start_show(mask_of_grey(200));
+  bench.run();
+  CHECK_FALSE(bench.printer.screen_is_black());
+  bench.printer.display().black_now();
+  CHECK(bench.printer.screen_is_black());
+}
+
+TEST_CASE("A display that is lost answers so and is black") {
+  SimulatedPrinterConfig config = small_display();
+  config.display.lost_after_frames = 2;
+  Bench bench(config);
+  for (int i = 0; i < 2; ++i) {
+    bench.start_show(mask_of_grey(200));
+    bench.run();
+    CHECK(bench.presented.has_value());
+  }
+  bench.start_show(mask_of_grey(200));
+  CHECK_FALSE(bench.answered);  // from the event loop, as always
+  bench.run();
+  CHECK(bench.answered);
+  CHECK_FALSE(bench.presented.has_value());
+  CHECK(bench.printer.screen_is_black());
+}
+
+TEST_CASE("A job's masks are kept as PNG files in its own folder") {
+  const testing::TemporaryFolder folder;
+  SimulatedPrinterConfig config = small_display();
+  config.display.masks = folder.path() / "masks";
+  Bench bench(config);
+  const auto job = bench.printer.begin_job("cube");
+  REQUIRE(job.has_value());
+  CHECK(*job == folder.path() / "masks" / "cube");
+  CHECK(std::filesystem::is_directory(*job));
+  for (const std::uint8_t grey : {std::uint8_t{200}, std::uint8_t{100}}) {
+    bench.start_show(mask_of_grey(grey));
+    bench.run();
+  }
+  bench.start_black();
+  bench.run();
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(*job))
+    files.push_back(entry.path().filename());
+  CHECK(files.size() == 2);
+  const auto content = [](const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::vector<std::uint8_t>(std::istreambuf_iterator<char>(file), {});
+  };
+  CHECK(content(*job / "0001.png") == encode_png(mask_of_grey(200)));
+  CHECK(content(*job / "0002.png") == encode_png(mask_of_grey(100)));
+}
+
+TEST_CASE("Each job counts its masks from one") {
+  const testing::TemporaryFolder folder;
+  SimulatedPrinterConfig config = small_display();
+  config.display.masks = folder.path();
+  Bench bench(config);
+  for (const char* name : {"first", "second"}) {
+    (void)bench.printer.begin_job(name);
+    CHECK(bench.printer.masks_shown() == 0);
+    bench.start_show(mask_of_grey(1));
+    bench.run();
+    CHECK(bench.printer.masks_shown() == 1);
+    CHECK(std::filesystem::exists(folder.path() / name / "0001.png"));
+  }
+}
+
+TEST_CASE("A folder for masks that cannot be made is an error") {
+  const testing::TemporaryFolder folder;
+  SimulatedPrinterConfig config = small_display();
+  config.display.masks = folder.write("a file", "");
+  Bench bench(config);
+  CHECK_THROWS_AS(bench.printer.begin_job("cube"), std::filesystem::filesystem_error);
+}
+
+TEST_CASE("Without a folder for masks none are kept") {
+  Bench bench;
+  CHECK_FALSE(bench.printer.begin_job("cube").has_value());
+  bench.start_show(mask_of_grey(1));
+  bench.run();
+  CHECK(bench.printer.masks_shown() == 1);
+}
+
+TEST_CASE("The lamp is warm after power on and its light stays off") {
+  Bench bench;
+  bench.start_power_on();
+  CHECK_FALSE(bench.reply.has_value());
+  bench.run();
+  CHECK(bench.reply == ProjectorReply::Ok);
+  CHECK(bench.now() == 5s + 20ms);
+  CHECK_FALSE(bench.printer.light_is_on());
+}
+
+TEST_CASE("Power on of a warm lamp does not wait again") {
+  Bench bench;
+  bench.power_on();
+  const Duration before = bench.now();
+  bench.power_on();
+  CHECK(bench.now() - before == 20ms);
+}
+
+TEST_CASE("The light goes on when the projector has answered and off at once") {
+  Bench bench;
+  bench.power_on();
+  const Duration before = bench.now();
+  bench.start_light_on();
+  CHECK_FALSE(bench.printer.light_is_on());
+  bench.run();
+  CHECK(bench.reply == ProjectorReply::Ok);
+  CHECK(bench.printer.light_is_on());
+  CHECK(bench.now() - before == 20ms);
+  bench.printer.projector().light_off();
+  CHECK_FALSE(bench.printer.light_is_on());
+  bench.printer.projector().light_off();
+  CHECK_FALSE(bench.printer.light_is_on());
+}
+
+TEST_CASE("Without power or before the lamp is warm the light is refused") {
+  Bench cold;
+  cold.start_light_on();
+  CHECK_FALSE(cold.reply.has_value());
+  cold.run();
+  CHECK(cold.reply == ProjectorReply::Refused);
+  CHECK_FALSE(cold.printer.light_is_on());
+  Bench off_again;
+  off_again.power_on();
+  off_again.printer.projector().power_off();
+  off_again.start_light_on();
+  off_again.run();
+  CHECK(off_again.reply == ProjectorReply::Refused);
+  CHECK_FALSE(off_again.printer.light_is_on());
+}
+
+TEST_CASE("Light off drops a light on that waits for its answer") {
+  Bench bench;
+  bench.power_on();
+  bench.start_light_on();
+  bench.printer.projector().light_off();
+  bench.run();
+  CHECK_FALSE(bench.reply.has_value());
+  CHECK_FALSE(bench.printer.light_is_on());
+}
+
+TEST_CASE("Power off puts the light out and the lamp must warm up again") {
+  Bench bench;
+  bench.power_on();
+  bench.light_on();
+  bench.printer.projector().power_off();
+  CHECK_FALSE(bench.printer.light_is_on());
+  const Duration before = bench.now();
+  bench.power_on();
+  CHECK(bench.now() - before == 5s + 20ms);
+}
+
+TEST_CASE("A projector that falls silent is given up after its timeout and lights nothing") {
+  SimulatedPrinterConfig config = small_display();
+  config.projector.silent_after_commands = 2;
+  Bench bench(config);
+  bench.power_on();
+  bench.light_on();
+  bench.printer.projector().light_off();
+  const Duration before = bench.now();
+  bench.start_light_on();
+  bench.run();
+  CHECK(bench.reply == ProjectorReply::NoAnswer);
+  CHECK(bench.now() - before == 2s);
+  CHECK_FALSE(bench.printer.light_is_on());
+}
+
+TEST_CASE("A projector that never answers does not get warm") {
+  SimulatedPrinterConfig config = small_display();
+  config.projector.silent_after_commands = 0;
+  Bench bench(config);
+  bench.start_power_on();
+  bench.run();
+  CHECK(bench.reply == ProjectorReply::NoAnswer);
+  CHECK(bench.now() == 2s);
+  bench.start_light_on();
+  bench.run();
+  CHECK(bench.reply != ProjectorReply::Ok);
+  CHECK_FALSE(bench.printer.light_is_on());
+}
+
+TEST_CASE("A machine made safe is dark and black and still whatever it was doing") {
+  Bench bench;
+  bench.power_on();
+  bench.light_on();
+  bench.start_show(mask_of_grey(200));
+  bench.run();
+  bench.printer.z_axis().home([](HomingResult) {});
+  bench.pass(1s);
+  bench.start_show(mask_of_grey(100));
+  REQUIRE(bench.printer.light_is_on());
+  REQUIRE_FALSE(bench.printer.screen_is_black());
+  REQUIRE(bench.printer.z_axis().moving());
+  make_safe(bench.printer);
+  CHECK_FALSE(bench.printer.light_is_on());
+  CHECK(bench.printer.screen_is_black());
+  CHECK_FALSE(bench.printer.z_axis().moving());
+  bench.run();
+  CHECK_FALSE(bench.printer.light_is_on());
+  CHECK(bench.printer.screen_is_black());
+}
+
+TEST_CASE("A printer may be destroyed while everything is under way") {
+  VirtualClock clock;
+  {
+    SimulatedPrinter printer(clock, small_display());
+    printer.z_axis().home([](HomingResult) { FAIL("homed"); });
+    printer.display().show(mask_of_grey(1), [](std::optional<TimePoint>) { FAIL("shown"); });
+    printer.projector().power_on([](ProjectorReply) { FAIL("powered"); });
+  }
+  CHECK(clock.idle());
+  CHECK_FALSE(clock.run_next());
+}
