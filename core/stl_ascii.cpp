@@ -88,7 +88,9 @@ class AsciiReader {
 
   StlModel read() {
     std::string_view word;
+    bool is_stl = false;
     while (!(word = words_.next()).empty()) {
+      is_stl = true;
       if (same_word(word, "facet")) {
         read_facet();
       } else if (same_word(word, "solid")) {
@@ -101,6 +103,7 @@ class AsciiReader {
         refuse("expected \"facet\" or \"endsolid\", found " + quoted(word));
       }
     }
+    if (!is_stl) throw StlError("not an STL file: it holds nothing but comments");
     if (in_solid_ && model_.facets.empty())
       refuse("the file ends after \"solid\", without a facet or an \"endsolid\"");
     if (in_solid_) model_.warnings.emplace_back("the file has no \"endsolid\" at its end");

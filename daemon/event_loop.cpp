@@ -159,10 +159,6 @@ std::unique_ptr<EventLoop::IdleSource> EventLoop::when_idle(std::function<bool()
   return source;
 }
 
-void EventLoop::feed_watchdog() {
-  check(sd_event_set_watchdog(event_, 1), "sd_event_set_watchdog");
-}
-
 TimePoint EventLoopClock::now() const {
   return std::chrono::steady_clock::now();
 }

@@ -1,4 +1,4 @@
-// The daemon's one event loop (sd-event): timers, signals, file descriptors, the watchdog. Everything is a
+// The daemon's one event loop (sd-event): timers, signals, file descriptors. Everything is a
 // callback on the thread that calls run(); only Mailbox::post() may be called from another.
 #pragma once
 
@@ -56,9 +56,6 @@ class EventLoop {
     virtual void wake() = 0;
   };
   [[nodiscard]] std::unique_ptr<IdleSource> when_idle(std::function<bool()> call);
-
-  // Pings systemd's watchdog for as long as the loop turns, if the unit asks for it.
-  void feed_watchdog();
 
  private:
   class SdSource;

@@ -1,7 +1,6 @@
 // contourd: wires the machine, the printer service and the event loop, and nothing else.
 #include <fmt/format.h>
 #include <signal.h>
-#include <systemd/sd-daemon.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
@@ -12,6 +11,7 @@
 #include "daemon/event_loop.hpp"
 #include "daemon/log.hpp"
 #include "daemon/printer_service.hpp"
+#include "daemon/supervisor.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
 
@@ -49,9 +49,10 @@ int run(const PrinterConfig& config) {
   // spool.cpp).
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGIO, SIG_IGN);
+  Supervisor supervisor(loop);
   PrinterService* running = nullptr;
   const auto stop = [&](const char* signal) {
-    sd_notify(0, "STOPPING=1");
+    supervisor.stopping();
     if (running != nullptr) running->shut_down(fmt::format("contourd was stopped ({})", signal));
   };
   const auto terminated = loop.on_signal(SIGTERM, [&] { stop("SIGTERM"); });
@@ -60,13 +61,12 @@ int run(const PrinterConfig& config) {
   const Log log;
   MachineClock clock(loop, config.pace);
   SimulatedPrinter machine(clock.get(), config.simulated);
-  PrinterService service(config, loop, clock.get(), machine, log);
+  PrinterService service(config, loop, clock.get(), machine, log, supervisor);
   running = &service;
   service.start();
-  loop.feed_watchdog();
   log.info("ready", fmt::format("contourd {} is ready: {}, spool {}, socket {}", CONTOURD_VERSION,
                                 config.name, config.spool_folder.string(), config.control_socket.string()));
-  sd_notify(0, "READY=1\nSTATUS=Ready");
+  supervisor.ready();
   loop.run();
   log.info("stopped", "contourd has stopped; light off, motor still");
   return EXIT_SUCCESS;

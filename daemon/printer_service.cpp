@@ -1,7 +1,6 @@
 #include "daemon/printer_service.hpp"
 
 #include <fmt/format.h>
-#include <systemd/sd-daemon.h>
 
 #include <algorithm>
 #include <system_error>
@@ -47,12 +46,13 @@ double milliseconds(Duration duration) {
 }  // namespace
 
 PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine,
-                               const Log& log)
+                               const Log& log, Supervisor& supervisor)
     : config_(config),
       loop_(loop),
       clock_(clock),
       machine_(machine),
       log_(log),
+      supervisor_(supervisor),
       spool_(config.spool_folder, loop, *this),
       process_(machine, clock, *this),
       worker_(loop) {}
@@ -310,8 +310,8 @@ void PrinterService::layer_done(const LayerRecord& layer) {
   if (layer.area_mm2 == 0 && layer.layer + 1 < count) {
     log_.warning("empty", fmt::format("layer {}: nothing to expose", layer.layer + 1), fields);
   }
-  sd_notifyf(0, "STATUS=Printing %s, layer %d of %d", printable(active_->files.name).c_str(), layer.layer + 1,
-             count);
+  supervisor_.status(
+      fmt::format("Printing {}, layer {} of {}", printable(active_->files.name), layer.layer + 1, count));
   notify("layer", ControlServer::Delivery::Lossy);
 }
 
@@ -384,7 +384,7 @@ void PrinterService::file_job(const JobFiles& files, Spool::Folder to, const std
 void PrinterService::ended(const std::string& name, std::string_view outcome, const std::string& reason) {
   ended_.push_back({name, std::string(outcome), reason});
   if (ended_.size() > kLongestHistory) ended_.pop_front();
-  sd_notifyf(0, "STATUS=Ready; last job %s: %s", printable(name).c_str(), std::string(outcome).c_str());
+  supervisor_.status(fmt::format("Ready; last job {}: {}", printable(name), outcome));
   notify("ended", ControlServer::Delivery::Certain);
 }
 

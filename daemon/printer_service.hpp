@@ -14,6 +14,7 @@
 #include "daemon/print_process.hpp"
 #include "daemon/print_report.hpp"
 #include "daemon/spool.hpp"
+#include "daemon/supervisor.hpp"
 #include "daemon/worker.hpp"
 
 namespace contourd {
@@ -23,8 +24,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   using Json = ControlServer::Json;
 
   // All must outlive the service.
-  PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine,
-                 const Log& log);
+  PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine, const Log& log,
+                 Supervisor& supervisor);
 
   // Files interrupted prints, opens the spool and the socket: after this, jobs are taken. Throws
   // std::runtime_error.
@@ -94,6 +95,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   Clock& clock_;
   Machine& machine_;
   const Log& log_;
+  Supervisor& supervisor_;
   Spool spool_;
   PrintProcess process_;
   std::deque<QueuedJob> queue_;
