@@ -57,6 +57,7 @@ int run(const PrinterConfig& config) {
   };
   const auto terminated = loop.on_signal(SIGTERM, [&] { stop("SIGTERM"); });
   const auto interrupted = loop.on_signal(SIGINT, [&] { stop("SIGINT"); });
+  const auto hung_up = loop.on_signal(SIGHUP, [&] { stop("SIGHUP"); });
 
   const Log log;
   MachineClock clock(loop, config.pace);

@@ -36,11 +36,8 @@ std::variant<PreparedJob, std::string> try_to_prepare(const JobFiles& files, con
   }
 }
 
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
 double milliseconds(Duration duration) {
-  return seconds(duration) * 1000;
+  return std::chrono::duration<double, std::milli>(duration).count();
 }
 
 }  // namespace
@@ -400,95 +397,6 @@ void PrinterService::notify(const std::string& what, ControlServer::Delivery del
 void PrinterService::set_plate_occupant(const std::optional<std::string>& job) {
   plate_occupant_ = job;
   spool_.set_plate_occupant(job);
-}
-
-// --- the control socket
-
-std::map<std::string, ControlServer::Method> PrinterService::methods() {
-  return {{"status", [this] { return status(); }},
-          {"queue",
-           [this] {
-             Json files = Json::array();
-             for (const QueuedJob& job : queue_)
-               files.push_back(job.file);
-             return Json{{"queue", files}};
-           }},
-          {"history",
-           [this] {
-             Json jobs = Json::array();
-             for (const EndedJob& job : ended_)
-               jobs.push_back(ended_json(job));
-             return Json{{"ended", jobs}};
-           }},
-          {"pause",
-           [this] {
-             require_print("pause");
-             process_.pause();
-             return status();
-           }},
-          {"resume",
-           [this] {
-             require_print("resume");
-             if (process_.state() != PrintState::Paused && !process_.pause_pending()) {
-               throw ControlRefusal("the print is not paused");
-             }
-             process_.resume();
-             return status();
-           }},
-          {"cancel", [this] { return cancel(); }},
-          {"plate_cleared", [this] {
-             if (active_) throw ControlRefusal(fmt::format("{} is being printed", active_->files.name));
-             if (plate_occupant_) log_.info("plate", "the plate is clear");
-             set_plate_occupant(std::nullopt);
-             pump();
-             return status();
-           }}};
-}
-
-void PrinterService::require_print(std::string_view what) const {
-  if (process_.state() == PrintState::Idle)
-    throw ControlRefusal(fmt::format("there is no print to {}", what));
-}
-
-PrinterService::Json PrinterService::cancel() {
-  if (!active_) throw ControlRefusal("there is no print to cancel");
-  if (active_->prepared) {
-    process_.cancel();
-  } else {
-    active_->cancel_wanted = true;
-  }
-  return status();
-}
-
-PrinterService::Json PrinterService::ended_json(const EndedJob& job) {
-  return {{"job", job.name}, {"outcome", job.outcome}, {"reason", job.reason}};
-}
-
-PrinterService::Json PrinterService::job_json() const {
-  Json job{{"name", active_->files.name}};
-  if (process_.state() == PrintState::Idle) return job;
-  const LayerStack& layers = active_->prepared->summary.layers;
-  job["layer"] = process_.layer() + 1;
-  job["layers"] = layers.count;
-  job["layers_done"] = active_->layers.size();
-  job["height_mm"] = to_millimeters(layers.top_of(process_.layer())).count();
-  job["elapsed_s"] = seconds(clock_.now() - active_->started);
-  job["time_left_s"] = seconds(process_.time_left());
-  job["pause_pending"] = process_.pause_pending();
-  return job;
-}
-
-PrinterService::Json PrinterService::status() const {
-  std::string_view state = name_of(process_.state());
-  if (active_ && process_.state() == PrintState::Idle) state = active_->prepared ? "finishing" : "preparing";
-  Json status{{"printer", config_.name}, {"state", state}};
-  status["job"] = active_ ? job_json() : Json();
-  status["queued"] = queue_.size();
-  status["plate"] = plate_occupant_ ? "occupied" : "clear";
-  status["plate_job"] = plate_occupant_ ? Json(*plate_occupant_) : Json();
-  status["waiting_for"] = waiting_for_.empty() ? Json() : Json(waiting_for_);
-  status["last"] = ended_.empty() ? Json() : ended_json(ended_.back());
-  return status;
 }
 
 }  // namespace contourd
