@@ -10,6 +10,7 @@ PixelMap PixelMap::true_scale(const DisplayGeometry& display, Point center) {
 }
 
 PixelMap PixelMap::fit(const DisplayGeometry& display, const Bounds& bounds) {
+  if (bounds.empty()) return PixelMap(0, 0, 0, 0).mirrored(display);
   const double width = display.width.count();
   const double height = display.height.count();
   // Equations 3.6 and 3.7, without their divisions: AR_object >= AR_device is size_x / size_y >= width /

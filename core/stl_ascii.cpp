@@ -10,6 +10,9 @@ namespace {
 // A keyword of the file quoted in an error is cut to this many characters.
 constexpr std::size_t kQuoteLimit = 24;
 
+// Words that mean nothing are skipped up to this many in a row.
+constexpr int kMostIgnoredWords = 16;
+
 bool is_space(char c) {
   return c == ' ' || (c >= '\t' && c <= '\r');
 }
@@ -99,6 +102,8 @@ class AsciiReader {
       } else if (same_word(word, "endsolid")) {
         in_solid_ = false;
         words_.skip_line();
+      } else if (text_behind_facet_ > 0) {
+        --text_behind_facet_;
       } else {
         refuse("expected \"facet\" or \"endsolid\", found " + quoted(word));
       }
@@ -112,7 +117,7 @@ class AsciiReader {
 
  private:
   void read_facet() {
-    skip_normal();
+    skip_to("outer");
     expect("loop");
     Facet facet{};
     for (Vertex& vertex : facet.vertices) {
@@ -120,21 +125,21 @@ class AsciiReader {
       vertex = {read_coordinate(), read_coordinate(), read_coordinate()};
     }
     expect("endloop");
-    words_.skip_line();  // some writers put text behind the end words
-    expect("endfacet");
-    words_.skip_line();
+    skip_to("endfacet");  // some writers put text behind the end words
+    text_behind_facet_ = kMostIgnoredWords;
     model_.facets.push_back(facet);
   }
 
-  // Normals are never trusted, so what stands there (nothing, garbage, NaN) does not matter.
-  void skip_normal() {
-    constexpr int kMostNormalWords = 16;
-    for (int i = 0; i < kMostNormalWords; ++i) {
+  // Skips words that mean nothing: a normal (never trusted, so nothing, garbage or NaN may stand there), or
+  // text behind an end word.
+  void skip_to(std::string_view lower_case) {
+    for (int i = 0; i < kMostIgnoredWords; ++i) {
       const std::string_view word = words_.next();
-      if (same_word(word, "outer")) return;
-      if (word.empty()) break;
+      if (same_word(word, lower_case)) return;
+      if (word.empty())
+        refuse("the file is cut short inside a facet: expected \"" + std::string(lower_case) + "\"");
     }
-    refuse("found no \"outer loop\" in a facet");
+    refuse("found no \"" + std::string(lower_case) + "\" in a facet");
   }
 
   void expect(std::string_view lower_case) {
@@ -181,6 +186,7 @@ class AsciiReader {
   Words words_;
   StlModel model_{StlFormat::Ascii, {}, {}};
   bool in_solid_ = false;
+  int text_behind_facet_ = 0;  // words still allowed there
 };
 
 }  // namespace

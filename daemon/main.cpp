@@ -79,7 +79,8 @@ int start(int argc, char** argv) {
   std::string config_file = kDefaultConfig, checked_file, pace;
   bool print_states = false;
   app.add_option("--config", config_file, "Printer configuration")->capture_default_str();
-  app.add_option("--check-config", checked_file, "Say what is wrong with a configuration, and exit");
+  const CLI::Option* check =
+      app.add_option("--check-config", checked_file, "Say what is wrong with a configuration, and exit");
   app.add_option("--pace", pace, "Overrides the configuration's simulation.pace")
       ->check(CLI::IsMember({"realtime", "fast"}));
   app.add_flag("--print-states", print_states, "Print the print process as a Graphviz graph, and exit");
@@ -92,7 +93,7 @@ int start(int argc, char** argv) {
     fmt::print("{}", draw_print_states());
     return EXIT_SUCCESS;
   }
-  if (!checked_file.empty()) {
+  if (check->count() > 0) {
     const PrinterConfig config = load_printer_config(checked_file);
     fmt::print("{}: good\n", checked_file);
     return EXIT_SUCCESS;

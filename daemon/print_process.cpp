@@ -48,7 +48,7 @@ PrintProcess::~PrintProcess() {
 void PrintProcess::start(PrintPlan plan) {
   plan_ = std::move(plan);
   layer_ = 0;
-  pause_wanted_ = canceled_ = false;
+  pause_wanted_ = resume_wanted_ = canceled_ = false;
   failure_.clear();
   left_after_.assign(plan_->exposures.size() + 1, Duration{0});
   for (std::int32_t layer = plan_->layers.count - 1; layer >= 0; --layer) {
@@ -59,11 +59,13 @@ void PrintProcess::start(PrintPlan plan) {
 }
 
 void PrintProcess::pause() {
-  pause_wanted_ = state_ != PrintState::Paused;
+  resume_wanted_ = false;
+  pause_wanted_ = state_ != PrintState::Paused && state_ != PrintState::Raising;
 }
 
 void PrintProcess::resume() {
   pause_wanted_ = false;
+  resume_wanted_ = state_ == PrintState::Raising;
   if (state_ == PrintState::Paused) handle(PrintEvent::Resumed);
 }
 
@@ -97,6 +99,7 @@ void PrintProcess::handle(PrintEvent event) {
     fail(error.what());
   }
   if (state_ == PrintState::Idle && plan_) finish();
+  if (state_ == PrintState::Paused && std::exchange(resume_wanted_, false)) handle(PrintEvent::Resumed);
 }
 
 void PrintProcess::perform(PrintEffect effect) {

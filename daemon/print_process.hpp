@@ -117,6 +117,7 @@ class PrintProcess {
   std::optional<PrintPlan> plan_;
   std::int32_t layer_ = 0;
   bool pause_wanted_ = false;
+  bool resume_wanted_ = false;  // while the plate still rises for a pause
   bool canceled_ = false;
   std::string failure_;
   LayerRecord record_;

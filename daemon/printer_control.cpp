@@ -31,13 +31,17 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
           {"pause",
            [this] {
              require_print("pause");
+             if (process_.layer() + 1 == process_.plan()->layers.count) {
+               throw ControlRefusal("the last layer is under way, the print ends by itself");
+             }
              process_.pause();
              return status();
            }},
           {"resume",
            [this] {
              require_print("resume");
-             if (process_.state() != PrintState::Paused && !process_.pause_pending()) {
+             const bool pausing = process_.state() == PrintState::Raising || process_.pause_pending();
+             if (process_.state() != PrintState::Paused && !pausing) {
                throw ControlRefusal("the print is not paused");
              }
              process_.resume();

@@ -87,13 +87,8 @@ fs::path Spool::folder(Folder which) const {
 void Spool::open() {
   inotify_ = FileDescriptor(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
   if (!inotify_.valid()) throw failure("cannot watch folders (inotify)");
-  const std::string incoming = folder(Folder::Incoming).string();
   // Watched before it is read, so that nothing can come in between.
-  if (::inotify_add_watch(inotify_.get(), incoming.c_str(),
-                          IN_CREATE | IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR) <
-      0) {
-    throw failure("cannot watch " + incoming);
-  }
+  watch_incoming();
   inotify_source_ = loop_.on_ready(inotify_.get(), EPOLLIN, [this](std::uint32_t) { read_events(); });
 
   // Oldest first. The change time, since a copied or moved file may keep an old modification time.
@@ -107,6 +102,16 @@ void Spool::open() {
   std::sort(found.begin(), found.end());
   for (const auto& [changed, file] : found)
     consider(file, Look::Event);
+}
+
+void Spool::watch_incoming() {
+  const std::string incoming = folder(Folder::Incoming).string();
+  fs::create_directories(incoming);
+  if (::inotify_add_watch(inotify_.get(), incoming.c_str(),
+                          IN_CREATE | IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR) <
+      0) {
+    throw failure("cannot watch " + incoming);
+  }
 }
 
 void Spool::read_events() {
@@ -124,6 +129,11 @@ void Spool::read_events() {
         }
         continue;
       }
+      // The folder itself was removed: made and watched anew.
+      if ((event->mask & IN_IGNORED) != 0) {
+        watch_incoming();
+        continue;
+      }
       const std::string file = event->len > 0 ? event->name : "";
       if ((event->mask & (IN_DELETE | IN_MOVED_FROM)) != 0) {
         candidates_.erase(file);
@@ -138,7 +148,7 @@ void Spool::read_events() {
 void Spool::consider(const std::string& file, Look look) {
   const fs::path path = folder(Folder::Incoming) / file;
   struct stat status {};
-  if (!is_model_name(file) || ::lstat(path.c_str(), &status) != 0 || S_ISDIR(status.st_mode)) return;
+  if (!is_model_name(file) || ::lstat(path.c_str(), &status) != 0) return;
   const bool regular = S_ISREG(status.st_mode);
   Candidate& candidate = candidates_[file];
   const auto bytes = static_cast<std::uintmax_t>(status.st_size);

@@ -90,6 +90,7 @@ class Spool {
     int unchanged_looks = 0;  // by the timer: events may come in bursts
   };
 
+  void watch_incoming();
   void read_events();
   enum class Look { Event, Timer };
   void consider(const std::string& file, Look look);

@@ -186,7 +186,7 @@ TEST_CASE("Too many open chains to weigh them all are closed each on itself") {
 }
 
 TEST_CASE("Thousands of chains that all end in one point are joined without weighing all pairs") {
-  std::vector<OpenChain> chains(8000, OpenChain{{1, 1}, {1, 1}});
+  std::vector<OpenChain> chains(30'000, OpenChain{{1, 1}, {1, 1}});
   const JoinedChains result = joined(chains);
   CHECK(every_chain_once(result, chains.size()));
   CHECK(result.widest_gap == Millimeters{0});

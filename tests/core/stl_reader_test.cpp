@@ -534,3 +534,10 @@ TEST_CASE("A named pipe is refused without waiting for its writer") {
   // A reader that opened it would wait for ever; the test's time limit would end that.
   CHECK_THROWS_AS((void)read_stl_file(path), std::system_error);
 }
+
+TEST_CASE("An ASCII file may have all its facets in one line") {
+  std::string text = models::to_ascii_stl(models::box({0, 0, 0}, {1, 2, 3}));
+  const std::size_t first_line = text.find('\n');
+  std::replace(text.begin() + static_cast<std::ptrdiff_t>(first_line) + 1, text.end(), '\n', ' ');
+  CHECK(read_stl(std::as_bytes(std::span(text))).facets.size() == 12);
+}

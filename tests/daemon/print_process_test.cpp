@@ -224,6 +224,16 @@ TEST_CASE(
   CHECK(bench.ends == std::vector{PrintOutcome::Done});
 }
 
+TEST_CASE("A resume while the plate still rises for the pause goes on as soon as it is up") {
+  Bench bench;
+  bring_to(bench, S::Raising);
+  bench.process.resume();
+  bench.run_out();
+  CHECK(std::count(bench.states.begin(), bench.states.end(), S::Paused) == 1);
+  CHECK(bench.layers.size() == 3);
+  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+}
+
 TEST_CASE("A resume before the pause has come takes the pause back") {
   Bench bench;
   bench.start(2);

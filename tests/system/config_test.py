@@ -1,0 +1,371 @@
+"""What contourd does with its command line and configuration, and what it tells systemd."""
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import time
+
+from harness import (
+    BAD_CONFIG, BAD_USAGE, CONTOURD, DEADLINE_S, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, OK, REALTIME, SOURCE, Client, Daemon,
+    FolderTest, binary_stl, box, main, merge, run, source_json,
+)  # fmt: skip
+
+
+class ConfigTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        os.mkdir(self.path("resins"))
+        self.resin(source_json("resins", "standard.json"))
+
+    def resin(self, profile, name="standard"):
+        with open(self.path("resins", name + ".json"), "w", encoding="utf-8") as file:
+            json.dump(profile, file)
+
+    def config(self, changes):
+        path = self.path("contourd.json")
+        with open(path, "w", encoding="utf-8") as file:
+            json.dump(merge(source_json("simulated.json"), changes), file)
+        return path
+
+    def check(self, path):
+        result = run(CONTOURD, "--check-config", path)
+        if result.returncode == OK:
+            self.assertEqual(result.stderr, b"")
+        else:
+            self.assertEqual(result.returncode, BAD_CONFIG, result)
+            self.assertEqual(result.stdout, b"")
+        return result
+
+    def lines(self, path):
+        result = self.check(path)
+        self.assertEqual(result.returncode, BAD_CONFIG, "it was found good")
+        return result.stderr.decode().splitlines()
+
+    def refuses(self, path, *words):
+        """One mistake, one line, with these words and the file's name in it. The daemon does not start with it either."""
+        lines = self.lines(path)
+        self.assertEqual(len(lines), 1, lines)
+        for word in (os.path.basename(path), *words):
+            self.assertIn(word, lines[0])
+        started = run(CONTOURD, "--config", path)
+        self.assertEqual((started.returncode, started.stderr.decode().splitlines()), (BAD_CONFIG, lines))
+        self.assertFalse(os.path.exists(self.path("spool")), "it made folders before it knew that it could start")
+
+
+class CheckConfig(ConfigTest):
+    def test_the_configurations_of_the_repository_are_good(self):
+        for name in ("contourd.json", "simulated.json"):
+            result = self.check(os.path.join(SOURCE, "config", name))
+            self.assertEqual(result.returncode, OK, result.stderr)
+            self.assertIn(b"good", result.stdout)
+
+    def test_checking_makes_nothing(self):
+        self.check(self.config({}))
+        self.assertEqual(sorted(os.listdir(self.folder)), ["contourd.json", "resins"])
+
+    def test_ten_mistakes_give_ten_lines_with_file_place_value_and_limit(self):
+        path = self.config({
+            "name": "", "colour": "red", "min_free_disk_mb": -5, "hardware": "real",
+            "z_axis": {"travel_mm": 9999, "microsteps_per_mm": "many"},
+            "display": {"width_px": 0, "height_px": 1.5},
+            "projector": {"warm_up_s": None},
+            "simulation": {"pace": "slow"},
+        })  # fmt: skip
+        expected = {
+            "/name": "empty", "/colour": "key", "/min_free_disk_mb": "-5", "/hardware": "simulated",
+            "/z_axis/travel_mm": "500", "/z_axis/microsteps_per_mm": "many", "/display/width_px": "1",
+            "/display/height_px": "1.5", "/projector/warm_up_s": "missing", "/simulation/pace": "realtime",
+        }  # fmt: skip
+        lines = self.lines(path)
+        self.assertEqual(len(lines), 10, lines)
+        for pointer, word in expected.items():
+            (line,) = [line for line in lines if f": {pointer}: " in line]
+            self.assertTrue(line.startswith(path), line)
+            self.assertIn(word, line)
+
+    def test_mistakes_of_the_resin_profile_are_told_with_the_printers(self):
+        self.resin({**source_json("resins", "standard.json"), "lift_mm": 0, "settle_ms": True, "layer_height_um": 5})
+        lines = self.lines(self.config({"name": 5}))
+        self.assertEqual(len(lines), 4, lines)
+        self.assertEqual(len([line for line in lines if "standard.json" in line]), 3)
+
+    def test_a_wrong_type_is_not_turned_into_a_number(self):
+        for value in (True, "160", None, [160], {"mm": 160}):
+            path = self.path("contourd.json")
+            config = source_json("simulated.json")
+            config["z_axis"]["travel_mm"] = value
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump(config, file)
+            self.refuses(path, "/z_axis/travel_mm")
+
+    def test_a_key_given_twice_is_an_error(self):
+        text = json.dumps(source_json("simulated.json"))
+        path = self.write("contourd.json", text.replace('"name":', '"name": "other", "name":', 1))
+        self.refuses(os.fsdecode(path), "name")
+
+    def test_broken_json_says_where(self):
+        text = json.dumps(source_json("simulated.json"), indent=2)
+        for name, broken in {"cut": text[:200], "comma": text.replace('"resin": "standard",', '"resin": "standard",,'),
+                             "empty": "", "comment": "// hello\n" + text, "list": "[]", "twice": text + text,
+                             "nan": text.replace("160", "NaN", 1)}.items():  # fmt: skip
+            with self.subTest(name):
+                lines = self.lines(os.fsdecode(self.write("contourd.json", broken)))
+                self.assertEqual(len(lines), 1, lines)
+                self.assertIn("contourd.json", lines[0])
+                if name in ("cut", "comma", "comment"):
+                    self.assertRegex(lines[0], r"line \d+")
+
+    def test_an_unknown_resin_names_those_there_are(self):
+        self.resin(source_json("resins", "standard.json"), "clear")
+        self.refuses(self.config({"resin": "gold"}), "/resin", "gold", "clear", "standard")
+
+    def test_a_resin_cannot_lead_out_of_its_folder(self):
+        for name in ("../resins/standard", "/etc/passwd", "."):
+            self.refuses(self.config({"resin": name}), "/resin")
+
+    def test_a_start_height_above_the_travel_is_an_error(self):
+        self.refuses(self.config({"z_axis": {"travel_mm": 100}, "simulation": {"start_height_mm": 120}}),
+                     "/simulation/start_height_mm", "120", "100")  # fmt: skip
+
+    def test_a_socket_path_too_long_for_the_kernel_is_an_error(self):
+        self.refuses(self.config({"control_socket": "x" * 120}), "/control_socket", "107")
+
+    def test_a_lift_beyond_the_travel_is_an_error(self):
+        self.resin({**source_json("resins", "standard.json"), "lift_mm": 50})
+        lines = self.lines(self.config({"z_axis": {"travel_mm": 45}}))
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn("/lift_mm", lines[0])
+
+    def test_a_file_that_is_not_there_or_no_file_says_so(self):
+        for path in (self.path("none.json"), self.folder, "/dev/null", "/dev/zero"):
+            for option in ("--check-config", "--config"):
+                result = run(CONTOURD, option, path, timeout=10)
+                self.assertEqual(result.returncode, BAD_CONFIG, result)
+                self.assert_one_line(result.stderr, path)
+
+    def test_the_schema_files_of_the_repository_are_those_the_daemon_uses(self):
+        # What a schema says of ranges is what the daemon refuses: once below, once above each.
+        schema = source_json("contourd.schema.json")
+        tried = 0
+        for section, rules in [((), schema)] + [((name,), rule) for name, rule in schema["properties"].items()
+                                                if rule.get("type") == "object"]:  # fmt: skip
+            for key, rule in rules["properties"].items():
+                for limit, step in (("minimum", -1), ("maximum", 1)):
+                    if limit not in rule:
+                        continue
+                    changes = {key: rule[limit] + step}
+                    for name in reversed(section):
+                        changes = {name: changes}
+                    lines = self.lines(self.config(changes))
+                    pointer = "/" + "/".join((*section, key))
+                    self.assertTrue(any(f": {pointer}: " in line for line in lines), (pointer, lines))
+                    tried += 1
+        self.assertGreater(tried, 20)
+
+
+class CommandLine(ConfigTest):
+    def test_bad_usage_gives_64(self):
+        for arguments in (["--pace", "warp"], ["--pace"], ["--config"], ["--check-config"], ["--nonsense"], ["extra"]):
+            result = run(CONTOURD, *arguments)
+            self.assertEqual(result.returncode, BAD_USAGE, result)
+            self.assertGreater(len(result.stderr), 10)
+
+    def test_help_version_and_the_states_are_no_errors(self):
+        for arguments in (["--help"], ["--version"], ["--print-states"]):
+            result = run(CONTOURD, *arguments)
+            self.assertEqual((result.returncode, result.stderr), (OK, b""))
+            self.assertGreater(len(result.stdout), 4)
+
+    def test_the_states_are_a_graph_of_what_the_socket_shows(self):
+        graph = run(CONTOURD, "--print-states").stdout.decode()
+        self.assertTrue(graph.startswith("digraph"))
+        self.assertEqual(graph.count("{"), graph.count("}"))
+        for state in ("idle", "warming up", "homing", "exposing", "paused", "parking"):
+            self.assertIn(f'"{state}"', graph)
+
+    def test_the_pace_of_the_command_line_wins(self):
+        daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS})
+        daemon.start("--pace", "fast")
+        daemon.drop("part.stl", binary_stl(box((0, 0, 0), (5, 5, 1))))
+        report = daemon.wait_done("part")  # 20 layers of two minutes each
+        self.assertGreater(report["print_time_s"], 2400)
+        daemon.stop()
+        daemon.config["simulation"]["pace"] = "fast"
+        daemon.write_config()
+        daemon.start("--pace", "realtime")
+        daemon.drop("slow.stl", binary_stl(box((0, 0, 0), (5, 5, 1))))
+        daemon.wait_state("exposing")
+        daemon.stop()
+
+    def test_relative_paths_start_from_the_configurations_folder(self):
+        daemon = Daemon(self, {"spool_folder": "a/../b/spool/", "control_socket": "./c.sock"})
+        daemon.socket_path = self.path("c.sock")
+        daemon.start()
+        self.assertTrue(os.path.isdir(self.path("b", "spool", "incoming")))
+        daemon.stop()
+
+    def test_a_spool_that_cannot_be_made_is_said(self):
+        self.write("file", b"")
+        for folder in ("file/spool", "/proc/spool"):
+            result = run(CONTOURD, "--config", self.config({"spool_folder": folder}))
+            self.assertNotIn(result.returncode, (OK, BAD_CONFIG))
+            self.assertGreater(result.returncode, 0)
+            self.assert_one_line(result.stderr, "spool")
+
+    def test_a_log_that_nobody_reads_does_not_stop_a_print(self):
+        daemon = Daemon(self)
+        reader, writer = os.pipe()
+        os.close(reader)
+        process = subprocess.Popen([CONTOURD, "--config", daemon.config_path], stdout=writer, stderr=writer)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        os.close(writer)
+        daemon.drop("part.stl", binary_stl(box((0, 0, 0), (5, 5, 1))))
+        end = time.monotonic() + DEADLINE_S
+        while not daemon.has("done", "part.stl") and time.monotonic() < end and process.poll() is None:
+            time.sleep(0.01)
+        self.assertTrue(daemon.has("done", "part.stl"))
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.wait(DEADLINE_S), 0)
+
+
+class Systemd(FolderTest):
+    """The protocol of sd_notify(3), received as systemd does."""
+
+    def setUp(self):
+        super().setUp()
+        self.notify = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.addCleanup(self.notify.close)
+        self.notify.bind(self.path("n.sock"))
+        self.notify.settimeout(DEADLINE_S)
+
+    def launch(self, daemon, **environment):
+        """Runs it with its own process id in WATCHDOG_PID where that is "self"."""
+        command = [CONTOURD, "--config", daemon.config_path]
+        if environment.get("WATCHDOG_PID") == "self":
+            del environment["WATCHDOG_PID"]
+            command = ["/bin/sh", "-c", 'export WATCHDOG_PID=$$; exec "$@"', "sh", *command]
+        with open(daemon.log_path, "ab") as log:
+            daemon.process = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                env={**os.environ, "NOTIFY_SOCKET": self.path("n.sock"), **environment})  # fmt: skip
+        return daemon
+
+    def receive(self):
+        return self.notify.recv(4096).decode().splitlines()
+
+    def wait_for(self, word):
+        while True:
+            if word in self.receive():
+                return time.monotonic()
+
+    def test_ready_comes_when_the_control_socket_answers(self):
+        daemon = self.launch(Daemon(self))
+        self.wait_for("READY=1")
+        client = Client(daemon.socket_path)  # at once, no second try
+        self.assertEqual(client.call("status")["result"]["state"], "idle")
+        client.close()
+        daemon.process.send_signal(signal.SIGTERM)
+        self.wait_for("STOPPING=1")
+        self.assertEqual(daemon.process.wait(DEADLINE_S), 0)
+
+    def test_ready_does_not_come_when_it_cannot_start(self):
+        daemon = Daemon(self, {"control_socket": "missing/control.sock"})
+        self.launch(daemon)
+        self.assertGreater(daemon.process.wait(DEADLINE_S), 0)
+        self.notify.setblocking(False)
+        with self.assertRaises(BlockingIOError):
+            while "READY=1" not in self.receive():
+                pass
+
+    def test_interrupted_prints_are_filed_before_it_is_ready(self):
+        daemon = Daemon(self)
+        for number in range(20):
+            daemon.drop("staged.stl", binary_stl(box((0, 0, 0), (5, 5, 1))))
+            os.makedirs(daemon.file("printing"), exist_ok=True)
+            os.rename(daemon.file("incoming", "staged.stl"), daemon.file("printing", f"part{number}.stl"))
+        self.launch(daemon)
+        self.wait_for("READY=1")
+        self.assertEqual(daemon.names_in("printing"), [])
+        self.assertEqual(len([name for name in daemon.names_in("failed") if name.endswith(".reason.txt")]), 20)
+        daemon.stop()
+
+    def longest_silence(self, daemon, usec):
+        """The longest time between two pings of the watchdog until the job `part` has ended."""
+        self.wait_for("READY=1")
+        client = Client(daemon.socket_path)
+        client.call("watch")
+        daemon.drop("part.stl", self.model)
+        last, longest, pings = time.monotonic(), 0.0, 0
+        self.notify.settimeout(usec / 1e6 * 3)
+        ended = False
+        while not (ended and pings > 3):
+            if "WATCHDOG=1" in self.receive():
+                now = time.monotonic()
+                last, longest, pings = now, max(longest, now - last), pings + 1
+            self.assertLess(time.monotonic() - last, usec / 1e6 * 3)
+            while not client.messages.empty():
+                message = client.next()
+                if message.get("method") == "ended":
+                    self.assertEqual(message["params"]["last"]["outcome"], "done", daemon.log())
+                    ended = True
+        client.close()
+        daemon.stop()
+        return longest
+
+    def test_the_watchdog_is_fed_during_a_fast_print(self):
+        self.model = binary_stl(box((0, 0, 0), (20, 20, 100)))  # 2000 layers
+        daemon = self.launch(Daemon(self), WATCHDOG_USEC="400000", WATCHDOG_PID="self")
+        self.assertLess(self.longest_silence(daemon, 400000), 0.4)
+
+    def test_the_watchdog_is_fed_while_a_large_model_is_read_and_its_report_made(self):
+        path = self.path("large.stl")
+        self.assertEqual(run(MAKE_MODEL, "gyroid-sphere", path, "100").returncode, 0)
+        with open(path, "rb") as file:
+            self.model = file.read()
+        # Coarse layers: it is the reading, the first mask and the preview that are tried here.
+        daemon = Daemon(self, None, {"layer_height_um": 500, "layer_height_max_um": 500})
+        self.launch(daemon, WATCHDOG_USEC="1000000", WATCHDOG_PID="self")
+        self.assertLess(self.longest_silence(daemon, 1000000), 1.0)
+
+    def test_the_watchdog_is_fed_during_a_print_in_real_time(self):
+        self.model = binary_stl(box((0, 0, 0), (5, 5, 1)))
+        resin = {**NIMBLE_RESIN, "exposure_ms": 50, "bottom_exposure_ms": 50}
+        daemon = self.launch(Daemon(self, REALTIME, resin), WATCHDOG_USEC="200000", WATCHDOG_PID="self")
+        self.assertLess(self.longest_silence(daemon, 200000), 0.2)
+
+    def test_a_supervisor_that_does_not_read_stops_no_print(self):
+        # Its socket's queue is soon full: waiting for it with the light on would ruin the part.
+        daemon = self.launch(Daemon(self), WATCHDOG_USEC="100000", WATCHDOG_PID="self")
+        self.wait_for("READY=1")
+        client = Client(daemon.socket_path)
+        client.call("watch")
+        daemon.drop("part.stl", binary_stl(box((0, 0, 0), (5, 5, 50))))  # 1000 layers
+        client.wait_for(lambda m: m.get("method") == "ended", "the end", 20)
+        client.close()
+        self.notify.close()
+        daemon.stop()
+
+    def test_another_process_s_watchdog_is_not_fed(self):
+        daemon = self.launch(Daemon(self), WATCHDOG_USEC="50000", WATCHDOG_PID="1")
+        self.wait_for("READY=1")
+        self.notify.settimeout(0.3)
+        with self.assertRaises(TimeoutError):
+            self.receive()
+        daemon.stop()
+
+    def test_the_unit_waits_for_readiness_and_has_a_watchdog(self):
+        with open(os.path.join(SOURCE, "systemd", "contourd.service"), encoding="utf-8") as file:
+            unit = dict(re.findall(r"^(\w+)=(.*)$", file.read(), re.M))
+        self.assertEqual(unit["Type"], "notify")
+        self.assertIn("WatchdogSec", unit)
+        self.assertIn("--config", unit["ExecStart"])
+        # A wrong configuration is not tried again and again.
+        self.assertIn(str(BAD_CONFIG), unit["RestartPreventExitStatus"])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,525 @@
+"""contourctl inspect and contourctl slice, as their contract has them."""
+
+import csv
+import json
+import math
+import os
+import signal
+import subprocess
+import unittest
+
+from harness import (
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, NO_INPUT, OK, FolderTest, ascii_stl, binary_stl, box, contourctl, cube,
+    inside_out, limit_memory, main, read_png, wedge,
+)  # fmt: skip
+
+# File names that people really have, or that show whether a program was careful.
+ODD_NAMES = [
+    b"two words.stl", b" leading blank.stl", b"line\nbreak.stl", b"carriage\rreturn.stl", b"not utf-8 \xff\xfe\x80.stl",
+    "Geräte-čřšřěá-部品.stl".encode(), b"-dash.stl", b"--json", b"quote'\"`.stl", b"%s%n{}{0}.stl", b"no extension",
+    b"esc\x1b[31m.stl", b"$(HOME).stl", b"a" * 255,
+]  # fmt: skip
+
+
+class Inspect(FolderTest):
+    def inspect(self, path):
+        result = contourctl("inspect", "--json", "--", path)
+        self.assertEqual(result.returncode, OK, result.stderr)
+        self.assertEqual(result.stderr, b"")
+        return json.loads(result.stdout)
+
+    def test_a_binary_cube_has_every_figure(self):
+        found = self.inspect(self.write("cube.stl", binary_stl(box((-10, 5, 1), (10, 25, 21)))))
+        self.assertAlmostEqual(found.pop("volume_mm3"), 8000, delta=8000 * 1e-12)  # double rounding
+        self.assertEqual(found, {
+            "format": "binary", "facets": 12, "bounds_mm": {"min": [-10, 5, 1], "max": [10, 25, 21]},
+            "size_mm": [20, 20, 20], "watertight": True, "open_edges": 0, "non_manifold_edges": 0,
+            "flipped_edges": 0, "degenerate_facets": 0, "zero_area_facets": 0, "duplicate_facets": 0, "warnings": [],
+        })  # fmt: skip
+
+    def test_an_ascii_cube_has_the_same_figures_as_a_binary_one(self):
+        binary = self.inspect(self.write("b.stl", binary_stl(cube(20))))
+        ascii_ = self.inspect(self.write("a.stl", ascii_stl(cube(20))))
+        self.assertEqual(ascii_.pop("format"), "ascii")
+        self.assertEqual(binary.pop("format"), "binary")
+        self.assertEqual(ascii_, binary)
+
+    def test_it_prints_for_a_person_without_json(self):
+        result = contourctl("inspect", self.write("cube.stl", binary_stl(cube(20))))
+        self.assertEqual(result.returncode, OK)
+        for word in (b"binary", b"12", b"20 x 20 x 20 mm", b"8000 mm3", b"watertight"):
+            self.assertIn(word, result.stdout)
+        self.assertNotIn(b"{", result.stdout)
+
+    def test_a_missing_facet_opens_three_edges(self):
+        found = self.inspect(self.write("open.stl", binary_stl(cube(20)[1:])))
+        self.assertEqual((found["open_edges"], found["watertight"]), (3, False))
+
+    def test_a_turned_facet_flips_three_edges(self):
+        facets = cube(20)
+        found = self.inspect(self.write("flip.stl", binary_stl(inside_out(facets[:1]) + facets[1:])))
+        self.assertEqual((found["flipped_edges"], found["open_edges"], found["watertight"]), (3, 0, False))
+
+    def test_degenerate_and_duplicate_facets_are_counted(self):
+        facets = cube(20)
+        line = ((0, 0, 0), (10, 0, 0), (20, 0, 0))
+        point = ((0, 0, 0), (0, 0, 0), (20, 0, 0))
+        found = self.inspect(self.write("bad.stl", binary_stl(facets + [point, line, facets[3]])))
+        self.assertEqual((found["degenerate_facets"], found["zero_area_facets"], found["duplicate_facets"]), (1, 2, 1))
+
+    def test_an_inside_out_cube_has_a_negative_volume(self):
+        found = self.inspect(self.write("inverted.stl", binary_stl(inside_out(cube(20)))))
+        self.assertAlmostEqual(found["volume_mm3"], -8000, delta=8000 * 1e-12)
+        self.assertTrue(found["watertight"])
+
+    def test_a_file_without_facets_is_not_an_error(self):
+        for data in (binary_stl([]), b"solid nothing\nendsolid nothing\n"):
+            found = self.inspect(self.write("empty.stl", data))
+            self.assertEqual((found["facets"], found["bounds_mm"], found["watertight"]), (0, None, False))
+
+    def test_a_header_that_begins_with_solid_does_not_make_a_binary_file_ascii(self):
+        found = self.inspect(self.write("solid.stl", binary_stl(cube(20), b"solid facet normal 0 0 0")))
+        self.assertEqual((found["format"], found["facets"]), ("binary", 12))
+
+    def test_bad_data_gives_65_and_one_line(self):
+        nan = float("nan")
+        bad = {
+            "nothing": b"",
+            "junk": b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 8,
+            "cut short": binary_stl(cube(20))[:-7],
+            "only a header": binary_stl(cube(20))[:90],
+            "not a number": binary_stl([((nan, 0, 0), (1, 0, 0), (0, 1, 0))]),
+            "not finite": binary_stl([((0, 0, float("inf")), (1, 0, 0), (0, 1, 0))]),
+            "word for a number": ascii_stl(cube(20)).replace(b"vertex 20", b"vertex twenty", 1),
+            "number too large": ascii_stl(cube(20)).replace(b"vertex 20", b"vertex 1e400", 1),
+            "ends inside a facet": ascii_stl(cube(20))[:200],
+            "page of a website": b"<!doctype html>\n<html><body>404 not found</body></html>\n" * 4,
+        }
+        for name, data in bad.items():
+            with self.subTest(name):
+                path = self.write("bad.stl", data)
+                for command in (["inspect", path], ["inspect", "--json", path], ["slice", path, "--z", "1"]):
+                    result = contourctl(*command)
+                    self.assertEqual(result.returncode, BAD_DATA, result)
+                    self.assertEqual(result.stdout, b"")
+                    self.assert_one_line(result.stderr, path)
+
+    def test_the_facet_count_in_the_header_allocates_nothing(self):
+        path = self.write("bomb.stl", binary_stl(cube(20), count=0xFFFFFFFF))
+        # The facets claimed would take 200 GB.
+        result = contourctl("inspect", "--json", path, preexec_fn=lambda: limit_memory(128 << 20))
+        self.assertIn(result.returncode, (OK, BAD_DATA))
+        self.assertNotIn(b"memory", result.stderr)
+
+    def test_a_file_that_cannot_be_read_gives_66_and_one_line(self):
+        fifo = self.path("fifo.stl")
+        os.mkfifo(fifo)
+        loop = self.path("loop.stl")
+        os.symlink("loop.stl", loop)
+        dangling = self.path("dangling.stl")
+        os.symlink("nowhere", dangling)
+        for path in (self.path("missing.stl"), self.folder, fifo, loop, dangling, "/dev/null", self.path("a" * 300), ""):
+            with self.subTest(path):
+                for command in (["inspect", "--", path], ["slice", "--z", "1", "--", path]):
+                    result = contourctl(*command, timeout=10)
+                    self.assertEqual(result.returncode, NO_INPUT, result)
+                    self.assertEqual(result.stdout, b"")
+                    self.assert_one_line(result.stderr, path)
+
+    @unittest.skipIf(os.geteuid() == 0, "permissions do not stop root")
+    def test_a_file_without_permission_gives_66(self):
+        path = self.write("secret.stl", binary_stl(cube(20)))
+        os.chmod(path, 0)
+        result = contourctl("inspect", path)
+        self.assertEqual(result.returncode, NO_INPUT)
+        self.assert_one_line(result.stderr, path)
+
+    def test_odd_file_names_are_read(self):
+        data = binary_stl(cube(20))
+        for name in ODD_NAMES:
+            with self.subTest(name):
+                found = self.inspect(self.write(name, data))
+                self.assertEqual(found["facets"], 12)
+
+    def test_odd_file_names_in_an_error_stay_on_one_line(self):
+        for name in ODD_NAMES:
+            with self.subTest(name):
+                path = self.write(name, b"no STL file")
+                result = contourctl("inspect", "--", path)
+                self.assertEqual(result.returncode, BAD_DATA)
+                self.assert_one_line(result.stderr)
+                os.unlink(path)
+                result = contourctl("inspect", "--", path)
+                self.assertEqual(result.returncode, NO_INPUT)
+                self.assert_one_line(result.stderr)
+
+    def test_a_relative_path_and_a_link_are_read(self):
+        self.write("cube.stl", binary_stl(cube(20)))
+        os.symlink("cube.stl", self.path("link.stl"))
+        for path in ("cube.stl", "./cube.stl", "link.stl"):
+            self.assertEqual(contourctl("inspect", path, cwd=self.folder).returncode, OK)
+
+
+class SliceAtOneHeight(FolderTest):
+    def slice(self, facets, z, *arguments):
+        path = self.write("model.stl", binary_stl(facets))
+        result = contourctl("slice", path, "--z", str(z), "--json", *arguments)
+        self.assertEqual(result.returncode, OK, result.stderr)
+        self.assertEqual(result.stderr, b"")
+        return json.loads(result.stdout)
+
+    def test_a_cube_has_every_figure(self):
+        found = self.slice(cube(20), 7.5)
+        for key, value in {"z_mm": 7.5, "segments": 8, "contours": 1, "open_chains": 0, "gaps_closed": 0}.items():
+            self.assertEqual(found[key], value, key)
+        # Corners at whole millimetres are exact in a float; what is left is double rounding.
+        self.assertAlmostEqual(found["area_mm2"], 400, delta=1e-9)
+        self.assertAlmostEqual(found["perimeter_mm"], 80, delta=1e-9)
+
+    def test_it_prints_for_a_person_without_json(self):
+        result = contourctl("slice", self.write("cube.stl", binary_stl(cube(20))), "--z", "5")
+        self.assertEqual(result.returncode, OK)
+        self.assertIn(b"400 mm2", result.stdout)
+        self.assertNotIn(b"{", result.stdout)
+
+    def test_the_height_is_in_the_files_coordinates(self):
+        facets = box((0, 0, -30), (10, 10, -20))
+        self.assertAlmostEqual(self.slice(facets, -25)["area_mm2"], 100, delta=1e-9)
+        self.assertEqual(self.slice(facets, 5)["contours"], 0)
+
+    def test_above_and_below_the_model_there_is_nothing(self):
+        for z in (-1, 20.001, 1e9, -1e300):
+            found = self.slice(cube(20), z)
+            self.assertEqual((found["segments"], found["contours"], found["area_mm2"]), (0, 0, 0))
+
+    def test_a_height_in_a_flat_face_gives_its_solid_side_once(self):
+        self.assertAlmostEqual(self.slice(cube(20), 0)["area_mm2"], 400, delta=1e-9)
+        self.assertEqual(self.slice(cube(20), 20)["area_mm2"], 0)
+        tower = box((0, 0, 0), (10, 10, 5)) + box((0, 0, 5), (10, 10, 10))
+        self.assertAlmostEqual(self.slice(tower, 5)["area_mm2"], 100, delta=1e-9)
+
+    def test_overlapping_solids_count_once_and_cavities_not(self):
+        overlap = box((0, 0, 0), (10, 10, 10)) + box((5, 5, 0), (15, 15, 10))
+        self.assertAlmostEqual(self.slice(overlap, 5)["area_mm2"], 175, delta=1e-9)
+        hollow = cube(20) + inside_out(box((5, 5, 5), (15, 15, 15)))
+        found = self.slice(hollow, 10)
+        self.assertAlmostEqual(found["area_mm2"], 300, delta=1e-9)
+        self.assertEqual(found["contours"], 2)
+
+    def test_an_inside_out_cube_is_as_large_as_any(self):
+        self.assertAlmostEqual(self.slice(inside_out(cube(20)), 10)["area_mm2"], 400, delta=1e-9)
+
+    def test_a_hole_is_closed_and_told(self):
+        # Both facets of the side x = 20 are missing.
+        facets = [f for f in cube(20) if not all(vertex[0] == 20 for vertex in f)]
+        self.assertEqual(len(facets), 10)
+        found = self.slice(facets, 10)
+        self.assertEqual(found["open_chains"], 1)
+        self.assertAlmostEqual(found["area_mm2"], 400, delta=1e-9)
+        self.assertAlmostEqual(found["widest_gap_mm"], 20, delta=1e-9)
+
+    def test_a_crack_narrower_than_a_pixel_is_joined(self):
+        facets = cube(20)
+        moved = [tuple((x + 0.001, y, z) if x == 20 else (x, y, z) for x, y, z in f)
+                 if all(vertex[0] == 20 for vertex in f) else f for f in facets]  # fmt: skip
+        found = self.slice(moved, 10)
+        self.assertEqual((found["open_chains"], found["contours"]), (0, 1))
+        self.assertGreater(found["gaps_closed"], 0)
+        self.assertAlmostEqual(found["area_mm2"], 400, delta=0.02)  # 20 mm of side, moved by 1 um
+
+    def test_a_model_without_facets_has_no_contours_and_a_dark_mask(self):
+        mask = self.path("mask.png")
+        self.assertEqual(self.slice([], 1, "--mask", mask)["contours"], 0)
+        self.assertEqual(read_png(mask).values(), {0})
+
+    def test_the_mask_is_the_one_of_the_layer_at_that_height(self):
+        path = self.write("model.stl", binary_stl(wedge(20, 10, 10)))
+        contourctl("slice", path, "--layer-height-um", "1000", "--masks", self.path("masks"))
+        self.slice(wedge(20, 10, 10), 2.5, "--mask", self.path("mask.png"))
+        self.assertEqual(read_png(self.path("mask.png")), read_png(self.path("masks", "0003.png")))
+
+
+class Masks(FolderTest):
+    def masks(self, facets, layer_height_um, *arguments):
+        path = self.write("model.stl", binary_stl(facets))
+        result = contourctl("slice", path, "--layer-height-um", str(layer_height_um), "--masks", self.path("masks"),
+                            *arguments)  # fmt: skip
+        self.assertEqual(result.returncode, OK, result.stderr)
+        self.warnings = result.stderr
+        names = sorted(os.listdir(self.path("masks")))
+        return {name: read_png(self.path("masks", name)) for name in names}
+
+    def test_a_cube_of_20_mm_at_50_um_is_400_pixels_square_in_the_middle(self):
+        masks = self.masks(box((3, -70, 11), (23, -50, 31)), 5000)
+        self.assertEqual(list(masks), ["0001.png", "0002.png", "0003.png", "0004.png"])
+        dark, lit = bytes(1920), bytes(760) + b"\xff" * 400 + bytes(760)
+        for picture in masks.values():
+            self.assertEqual((picture.width, picture.height), (1920, 1080))
+            self.assertEqual(picture.rows, [dark] * 340 + [lit] * 400 + [dark] * 340)
+
+    def test_row_0_is_the_largest_y_and_x_grows_to_the_right(self):
+        floor = box((0, 0, 0), (10, 2, 1))
+        post = box((0, 8, 0), (2, 10, 1))
+        picture = self.masks(floor + post, 1000, "--display", "100x100", "--pixel-pitch-um", "100")["0001.png"]
+        self.assertEqual(picture.lit_box(), (0, 0, 100, 100))
+        self.assertEqual(picture.rows[10], b"\xff" * 20 + bytes(80))
+        self.assertEqual(picture.rows[50], bytes(100))
+        self.assertEqual(picture.rows[90], b"\xff" * 100)
+
+    def test_each_layer_is_cut_at_its_middle(self):
+        # 20 mm wide at the bottom, 0 at 10 mm: the middles of ten layers are 380, 340 ... 20 pixels wide.
+        masks = self.masks(wedge(20, 10, 10), 1000)
+        self.assertEqual(len(masks), 10)
+        for number, picture in enumerate(masks.values()):
+            left, top, right, bottom = picture.lit_box()
+            self.assertEqual((right - left, bottom - top), (380 - 40 * number, 200), number)
+            self.assertEqual(left, 760)  # the model stays where it is
+
+    def test_the_layers_reach_the_top(self):
+        self.assertEqual(len(self.masks(box((0, 0, 0), (5, 5, 10.2)), 1000, "--display", "128x128")), 11)
+
+    def test_a_pixel_that_is_covered_partly_is_grey(self):
+        # 20.025 mm are 400.5 pixels: a quarter of a pixel on each side.
+        picture = self.masks(box((0, 0, 0), (20.025, 20.025, 1)), 1000)["0001.png"]
+        self.assertEqual(picture.lit_box(), (759, 339, 1161, 741))
+        edge, inner = picture.rows[339], picture.rows[500]
+        for found, expected in ((inner[759], 0.25), (inner[1160], 0.25), (edge[1000], 0.25), (edge[759], 0.0625)):
+            self.assertAlmostEqual(found, 255 * expected, delta=1)  # rounding to whole grey values
+        self.assertEqual(set(inner[760:1160]), {255})
+
+    def test_without_anti_aliasing_a_pixel_is_black_or_white_by_its_centre(self):
+        picture = self.masks(box((0, 0, 0), (20.025, 20.075, 1)), 1000, "--aa", "off")["0001.png"]
+        self.assertEqual(picture.values(), {0, 255})
+        # 0.25 of a pixel too little for the centre on each side along x, 0.75 enough along y.
+        self.assertEqual(picture.lit_box(), (760, 339, 1160, 741))
+        slanted = self.masks(wedge(20, 20, 20), 70, "--aa", "off", "--display", "500x500")
+        self.assertEqual(set().union(*(picture.values() for picture in slanted.values())), {0, 255})
+
+    def test_display_and_pitch_are_honoured(self):
+        picture = self.masks(cube(2), 1000, "--display", "70x50", "--pixel-pitch-um", "200")["0001.png"]
+        self.assertEqual((picture.width, picture.height), (70, 50))
+        self.assertEqual(picture.lit_box(), (30, 20, 40, 30))
+
+    def test_fit_fills_the_display_and_keeps_the_shape(self):
+        # Equations 3.8 and 3.16 to 3.19: 99 pixels for the 20 mm along y, from the corner on.
+        tall = self.masks(box((5, 5, 0), (15, 25, 1)), 1000, "--fit", "--display", "200x100", "--aa", "off")["0001.png"]
+        self.assertEqual(tall.lit_box(), (0, 0, 49, 99))  # 10 mm are 49.5 pixels; the centre of the 50th lies on the edge
+        wide = self.masks(box((5, 5, 0), (65, 15, 1)), 1000, "--fit", "--display", "200x100", "--aa", "off")["0001.png"]
+        self.assertEqual(wide.lit_box(), (0, 0, 199, 33))  # 199 pixels for 60 mm: 10 mm are 33.2
+
+    def test_a_model_larger_than_the_display_is_cut_off_with_a_warning(self):
+        picture = self.masks(cube(20), 10000, "--display", "100x50")["0001.png"]
+        self.assertEqual(picture.values(), {255})
+        self.assert_one_line(self.warnings, "larger than the display")
+
+    def test_the_same_model_gives_the_same_bytes(self):
+        def contents():
+            found = {}
+            for name in os.listdir(self.path("masks")):
+                with open(self.path("masks", name), "rb") as file:
+                    found[name] = file.read()
+            return found
+
+        self.masks(wedge(20, 10, 10), 500, "--display", "500x300")
+        first = contents()
+        self.masks(wedge(20, 10, 10), 500, "--display", "500x300")
+        self.assertEqual(contents(), first)
+
+    def test_more_than_9999_layers_have_longer_names(self):
+        masks = self.masks(box((0, 0, 0), (1, 1, 10.001)), 1, "--display", "8x8", "--pixel-pitch-um", "500")
+        self.assertEqual(len(masks), 10001)
+        self.assertIn("9999.png", masks)
+        self.assertIn("10001.png", masks)
+
+    def test_a_mask_that_cannot_be_written_gives_73_and_one_line(self):
+        model = self.write("model.stl", binary_stl(cube(20)))
+        taken = self.write("file", b"")
+        # Never the device by its own name: a program that cleans up after a failed write would remove it.
+        full = self.path("full")
+        os.symlink("/dev/full", full)
+        for arguments in (["--z", "5", "--mask", self.path("missing", "mask.png")],
+                          ["--z", "5", "--mask", self.folder],
+                          ["--z", "5", "--mask", full],
+                          ["--layer-height-um", "5000", "--masks", taken],
+                          ["--layer-height-um", "5000", "--masks", "/proc/no"],
+                          ["--layer-height-um", "5000", "--contours", taken],
+                          ["--layer-height-um", "5000", "--csv", self.path("missing", "layers.csv")],
+                          ["--layer-height-um", "5000", "--csv", full]):  # fmt: skip
+            with self.subTest(arguments):
+                result = contourctl("slice", model, *arguments)
+                self.assertEqual(result.returncode, CANNOT_CREATE, result)
+                self.assert_one_line(result.stderr, arguments[-1])
+                if not os.path.lexists(full):
+                    os.symlink("/dev/full", full)
+
+    def test_a_write_that_fails_removes_nothing_that_was_there(self):
+        model = self.write("model.stl", binary_stl(cube(20)))
+        full = self.path("full")
+        os.symlink("/dev/full", full)
+        for arguments in (["--z", "5", "--mask", full], ["--layer-height-um", "5000", "--csv", full]):
+            contourctl("slice", model, *arguments)
+            self.assertTrue(os.path.islink(full), arguments)
+
+
+class Measurements(FolderTest):
+    COLUMNS = ["layer", "z_mm", "slicing_ms", "contour_ms", "total_ms", "intersecting_facets", "loop_count"]
+
+    def measure(self, facets, layer_height_um, *arguments):
+        path = self.write("model.stl", binary_stl(facets))
+        result = contourctl("slice", path, "--layer-height-um", str(layer_height_um), "--csv", self.path("out.csv"),
+                            "--json", *arguments)  # fmt: skip
+        self.assertEqual(result.returncode, OK, result.stderr)
+        with open(self.path("out.csv"), newline="", encoding="ascii") as file:
+            rows = list(csv.reader(file))
+        self.assertEqual(rows[0], self.COLUMNS)
+        return [dict(zip(self.COLUMNS, map(float, row))) for row in rows[1:]], json.loads(result.stdout)
+
+    def test_each_layer_has_a_row(self):
+        facets = box((0, 0, 2), (20, 20, 7)) + box((5, 5, 7), (15, 15, 12)) + box((30, 0, 2), (40, 10, 12))
+        rows, _ = self.measure(facets, 1000)
+        self.assertEqual([row["layer"] for row in rows], list(range(1, 11)))
+        for row in rows:
+            self.assertAlmostEqual(row["z_mm"], 2 + row["layer"] - 0.5, delta=1e-6)  # six decimals
+            self.assertAlmostEqual(row["total_ms"], row["slicing_ms"] + row["contour_ms"], delta=2e-6)
+            self.assertGreater(row["total_ms"], 0)
+            self.assertEqual((row["intersecting_facets"], row["loop_count"]), (16, 2))
+
+    def test_the_summary_holds_mean_deviation_and_correlation_of_the_rows(self):
+        facets = cube(20) + [v for i in range(8) for v in box((30 * i, 30, 0), (30 * i + 9, 39, 2 + 2 * i))]
+        rows, printed = self.measure(facets, 100)
+        with open(self.path("out-summary.csv"), newline="", encoding="ascii") as file:
+            summary = {row[0]: row[1:] for row in csv.reader(file)}
+        self.assertEqual(summary.pop("measurement"), ["mean", "standard_deviation"])
+
+        def column(name):
+            return [row[name] for row in rows]
+
+        for name in ("slicing_ms", "contour_ms", "total_ms", "intersecting_facets", "loop_count"):
+            values = column(name)
+            mean = sum(values) / len(values)
+            deviation = math.sqrt(sum((v - mean) ** 2 for v in values) / (len(values) - 1))
+            found = [float(value) for value in summary.pop(name)]
+            # The files have six decimals, the rows' errors average out.
+            self.assertAlmostEqual(found[0], mean, delta=2e-6, msg=name)
+            self.assertAlmostEqual(found[1], deviation, delta=2e-6, msg=name)
+            self.assertAlmostEqual(printed[name]["mean"], mean, delta=2e-6, msg=name)
+            self.assertAlmostEqual(printed[name]["sd"], deviation, delta=2e-6, msg=name)
+        for other in ("loop_count", "intersecting_facets"):
+            x, y = column("contour_ms"), column(other)
+            expected = sum(a * b for a, b in zip(x, y)) / math.sqrt(sum(a * a for a in x) * sum(b * b for b in y))
+            found = float(summary.pop(f"normalized_correlation_contour_time_vs_{other}")[0])
+            # A contour time of some hundred nanoseconds has three digits at six decimals.
+            self.assertAlmostEqual(found, expected, delta=0.01, msg=other)
+        self.assertEqual(summary, {})
+        self.assertEqual((printed["layers"], printed["facets"]), (200, len(facets)))
+
+    def test_contours_have_one_file_a_layer_with_the_points_of_every_loop(self):
+        facets = box((0, 0, 0), (20, 10, 3)) + inside_out(box((5, 2, 0), (15, 8, 3)))
+        self.measure(facets, 1000, "--contours", self.path("contours"), "--display", "800x600", "--pixel-pitch-um", "100")
+        self.assertEqual(sorted(os.listdir(self.path("contours"))), ["0001.csv", "0002.csv", "0003.csv"])
+        with open(self.path("contours", "0002.csv"), newline="", encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        areas = {}
+        for loop in {row["loop"] for row in rows}:
+            points = [(float(row["x_mm"]), float(row["y_mm"])) for row in rows if row["loop"] == loop]
+            areas[loop] = sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(points, points[1:] + points[:1])) / 2
+        self.assertEqual(sorted(round(area, 6) for area in areas.values()), [-60, 200])  # the hole runs clockwise
+        for row in rows:
+            self.assertAlmostEqual(float(row["x_pixel"]), 400 + (float(row["x_mm"]) - 10) * 10, delta=2e-3)
+            self.assertAlmostEqual(float(row["y_pixel"]), 300 - (float(row["y_mm"]) - 5) * 10, delta=2e-3)
+
+    def test_masks_contours_and_measurements_come_together(self):
+        self.measure(cube(5), 1000, "--masks", self.path("masks"), "--contours", self.path("contours"))
+        self.assertEqual(len(os.listdir(self.path("masks"))), 5)
+        self.assertEqual(len(os.listdir(self.path("contours"))), 5)
+
+    def test_a_model_without_facets_has_no_rows(self):
+        rows, printed = self.measure([], 50)
+        self.assertEqual((rows, printed["layers"]), ([], 0))
+
+
+class BadUsage(FolderTest):
+    def test_it_gives_64_and_says_why(self):
+        model = self.write("model.stl", binary_stl(cube(20)))
+        layers = ["slice", model, "--layer-height-um", "50"]
+        at = ["slice", model, "--z", "5"]
+        for arguments in (
+            [], ["bake"], ["--no-such-option"], ["inspect"], ["inspect", model, "--no-such-option"],
+            ["inspect", model, model], ["slice"], ["slice", model], ["slice", "--z", "5"], ["slice", model, "--z"],
+            at + ["--layer-height-um", "50"], ["slice", model, "--z", "five"], ["slice", model, "--z", "5mm"],
+            ["slice", model, "--z", "nan"], ["slice", model, "--z", "inf"], ["slice", model, "--z", ""],
+            ["slice", model, "--z", "5,5"],
+            ["slice", model, "--layer-height-um", "0"], ["slice", model, "--layer-height-um", "-50"],
+            ["slice", model, "--layer-height-um", "nan"], ["slice", model, "--layer-height-um", "inf"],
+            ["slice", model, "--layer-height-um", "1e300"], ["slice", model, "--layer-height-um", "thin"],
+            at + ["--masks", "d"], at + ["--csv", "f"], at + ["--contours", "d"], layers + ["--mask", "f"],
+            at + ["--display", "0x100"], at + ["--display", "1920"], at + ["--display", "1920x"],
+            at + ["--display", "1920x1080x3"], at + ["--display", "-5x5"], at + ["--display", "99999x1"],
+            at + ["--display", "99999999999999999999x1"], at + ["--display", " 5x5 "], at + ["--display", ""],
+            at + ["--pixel-pitch-um", "0"], at + ["--pixel-pitch-um", "-1"], at + ["--pixel-pitch-um", "nan"],
+            at + ["--pixel-pitch-um", "inf"], at + ["--aa", "maybe"], at + ["--aa"], at + ["--z", "6"],
+        ):  # fmt: skip
+            with self.subTest(arguments):
+                result = contourctl(*arguments, cwd=self.folder)
+                self.assertEqual(result.returncode, BAD_USAGE, result)
+                self.assertEqual(result.stdout, b"")
+                self.assertGreater(len(result.stderr.strip()), 10)
+        self.assertEqual(os.listdir(self.folder), ["model.stl"])
+
+    def test_an_output_without_a_name_is_not_left_out_in_silence(self):
+        # As from a shell variable that is not set.
+        model = self.write("model.stl", binary_stl(cube(20)))
+        for arguments in (["--z", "5", "--mask", ""], ["--layer-height-um", "5000", "--masks", ""],
+                          ["--layer-height-um", "5000", "--csv", ""],
+                          ["--layer-height-um", "5000", "--contours", ""]):  # fmt: skip
+            with self.subTest(arguments):
+                self.assertIn(contourctl("slice", model, *arguments).returncode, (BAD_USAGE, CANNOT_CREATE))
+
+    def test_a_negative_height_is_a_number_not_an_option(self):
+        model = self.write("model.stl", binary_stl(box((0, 0, -5), (1, 1, 5))))
+        result = contourctl("slice", model, "--z", "-1.5", "--json")
+        self.assertEqual(result.returncode, OK, result.stderr)
+        self.assertEqual(json.loads(result.stdout)["z_mm"], -1.5)
+
+    def test_help_and_version_are_no_errors(self):
+        for arguments in (["--help"], ["--version"], ["slice", "--help"], ["inspect", "--help"]):
+            result = contourctl(*arguments)
+            self.assertEqual((result.returncode, result.stderr), (OK, b""))
+            self.assertGreater(len(result.stdout), 4)
+
+
+class Output(FolderTest):
+    def test_a_pipe_that_closes_early_ends_it_without_a_crash(self):
+        model = self.write("model.stl", binary_stl(cube(20)))
+        for arguments in (["inspect", "--json", model], ["slice", model, "--z", "5", "--json"], ["--help"]):
+            reader, writer = os.pipe()
+            os.close(reader)
+            result = contourctl(*arguments, stdout=writer, timeout=10)
+            os.close(writer)
+            self.assertIn(result.returncode, (-signal.SIGPIPE, CANNOT_CREATE), result)
+
+    def test_a_full_disk_under_the_standard_output_is_told(self):
+        model = self.write("model.stl", binary_stl(cube(20)))
+        for arguments in (["inspect", model], ["inspect", "--json", model], ["slice", model, "--z", "5", "--json"]):
+            with open("/dev/full", "wb") as full:
+                result = contourctl(*arguments, stdout=full)
+            self.assertEqual(result.returncode, CANNOT_CREATE, arguments)
+            self.assert_one_line(result.stderr)
+
+    def test_it_reads_a_model_from_a_redirected_file(self):
+        with open(self.write("model.stl", binary_stl(cube(20))), "rb") as file:
+            result = contourctl("inspect", "--json", "/dev/stdin", stdin=file)
+        self.assertEqual(result.returncode, OK, result.stderr)
+        self.assertEqual(json.loads(result.stdout)["facets"], 12)
+
+    def test_numbers_do_not_depend_on_the_locale(self):
+        locales = subprocess.run(["locale", "-a"], stdout=subprocess.PIPE, check=False).stdout.decode().split()
+        comma = [name for name in locales if name.startswith(("de_", "fr_"))]
+        model = self.write("model.stl", ascii_stl(box((0, 0, 0), (1.5, 2.5, 3.5))))
+        for name in comma[:1] + ["C", "tr_TR.UTF-8"]:
+            result = contourctl("inspect", "--json", model, env={**os.environ, "LC_ALL": name})
+            self.assertEqual(json.loads(result.stdout)["size_mm"], [1.5, 2.5, 3.5])
+
+
+if __name__ == "__main__":
+    main()

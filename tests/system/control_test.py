@@ -1,0 +1,674 @@
+"""The control socket, spoken to by hand and by contourctl."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import threading
+import time
+
+from harness import (
+    BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon,
+    FolderTest, binary_stl, box, contourctl, main, run, wait_until,
+)  # fmt: skip
+
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
+TALL = binary_stl(box((0, 0, 0), (5, 5, 100)))  # 2000 layers
+
+PARSE_ERROR, INVALID_REQUEST, METHOD_NOT_FOUND, INVALID_PARAMS, REFUSED = -32700, -32600, -32601, -32602, -32000
+
+
+class ControlTest(FolderTest):
+    def fast(self, **config):
+        self.daemon = Daemon(self, config).start()
+        return self.daemon
+
+    def realtime(self, resin=None):
+        """A daemon in real time. By default its print stays in its first exposure; else layers take milliseconds."""
+        self.daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
+        return self.daemon
+
+    def printing(self):
+        daemon = self.realtime()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        return daemon
+
+    def assert_error(self, answer, code, number=None):
+        self.assertEqual(answer["jsonrpc"], "2.0")
+        self.assertEqual(answer["error"]["code"], code, answer)
+        self.assertGreater(len(answer["error"]["message"]), 10)
+        self.assertEqual(answer["id"], number)
+        self.assertNotIn("result", answer)
+
+
+class Protocol(ControlTest):
+    def setUp(self):
+        super().setUp()
+        self.fast()
+        self.client = self.daemon.client()
+
+    def tearDown(self):
+        # Whatever it was sent, the connection and the daemon are as good as before.
+        self.assertIn("result", self.client.call("status"))
+        self.daemon.drop("good.stl", SMALL)
+        self.daemon.wait_done("good")
+        self.daemon.stop()
+
+    def answer(self, line):
+        self.client.send(line if isinstance(line, bytes) else line.encode() + b"\n")
+        answer = self.client.next()
+        self.assertIsNotNone(answer, "disconnected")
+        return answer
+
+    def test_status_has_every_key_when_idle(self):
+        result = self.client.call("status")["result"]
+        self.assertEqual(result, {
+            "printer": "Simulated printer", "state": "idle", "job": None, "queued": 0, "plate": "clear",
+            "plate_job": None, "waiting_for": None, "last": None,
+        })  # fmt: skip
+
+    def test_an_unknown_method_names_those_there_are(self):
+        answer = self.answer('{"jsonrpc":"2.0","method":"fly","id":7}')
+        self.assert_error(answer, METHOD_NOT_FOUND, 7)
+        for name in ("status", "queue", "watch", "pause", "resume", "cancel", "plate_cleared", "fly"):
+            self.assertIn(name, answer["error"]["message"])
+
+    def test_what_is_no_json_gets_a_parse_error(self):
+        for line in ("{", "hello", "}", '{"jsonrpc":"2.0","method":"status"', "'status'", "[1,", "\x00", "NaN",
+                     '{"jsonrpc":"2.0","method":"status","id":1} {}', "GET / HTTP/1.1"):  # fmt: skip
+            with self.subTest(line):
+                self.assert_error(self.answer(line), PARSE_ERROR)
+        self.assert_error(self.answer(b'{"method":"\xff\xfe"}\n'), PARSE_ERROR)
+
+    def test_what_is_no_request_gets_an_invalid_request_error(self):
+        for line in ("1", '"status"', "null", "true", "{}", '{"method":"status","id":null}',
+                     '{"jsonrpc":"1.0","method":"status"}', '{"jsonrpc":2.0,"method":"status"}',
+                     '{"jsonrpc":"2.0","method":1}', '{"jsonrpc":"2.0","method":["status"]}',
+                     '{"jsonrpc":"2.0","result":{}}', "[]"):  # fmt: skip
+            with self.subTest(line):
+                self.assert_error(self.answer(line), INVALID_REQUEST)
+
+    def test_an_invalid_request_keeps_its_id(self):
+        self.assert_error(self.answer('{"method":"status","id":"abc"}'), INVALID_REQUEST, "abc")
+
+    def test_ids_may_be_strings_and_numbers(self):
+        for number in (0, -1, 1.5, 2**53, "", "a \u00e4 \u2028", None):
+            answer = self.answer(json.dumps({"jsonrpc": "2.0", "method": "queue", "id": number}))
+            self.assertEqual((answer["id"], answer["result"]), (number, {"queue": []}))
+
+    def test_an_id_that_is_no_id_is_an_invalid_request(self):
+        for number in ({}, [], [1], True, {"a": 1}):
+            with self.subTest(number):
+                answer = self.answer(json.dumps({"jsonrpc": "2.0", "method": "queue", "id": number}))
+                self.assertEqual(answer.get("error", {}).get("code"), INVALID_REQUEST, answer)
+
+    def test_deep_nesting_crashes_nothing(self):
+        depth = 30000
+        deep = "[" * depth + "]" * depth
+        for line in (deep, f'{{"jsonrpc":"2.0","method":"status","params":{deep},"id":1}}',
+                     f'{{"jsonrpc":"2.0","method":"status","id":{deep}}}', f'{{"a":{deep}}}', "[" * 65000,
+                     '{"a":' * 10000 + "1" + "}" * 10000):  # fmt: skip
+            # Read as bytes: the answer may be as deep.
+            with socket.socket(socket.AF_UNIX) as client:
+                client.connect(self.daemon.socket_path)
+                client.settimeout(DEADLINE_S)
+                client.sendall(line.encode() + b"\n")
+                received = b""
+                while not received.endswith(b"\n"):
+                    data = client.recv(1 << 20)
+                    self.assertTrue(data, "disconnected")
+                    received += data
+
+    def test_params_are_refused_unless_empty(self):
+        for params in ("{}", "[]", "null"):
+            self.assertIn("result", self.answer(f'{{"jsonrpc":"2.0","method":"status","params":{params},"id":1}}'), params)
+        for params in ('{"a":1}', "[1]", '"x"', "1"):
+            answer = self.answer(f'{{"jsonrpc":"2.0","method":"status","params":{params},"id":1}}')
+            self.assertIn(answer["error"]["code"], (INVALID_PARAMS, INVALID_REQUEST), params)
+
+    def test_a_notification_gets_no_answer(self):
+        self.client.send(b'{"jsonrpc":"2.0","method":"status"}\n{"jsonrpc":"2.0","method":"nonsense"}\n')
+        self.client.send(b'{"jsonrpc":"2.0","method":"queue","id":"after"}\n')
+        self.assertEqual(self.client.next()["id"], "after")
+
+    def test_a_batch_is_answered_in_one_message(self):
+        self.client.send(b'[{"jsonrpc":"2.0","method":"status","id":1},{"jsonrpc":"2.0","method":"queue"},5,'
+                         b'{"jsonrpc":"2.0","method":"fly","id":"x"},{"jsonrpc":"2.0","method":"queue","id":2}]\n')  # fmt: skip
+        answers = self.client.next()
+        self.assertEqual([answer["id"] for answer in answers], [1, None, "x", 2])
+        self.assertIn("result", answers[0])
+        self.assert_error(answers[1], INVALID_REQUEST)
+        self.assert_error(answers[2], METHOD_NOT_FOUND, "x")
+
+    def test_a_batch_of_notifications_gets_no_answer(self):
+        self.client.send(b'[{"jsonrpc":"2.0","method":"status"}]\n{"jsonrpc":"2.0","method":"queue","id":9}\n')
+        self.assertEqual(self.client.next()["id"], 9)
+
+    def test_the_largest_batch_is_answered(self):
+        self.client.send(b"[" + b",".join([b"1"] * 32000) + b"]\n")
+        answers = self.client.next()
+        self.assertIsNotNone(answers, "an error is answered, not a disconnect")
+
+    def test_a_line_that_is_too_long_gets_one_error(self):
+        for size in (70000, 1 << 20, 5 << 20):
+            self.client.send(b"x" * size + b"\n")
+            answer = self.client.next()
+            self.assert_error(answer, INVALID_REQUEST)
+            self.assertIn("65536", answer["error"]["message"])
+            self.client.send(b'{"jsonrpc":"2.0","method":"queue","id":3}\n')
+            self.assertEqual(self.client.next()["id"], 3)
+
+    def test_a_line_may_come_in_pieces(self):
+        line = b'{"jsonrpc":"2.0","method":"queue","id":4}\n'
+        other = self.daemon.client()
+        for piece in (line[:1], line[1:20], line[20:-1]):
+            self.client.send(piece)
+            self.assertIn("result", other.call("status"))
+        self.client.send(line[-1:] + line)
+        self.assertEqual([self.client.next()["id"], self.client.next()["id"]], [4, 4])
+
+    def test_blank_lines_and_carriage_returns_do_no_harm(self):
+        self.client.send(b'\n\r\n   \n{"jsonrpc":"2.0","method":"queue","id":5}\r\n')
+        self.assertEqual(self.client.next()["id"], 5)
+
+    def test_many_requests_at_once_are_all_answered_in_order(self):
+        self.client.send(b"".join(b'{"jsonrpc":"2.0","method":"queue","id":%d}\n' % number for number in range(2000)))
+        self.assertEqual([self.client.next()["id"] for _ in range(2000)], list(range(2000)))
+
+    def test_a_client_that_has_said_all_still_gets_its_answer(self):
+        # As `echo ... | nc -U` does: the sending side is closed at once.
+        with socket.socket(socket.AF_UNIX) as client:
+            client.connect(self.daemon.socket_path)
+            client.sendall(b'{"jsonrpc":"2.0","method":"queue","id":6}\n')
+            client.shutdown(socket.SHUT_WR)
+            client.settimeout(DEADLINE_S)
+            received = b""
+            while data := client.recv(4096):
+                received += data
+        self.assertEqual(json.loads(received)["id"], 6)
+
+    def test_clients_that_vanish_do_no_harm(self):
+        for line in (b"", b'{"jsonrpc"', b'{"jsonrpc":"2.0","method":"watch","id":1}\n',
+                     b'{"jsonrpc":"2.0","method":"status","id":1}\n' * 500):  # fmt: skip
+            for _ in range(20):
+                client = socket.socket(socket.AF_UNIX)
+                client.connect(self.daemon.socket_path)
+                client.sendall(line)
+                client.close()
+        self.assertTrue(self.daemon.alive())
+
+    def test_forty_clients_are_served_at_the_same_time(self):
+        clients = [self.daemon.client() for _ in range(40)]
+        for client in clients:
+            self.assertIn("result", client.call("watch"))
+        self.daemon.drop("part.stl", SMALL)
+        for client in clients:
+            client.wait_for(lambda m: m.get("method") == "ended", "the end")
+        for client in clients:
+            client.close()
+
+    def test_a_client_too_many_disturbs_nobody(self):
+        clients = [self.daemon.client() for _ in range(100)]
+        answered = 0
+        for client in clients:
+            try:
+                answered += "result" in client.call("status")
+            except (AssertionError, OSError):
+                pass  # turned away
+        self.assertGreaterEqual(answered, 40)
+        for client in clients:
+            client.close()
+        wait_until(self.reconnects, "a new client being served")
+
+    def reconnects(self):
+        try:
+            return "result" in self.daemon.rpc("status")
+        except (AssertionError, OSError):
+            return False
+
+
+class Watching(ControlTest):
+    def test_notifications_carry_state_progress_and_the_end(self):
+        daemon = self.fast()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+        seen = [m for m in daemon.watcher.seen if "method" in m]
+        layers = [m["params"]["job"]["layers_done"] for m in seen if m["method"] == "layer"]
+        self.assertEqual(layers, list(range(1, 21)))
+        states = [m["params"]["state"] for m in seen if m["method"] == "state"]
+        for state in ("warming up", "homing", "exposing", "lifting", "parking"):
+            self.assertIn(state, states)
+        left = [m["params"]["job"]["time_left_s"] for m in seen if m["method"] == "layer"]
+        self.assertEqual(left, sorted(left, reverse=True))
+        last = seen[-1]["params"]
+        self.assertEqual(last["last"], {"job": "part", "outcome": "done", "reason": ""})
+        self.assertEqual((last["state"], last["job"]), ("idle", None))
+        daemon.stop()
+
+    def test_a_client_that_does_not_watch_gets_no_notifications(self):
+        daemon = self.fast()
+        client = daemon.client()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+        client.send(b'{"jsonrpc":"2.0","method":"queue","id":1}\n')
+        self.assertEqual(client.next()["id"], 1)
+        daemon.stop()
+
+    def memory_kb(self):
+        if SANITIZED:
+            return 0
+        with open(f"/proc/{self.daemon.process.pid}/status", encoding="ascii") as file:
+            return int(next(line for line in file if line.startswith("VmRSS")).split()[1])
+
+    def test_a_client_that_never_reads_neither_stops_the_print_nor_fills_the_memory(self):
+        daemon = self.fast()
+        daemon.drop("warm.stl", SMALL)
+        daemon.wait_done("warm")
+        before = self.memory_kb()
+        deaf = []
+        for _ in range(5):
+            client = socket.socket(socket.AF_UNIX)
+            client.connect(daemon.socket_path)
+            client.sendall(b'{"jsonrpc":"2.0","method":"watch","id":1}\n')
+            deaf.append(client)
+        # About 18,000 notifications of some 400 bytes to each of the five.
+        daemon.drop("tall.stl", TALL)
+        daemon.wait_done("tall")
+        self.assertIn("result", daemon.rpc("status"))
+        # Each may hold the server's limit of 4 MiB; the rest is the print's own.
+        self.assertLess(self.memory_kb() - before, 5 * 4096 + 20000)
+        for client in deaf:
+            client.close()
+        daemon.stop()
+
+    def test_a_client_that_reads_late_still_hears_of_the_end(self):
+        daemon = self.fast()
+        late = socket.socket(socket.AF_UNIX)
+        late.connect(daemon.socket_path)
+        late.sendall(b'{"jsonrpc":"2.0","method":"watch","id":1}\n')
+        daemon.drop("tall.stl", TALL)
+        daemon.wait_done("tall")
+        late.settimeout(DEADLINE_S)
+        received = b""
+        while b'"method":"ended"' not in received:
+            data = late.recv(1 << 20)
+            self.assertTrue(data, "disconnected")
+            received += data
+        *lines, _ = received.split(b"\n")
+        for line in lines:
+            json.loads(line)  # left out whole or not at all
+        late.close()
+        daemon.stop()
+
+    def test_a_client_that_only_asks_and_never_reads_is_dropped_in_the_end(self):
+        daemon = self.fast()
+        before = self.memory_kb()
+        with socket.socket(socket.AF_UNIX) as client:
+            client.connect(daemon.socket_path)
+            client.settimeout(DEADLINE_S)
+            request = b'{"jsonrpc":"2.0","method":"status","id":1}\n' * 100
+            with self.assertRaises(OSError):
+                for _ in range(20000):
+                    client.sendall(request)
+        self.assertLess(self.memory_kb() - before, 20000)
+        daemon.stop()
+
+
+class Commands(ControlTest):
+    def error(self, method):
+        answer = self.daemon.rpc(method)
+        self.assertEqual(answer.get("error", {}).get("code"), REFUSED, answer)
+        return answer["error"]["message"]
+
+    def test_without_a_print_there_is_nothing_to_pause_resume_or_cancel(self):
+        daemon = self.fast()
+        for method in ("pause", "resume", "cancel"):
+            self.assertIn("no print", self.error(method))
+        # The plate is clear already, which is what was asked for.
+        self.assertIn("result", daemon.rpc("plate_cleared"))
+        daemon.stop()
+
+    def test_a_pause_comes_after_the_layer_and_a_resume_goes_on(self):
+        daemon = self.realtime({"exposure_ms": 1})
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        self.assertIn("result", daemon.rpc("pause"))
+        paused = daemon.wait_state("paused")
+        done = paused["job"]["layers_done"]
+        self.assertGreaterEqual(done, 1)
+        status = daemon.status()
+        self.assertEqual((status["state"], status["job"]["layers_done"]), ("paused", done))
+        self.assertIn("result", daemon.rpc("resume"))
+        report = daemon.wait_done("part")
+        self.assertEqual(report["layers_exposed"], 20)
+        self.assertEqual([layer["layer"] for layer in report["layer_records"]], list(range(1, 21)))
+        # The plate came back to where it belongs.
+        for layer in report["layer_records"]:
+            self.assertAlmostEqual(layer["plate_height_mm"], layer["layer"] * 0.05, delta=1e-6)
+        daemon.stop()
+
+    def test_a_pause_can_be_taken_back_before_it_comes(self):
+        daemon = self.printing()
+        self.assertTrue(daemon.rpc("pause")["result"]["job"]["pause_pending"])
+        self.assertTrue(daemon.rpc("pause")["result"]["job"]["pause_pending"])
+        self.assertFalse(daemon.rpc("resume")["result"]["job"]["pause_pending"])
+        self.assertIn("not paused", self.error("resume"))
+        self.assertEqual(daemon.status()["state"], "exposing")
+        daemon.stop()
+
+    def test_a_cancel_in_every_situation_ends_the_print(self):
+        daemon = self.printing()
+        self.assertIn("result", daemon.rpc("cancel"))
+        end = daemon.wait_ended("part")
+        self.assertEqual(end["outcome"], "cancelled")
+        self.assertIn("ancel", daemon.read("failed", "part.reason.txt"))
+        self.assertEqual(daemon.report("part", "failed")["outcome"], "cancelled")
+        for method in ("pause", "resume", "cancel"):
+            self.assertIn("no print", self.error(method))
+        daemon.stop()
+
+    def test_a_paused_print_can_be_cancelled(self):
+        daemon = self.realtime({"exposure_ms": 1})
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        daemon.rpc("pause")
+        daemon.wait_state("paused")
+        self.assertIn("is being printed", self.error("plate_cleared"))
+        daemon.rpc("pause")
+        self.assertEqual(daemon.status()["state"], "paused")
+        daemon.rpc("cancel")
+        self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
+        daemon.drop("next.stl", SMALL)
+        self.assertEqual(daemon.wait_done("next")["layers_exposed"], 20)
+        daemon.stop()
+
+    def test_commands_in_any_order_never_confuse_it(self):
+        daemon = self.realtime({"exposure_ms": 1})
+        client = daemon.client()
+        orders = ("pause", "resume", "cancel", "plate_cleared", "status", "queue")
+        for number in range(6):
+            daemon.drop(f"part{number}.stl", SMALL)
+        ended = 0
+        for step in range(3000):
+            method = orders[(step * step + step // 7) % len(orders)]
+            if method == "cancel" and step % 5:
+                continue
+            answer = client.call(method)
+            if "error" in answer:
+                self.assertEqual(answer["error"]["code"], REFUSED, answer)
+            elif method == "status" and answer["result"]["state"] == "idle" and answer["result"]["queued"] == 0:
+                ended += 1
+                if ended > 3:
+                    break
+        client.close()
+        if daemon.status()["job"] is not None and daemon.status()["state"] == "paused":
+            daemon.rpc("resume")
+        outcomes = [daemon.wait_ended(f"part{number}")["outcome"] for number in range(6)]
+        self.assertLessEqual(set(outcomes), {"done", "cancelled"})
+        daemon.stop()
+
+    def test_the_plate_is_not_cleared_under_a_print(self):
+        daemon = self.printing()
+        self.assertIn("part is being printed", self.error("plate_cleared"))
+        self.assertEqual(daemon.status()["plate"], "occupied")
+        daemon.stop()
+
+    def test_a_job_can_be_cancelled_while_the_lamp_warms_up(self):
+        self.daemon = Daemon(self, {**REALTIME, "projector": {"warm_up_s": 60}}, {**NIMBLE_RESIN, **ENDLESS}).start()
+        self.daemon.drop("part.stl", SMALL)
+        self.daemon.wait_state("warming up")
+        self.daemon.rpc("cancel")
+        self.assertEqual(self.daemon.wait_ended("part")["outcome"], "cancelled")
+        self.assertEqual(self.daemon.status()["plate"], "clear")
+        self.daemon.stop()
+
+
+class Contourctl(ControlTest):
+    def ctl(self, *arguments):
+        result = self.daemon.ctl(*arguments)
+        self.assertEqual(result.returncode, OK, result.stderr)
+        self.assertEqual(result.stderr, b"")
+        return result.stdout.decode()
+
+    def refused(self, command, word):
+        for arguments in ([command], [command, "--json"]):
+            result = self.daemon.ctl(*arguments)
+            self.assertEqual(result.returncode, FAILED, result)
+            if "--json" in arguments:
+                self.assertEqual(json.loads(result.stdout)["error"]["code"], REFUSED)
+            else:
+                self.assertEqual(result.stdout, b"")
+                self.assert_one_line(result.stderr, word)
+
+    def test_status_and_queue_while_nothing_happens(self):
+        daemon = self.fast()
+        text = self.ctl("status")
+        for word in ("Simulated printer", "idle", "clear"):
+            self.assertIn(word, text)
+        self.assertEqual(json.loads(self.ctl("status", "--json"))["result"]["state"], "idle")
+        self.assertIn("empty", self.ctl("queue"))
+        self.assertEqual(json.loads(self.ctl("queue", "--json"))["result"], {"queue": []})
+        for command in ("pause", "resume", "cancel"):
+            self.refused(command, "no print")
+        self.ctl("plate-cleared")
+        daemon.stop()
+
+    def test_status_and_queue_during_a_print(self):
+        daemon = self.printing()
+        daemon.drop("second.stl", SMALL)
+        daemon.drop("third.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 2, "two jobs in the queue")
+        text = self.ctl("status")
+        for word in ("part", "exposing", "1 of 20", "occupied"):
+            self.assertIn(word, text)
+        lines = self.ctl("queue").splitlines()
+        self.assertEqual(len(lines), 2)
+        self.assertIn("second", lines[0])
+        self.assertIn("third", lines[1])
+        self.refused("plate-cleared", "is being printed")
+        self.assertIn("pause after this layer", self.ctl("pause"))
+        self.assertFalse(json.loads(self.ctl("resume", "--json"))["result"]["job"]["pause_pending"])
+        self.refused("resume", "not paused")
+        self.ctl("cancel")
+        self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
+        daemon.stop()
+
+    def test_names_with_control_characters_do_not_reach_the_terminal(self):
+        daemon = self.printing()
+        daemon.drop("two\nlines \x1b[31mred.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        self.assertEqual(len(self.ctl("queue").splitlines()), 1)
+        self.assertNotIn("\x1b", self.ctl("queue"))
+        daemon.rpc("cancel")
+        daemon.wait_ended("part")
+        daemon.wait_state("exposing")
+        self.assertNotIn("\x1b", self.ctl("status"))
+        daemon.stop()
+
+    def test_plate_cleared_lets_the_next_job_start(self):
+        daemon = self.fast(wait_for_plate_cleared=True)
+        daemon.drop("one.stl", SMALL)
+        daemon.wait_done("one")
+        daemon.drop("two.stl", SMALL)
+        wait_until(lambda: daemon.status()["waiting_for"], "the wait")
+        text = self.ctl("status")
+        self.assertIn("occupied by one", text)
+        self.assertIn("plate-cleared", text)
+        self.ctl("plate-cleared")
+        daemon.wait_done("two")
+        daemon.stop()
+
+    def watch(self, *arguments):
+        process = subprocess.Popen([CONTOURCTL, "watch", "--socket", self.daemon.socket_path, *arguments],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process
+
+    def test_watch_follows_a_print_to_its_end(self):
+        daemon = self.fast()
+        watcher = self.watch("--job", "part")
+        daemon.drop("part.stl", SMALL)
+        out, err = watcher.communicate(timeout=DEADLINE_S)
+        self.assertEqual((watcher.returncode, err), (OK, b""))
+        self.assertIn(b"%", out)
+        self.assertIn(b"part: done", out.splitlines()[-1])
+        self.assertNotIn(b"\x1b", out)  # no terminal
+        daemon.stop()
+
+    def test_watch_of_a_failed_print_fails(self):
+        daemon = self.fast()
+        watcher = self.watch("--job", "bad")
+        daemon.drop("bad.stl", b"no model")
+        out, _ = watcher.communicate(timeout=DEADLINE_S)
+        self.assertEqual(watcher.returncode, FAILED)
+        self.assertIn(b"bad: failed", out)
+        daemon.stop()
+
+    def test_watch_with_json_prints_one_message_a_line(self):
+        daemon = self.fast()
+        watcher = self.watch("--json")
+        json.loads(watcher.stdout.readline())  # it watches now
+        daemon.drop("part.stl", SMALL)
+        out, _ = watcher.communicate(timeout=DEADLINE_S)
+        self.assertEqual(watcher.returncode, OK)
+        messages = [json.loads(line) for line in out.splitlines()]
+        self.assertEqual(messages[-1]["method"], "ended")
+        daemon.stop()
+
+    def test_watch_does_not_end_with_another_job_that_is_refused(self):
+        daemon = self.printing()
+        watcher = self.watch()
+        self.assertIn(b"part", watcher.stdout.readline())
+        daemon.drop("bad.stl", b"no model")
+        daemon.wait_refused("bad")
+        # By this answer, anything sent to the watcher before has been sent.
+        self.assertIn("result", daemon.rpc("status"))
+        daemon.rpc("cancel")
+        daemon.wait_ended("part")
+        out, _ = watcher.communicate(timeout=DEADLINE_S)
+        self.assertIn(b"part: cancelled", out)
+        daemon.stop()
+
+    def test_watch_of_a_job_that_ended_before_another_one_ends(self):
+        daemon = self.fast()
+        for name in ("one", "two"):
+            daemon.drop(name + ".stl", SMALL)
+            daemon.wait_done(name)
+        for name in ("two", "one"):
+            out, _ = self.watch("--job", name).communicate(timeout=10)
+            self.assertIn(f"{name}: done".encode(), out)
+        daemon.stop()
+
+    def test_watch_ends_when_the_daemon_stops(self):
+        daemon = self.fast()
+        watcher = self.watch()
+        wait_until(lambda: self.watches(watcher), "the watcher's connection")
+        daemon.stop()
+        _, err = watcher.communicate(timeout=DEADLINE_S)
+        self.assertEqual(watcher.returncode, UNAVAILABLE)
+        self.assert_one_line(err, "closed the connection")
+
+    def watches(self, process):
+        # It reads in recv when it has sent its request; until then the test would only see a refused connection.
+        with open(f"/proc/{process.pid}/wchan", encoding="ascii") as file:
+            return "unix_stream" in file.read() or process.poll() is not None
+
+    def test_without_a_daemon_it_says_so(self):
+        for socket_path in (self.path("none.sock"), self.write("file", b""), self.folder, self.path("x" * 200)):
+            for command in ("status", "queue", "watch", "pause", "resume", "cancel", "plate-cleared"):
+                result = contourctl(command, "--socket", socket_path)
+                self.assertEqual(result.returncode, UNAVAILABLE, result)
+                self.assert_one_line(result.stderr, socket_path)
+
+    def test_the_socket_can_come_from_the_environment(self):
+        daemon = self.fast()
+        result = contourctl("status", env={**os.environ, "CONTOURD_SOCKET": daemon.socket_path})
+        self.assertEqual(result.returncode, OK)
+        self.assertEqual(contourctl("status", "extra").returncode, BAD_USAGE)
+        daemon.stop()
+
+
+class Socket(ControlTest):
+    def test_it_is_for_owner_and_group_only(self):
+        daemon = self.fast()
+        self.assertEqual(os.stat(daemon.socket_path).st_mode & 0o777, 0o660)
+        daemon.stop()
+        self.assertFalse(os.path.exists(daemon.socket_path))
+
+    def test_the_socket_of_a_killed_daemon_is_replaced(self):
+        daemon = self.fast()
+        daemon.kill()
+        self.assertTrue(os.path.exists(daemon.socket_path))
+        daemon.start()
+        self.assertEqual(daemon.status()["state"], "idle")
+        daemon.stop()
+
+    def test_a_second_daemon_on_the_same_socket_says_so_and_ends(self):
+        daemon = self.fast()
+        second = run(CONTOURD, "--config", daemon.config_path)
+        self.assertNotEqual(second.returncode, 0)
+        self.assertIn(b"another contourd", second.stderr)
+        self.assertEqual(daemon.status()["state"], "idle")
+        daemon.stop()
+
+    def test_a_file_in_the_sockets_place_is_not_overwritten(self):
+        daemon = Daemon(self)
+        self.write("control.sock", b"precious")
+        result = run(CONTOURD, "--config", daemon.config_path)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn(b"control.sock", result.stderr)
+        with open(self.path("control.sock"), "rb") as file:
+            self.assertEqual(file.read(), b"precious")
+
+    def test_a_folder_that_is_not_there_is_said(self):
+        daemon = Daemon(self, {"control_socket": "missing/control.sock"})
+        result = run(CONTOURD, "--config", daemon.config_path)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn(b"missing/control.sock", result.stderr)
+
+    def test_a_daemon_that_hangs_is_not_answered_for(self):
+        # A client gets no answer from a stopped process, but neither an error: contourctl must not take it for one.
+        daemon = self.fast()
+        daemon.process.send_signal(signal.SIGSTOP)
+        process = subprocess.Popen([CONTOURCTL, "status", "--socket", daemon.socket_path], stdout=subprocess.PIPE)
+        threading.Timer(0.2, daemon.process.send_signal, [signal.SIGCONT]).start()
+        out, _ = process.communicate(timeout=DEADLINE_S)
+        self.assertEqual(process.returncode, OK)
+        self.assertIn(b"idle", out)
+        daemon.stop()
+
+
+class Robustness(ControlTest):
+    def test_a_spool_that_vanishes_does_not_end_the_daemon(self):
+        # As when its disk is unmounted: the light must go off and the owner must be able to ask why nothing prints.
+        daemon = self.printing()
+        os.rename(daemon.spool, self.path("gone"))
+        daemon.rpc("cancel")
+        daemon.wait_ended("part")
+        self.assertTrue(daemon.alive(), daemon.log())
+        self.assertIn("result", daemon.rpc("plate_cleared") | daemon.rpc("status"))
+        self.assertTrue(daemon.alive(), daemon.log())
+        daemon.stop()
+
+    def test_it_does_not_spin_when_there_is_nothing_to_do(self):
+        daemon = self.fast()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+
+        def ticks():
+            with open(f"/proc/{daemon.process.pid}/stat", encoding="ascii") as file:
+                return sum(map(int, file.read().rsplit(")", 1)[1].split()[11:13]))
+
+        before, start = ticks(), time.monotonic()
+        wait_until(lambda: time.monotonic() > start + 1, "a second")
+        self.assertLess(ticks() - before, 5)  # of 100
+        daemon.stop()
+
+
+if __name__ == "__main__":
+    main()

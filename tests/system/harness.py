@@ -1,0 +1,502 @@
+"""What the system tests share: small models, PNG files read back, the programs, and a daemon in a private folder.
+
+Environment: CONTOURD_BIN (folder of the programs), CONTOURD_SOURCE (the repository).
+"""
+
+import contextlib
+import json
+import os
+import queue
+import resource
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import zlib
+
+BIN = os.environ["CONTOURD_BIN"]
+SOURCE = os.environ["CONTOURD_SOURCE"]
+SHARED = os.path.join(SOURCE, "..", "shared")
+CONTOURCTL = os.path.join(BIN, "contourctl")
+CONTOURD = os.path.join(BIN, "contourd")
+MAKE_MODEL = os.path.join(BIN, "make-model")
+
+# A test that waits longer than this for something has failed. Generous: the machine may be busy or the build slow.
+DEADLINE_S = 30.0
+
+OK, FAILED, BAD_USAGE, BAD_DATA, NO_INPUT, UNAVAILABLE, CANNOT_CREATE = 0, 1, 64, 65, 66, 69, 73
+BAD_CONFIG = 78
+
+
+def _is_sanitized():
+    with open(CONTOURD, "rb") as file:
+        return b"__asan_init" in file.read()
+
+
+# AddressSanitizer reserves terabytes of addresses and keeps freed memory: limits of memory say nothing then.
+SANITIZED = _is_sanitized()
+
+
+def limit_memory(bytes_):
+    """For Popen's preexec_fn."""
+    if not SANITIZED:
+        resource.setrlimit(resource.RLIMIT_AS, (bytes_, bytes_))
+
+
+def skip_file(reason):
+    """Ends the whole test file as skipped."""
+    print(f"SKIPPED: {reason}")
+    sys.exit(0)
+
+
+def main():
+    unittest.main(verbosity=2)
+
+
+# --- models
+
+
+def box(low, high):
+    """Twelve facets, counter-clockwise seen from outside."""
+    x, y, z = zip(low, high)
+    corner = [(x[i & 1], y[i >> 1 & 1], z[i >> 2 & 1]) for i in range(8)]
+    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (3, 2, 6, 7), (2, 0, 4, 6), (1, 3, 7, 5)]
+    facets = []
+    for a, b, c, d in quads:
+        facets.append((corner[a], corner[b], corner[c]))
+        facets.append((corner[a], corner[c], corner[d]))
+    return facets
+
+
+def cube(side):
+    return box((0, 0, 0), (side, side, side))
+
+
+def wedge(width, depth, height):
+    """Full width at the bottom, an edge at x = 0 at the top: at height z it is width * (1 - z / height) wide."""
+    a, b, c = (0, 0, 0), (width, 0, 0), (0, 0, height)
+    d, e, f = (0, depth, 0), (width, depth, 0), (0, depth, height)
+    return [(a, b, c), (d, f, e), (a, d, e), (a, e, b), (b, e, f), (b, f, c), (a, c, f), (a, f, d)]
+
+
+def inside_out(facets):
+    return [(a, c, b) for a, b, c in facets]
+
+
+def binary_stl(facets, header=b"", count=None):
+    data = [header.ljust(80, b"\0"), struct.pack("<I", len(facets) if count is None else count)]
+    for facet in facets:
+        data.append(struct.pack("<12fH", 0, 0, 0, *(x for vertex in facet for x in vertex), 0))
+    return b"".join(data)
+
+
+def ascii_stl(facets):
+    lines = ["solid test"]
+    for facet in facets:
+        lines += ["  facet normal 0 0 0", "    outer loop"]
+        lines += ["      vertex %.9g %.9g %.9g" % vertex for vertex in facet]
+        lines += ["    endloop", "  endfacet"]
+    return ("\n".join(lines + ["endsolid test"]) + "\n").encode()
+
+
+# --- pictures
+
+
+class Picture:
+    """An 8-bit grey picture; rows[0] is the top."""
+
+    def __init__(self, width, height, rows):
+        self.width, self.height, self.rows = width, height, rows
+
+    def lit_box(self):
+        """(left, top, right, bottom) around every pixel that is not dark, right and bottom exclusive; None if dark."""
+        lit = [y for y in range(self.height) if self.rows[y].strip(b"\0")]
+        if not lit:
+            return None
+        left = min(self.width - len(self.rows[y].lstrip(b"\0")) for y in lit)
+        right = max(len(self.rows[y].rstrip(b"\0")) for y in lit)
+        return left, lit[0], right, lit[-1] + 1
+
+    def values(self):
+        return set(b"".join(self.rows))
+
+    def __eq__(self, other):
+        return (self.width, self.height, self.rows) == (other.width, other.height, other.rows)
+
+
+def _paeth(a, b, c):
+    p = a + b - c
+    return min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
+
+
+def _unfilter(kind, line, above):
+    if kind == 0:
+        return line
+    out = bytearray(line)
+    for i, value in enumerate(line):
+        left = out[i - 1] if i else 0
+        upper_left = above[i - 1] if i else 0
+        predicted = {1: left, 2: above[i], 3: (left + above[i]) // 2, 4: _paeth(left, above[i], upper_left)}[kind]
+        out[i] = (value + predicted) & 255
+    return bytes(out)
+
+
+def read_png(path):
+    """Reads an 8-bit grey PNG; anything else is an AssertionError."""
+    with open(path, "rb") as file:
+        data = file.read()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", f"{path} is no PNG file"
+    at, packed, size, ended = 8, b"", None, False
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + length]
+        (crc,) = struct.unpack(">I", data[at + 8 + length : at + 12 + length])
+        assert zlib.crc32(kind + body) == crc, f"{path}: chunk {kind} is damaged"
+        if kind == b"IHDR":
+            width, height, depth, colour, _, _, interlace = struct.unpack(">IIBBBBB", body)
+            assert (depth, colour, interlace) == (8, 0, 0), f"{path} is not 8-bit grey"
+            size = width, height
+        elif kind == b"IDAT":
+            packed += body
+        elif kind == b"IEND":
+            ended = True
+        at += 12 + length
+    assert ended, f"{path} is cut short"
+    width, height = size
+    raw = zlib.decompress(packed)
+    assert len(raw) == (width + 1) * height
+    rows, above = [], bytes(width)
+    for y in range(height):
+        start = y * (width + 1)
+        above = _unfilter(raw[start], raw[start + 1 : start + 1 + width], above)
+        rows.append(above)
+    return Picture(width, height, rows)
+
+
+# --- programs
+
+
+def run(program, *arguments, **options):
+    """Runs a program to its end. Output as bytes, since file names are bytes."""
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "timeout": DEADLINE_S, **options}
+    return subprocess.run([program, *map(os.fspath, arguments)], **options)
+
+
+def contourctl(*arguments, **options):
+    return run(CONTOURCTL, *arguments, **options)
+
+
+def wait_until(condition, what, deadline_s=DEADLINE_S):
+    """Waits for something outside that tells nobody when it happens, such as a file that appears."""
+    end = time.monotonic() + deadline_s
+    while True:
+        result = condition()
+        if result:
+            return result
+        if time.monotonic() > end:
+            raise AssertionError(f"waited {deadline_s:g} s in vain for {what}")
+        time.sleep(0.005)
+
+
+class FolderTest(unittest.TestCase):
+    """A test with a folder of its own. Its path is short, for a socket's may have 107 bytes."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="contourd-", dir="/tmp")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def path(self, *parts):
+        return os.path.join(self.folder, *parts)
+
+    def write(self, name, data):
+        path = os.path.join(os.fsencode(self.folder), os.fsencode(name))
+        with open(path, "wb") as file:
+            file.write(data if isinstance(data, bytes) else data.encode())
+        return path
+
+    def assert_one_line(self, text, *words):
+        """Exactly one line, not empty, with these words in it."""
+        self.assertTrue(text.endswith(b"\n"), text)
+        self.assertEqual(text.count(b"\n"), 1, text)
+        self.assertGreater(len(text.strip()), 10, text)
+        for word in words:
+            self.assertIn(os.fsencode(word), text)
+
+
+# --- the daemon
+
+
+class Client:
+    """A connection to the control socket that reads all the time, on a thread of its own."""
+
+    def __init__(self, path):
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.socket.connect(path)
+        self.messages = queue.Queue()
+        self.ids = iter(range(1, 1 << 30))
+        self.seen = []
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        received = b""
+        while True:
+            try:
+                data = self.socket.recv(65536)
+            except OSError:
+                data = b""
+            if not data:
+                return self.messages.put(None)
+            *lines, received = (received + data).split(b"\n")
+            for line in lines:
+                self.messages.put(json.loads(line))
+
+    def send(self, data):
+        self.socket.sendall(data)
+
+    def next(self, deadline_s=DEADLINE_S):
+        """The next message; None once the daemon has closed the connection."""
+        try:
+            return self.messages.get(timeout=deadline_s)
+        except queue.Empty:
+            raise AssertionError(f"no message within {deadline_s:g} s") from None
+
+    def wait_for(self, accept, what, deadline_s=DEADLINE_S):
+        """The first message not looked at before that `accept` takes."""
+        end = time.monotonic() + deadline_s
+        while True:
+            try:
+                message = self.messages.get(timeout=max(0.0, end - time.monotonic()))
+            except queue.Empty:
+                raise AssertionError(f"waited {deadline_s:g} s in vain for {what}") from None
+            if message is None:
+                raise AssertionError(f"the connection ended before {what}")
+            self.seen.append(message)
+            if accept(message):
+                return message
+
+    def call(self, method):
+        """The whole answer. Notifications that come before it are kept for nobody: use another client to watch."""
+        number = next(self.ids)
+        self.send(json.dumps({"jsonrpc": "2.0", "method": method, "id": number}).encode() + b"\n")
+        return self.wait_for(lambda m: m.get("id") == number, f"the answer to {method}")
+
+    def close(self):
+        with contextlib.suppress(OSError):
+            self.socket.shutdown(socket.SHUT_RDWR)
+        self.socket.close()
+
+
+def merge(base, changes):
+    """`changes` put into `base`; None removes a key."""
+    for key, value in changes.items():
+        if value is None:
+            base.pop(key, None)
+        elif isinstance(value, dict) and isinstance(base.get(key), dict):
+            merge(base[key], value)
+        else:
+            base[key] = value
+    return base
+
+
+def source_json(*parts):
+    with open(os.path.join(SOURCE, "config", *parts), encoding="utf-8") as file:
+        return json.load(file)
+
+
+# A machine and a resin with nothing slow about them, for tests in real time: a layer takes a few milliseconds.
+NIMBLE_AXIS = {"homing_speed_mm_s": 50, "travel_speed_mm_s": 50, "acceleration_mm_s2": 5000}
+NIMBLE_RESIN = {
+    "exposure_ms": 1, "bottom_exposure_ms": 1, "bottom_layers": 1, "fade_layers": 0, "lift_mm": 0.1,
+    "lift_speed_mm_s": 50, "retract_speed_mm_s": 50, "settle_ms": 0, "rest_ms": 0,
+}  # fmt: skip
+# In real time, every print stays in its first exposure until the test ends it.
+ENDLESS = {"exposure_ms": 120000, "bottom_exposure_ms": 120000}
+REALTIME = {
+    "z_axis": {**NIMBLE_AXIS, "travel_mm": 12}, "projector": {"warm_up_s": 0},
+    "simulation": {"pace": "realtime", "start_height_mm": 0},
+}  # fmt: skip
+
+
+class Daemon:
+    """A contourd in a folder: the simulated printer's configuration with a test's changes to it."""
+
+    def __init__(self, test, config=None, resin=None, masks=False):
+        self.test = test
+        self.folder = test.folder
+        self.process = None
+        self.clients = []
+        self.log_path = os.path.join(self.folder, "contourd.log")
+        self.spool = os.path.join(self.folder, "spool")
+        self.socket_path = os.path.join(self.folder, "control.sock")
+        self.config_path = os.path.join(self.folder, "contourd.json")
+        self.config = source_json("simulated.json")
+        if not masks:
+            del self.config["simulation"]["masks_folder"]
+        merge(self.config, {"wait_for_plate_cleared": False, "min_free_disk_mb": 0})
+        merge(self.config, config or {})
+        os.makedirs(os.path.join(self.folder, "resins"), exist_ok=True)
+        self.write_resin("standard", resin or {})
+        self.write_config()
+        test.addCleanup(self._clean_up)
+
+    def write_config(self):
+        with open(self.config_path, "w", encoding="utf-8") as file:
+            json.dump(self.config, file)
+
+    def write_resin(self, name, changes):
+        profile = merge(source_json("resins", "standard.json"), changes)
+        with open(os.path.join(self.folder, "resins", name + ".json"), "w", encoding="utf-8") as file:
+            json.dump(profile, file)
+
+    def start(self, *arguments):
+        """Returns when the daemon has said that it is ready."""
+        notify_path = os.path.join(self.folder, "notify.sock")
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(notify_path)
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notify:
+            notify.bind(notify_path)
+            self.launch(*arguments, NOTIFY_SOCKET=notify_path)
+            notify.settimeout(0.02)
+            end = time.monotonic() + DEADLINE_S
+            while True:
+                with contextlib.suppress(TimeoutError):
+                    if b"READY=1" in notify.recv(4096).split(b"\n"):
+                        break
+                if self.process.poll() is not None:
+                    raise AssertionError(f"contourd ended with {self.process.returncode}:\n{self.log()}")
+                if time.monotonic() > end:
+                    raise AssertionError(f"contourd is not ready:\n{self.log()}")
+        self.watcher = self.client()
+        self.watcher.call("watch")
+        return self
+
+    def launch(self, *arguments, **environment):
+        """Starts it without waiting for anything."""
+        with open(self.log_path, "ab") as log:
+            self.process = subprocess.Popen(
+                [CONTOURD, "--config", self.config_path, *arguments], stdin=subprocess.DEVNULL, stdout=log,
+                stderr=log, env={**os.environ, **environment})  # fmt: skip
+
+    def log(self):
+        with open(self.log_path, encoding="utf-8", errors="replace") as file:
+            return file.read()
+
+    def client(self):
+        client = Client(self.socket_path)
+        self.clients.append(client)
+        return client
+
+    def rpc(self, method):
+        """One call on a connection of its own."""
+        client = self.client()
+        try:
+            return client.call(method)
+        finally:
+            client.close()
+
+    def status(self):
+        return self.rpc("status")["result"]
+
+    def ctl(self, command, *arguments, **options):
+        return contourctl(command, "--socket", self.socket_path, *arguments, **options)
+
+    def alive(self):
+        return self.process.poll() is None
+
+    def stop(self):
+        """As systemd does. It must end well."""
+        self.process.send_signal(signal.SIGTERM)
+        code = self.process.wait(DEADLINE_S)
+        self._close_clients()
+        if code != 0:
+            raise AssertionError(f"contourd ended with {code}:\n{self.log()}")
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait(DEADLINE_S)
+        self._close_clients()
+
+    def _close_clients(self):
+        while self.clients:
+            self.clients.pop().close()
+
+    def _clean_up(self):
+        self._close_clients()
+        if self.process is None:
+            return
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        elif self.process.returncode < 0 and self.process.returncode != -signal.SIGKILL:
+            raise AssertionError(f"contourd died of signal {-self.process.returncode}:\n{self.log()}")
+
+    # --- the spool
+
+    def file(self, *parts):
+        return os.path.join(self.spool, *parts)
+
+    def has(self, *parts):
+        return os.path.lexists(self.file(*parts))
+
+    def names_in(self, folder):
+        return sorted(os.listdir(self.file(folder)))
+
+    def read(self, *parts):
+        with open(self.file(*parts), encoding="utf-8") as file:
+            return file.read()
+
+    def drop(self, name, data, ticket=None):
+        """Puts a whole file into the spool, its ticket first."""
+        if ticket is not None:
+            text = ticket if isinstance(ticket, (str, bytes)) else json.dumps(ticket)
+            self._put(os.path.splitext(name)[0] + ".json", text.encode() if isinstance(text, str) else text)
+        self._put(name, data)
+
+    def _put(self, name, data):
+        # Written elsewhere and moved in: the daemon sees it whole or not at all.
+        staging = os.path.join(self.folder, "staging")
+        os.makedirs(self.file("incoming"), exist_ok=True)
+        with open(staging, "wb") as file:
+            file.write(data)
+        os.rename(staging, self.file("incoming", name))
+
+    def wait_ended(self, job, deadline_s=DEADLINE_S):
+        """Waits until the job has ended, and returns {"job", "outcome", "reason"}. Once for each job, in order."""
+        def is_end(message):
+            return message.get("method") == "ended" and message["params"]["last"]["job"] == job
+        try:
+            return self.watcher.wait_for(is_end, f"the end of {job}", deadline_s)["params"]["last"]
+        except AssertionError as error:
+            raise AssertionError(f"{error}\n{self.log()}") from None
+
+    def wait_done(self, job):
+        """Waits until the job is printed, and returns its report."""
+        end = self.wait_ended(job)
+        if end["outcome"] != "done":
+            raise AssertionError(f"{end}\n{self.log()}")
+        return self.report(job)
+
+    def wait_refused(self, job):
+        """Waits until the job has failed, and returns its reason, as the file and as the socket have it."""
+        end = self.wait_ended(job)
+        if end["outcome"] != "failed":
+            raise AssertionError(f"{end}\n{self.log()}")
+        reason = self.read("failed", job + ".reason.txt")
+        self.test.assertTrue(reason.endswith("\n"), reason)
+        self.test.assertEqual(reason.strip(), end["reason"].strip())
+        self.test.assertGreater(len(reason), 10)
+        return reason
+
+    def wait_state(self, state):
+        """Waits until the print enters the state (from the last state that was waited for on)."""
+        return self.watcher.wait_for(
+            lambda m: m.get("method") == "state" and m["params"]["state"] == state, f"the state {state}")["params"]
+
+    def report(self, job, folder="done"):
+        return json.loads(self.read(folder, job + ".report.json"))

@@ -1,0 +1,376 @@
+"""Whole prints on the simulated printer: masks, reports, and what happens when the machine fails."""
+
+import base64
+import html.parser
+import json
+import os
+import re
+
+from harness import (
+    NIMBLE_RESIN, OK, REALTIME, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box, contourctl, cube, inside_out,
+    main, read_png, source_json, wedge,
+)  # fmt: skip
+
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers of 50 um
+PITCH_MM, WIDTH, HEIGHT = 0.05, 1920, 1080  # simulated.json
+
+
+class PrintTest(FolderTest):
+    def daemon(self, config=None, resin=None, masks=True):
+        return Daemon(self, config, resin, masks).start()
+
+    def masks(self, job):
+        folder = self.path("masks", job)
+        return {name: read_png(os.path.join(folder, name)) for name in sorted(os.listdir(folder))}
+
+    def printed(self, data, ticket=None, config=None, resin=None):
+        daemon = self.daemon(config, resin)
+        daemon.drop("part.stl", data, ticket)
+        report = daemon.wait_done("part")
+        daemon.stop()
+        return report
+
+
+class Masks(PrintTest):
+    def assert_same_as_contourctl(self, data, report, *arguments):
+        model = self.write("model.stl", data)
+        result = contourctl("slice", model, "--layer-height-um", str(report["layer_height_um"]), "--masks",
+                            self.path("expected"), "--display", f"{WIDTH}x{HEIGHT}", "--pixel-pitch-um", "50",
+                            *arguments)  # fmt: skip
+        self.assertEqual(result.returncode, OK, result.stderr)
+        names = sorted(os.listdir(self.path("expected")))
+        self.assertEqual(sorted(os.listdir(self.path("masks", "part"))), names)
+        self.assertEqual(report["masks_folder"], self.path("masks", "part"))
+        self.assertEqual(len(names), report["layers"])
+        for name in names:
+            # The pixels, not the bytes of the file.
+            self.assertEqual(read_png(self.path("masks", "part", name)), read_png(self.path("expected", name)), name)
+
+    def test_a_box_of_20_mm_has_the_masks_of_contourctl_bit_for_bit(self):
+        data = binary_stl(box((3, 4, 5), (23, 24, 25)))
+        report = self.printed(data, {"layer_height_um": 100})
+        self.assertEqual(report["layers"], 200)
+        self.assertEqual(self.masks("part")["0001.png"].lit_box(), (760, 340, 1160, 740))
+        self.assert_same_as_contourctl(data, report)
+
+    def test_slanted_walls_holes_and_odd_layer_heights_have_them_too(self):
+        facets = wedge(20, 10.013, 3.03) + inside_out(box((2.001, 2, 0), (6, 5.5, 1.0)))
+        data = ascii_stl(facets)
+        self.assert_same_as_contourctl(data, self.printed(data, {"layer_height_um": 33.75}))
+
+    def test_without_anti_aliasing_they_are_the_same_as_well(self):
+        data = binary_stl(wedge(20, 10, 3))
+        report = self.printed(data, config={"display": {"anti_aliasing": False}})
+        self.assert_same_as_contourctl(data, report, "--aa", "off")
+
+    def test_the_report_s_area_is_the_masks_area(self):
+        report = self.printed(binary_stl(wedge(20, 10.013, 2)))
+        pictures = list(self.masks("part").values())
+        self.assertEqual(len(pictures), 40)
+        for layer, picture in zip(report["layer_records"], pictures):
+            lit = sum(map(sum, picture.rows)) / 255 * PITCH_MM**2
+            self.assertAlmostEqual(layer["area_mm2"], lit, delta=lit * 1e-9)
+            width = 20 * (1 - layer["mask_height_mm"] / 2)
+            # Grey values are rounded: half a value along 200 rows of both ends is far less than this.
+            self.assertAlmostEqual(layer["area_mm2"], width * 10.013, delta=width * 10.013 * 1e-3 + 0.01)
+
+    def lit(self, data, ticket=None, config=None):
+        report = self.printed(data, ticket, config)
+        return report, self.masks("part")["0001.png"]
+
+    def test_one_part_lies_in_the_middle_whatever_its_shape(self):
+        for number, (x, y) in enumerate(((10, 5), (10, 50), (1, 40), (90, 2))):
+            with self.subTest(x=x, y=y):
+                daemon = self.daemon()
+                name = f"part{number}"
+                daemon.drop(name + ".stl", binary_stl(box((7, 7, 7), (7 + x, 7 + y, 7.1))))
+                daemon.wait_done(name)
+                daemon.stop()
+                self.assertEqual(self.masks(name)["0001.png"].lit_box(),
+                                 (960 - x * 10, 540 - y * 10, 960 + x * 10, 540 + y * 10))  # fmt: skip
+
+    def test_a_position_moves_it_by_as_many_pixels(self):
+        _, picture = self.lit(SMALL, {"position_mm": {"x": 20, "y": -10}})
+        self.assertEqual(picture.lit_box(), (960 - 100 + 400, 540 - 50 + 200, 960 + 100 + 400, 540 + 50 + 200))
+
+    def test_copies_lie_apart_and_inside(self):
+        for copies in (2, 3, 5, 6):
+            with self.subTest(copies):
+                daemon = self.daemon()
+                daemon.drop(f"part{copies}.stl", binary_stl(box((0, 0, 0), (10, 5, 0.1))), {"copies": copies})
+                report = daemon.wait_done(f"part{copies}")
+                daemon.stop()
+                picture = self.masks(f"part{copies}")["0001.png"]
+                self.assertEqual(sum(map(sum, picture.rows)), 255 * copies * 200 * 100)
+                self.assertEqual(report["layer_records"][0]["loops"], 1)  # of one copy
+                left, top, right, bottom = picture.lit_box()
+                self.assertLessEqual(abs(left + right - WIDTH), 2)
+                self.assertLessEqual(abs(top + bottom - HEIGHT), 2)
+
+    def test_a_quarter_turn_turns_the_mask_anticlockwise(self):
+        facets = box((0, 0, 0), (10, 2, 0.1)) + box((8, 2, 0), (10, 6, 0.1))  # an L that stands at the right
+        _, picture = self.lit(binary_stl(facets), {"rotation_deg": {"z": 90}})
+        left, top, right, bottom = picture.lit_box()
+        self.assertEqual((right - left, bottom - top), (120, 200))
+        # Right of the model has become its top, its top the left: the foot runs along the right, the rest is top left.
+        self.assertEqual(picture.rows[top + 5][left:right], b"\xff" * 120)
+        self.assertEqual(picture.rows[bottom - 5][left:right], bytes(80) + b"\xff" * 40)
+
+    def test_mirrors_turn_the_picture_over(self):
+        facets = binary_stl(box((0, 0, 0), (10, 2, 0.1)) + box((8, 2, 0), (10, 6, 0.1)))
+        pictures = {}
+        for number, (x, y) in enumerate(((False, False), (True, False), (False, True))):
+            daemon = self.daemon({"display": {"mirror_x": x, "mirror_y": y}})
+            daemon.drop(f"m{number}.stl", facets)
+            daemon.wait_done(f"m{number}")
+            daemon.stop()
+            pictures[x, y] = self.masks(f"m{number}")["0001.png"]
+        plain = pictures[False, False]
+        self.assertEqual(pictures[True, False].rows, [row[::-1] for row in plain.rows])
+        self.assertEqual(pictures[False, True].rows, plain.rows[::-1])
+
+    def test_masks_of_an_earlier_job_of_that_name_do_not_remain(self):
+        daemon = self.daemon()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+        for name in daemon.names_in("done"):
+            os.unlink(daemon.file("done", name))
+        daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 0.2))))
+        daemon.wait_done("part")
+        self.assertEqual(list(self.masks("part")), ["0001.png", "0002.png", "0003.png", "0004.png"])
+        daemon.stop()
+
+
+class Page(html.parser.HTMLParser):
+    """What a report's page has in it."""
+
+    VOID = {"meta", "img", "br", "link", "input", "hr"}
+
+    def __init__(self):
+        super().__init__(convert_charrefs=True)
+        self.open, self.references, self.tags, self.text = [], [], [], ""
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.references += [value for name, value in attributes if name in ("src", "href", "srcset", "data", "action")]
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.handle_starttag(tag, attributes)
+        if tag not in self.VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        assert self.open and self.open[-1] == tag, f"</{tag}> closes {self.open}"
+        self.open.pop()
+
+    def handle_data(self, data):
+        self.text += data
+
+
+class Report(PrintTest):
+    def test_its_figures_are_those_of_the_print(self):
+        report = self.printed(binary_stl(cube(20)))
+        resin = source_json("resins", "standard.json")
+        self.assertEqual((report["job"], report["outcome"], report["printer"]), ("part", "done", "Simulated printer"))
+        self.assertEqual((report["layers"], report["layers_exposed"], report["layer_height_um"]), (400, 400, 50))
+        self.assertEqual(report["resin"], "standard")
+        self.assertNotIn("reason", report)
+        model = report["model"]
+        self.assertEqual((model["format"], model["facets"], model["watertight"]), ("binary", 12, True))
+        self.assertEqual((model["size_mm"], model["scale"], model["copies"]), ([20, 20, 20], 1, 1))
+        self.assertRegex(report["started"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+        self.assertLessEqual(report["started"], report["ended"])
+        # 400 squares of 400 pixels, in double.
+        self.assertAlmostEqual(report["exposed_volume_mm3"], 8000, delta=1e-6)
+        records = report["layer_records"]
+        self.assertEqual([record["layer"] for record in records], list(range(1, 401)))
+        for record in records:
+            number = record["layer"]
+            self.assertAlmostEqual(record["plate_height_mm"], number * 0.05, delta=1e-9)
+            self.assertAlmostEqual(record["mask_height_mm"], (number - 0.5) * 0.05, delta=1e-9)
+            self.assertAlmostEqual(record["area_mm2"], 400, delta=1e-9)
+            self.assertEqual((record["loops"], record["intersecting_facets"], record["open_chains"]), (1, 8, 0))
+            self.assertGreater(record["mask_ms"], 0)
+            # Bottom exposure, then linearly down over the fade layers, then the normal one. Whole nanoseconds.
+            faded = min(max(number - resin["bottom_layers"], 0), resin["fade_layers"] + 1) / (resin["fade_layers"] + 1)
+            expected = resin["bottom_exposure_ms"] + (resin["exposure_ms"] - resin["bottom_exposure_ms"]) * faded
+            self.assertAlmostEqual(record["exposure_asked_ms"], expected, delta=1e-5)
+            # The simulated clock runs by nothing but the print's own timers.
+            self.assertAlmostEqual(record["exposure_measured_ms"], record["exposure_asked_ms"], delta=1e-5)
+        light = sum(record["exposure_asked_ms"] for record in records) / 1000
+        rests = 400 * (resin["settle_ms"] + resin["rest_ms"]) / 1000
+        self.assertGreater(report["print_time_s"], light + rests + 400 * 6 / 2.5)
+        self.assertLess(report["print_time_s"], light + rests + 400 * (6 / 1.5 + 6 / 2.5 + 1.5) + 120)
+
+    def test_in_real_time_exposures_are_as_long_as_asked(self):
+        resin = {**NIMBLE_RESIN, "exposure_ms": 20, "bottom_exposure_ms": 40, "bottom_layers": 2}
+        report = self.printed(SMALL, config=REALTIME, resin=resin)
+        self.assertEqual(report["layers_exposed"], 20)
+        for record in report["layer_records"]:
+            self.assertEqual(record["exposure_asked_ms"], 40 if record["layer"] <= 2 else 20)
+            # Never too short. Late by what a busy machine takes; a printer's process has it for itself.
+            self.assertGreaterEqual(record["exposure_measured_ms"], record["exposure_asked_ms"] - 0.01)
+            self.assertLess(record["exposure_measured_ms"], record["exposure_asked_ms"] + 50)
+        self.assertGreater(report["print_time_s"], 20 * 0.02)
+
+    def test_warnings_about_the_model_are_in_it(self):
+        report = self.printed(binary_stl(cube(2)[1:]))
+        self.assertFalse(report["model"]["watertight"])
+        self.assertEqual(report["model"]["open_edges"], 3)
+        self.assertTrue(any("watertight" in warning for warning in report["model"]["warnings"]), report["model"])
+
+    def test_the_page_is_self_contained_and_well_formed(self):
+        daemon = self.daemon(masks=False)
+        name = 'a & b "quoted" <b>bold'
+        daemon.drop(name + ".stl", binary_stl(wedge(20, 10, 10)))
+        daemon.wait_done(name)
+        text = daemon.read("done", name + ".report.html")
+        self.assertNotRegex(text, r"(?i)https?:|url\(|@import|<script")
+        page = Page()
+        page.feed(text)
+        page.close()
+        self.assertEqual(page.open, [])
+        self.assertEqual(page.tags.count("svg"), 3)
+        self.assertNotIn("b", page.tags)
+        self.assertIn(name, page.text)
+        for word in ("done", "Simulated printer", "standard", "200 of 200", "mask", "loops"):
+            self.assertIn(word, page.text)
+        self.assertEqual(len(page.references), 1)
+        kind, data = page.references[0].split(",", 1)
+        self.assertEqual(kind, "data:image/png;base64")
+        picture = self.write("preview.png", base64.b64decode(data, validate=True))
+        self.assertGreaterEqual(len(read_png(picture).values()), 3)  # black, and two faces in different light
+        with open(picture, "rb") as inline, open(daemon.file("done", name + ".preview.png"), "rb") as beside:
+            self.assertEqual(inline.read(), beside.read())
+        # Numbers that no browser draws.
+        self.assertNotRegex(text, r"\b(nan|inf)\b")
+        daemon.stop()
+
+    def test_the_preview_shows_only_what_was_printed(self):
+        daemon = self.daemon({"simulation": {"display_lost_after_frames": 100}})
+        daemon.drop("part.stl", binary_stl(cube(20)))
+        daemon.wait_refused("part")
+        part = read_png(daemon.file("failed", "part.preview.png")).lit_box()
+        daemon.stop()
+        daemon.config["simulation"].pop("display_lost_after_frames")
+        daemon.write_config()
+        daemon.start()
+        daemon.drop("whole.stl", binary_stl(cube(20)))
+        daemon.wait_done("whole")
+        whole = read_png(daemon.file("done", "whole.preview.png")).lit_box()
+        daemon.stop()
+        self.assertGreater(part[1], whole[1] + 100)  # its top is lower
+        self.assertLessEqual(abs(part[3] - whole[3]), 1)  # its bottom is the same
+
+
+class Fault(PrintTest):
+    def fails(self, simulation, layers_exposed, data=SMALL, **config):
+        daemon = self.daemon({"simulation": simulation, **config}, masks=False)
+        self.assertEqual(daemon.names_in("failed"), [])
+        for name in ("one", "two"):  # it goes on to the next
+            daemon.drop(name + ".stl", data)
+            reason = daemon.wait_refused(name)
+            self.assertEqual(len(reason.splitlines()), 1, reason)
+            report = daemon.report(name, "failed")
+            self.assertEqual((report["outcome"], report["reason"]), ("failed", reason.strip()))
+            if name == "one":
+                self.assertEqual(report["layers_exposed"], layers_exposed)
+                self.assertEqual(len(report["layer_records"]), layers_exposed)
+                first = reason
+            self.assertTrue(daemon.has("failed", name + ".report.html"))
+        self.assertEqual(daemon.status()["state"], "idle")
+        self.daemon_under_test = daemon
+        return first
+
+    def test_a_limit_switch_that_never_closes_is_told(self):
+        reason = self.fails({"limit_switch": "stuck_open"}, 0)
+        self.assertRegex(reason, "homing failed: .*switch")
+        self.assertEqual(self.daemon_under_test.status()["plate"], "clear")
+        self.daemon_under_test.stop()
+
+    def test_a_limit_switch_that_never_opens_is_told(self):
+        reason = self.fails({"limit_switch": "stuck_closed"}, 0)
+        self.assertRegex(reason, "homing failed: .*switch")
+        self.daemon_under_test.stop()
+
+    def test_a_display_that_is_lost_ends_the_print(self):
+        reason = self.fails({"display_lost_after_frames": 12}, 12)
+        self.assertIn("display", reason)
+        daemon = self.daemon_under_test
+        self.assertEqual(daemon.status()["plate"], "occupied")
+        # Each job has the frames anew: a short one does not reach the fault.
+        daemon.drop("short.stl", binary_stl(box((0, 0, 0), (10, 5, 0.5))))
+        self.assertEqual(daemon.wait_done("short")["layers_exposed"], 10)
+        daemon.stop()
+
+    def test_a_display_that_was_never_there_ends_the_print(self):
+        self.assertIn("display", self.fails({"display_lost_after_frames": 0}, 0))
+        self.daemon_under_test.stop()
+
+    def test_a_projector_that_falls_silent_ends_the_print(self):
+        # Power on, then one command a layer.
+        reason = self.fails({"projector_silent_after_commands": 8}, 7)
+        self.assertRegex(reason, "light on: .*answer")
+        self.daemon_under_test.stop()
+
+    def test_a_projector_that_never_answers_ends_the_print(self):
+        reason = self.fails({"projector_silent_after_commands": 0}, 0)
+        self.assertRegex(reason, "power on: .*answer")
+        self.daemon_under_test.stop()
+
+    def test_a_slow_projector_does_not_shorten_the_exposure(self):
+        report = self.printed(SMALL, config={"simulation": {"projector_reply_ms": 1500}})
+        for record in report["layer_records"]:
+            self.assertAlmostEqual(record["exposure_measured_ms"], record["exposure_asked_ms"], delta=1e-5)
+
+    def test_masks_that_cannot_be_written_end_the_print(self):
+        self.write("masks", b"a file, no folder")
+        daemon = self.daemon()
+        daemon.drop("part.stl", SMALL)
+        self.assertIn("masks", daemon.wait_refused("part"))
+        self.assertTrue(daemon.alive())
+        daemon.stop()
+
+    def test_a_job_waits_while_the_disk_is_too_full(self):
+        daemon = self.daemon({"min_free_disk_mb": 1000000}, masks=False)
+        if os.statvfs(self.folder).f_bavail * os.statvfs(self.folder).f_frsize >= 1e12:
+            self.skipTest("the disk has more room than the limit can be")
+        daemon.drop("part.stl", SMALL)
+        daemon.drop("bad.stl", b"no model")
+        daemon.wait_refused("bad")
+        status = daemon.status()
+        self.assertEqual((status["state"], status["queued"]), ("idle", 1))
+        self.assertRegex(status["waiting_for"], r"disk has \d+ MB free, 1000000 MB")
+        daemon.stop()
+
+
+class Log(PrintTest):
+    def test_a_layer_is_one_line_and_the_light_goes_off_at_the_end(self):
+        daemon = self.daemon(masks=False)
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+        daemon.stop()
+        log = daemon.log()
+        self.assertEqual(len(re.findall(r"layer \d+ of 20:", log)), 20)
+        self.assertRegex(log, r"part: done after 20 of 20 layers and \d+ min")
+        self.assertIn("light off", log.splitlines()[-1])
+        self.assertNotIn("\x1b", log)  # no terminal
+
+    def test_a_file_name_cannot_forge_a_line(self):
+        daemon = self.daemon(masks=False)
+        name = "x\n00:00:00.000 error   the printer burns"
+        daemon.drop(name + ".stl", SMALL)
+        daemon.wait_done(name)
+        daemon.stop()
+        self.assertNotRegex(daemon.log(), r"(?m)^00:00:00.000")
+
+    def test_the_readme_s_configurations_are_there(self):
+        for name in ("contourd.json", "simulated.json"):
+            with open(os.path.join(SOURCE, "config", name), encoding="utf-8") as file:
+                self.assertIn("$schema", json.load(file))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,716 @@
+"""The spool: what becomes of files that are put into incoming/."""
+
+import json
+import os
+import signal
+import socket
+import time
+import unittest
+
+from harness import (
+    CONTOURD, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, Daemon, FolderTest, ascii_stl, binary_stl, box, cube, main, merge, run,
+    wait_until,
+)  # fmt: skip
+
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
+WAITS = {"wait_for_plate_cleared": True}
+
+
+class SpoolTest(FolderTest):
+    def daemon(self, config=None, resin=None, **options):
+        return Daemon(self, config, resin, **options)
+
+    def printing_daemon(self, config=None):
+        """A daemon in real time whose first job stays in its first exposure."""
+        daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), config or {}), {**NIMBLE_RESIN, **ENDLESS}).start()
+        daemon.drop("first.stl", SMALL)
+        daemon.wait_state("exposing")
+        return daemon
+
+    def looks_pass(self, daemon, name):
+        """Waits as long as the daemon gives an empty file: several looks at everything that is not known to be whole."""
+        daemon.drop(name + ".stl", b"")
+        daemon.wait_refused(name)
+
+
+class Arrival(SpoolTest):
+    def test_missing_folders_are_made(self):
+        daemon = self.daemon({"spool_folder": "deep/er/spool"})
+        daemon.start()
+        for name in ("incoming", "printing", "done", "failed"):
+            self.assertTrue(os.path.isdir(self.path("deep", "er", "spool", name)), name)
+        daemon.stop()
+
+    def test_a_file_moved_in_is_printed_and_ends_in_done(self):
+        daemon = self.daemon().start()
+        daemon.drop("part.stl", SMALL)
+        report = daemon.wait_done("part")
+        self.assertEqual((report["outcome"], report["layers"], report["layers_exposed"]), ("done", 20, 20))
+        self.assertEqual(daemon.names_in("done"), ["part.preview.png", "part.report.html", "part.report.json", "part.stl"])
+        for folder in ("incoming", "printing", "failed"):
+            self.assertEqual(daemon.names_in(folder), [], folder)
+        with open(daemon.file("done", "part.stl"), "rb") as file:
+            self.assertEqual(file.read(), SMALL)
+        daemon.stop()
+
+    def test_a_copy_that_still_grows_is_waited_for(self):
+        daemon = self.daemon().start()
+        with open(daemon.file("incoming", "slow.stl"), "wb", buffering=0) as file:
+            for start in range(0, len(SMALL), 200):
+                file.write(SMALL[start : start + 200])
+            # It is whole by its size now, but still open: no number of looks makes it whole.
+            self.looks_pass(daemon, "empty")
+            self.assertEqual(daemon.names_in("incoming"), ["slow.stl"])
+            self.assertEqual(daemon.status()["queued"], 0)
+        self.assertEqual(daemon.wait_done("slow")["layers"], 20)
+        daemon.stop()
+
+    def test_a_file_that_is_made_empty_and_filled_later_is_waited_for(self):
+        daemon = self.daemon().start()
+        path = daemon.file("incoming", "later.stl")
+        made = time.monotonic()
+        open(path, "wb").close()
+        # Two looks later, which is two seconds: a file's owner gets three.
+        self.looks_pass_seconds(made + 2)
+        with open(path, "wb") as file:
+            file.write(SMALL)
+        self.assertEqual(daemon.wait_done("later")["layers"], 20)
+        daemon.stop()
+
+    def test_opening_an_empty_file_again_and_again_does_not_make_it_whole(self):
+        # As a network share's server does between a file's creation and its first byte.
+        daemon = self.daemon().start()
+        path = daemon.file("incoming", "touched.stl")
+        for _ in range(10):
+            open(path, "ab").close()
+            daemon.status()  # by its answer it has seen the events
+        self.assertEqual(daemon.names_in("incoming"), ["touched.stl"])
+        with open(path, "wb") as file:
+            file.write(SMALL)
+        self.assertEqual(daemon.wait_done("touched")["layers"], 20)
+        daemon.stop()
+
+    def looks_pass_seconds(self, until):
+        """The passing of time is what is tested here: nothing else can be waited for."""
+        wait_until(lambda: time.monotonic() >= until, "the time")
+
+    def test_an_empty_file_is_refused_in_the_end(self):
+        daemon = self.daemon().start()
+        open(daemon.file("incoming", "empty.stl"), "wb").close()
+        self.assertIn("empty", daemon.wait_refused("empty"))
+        daemon.stop()
+
+    def test_a_hard_link_is_printed(self):
+        daemon = self.daemon().start()
+        original = self.write("original.stl", SMALL)
+        os.link(original, os.fsencode(daemon.file("incoming", "linked.stl")))
+        daemon.wait_done("linked")
+        with open(original, "rb") as file:
+            self.assertEqual(file.read(), SMALL)
+        daemon.stop()
+
+    def test_a_file_copied_in_at_once_is_printed(self):
+        daemon = self.daemon().start()
+        with open(daemon.file("incoming", "copied.stl"), "wb") as file:
+            file.write(SMALL)
+        daemon.wait_done("copied")
+        daemon.stop()
+
+    def test_files_that_were_there_before_the_start_are_printed_oldest_first(self):
+        daemon = self.daemon()
+        names = ["m", "z", "a", "k"]
+        for name in names:
+            daemon.drop(name + ".stl", SMALL)
+        daemon.start()
+        started = []
+        for _ in names:
+            end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "an end")["params"]["last"]
+            self.assertEqual(end["outcome"], "done")
+            started.append(end["job"])
+        self.assertEqual(started, names)
+        daemon.stop()
+
+    def test_jobs_are_printed_in_order_of_arrival(self):
+        daemon = self.printing_daemon()
+        names = ["c", "a", "d", "b"]
+        for name in names:
+            daemon.drop(name + ".stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 4, "four jobs in the queue")
+        self.assertEqual(daemon.rpc("queue")["result"]["queue"], [name + ".stl" for name in names])
+        for following in names:
+            daemon.rpc("cancel")
+            daemon.wait_state("exposing")
+            self.assertEqual(daemon.status()["job"]["name"], following)
+        daemon.stop()
+
+    def test_an_upper_case_extension_is_a_model_too(self):
+        daemon = self.daemon().start()
+        daemon.drop("LOUD.STL", SMALL, {"copies": 2})
+        daemon.drop("mixed.StL", ascii_stl(cube(1)))
+        self.assertEqual(daemon.wait_done("LOUD")["model"]["copies"], 2)
+        self.assertEqual(daemon.wait_done("mixed")["model"]["format"], "ascii")
+        self.assertEqual(daemon.names_in("incoming"), [])
+        daemon.stop()
+
+    def test_other_files_are_left_alone(self):
+        daemon = self.daemon().start()
+        others = [".hidden.stl", "notes.txt", "part.stl.part", "part.obj", "stl", ".stl", "orphan.json"]
+        for name in others:
+            daemon.drop(name, SMALL)
+        daemon.drop("real.stl", SMALL)
+        daemon.wait_done("real")
+        self.looks_pass(daemon, "empty")
+        self.assertEqual(daemon.names_in("incoming"), sorted(others))
+        daemon.stop()
+
+    def test_a_file_withdrawn_from_the_queue_is_not_printed(self):
+        daemon = self.printing_daemon()
+        daemon.drop("second.stl", SMALL)
+        daemon.drop("third.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 2, "two jobs in the queue")
+        os.rename(daemon.file("incoming", "second.stl"), self.path("taken.stl"))
+        wait_until(lambda: daemon.status()["queued"] == 1, "one job in the queue")
+        daemon.rpc("cancel")
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.status()["job"]["name"], "third")
+        daemon.stop()
+
+    def test_a_queued_file_that_is_being_written_again_is_waited_for(self):
+        daemon = self.printing_daemon()
+        daemon.drop("second.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        larger = binary_stl(box((0, 0, 0), (10, 5, 2)))
+        with open(daemon.file("incoming", "second.stl"), "wb", buffering=0) as file:
+            file.write(larger[:300])
+            daemon.rpc("cancel")
+            daemon.wait_ended("first")
+            self.looks_pass(daemon, "empty")
+            self.assertEqual(daemon.names_in("incoming"), ["second.stl"])
+            self.assertFalse(daemon.has("failed", "second.stl"))
+            file.write(larger[300:])
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.status()["job"]["layers"], 40)
+        daemon.stop()
+
+    def test_a_queued_file_that_was_written_again_is_printed_as_it_is_now(self):
+        daemon = self.printing_daemon()
+        daemon.drop("second.stl", SMALL)
+        daemon.drop("second.stl", binary_stl(box((0, 0, 0), (10, 5, 2))))
+        daemon.rpc("cancel")
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.status()["job"]["layers"], 40)
+        daemon.stop()
+
+    def test_many_files_at_once_lose_none(self):
+        daemon = self.daemon().start()
+        tiny = binary_stl(box((0, 0, 0), (2, 2, 0.1)))
+        names = [f"part{number}" for number in range(60)]
+        for name in names:
+            daemon.drop(name + ".stl", tiny if int(name[4:]) % 3 else b"no model, number " + name.encode())
+        ends = {}
+        while len(ends) < len(names):
+            end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "an end")["params"]["last"]
+            ends[end["job"]] = end["outcome"]
+        self.assertEqual(ends, {name: "done" if int(name[4:]) % 3 else "failed" for name in names})
+        for name, outcome in ends.items():
+            self.assertTrue(daemon.has(outcome, name + ".stl"), name)
+        daemon.stop()
+
+
+class Ticket(SpoolTest):
+    def setUp(self):
+        super().setUp()
+        self.printer = self.daemon()
+        self.printer.write_resin("thick", {"layer_height_um": 100, "exposure_ms": 2000, "bottom_layers": 1, "fade_layers": 0})
+        self.printer.start()
+
+    def printed(self, ticket, data=None):
+        self.printer.drop("part.stl", data or binary_stl(box((0, 0, 0), (10, 20, 2))), ticket)
+        report = self.printer.wait_done("part")
+        self.assertTrue(self.printer.has("done", "part.json"))
+        self.printer.stop()
+        return report
+
+    def test_without_a_ticket_the_resins_layer_height_and_the_models_size_hold(self):
+        report = self.printed({})
+        self.assertEqual((report["layers"], report["layer_height_um"], report["resin"]), (40, 50, "standard"))
+        self.assertEqual(report["model"]["size_mm"], [10, 20, 2])
+
+    def test_the_layer_height_is_honoured(self):
+        report = self.printed({"layer_height_um": 80})
+        self.assertEqual((report["layers"], report["layer_height_um"]), (25, 80))
+
+    def test_the_resin_is_honoured(self):
+        report = self.printed({"resin": "thick"})
+        self.assertEqual((report["resin"], report["layers"], report["layer_height_um"]), ("thick", 20, 100))
+        self.assertEqual(report["layer_records"][1]["exposure_asked_ms"], 2000)
+
+    def test_the_scale_is_honoured(self):
+        report = self.printed({"scale": 1.5})
+        self.assertEqual(report["model"]["size_mm"], [15, 30, 3])
+        self.assertEqual(report["layers"], 60)
+        self.assertAlmostEqual(report["layer_records"][5]["area_mm2"], 450, delta=1e-6)
+
+    def test_fit_fills_the_display(self):
+        # 1080 pixels of 50 um less one (equation 3.8) for the 20 mm along y.
+        report = self.printed({"fit": True})
+        factor = 1079 * 0.05 / 20
+        for found, expected in zip(report["model"]["size_mm"], (10 * factor, 20 * factor, 2 * factor)):
+            self.assertAlmostEqual(found, expected, delta=1e-5)  # float coordinates
+
+    def test_copies_are_printed_side_by_side(self):
+        report = self.printed({"copies": 6})
+        self.assertEqual(report["model"]["copies"], 6)
+        for layer in report["layer_records"]:
+            self.assertAlmostEqual(layer["area_mm2"], 6 * 200, delta=1e-6)
+
+    def test_the_rotation_is_honoured(self):
+        report = self.printed({"rotation_deg": {"x": 90}})
+        self.assertEqual(report["model"]["size_mm"], [10, 2, 20])  # quarter turns are exact
+        self.assertEqual(report["layers"], 400)
+
+    def test_all_of_a_ticket_together(self):
+        report = self.printed({"resin": "thick", "layer_height_um": 50, "scale": 0.5, "copies": 2,
+                               "rotation_deg": {"x": 0, "y": 90, "z": 90}, "position_mm": {"x": -3.5, "y": 4}})  # fmt: skip
+        self.assertEqual(report["model"]["position_mm"], [-3.5, 4])
+        self.assertEqual(report["model"]["rotation_deg"], [0, 90, 90])
+        self.assertEqual(report["model"]["size_mm"], [10, 1, 5])
+        self.assertEqual(report["layers"], 100)
+        self.assertAlmostEqual(report["layer_records"][0]["area_mm2"], 20, delta=1e-6)
+
+
+class Refusal(SpoolTest):
+    def setUp(self):
+        super().setUp()
+        self.printer = self.daemon().start()
+
+    def refused(self, name, data, ticket=None, *words):
+        """Drops a file that must be refused, and shows that the next is printed. The reason must have the words."""
+        self.printer.drop(name, data, ticket)
+        stem = os.path.splitext(name)[0]
+        reason = self.printer.wait_refused(stem)
+        for word in words:
+            self.assertIn(word, reason)
+        self.assertTrue(self.printer.has("failed", stem + ".stl"))
+        if ticket is not None:
+            self.assertTrue(self.printer.has("failed", stem + ".json"))
+        self.assertEqual(self.printer.names_in("incoming") + self.printer.names_in("printing"), [])
+        return reason
+
+    def still_prints(self):
+        self.printer.drop("good.stl", SMALL)
+        self.printer.wait_done("good")
+        self.printer.stop()
+
+    def test_a_malformed_ticket_refuses_that_job_only(self):
+        tickets = {
+            "syntax": "{",
+            "empty": "",
+            "list": "[]",
+            "unknown": {"colour": "red"},
+            "type": {"copies": "two"},
+            "range": {"scale": 0},
+            "fraction": {"copies": 1.5},
+            "both": {"scale": 2, "fit": True},
+            "twice": '{"copies": 1, "copies": 2}',
+            "nan": '{"scale": NaN}',
+            "huge": '{"scale": 1e999}',
+            "deep": "[" * 100000,
+            "deep2": '{"scale": ' + "[" * 100000 + "]" * 100000 + "}",
+            "notutf8": b'{"resin": "\xff\xfe"}',
+            "large": b'{"resin": "' + b"x" * (2 << 20) + b'"}',
+            "path": {"resin": "../standard"},
+            "outside": {"layer_height_um": 400},
+        }
+        for name, ticket in tickets.items():
+            with self.subTest(name):
+                reason = self.refused(name + ".stl", SMALL, ticket)
+                self.assertLess(len(reason), 2000)
+        self.still_prints()
+
+    def test_every_mistake_of_a_ticket_is_told(self):
+        reason = self.refused("part.stl", SMALL, {"copies": 0, "scale": -1, "colour": "red", "rotation_deg": {"x": 999}})
+        for word in ("/copies", "/scale", "colour", "/rotation_deg/x"):
+            self.assertIn(word, reason)
+        self.still_prints()
+
+    def test_an_unknown_resin_names_those_there_are(self):
+        self.printer.write_resin("clear", {})
+        self.refused("part.stl", SMALL, {"resin": "gold"}, "gold", "standard", "clear")
+        self.still_prints()
+
+    def test_a_broken_resin_profile_refuses_the_job(self):
+        self.printer.write_resin("broken", {"lift_mm": -1})
+        self.refused("part.stl", SMALL, {"resin": "broken"}, "broken.json", "/lift_mm")
+        self.still_prints()
+
+    def test_a_model_too_large_is_refused_with_both_sizes(self):
+        self.refused("wide.stl", binary_stl(box((0, 0, 0), (97, 10, 10))), None, "97", "96")
+        self.refused("deep.stl", binary_stl(box((0, 0, 0), (10, 55, 10))), None, "55", "54")
+        self.refused("tall.stl", binary_stl(box((0, 0, 0), (10, 10, 155))), None, "155", "154")
+        self.refused("beside.stl", SMALL, {"position_mm": {"x": 44, "y": 0}}, "44")
+        self.refused("many.stl", binary_stl(box((0, 0, 0), (30, 30, 1))), {"copies": 100}, "100")
+        self.still_prints()
+
+    def test_a_model_as_large_as_the_machine_is_printed(self):
+        self.printer.drop("full.stl", binary_stl(box((0, 0, 0), (96, 54, 1))))
+        self.printer.wait_done("full")
+        self.still_prints()
+
+    def test_a_model_without_height_or_facets_is_refused(self):
+        self.refused("flat.stl", binary_stl([((0, 0, 5), (9, 0, 5), (0, 9, 5))]), None, "flat")
+        self.refused("none.stl", binary_stl([]), None, "no facets")
+        self.refused("thin.stl", binary_stl(box((0, 0, 0), (9, 9, 1e-5))), None)
+        self.still_prints()
+
+    def test_damaged_files_are_refused(self):
+        self.refused("cut.stl", SMALL[:-20], None, "cut short")
+        self.refused("junk.stl", b"MZ" + bytes(1000), None)
+        self.refused("text.stl", b"solid\nhello\n", None, "line 2")
+        self.still_prints()
+
+    def test_a_waiting_job_is_refused_before_its_turn(self):
+        self.printer.stop()
+        self.printer = self.printing_daemon()
+        self.printer.drop("bad.stl", b"no model")
+        self.printer.wait_refused("bad")
+        self.assertEqual(self.printer.status()["state"], "exposing")
+        self.printer.stop()
+
+    def test_names_that_were_used_before_get_a_number(self):
+        for number in range(3):
+            self.printer.drop("part.stl", SMALL)
+            self.printer.wait_done("part" if number == 0 else f"part-{number + 1}")
+        self.printer.drop("part.stl", b"no model")
+        self.printer.wait_refused("part-4")
+        self.printer.drop("part.stl", b"no model")
+        self.printer.wait_refused("part-5")
+        for name in ("part.stl", "part-2.stl", "part-3.stl"):
+            self.assertTrue(self.printer.has("done", name))
+        for name in ("part-4.stl", "part-5.stl"):
+            self.assertTrue(self.printer.has("failed", name))
+        self.still_prints()
+
+    def test_a_job_called_like_another_ones_report_overwrites_nothing(self):
+        self.printer.drop("part.stl", SMALL)
+        self.printer.wait_done("part")
+        before = self.printer.read("done", "part.report.json")
+        self.printer.drop("part.report.stl", SMALL, {"copies": 2})
+        self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the end")
+        self.assertEqual(self.printer.read("done", "part.report.json"), before)
+        self.still_prints()
+
+    def test_odd_names_are_printed_or_refused_like_any_other(self):
+        names = ["two words", "new\nline", "percent %s {} {0}", "<img src=x onerror=alert(1)>", "Geräte-部品", "-dash", "--",
+                 "'\"`$(x)", "a.b.c", "tab\there", "trailing ", "back\\slash"]  # fmt: skip
+        for name in names:
+            with self.subTest(name):
+                self.printer.drop(name + ".stl", SMALL)
+                self.printer.wait_done(name)
+                self.assertNotIn("<img src=x", self.printer.read("done", name + ".report.html"))
+                self.printer.drop(name + "x.stl", b"no model")
+                self.printer.wait_refused(name + "x")
+        self.still_prints()
+
+    def test_a_name_that_is_no_utf_8_is_printed(self):
+        path = os.path.join(os.fsencode(self.printer.file("incoming")), b"\xff\xfe\x80.stl")
+        os.rename(self.write("staging", SMALL), path)
+        end = self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the end")["params"]["last"]
+        self.assertEqual(end["outcome"], "done")
+        self.assertIn(b"\xff\xfe\x80.stl", os.listdir(os.fsencode(self.printer.file("done"))))
+        self.still_prints()
+
+    def long_name_ends(self, length):
+        # 255 bytes is a name's limit: nothing can be put beside it that has a longer one.
+        for data, folder, suffix in ((SMALL, "done", "report.json"), (b"no model", "failed", "reason.txt")):
+            self.printer.drop("n" * (length - 4) + ".stl", data)
+            end = self.printer.watcher.wait_for(lambda m: m.get("method") == "ended", "the end", 10)["params"]["last"]
+            self.assertEqual(end["outcome"], folder)
+            self.assertEqual(self.printer.names_in("incoming") + self.printer.names_in("printing"), [])
+            names = self.printer.names_in(folder)
+            self.assertEqual(len([name for name in names if name.endswith(suffix)]), 1, names)
+            self.assertEqual(len([name for name in names if name.endswith(".stl")]), 1, names)
+        self.still_prints()
+
+    def test_the_longest_name_is_handled_like_any_other(self):
+        self.long_name_ends(255)
+
+    def test_a_name_too_long_for_a_report_beside_it_is_handled_like_any_other(self):
+        self.long_name_ends(250)
+
+    def test_a_name_just_short_enough_is_handled_like_any_other(self):
+        self.long_name_ends(240)
+
+
+class NotAFile(SpoolTest):
+    """Things in incoming/ that are called like a model and are none."""
+
+    def setUp(self):
+        super().setUp()
+        self.printer = self.daemon().start()
+
+    def next_is_printed(self):
+        self.printer.drop("good.stl", SMALL)
+        self.printer.wait_done("good")
+        self.printer.stop()
+
+    def test_a_folder_does_not_stop_the_next(self):
+        os.mkdir(self.printer.file("incoming", "folder.stl"))
+        self.next_is_printed()
+
+    def test_a_fifo_is_refused(self):
+        os.mkfifo(self.printer.file("incoming", "fifo.stl"))
+        self.assertIn("regular file", self.printer.wait_refused("fifo"))
+        self.next_is_printed()
+
+    def test_a_link_to_nothing_is_refused(self):
+        os.symlink("nowhere", self.printer.file("incoming", "dangling.stl"))
+        self.printer.wait_refused("dangling")
+        self.assertTrue(os.path.islink(self.printer.file("failed", "dangling.stl")))
+        self.next_is_printed()
+
+    def test_a_link_to_a_model_is_printed_or_refused(self):
+        original = self.write("original.stl", SMALL)
+        for name, target in (("absolute", os.fsdecode(original)), ("relative", "../../original.stl")):
+            os.symlink(target, self.printer.file("incoming", name + ".stl"))
+            end = self.printer.wait_ended(name)
+            self.assertIn(end["outcome"], ("done", "failed"))
+            if end["outcome"] == "failed":
+                self.assertGreater(len(self.printer.read("failed", name + ".reason.txt")), 10)
+        with open(original, "rb") as file:
+            self.assertEqual(file.read(), SMALL)
+        self.next_is_printed()
+
+    def test_a_socket_is_refused(self):
+        with socket.socket(socket.AF_UNIX) as endpoint:
+            endpoint.bind(self.path("s"))
+            os.rename(self.path("s"), self.printer.file("incoming", "socket.stl"))
+        self.printer.wait_refused("socket")
+        self.next_is_printed()
+
+    def test_a_ticket_that_is_no_file_refuses_the_job(self):
+        os.mkfifo(self.printer.file("incoming", "fifo.json"))
+        self.printer.drop("fifo.stl", SMALL)
+        self.printer.wait_refused("fifo")
+        os.mkdir(self.printer.file("incoming", "folder.json"))
+        self.printer.drop("folder.stl", SMALL)
+        self.printer.wait_refused("folder")
+        os.symlink("nowhere", self.printer.file("incoming", "link.json"))
+        self.printer.drop("link.stl", SMALL)
+        self.printer.wait_refused("link")
+        self.next_is_printed()
+
+    @unittest.skipIf(os.geteuid() == 0, "permissions do not stop root")
+    def test_a_file_that_cannot_be_read_is_refused(self):
+        path = self.write("secret", SMALL)
+        os.chmod(path, 0)
+        os.rename(path, os.fsencode(self.printer.file("incoming", "secret.stl")))
+        self.assertIn("ermission", self.printer.wait_refused("secret"))
+        self.next_is_printed()
+
+
+class Plate(SpoolTest):
+    def test_the_next_job_waits_until_the_plate_is_cleared(self):
+        daemon = self.daemon(WAITS).start()
+        daemon.drop("one.stl", SMALL)
+        daemon.drop("two.stl", SMALL)
+        daemon.wait_done("one")
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        self.assertEqual((status["plate"], status["plate_job"], status["queued"]), ("occupied", "one", 1))
+        self.assertIn("plate-cleared", status["waiting_for"])
+        self.assertEqual(daemon.names_in("incoming"), ["two.stl"])
+        self.assertNotIn("error", daemon.rpc("plate_cleared"))
+        daemon.wait_done("two")
+        self.assertIsNone(daemon.status()["waiting_for"])
+        daemon.stop()
+
+    def test_a_restart_does_not_clear_the_plate(self):
+        daemon = self.daemon(WAITS).start()
+        daemon.drop("one.stl", SMALL)
+        daemon.wait_done("one")
+        for end in (daemon.stop, daemon.kill):
+            end()
+            daemon.drop("two.stl", SMALL)
+            daemon.start()
+            status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+            self.assertEqual((status["plate_job"], status["queued"]), ("one", 1))
+            self.assertEqual(daemon.names_in("incoming"), ["two.stl"])
+        daemon.rpc("plate_cleared")
+        daemon.wait_done("two")
+        daemon.stop()
+        daemon.start()
+        self.assertEqual(daemon.status()["plate_job"], "two")
+        daemon.stop()
+
+    def test_a_cleared_plate_stays_clear_over_a_restart(self):
+        daemon = self.daemon(WAITS).start()
+        daemon.drop("one.stl", SMALL)
+        daemon.wait_done("one")
+        daemon.rpc("plate_cleared")
+        daemon.kill()
+        daemon.start()
+        self.assertEqual(daemon.status()["plate"], "clear")
+        daemon.drop("two.stl", SMALL)
+        daemon.wait_done("two")
+        daemon.stop()
+
+    def test_a_refused_job_leaves_the_plate_clear(self):
+        daemon = self.daemon(WAITS).start()
+        daemon.drop("bad.stl", b"no model")
+        daemon.wait_refused("bad")
+        self.assertEqual(daemon.status()["plate"], "clear")
+        daemon.drop("good.stl", SMALL)
+        daemon.wait_done("good")
+        daemon.stop()
+
+    def test_nothing_is_waited_for_once_the_queue_is_empty(self):
+        daemon = self.daemon(WAITS).start()
+        daemon.drop("one.stl", SMALL)
+        daemon.wait_done("one")
+        daemon.drop("two.stl", SMALL)
+        wait_until(lambda: daemon.status()["waiting_for"], "the wait")
+        os.unlink(daemon.file("incoming", "two.stl"))
+        wait_until(lambda: daemon.status()["queued"] == 0, "an empty queue")
+        self.assertIsNone(daemon.status()["waiting_for"])
+        daemon.rpc("plate_cleared")
+        self.assertIsNone(daemon.status()["waiting_for"])
+        daemon.stop()
+
+
+class Interruption(SpoolTest):
+    def test_a_killed_print_is_found_in_failed_at_the_next_start(self):
+        daemon = self.printing_daemon(WAITS)
+        self.assertEqual(daemon.names_in("printing"), ["first.stl"])
+        daemon.kill()
+        self.assertEqual(daemon.names_in("printing"), ["first.stl"])
+        daemon.start()
+        self.assertEqual(daemon.names_in("printing"), [])
+        self.assertIn("first.stl", daemon.names_in("failed"))
+        self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
+        status = daemon.status()
+        self.assertEqual((status["state"], status["plate"], status["plate_job"]), ("idle", "occupied", "first"))
+        daemon.drop("next.stl", SMALL)
+        wait_until(lambda: daemon.status()["waiting_for"], "the wait")
+        daemon.rpc("plate_cleared")
+        daemon.wait_state("exposing")
+        daemon.stop()
+
+    def test_a_killed_print_keeps_its_ticket(self):
+        daemon = self.printing_daemon()
+        daemon.rpc("cancel")
+        daemon.drop("second.stl", SMALL, {"copies": 2})
+        daemon.wait_state("exposing")
+        daemon.kill()
+        daemon.start()
+        self.assertTrue(daemon.has("failed", "second.stl"))
+        self.assertEqual(json.loads(daemon.read("failed", "second.json")), {"copies": 2})
+        daemon.stop()
+
+    def end_by_signal(self, number):
+        daemon = self.printing_daemon(WAITS)
+        daemon.process.send_signal(number)
+        self.assertEqual(daemon.process.wait(30), 0)
+        self.assertIn("light off", daemon.log().splitlines()[-1])
+        self.assertFalse(os.path.exists(daemon.socket_path))
+        self.assertEqual(daemon.names_in("printing"), [])
+        self.assertIn("stopped", daemon.read("failed", "first.reason.txt"))
+        report = daemon.report("first", "failed")
+        self.assertEqual(report["outcome"], "failed")
+        self.assertIn("stopped", report["reason"])
+        daemon.start()
+        return daemon
+
+    def test_sigterm_ends_a_print_with_the_light_off_and_a_restart_works(self):
+        daemon = self.end_by_signal(signal.SIGTERM)
+        daemon.rpc("plate_cleared")
+        daemon.drop("next.stl", SMALL)
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.status()["job"]["name"], "next")
+        daemon.stop()
+
+    def test_the_interrupt_key_does_the_same(self):
+        self.end_by_signal(signal.SIGINT).stop()
+
+    def test_a_print_stopped_in_its_first_exposure_leaves_the_plate_occupied(self):
+        # It was exposed, if only in part: something may hang on the plate.
+        daemon = self.end_by_signal(signal.SIGTERM)
+        self.assertEqual(daemon.status()["plate"], "occupied")
+        daemon.stop()
+
+    def test_a_print_cancelled_in_its_first_exposure_leaves_the_plate_occupied(self):
+        daemon = self.printing_daemon(WAITS)
+        daemon.rpc("cancel")
+        daemon.wait_ended("first")
+        self.assertEqual(daemon.status()["plate"], "occupied")
+        daemon.stop()
+
+    def test_a_job_that_fails_before_its_first_exposure_does_not_clear_an_earlier_ones_part(self):
+        daemon = self.daemon().start()
+        daemon.drop("one.stl", SMALL)
+        daemon.wait_done("one")
+        daemon.stop()
+        daemon.config["simulation"]["limit_switch"] = "stuck_open"
+        daemon.write_config()
+        daemon.start()
+        daemon.drop("two.stl", SMALL)
+        daemon.wait_refused("two")
+        status = daemon.status()
+        self.assertEqual((status["plate"], status["plate_job"]), ("occupied", "one"))
+        daemon.stop()
+
+    def test_sigterm_while_a_job_is_read_leaves_it_for_the_next_start(self):
+        large = self.path("large.stl")
+        self.assertEqual(run(MAKE_MODEL, "gyroid-sphere", large, "120").returncode, 0)
+        daemon = self.daemon(WAITS).start()
+        os.rename(large, daemon.file("incoming", "large.stl"))
+        wait_until(lambda: daemon.has("printing", "large.stl"), "the claim")
+        self.assertEqual(daemon.status()["state"], "preparing", "the model is read too fast for this test")
+        daemon.stop()
+        os.replace(self.write("small", SMALL), os.fsencode(daemon.file(
+            "incoming" if daemon.has("incoming", "large.stl") else "printing", "large.stl")))  # fmt: skip
+        daemon.start()
+        self.assertFalse(daemon.has("failed", "large.stl"), "nothing was printed, yet it counts as interrupted")
+        daemon.wait_done("large")
+        daemon.stop()
+
+    def test_a_job_whose_ticket_was_claimed_before_a_power_cut_keeps_its_ticket(self):
+        # A claim renames two files: this is what is found when the power is cut in between.
+        daemon = self.daemon()
+        daemon.drop("part.stl", SMALL, {"copies": 3})
+        os.makedirs(daemon.file("printing"))
+        os.rename(daemon.file("incoming", "part.json"), daemon.file("printing", "part.json"))
+        daemon.start()
+        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the end")["params"]["last"]
+        if end["outcome"] == "done":
+            self.assertEqual(daemon.report(end["job"])["model"]["copies"], 3)
+        daemon.stop()
+
+    def test_a_second_daemon_leaves_the_first_ones_print_alone(self):
+        daemon = self.printing_daemon()
+        second = run(CONTOURD, "--config", daemon.config_path)
+        self.assertNotEqual(second.returncode, 0)
+        self.assert_one_line(second.stderr.splitlines(keepends=True)[-1], "another contourd")
+        self.assertEqual(daemon.names_in("printing"), ["first.stl"])
+        self.assertEqual(daemon.names_in("failed"), [])
+        self.assertEqual(daemon.status()["state"], "exposing")
+        daemon.stop()
+
+    def test_a_second_daemon_with_another_socket_leaves_the_first_ones_spool_alone(self):
+        daemon = self.printing_daemon()
+        other = self.path("other.json")
+        with open(other, "w", encoding="utf-8") as file:
+            json.dump({**daemon.config, "control_socket": "other.sock"}, file)
+        second = Daemon(self)
+        second.config_path = other
+        second.socket_path = self.path("other.sock")
+        second.log_path = self.path("other.log")
+        second.launch()
+        # Either it says at once that the spool is in use, or it answers; then it must not have touched the print.
+        wait_until(lambda: second.process.poll() is not None or os.path.exists(second.socket_path), "the second daemon")
+        self.assertEqual(daemon.names_in("printing"), ["first.stl"])
+        self.assertNotEqual(second.process.poll() or 0, 0)
+        daemon.stop()
+
+
+if __name__ == "__main__":
+    main()
