@@ -355,7 +355,7 @@ TEST_CASE("A normal may be missing or be garbage") {
 }
 
 TEST_CASE("A facet whose loop never begins is refused") {
-  CHECK(lacking(refusal_of(replaced(one_facet(), "outer loop", "")), {"outer loop"}) == "");
+  CHECK(lacking(refusal_of(replaced(one_facet(), "outer loop", "")), {"\"outer\""}) == "");
 }
 
 TEST_CASE("ASCII numbers are read in all their spellings") {
