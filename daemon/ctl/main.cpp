@@ -22,8 +22,7 @@ namespace {
 
 // What the user typed, before it has a unit.
 struct SliceWords {
-  double z_mm = 0;
-  double layer_height_um = 0;
+  std::optional<double> z_mm, layer_height_um;
   double pixel_pitch_um = 50;
   std::string display = "1920x1080";
   std::string anti_aliasing = "on";
@@ -53,25 +52,26 @@ void set_if_given(std::optional<std::filesystem::path>& path, const std::string&
   if (!word.empty()) path = word;
 }
 
-SliceOptions parse_slice(SliceOptions options, const SliceWords& words, bool has_z, bool has_layer_height) {
+SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
   options.display = parse_display(words);
   options.anti_aliasing = words.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off;
   set_if_given(options.mask, words.mask);
   set_if_given(options.masks, words.masks);
   set_if_given(options.csv, words.csv);
   set_if_given(options.contours, words.contours);
-  if (has_z == has_layer_height) throw UsageError("slice needs either --z or --layer-height-um");
-  if (has_z) {
-    if (!std::isfinite(words.z_mm))
-      throw UsageError(fmt::format("--z {}: expected a finite number", words.z_mm));
-    options.z = Millimeters{words.z_mm};
+  if (words.z_mm.has_value() == words.layer_height_um.has_value())
+    throw UsageError("slice needs either --z or --layer-height-um");
+  if (words.z_mm) {
+    if (!std::isfinite(*words.z_mm))
+      throw UsageError(fmt::format("--z {}: expected a finite number", *words.z_mm));
+    options.z = Millimeters{*words.z_mm};
     if (options.masks || options.csv || options.contours) {
       throw UsageError("--masks, --csv and --contours go with --layer-height-um");
     }
   } else {
-    const auto height = to_nanometers(to_millimeters(Micrometers{words.layer_height_um}));
+    const auto height = to_nanometers(to_millimeters(Micrometers{*words.layer_height_um}));
     if (!height || *height < Nanometers{1000}) {
-      throw UsageError(fmt::format("--layer-height-um {}: expected 1 or more", words.layer_height_um));
+      throw UsageError(fmt::format("--layer-height-um {}: expected 1 or more", *words.layer_height_um));
     }
     options.layer_height = height;
     if (options.mask) throw UsageError("--mask goes with --z");
@@ -82,92 +82,100 @@ SliceOptions parse_slice(SliceOptions options, const SliceWords& words, bool has
 // An unset shell variable must not become 0 or "no output".
 const CLI::Validator kNotEmpty([](const std::string& word) { return word.empty() ? "it is empty" : ""; }, "");
 
-int run(int argc, char** argv) {
-  CLI::App app{"Inspects and slices STL models, and talks to contourd."};
-  app.require_subcommand(1);
-  app.set_version_flag("--version", CONTOURD_VERSION);
-  std::function<int()> chosen;
+// The commands, their options, and which of them was chosen.
+class CommandLine {
+ public:
+  CommandLine() {
+    app_.require_subcommand(1);
+    app_.set_version_flag("--version", CONTOURD_VERSION);
+    const char* socket = std::getenv("CONTOURD_SOCKET");
+    client_.socket = socket != nullptr ? socket : kDefaultSocket;
+    add_inspect();
+    add_slice();
+    add_client_commands();
+  }
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
 
-  InspectOptions inspect_options;
-  CLI::App* inspect_app =
-      app.add_subcommand("inspect", "Say what a model's file holds and what is wrong with it");
-  inspect_app->add_option("MODEL", inspect_options.model, "STL file")->required();
-  inspect_app->add_flag("--json", inspect_options.json, "Print JSON");
-  inspect_app->callback([&] { chosen = [&] { return inspect(inspect_options); }; });
+  int run(int argc, char** argv) {
+    try {
+      app_.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      return app_.exit(error) == 0 ? kOk : kBadUsage;
+    }
+    const int code = chosen_();
+    if (std::fflush(stdout) != 0)
+      throw std::system_error(errno, std::generic_category(), "cannot write the result");
+    return code;
+  }
 
-  SliceOptions slice_options;
-  SliceWords words;
-  CLI::App* slice_app = app.add_subcommand("slice", "Cut a model at one height, or into layers");
-  slice_app->add_option("MODEL", slice_options.model, "STL file")->required();
-  CLI::Option* z =
-      slice_app->add_option("--z", words.z_mm, "Height of the cut, mm, in the file's coordinates")
-          ->check(kNotEmpty);
-  CLI::Option* layer_height =
-      slice_app->add_option("--layer-height-um", words.layer_height_um, "Layer height, um")->check(kNotEmpty);
-  slice_app->add_option("--mask", words.mask, "Write the mask at --z to this PNG file")->check(kNotEmpty);
-  slice_app->add_option("--masks", words.masks, "Write one PNG file a layer to this folder: 0001.png ...")
-      ->check(kNotEmpty);
-  slice_app
-      ->add_option("--csv", words.csv, "Write each layer's measurements to this file, and FILE-summary.csv")
-      ->check(kNotEmpty);
-  slice_app
-      ->add_option("--contours", words.contours,
-                   "Write one CSV file of contour points a layer to this folder")
-      ->check(kNotEmpty);
-  slice_app->add_option("--display", words.display, "Pixels, WIDTHxHEIGHT")
-      ->capture_default_str()
-      ->check(kNotEmpty);
-  slice_app->add_option("--pixel-pitch-um", words.pixel_pitch_um, "Side of a pixel on the plate, um")
-      ->capture_default_str()
-      ->check(kNotEmpty);
-  slice_app->add_flag("--fit", slice_options.fit, "Fit the model to the display instead of true scale");
-  slice_app->add_option("--aa", words.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")
-      ->check(CLI::IsMember({"on", "off"}))
-      ->capture_default_str()
-      ->check(kNotEmpty);
-  slice_app->add_flag("--json", slice_options.json, "Print JSON");
-  slice_app->callback([&] {
-    chosen = [&] {
-      return slice(parse_slice(slice_options, words, z->count() > 0, layer_height->count() > 0));
+ private:
+  CLI::App* add_command(const char* name, const char* help, std::function<int()> call) {
+    CLI::App* command = app_.add_subcommand(name, help);
+    command->callback([this, call = std::move(call)] { chosen_ = call; });
+    return command;
+  }
+
+  void add_inspect() {
+    CLI::App* command = add_command("inspect", "Say what a model's file holds and what is wrong with it",
+                                    [this] { return inspect(inspect_); });
+    command->add_option("MODEL", inspect_.model, "STL file")->required();
+    command->add_flag("--json", inspect_.json, "Print JSON");
+  }
+
+  void add_slice() {
+    CLI::App* command = add_command("slice", "Cut a model at one height, or into layers",
+                                    [this] { return slice(parse_slice(slice_, words_)); });
+    command->add_option("MODEL", slice_.model, "STL file")->required();
+    const auto add = [command](const char* name, auto& word, const char* help) {
+      return command->add_option(name, word, help)->check(kNotEmpty)->capture_default_str();
     };
-  });
+    add("--z", words_.z_mm, "Height of the cut, mm, in the file's coordinates");
+    add("--layer-height-um", words_.layer_height_um, "Layer height, um");
+    add("--mask", words_.mask, "Write the mask at --z to this PNG file");
+    add("--masks", words_.masks, "Write one PNG file a layer to this folder: 0001.png ...");
+    add("--csv", words_.csv, "Write each layer's measurements to this file, and FILE-summary.csv");
+    add("--contours", words_.contours, "Write one CSV file of contour points a layer to this folder");
+    add("--display", words_.display, "Pixels, WIDTHxHEIGHT");
+    add("--pixel-pitch-um", words_.pixel_pitch_um, "Side of a pixel on the plate, um");
+    add("--aa", words_.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")
+        ->check(CLI::IsMember({"on", "off"}));
+    command->add_flag("--fit", slice_.fit, "Fit the model to the display instead of true scale");
+    command->add_flag("--json", slice_.json, "Print JSON");
+  }
 
-  ClientOptions client;
-  const char* from_environment = std::getenv("CONTOURD_SOCKET");
-  client.socket = from_environment != nullptr ? from_environment : kDefaultSocket;
-  const auto add_client = [&](const char* name, const char* help, std::function<int()> call) -> CLI::App* {
-    CLI::App* command = app.add_subcommand(name, help);
-    command->add_option("--socket", client.socket, "contourd's control socket (or CONTOURD_SOCKET)")
+  void add_client_commands() {
+    add_client("status", "What the printer is doing", "status");
+    add_client("queue", "The jobs that wait", "queue");
+    add_client("pause", "Pause after the layer under way", "pause");
+    add_client("resume", "Go on after a pause", "resume");
+    add_client("cancel", "End the print under way: light off, plate up", "cancel");
+    add_client("plate-cleared", "Tell contourd that the plate is free for the next job", "plate_cleared");
+    CLI::App* command = add_command("watch", "Follow the print with a progress bar until it ends",
+                                    [this] { return watch(client_, job_); });
+    command->add_option("--job", job_, "Until the job of this name has ended")->check(kNotEmpty);
+    add_client_options(command);
+  }
+
+  void add_client(const char* name, const char* help, const std::string& method) {
+    add_client_options(add_command(name, help, [this, method] { return request(client_, method); }));
+  }
+
+  void add_client_options(CLI::App* command) {
+    command->add_option("--socket", client_.socket, "contourd's control socket (or CONTOURD_SOCKET)")
         ->capture_default_str()
         ->check(kNotEmpty);
-    command->add_flag("--json", client.json, "Print JSON, one message a line");
-    command->callback([&chosen, call = std::move(call)] { chosen = call; });
-    return command;
-  };
-  add_client("status", "What the printer is doing", [&] { return request(client, "status"); });
-  std::optional<std::string> job;
-  add_client("watch", "Follow the print with a progress bar until it ends",
-             [&] { return watch(client, job); })
-      ->add_option("--job", job, "Until the job of this name has ended")
-      ->check(kNotEmpty);
-  add_client("queue", "The jobs that wait", [&] { return request(client, "queue"); });
-  add_client("pause", "Pause after the layer under way", [&] { return request(client, "pause"); });
-  add_client("resume", "Go on after a pause", [&] { return request(client, "resume"); });
-  add_client("cancel", "End the print under way: light off, plate up",
-             [&] { return request(client, "cancel"); });
-  add_client("plate-cleared", "Tell contourd that the plate is free for the next job",
-             [&] { return request(client, "plate_cleared"); });
-
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kOk : kBadUsage;
+    command->add_flag("--json", client_.json, "Print JSON, one message a line");
   }
-  const int code = chosen();
-  if (std::fflush(stdout) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot write the result");
-  return code;
-}
+
+  CLI::App app_{"Inspects and slices STL models, and talks to contourd."};
+  InspectOptions inspect_;
+  SliceOptions slice_;
+  SliceWords words_;
+  ClientOptions client_;
+  std::optional<std::string> job_;
+  std::function<int()> chosen_;
+};
 
 // One line, whatever a file is called.
 int complain(int code, const char* why) {
@@ -181,7 +189,7 @@ int complain(int code, const char* why) {
 int main(int argc, char** argv) {
   using namespace contourd::ctl;
   try {
-    return run(argc, argv);
+    return CommandLine().run(argc, argv);
   } catch (const UsageError& error) {
     return complain(kBadUsage, error.what());
   } catch (const contourd::StlError& error) {

@@ -14,8 +14,8 @@
 
 #include "tests/catch.hpp"
 #include "tests/core/random_shapes.hpp"
-#include "tests/core/temporary_folder.hpp"
 #include "tests/models/models.hpp"
+#include "tests/temporary_folder.hpp"
 
 using namespace contourd;
 

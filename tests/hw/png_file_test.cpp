@@ -16,7 +16,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/core/random_shapes.hpp"
-#include "tests/core/temporary_folder.hpp"
+#include "tests/temporary_folder.hpp"
 
 using namespace contourd;
 

@@ -12,7 +12,7 @@
 #include "hw/png_file.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
-#include "tests/core/temporary_folder.hpp"
+#include "tests/temporary_folder.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;

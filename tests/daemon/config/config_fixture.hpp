@@ -1,50 +1,24 @@
 // Folders and files for the tests of what an owner edits. Not thread-safe.
 #pragma once
 
-#include <stdlib.h>
-
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "daemon/config/config_error.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace contourd::testing {
 
-// A new folder; removed with everything in it at the end.
-class TemporaryFolder {
+// A temporary folder that takes JSON values too.
+class ConfigFolder : public TemporaryFolder {
  public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "contourd-config-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = pattern;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
-  std::filesystem::path write(const std::filesystem::path& name, std::string_view text) const {
-    const std::filesystem::path file = path_ / name;
-    std::filesystem::create_directories(file.parent_path());
-    std::ofstream(file, std::ios::binary) << text;
-    return file;
-  }
   std::filesystem::path write_json(const std::filesystem::path& name, const nlohmann::json& value) const {
     return write(name, value.dump(2));
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 // What the call throws as ConfigError; empty when it throws none.

@@ -8,10 +8,10 @@ namespace {
 
 using testing::Complaints;
 using testing::complaints_of;
-using testing::TemporaryFolder;
+using testing::ConfigFolder;
 
 JobTicket load(std::string_view text) {
-  const TemporaryFolder folder;
+  const ConfigFolder folder;
   return load_job_ticket(folder.write("part.json", text));
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 using testing::Complaints;
 using testing::complaints_of;
-using testing::TemporaryFolder;
+using testing::ConfigFolder;
 using testing::violations_of;
 
 JsonDocument parse(std::string_view text) {
@@ -24,7 +24,7 @@ Complaints complaints_about(std::string_view text) {
 }
 
 TEST_CASE("a JSON file is read with its path as the name in messages") {
-  const TemporaryFolder folder;
+  const ConfigFolder folder;
   const auto file = folder.write("a.json", "{\"a\": [1, 2]}");
   const JsonDocument document = JsonDocument::from_file(file);
   CHECK(document.file() == file.string());
@@ -33,7 +33,7 @@ TEST_CASE("a JSON file is read with its path as the name in messages") {
 }
 
 TEST_CASE("what cannot be read as a file is refused with one sentence") {
-  const TemporaryFolder folder;
+  const ConfigFolder folder;
   const auto missing = folder.path() / "missing.json";
   const auto fifo = folder.path() / "fifo.json";
   REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
@@ -48,7 +48,7 @@ TEST_CASE("what cannot be read as a file is refused with one sentence") {
 }
 
 TEST_CASE("a file without read permission is refused with the system's reason") {
-  const TemporaryFolder folder;
+  const ConfigFolder folder;
   const auto file = folder.write("a.json", "{}");
   std::filesystem::permissions(file, std::filesystem::perms::none);
   if (std::ifstream(file)) return;  // root reads everything
@@ -57,7 +57,7 @@ TEST_CASE("a file without read permission is refused with the system's reason") 
 }
 
 TEST_CASE("a file of 1 MiB is read and one byte more is refused") {
-  const TemporaryFolder folder;
+  const ConfigFolder folder;
   std::string text = "{}";
   text.resize(1024 * 1024, ' ');
   CHECK(JsonDocument::from_file(folder.write("full.json", text)).value().is_object());

@@ -11,8 +11,8 @@ namespace {
 using nlohmann::json;
 using testing::Complaints;
 using testing::complaints_of;
+using testing::ConfigFolder;
 using testing::shipped;
-using testing::TemporaryFolder;
 using testing::violations_of;
 
 // Only what a printer file must have.
@@ -49,7 +49,7 @@ class PrinterFolder {
   }
 
  private:
-  TemporaryFolder folder_;
+  ConfigFolder folder_;
   std::filesystem::path file_;
 };
 

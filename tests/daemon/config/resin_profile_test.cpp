@@ -12,8 +12,8 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 using testing::Complaints;
 using testing::complaints_of;
+using testing::ConfigFolder;
 using testing::shipped;
-using testing::TemporaryFolder;
 
 json curve_profile() {
   json resin = shipped("resins/standard.json");
@@ -29,7 +29,7 @@ json curve_profile() {
 constexpr double irradiance_mw_cm2 = 5.0;
 
 ResinProfile load(const json& resin) {
-  const TemporaryFolder folder;
+  const ConfigFolder folder;
   return load_resin_profile(folder.write_json("grey.json", resin),
                             {.travel = Nanometers{160'000'000}, .irradiance_mw_cm2 = irradiance_mw_cm2});
 }
