@@ -29,11 +29,8 @@ spdlog::level::level_enum spdlog_level(LogLevel level) {
       return spdlog::level::err;
     case LogLevel::Warning:
       return spdlog::level::warn;
-    case LogLevel::Notice:
     case LogLevel::Info:
       return spdlog::level::info;
-    case LogLevel::Debug:
-      return spdlog::level::debug;
   }
   return spdlog::level::info;
 }

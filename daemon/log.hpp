@@ -11,7 +11,7 @@
 namespace contourd {
 
 // Priorities of syslog(3).
-enum class LogLevel { Error = 3, Warning = 4, Notice = 5, Info = 6, Debug = 7 };
+enum class LogLevel { Error = 3, Warning = 4, Info = 6 };
 
 // Journal fields besides the message; names as journald wants them (upper case): JOB_ID, LAYER, Z_NM, EVENT.
 using LogFields = std::vector<std::pair<std::string_view, std::string>>;

@@ -113,6 +113,7 @@ void PrintProcess::perform(PrintEffect effect) {
     case PrintEffect::AbortAxis:
       return machine_.z_axis().abort();
     case PrintEffect::StopAxis:
+      expect_within(kMotionGrace, "the axis to stop");
       return machine_.z_axis().stop();
     case PrintEffect::PowerOn:
       expect_within(kWarmUpDeadline, "the projector's lamp to be warm");

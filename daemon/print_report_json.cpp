@@ -38,6 +38,7 @@ Json layer_json(const LayerRecord& layer) {
           {"mask_height_mm", mm(layer.mask_height)},
           {"exposure_asked_ms", ms(layer.exposure_asked)},
           {"exposure_measured_ms", ms(layer.exposure_measured)},
+          {"shown_at_s", ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
           {"mask_ms", ms(layer.mask_time)},
           {"area_mm2", layer.area_mm2},
           {"intersecting_facets", layer.intersecting_facets},

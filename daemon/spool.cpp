@@ -207,11 +207,12 @@ JobFiles Spool::files_of(Folder where, const std::string& file) const {
 
 std::string Spool::unused_name(const std::string& full_stem) const {
   std::string stem = full_stem.substr(0, kLongestName);
-  // Not in the middle of a UTF-8 sequence.
-  while (stem.size() < full_stem.size() &&
-         (static_cast<unsigned char>(full_stem[stem.size()]) & 0xC0U) == 0x80) {
+  // Not in the middle of a UTF-8 sequence, which has at most three continuation bytes.
+  const auto continues = [&](std::size_t at) {
+    return at < full_stem.size() && (static_cast<unsigned char>(full_stem[at]) & 0xC0U) == 0x80;
+  };
+  for (int i = 0; i < 3 && continues(stem.size()); ++i)
     stem.pop_back();
-  }
   for (int number = 1;; ++number) {
     const std::string name = number == 1 ? stem : fmt::format("{}-{}", stem, number);
     const auto used_in = [&](Folder where) {

@@ -278,6 +278,79 @@ TEST_CASE("A projector that falls silent ends the print, with the light off") {
   CHECK_FALSE(bench.light_at_end);
 }
 
+namespace {
+
+// An axis that homes, and then never answers again.
+class DeafAxis final : public ZAxis {
+ public:
+  explicit DeafAxis(Clock& clock) : clock_(clock) {}
+  void home(std::function<void(HomingResult)> done) override {
+    homing_ = clock_.call_after(1s, [done = std::move(done)] { done(HomingResult::Homed); });
+  }
+  void move_to(Nanometers, MillimetersPerSecond, std::function<void(MoveResult)>) override {}
+  void stop() override {}
+  void abort() noexcept override { aborted = true; }
+  [[nodiscard]] bool moving() const override { return !aborted; }
+  [[nodiscard]] std::optional<Nanometers> height() const override { return Nanometers{0}; }
+  [[nodiscard]] std::optional<Nanometers> height_at(TimePoint) const override { return height(); }
+  [[nodiscard]] Nanometers travel() const override { return Nanometers{160'000'000}; }
+  [[nodiscard]] Duration move_duration(Nanometers, MillimetersPerSecond) const override { return 10s; }
+
+  bool aborted = false;
+
+ private:
+  Clock& clock_;
+  std::unique_ptr<Timer> homing_;
+};
+
+class DeafMachine final : public Machine {
+ public:
+  explicit DeafMachine(Clock& clock) : axis(clock), rest_(clock, Bench::small_printer()) {}
+  [[nodiscard]] ZAxis& z_axis() override { return axis; }
+  [[nodiscard]] MaskDisplay& display() override { return rest_.display(); }
+  [[nodiscard]] Projector& projector() override { return rest_.projector(); }
+  std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
+
+  DeafAxis axis;
+
+ private:
+  SimulatedPrinter rest_;
+};
+
+}  // namespace
+
+TEST_CASE(
+    "A move that never ends fails the print after its expected time, a tenth and 15 s, and is aborted") {
+  Bench observer;
+  VirtualClock clock;
+  DeafMachine machine(clock);
+  PrintProcess process(machine, clock, observer);
+  machine.axis.aborted = false;
+  process.start(Bench::plan(1));
+  while (clock.run_next()) {
+  }
+  CHECK(observer.ends == std::vector{PrintOutcome::Failed});
+  CHECK(observer.reason == "waited 26 s in vain for a move to end");
+  CHECK(machine.axis.aborted);
+}
+
+TEST_CASE("A cancelled move that never stops fails the print instead of holding it for ever") {
+  Bench observer;
+  VirtualClock clock;
+  DeafMachine machine(clock);
+  PrintProcess process(machine, clock, observer);
+  process.start(Bench::plan(1));
+  while (process.state() != S::Lowering)
+    REQUIRE(clock.run_next());
+  machine.axis.aborted = false;
+  process.cancel();
+  CHECK(process.state() == S::Halting);
+  while (clock.run_next()) {
+  }
+  CHECK(observer.reason == "waited 15 s in vain for the axis to stop");
+  CHECK(machine.axis.aborted);
+}
+
 TEST_CASE("A mask that cannot be shown ends the print with the reason, with the light off") {
   const TemporaryFolder folder;
   SimulatedPrinterConfig config = Bench::small_printer();
