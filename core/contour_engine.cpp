@@ -9,8 +9,7 @@ ContourEngine::ContourEngine(HeightIndex model, const DisplayGeometry& display, 
     : model_(std::move(model)),
       copies_(std::move(copies)),
       join_tolerance_(to_millimeters(display.pixel_pitch)),
-      rasterizer_(display.width, display.height, anti_aliasing),
-      mask_(display.width, display.height) {}
+      rasterizer_(display.width, display.height, anti_aliasing) {}
 
 double ContourEngine::z_of(Nanometers height) const {
   return model_.bounds().min_z + to_millimeters(height).count();
@@ -24,25 +23,14 @@ const Mask& ContourEngine::mask_at_z(Millimeters z) {
   slice_at(model_, z.count(), section_);
   if (!section_.balanced) linker_.link(section_.segments, join_tolerance_, contours_);
   for (const PixelMap& copy : copies_) {
+    // Balanced segments close by themselves, in whatever order they come.
     if (section_.balanced) {
-      // The segments close by themselves, in whatever order they come.
-      for (const Segment& segment : section_.segments) {
-        rasterizer_.add_side(copy.to_pixels(segment.from), copy.to_pixels(segment.to));
-      }
-      continue;
-    }
-    for (const ContourLoop& loop : contours_.loops) {
-      const std::span<const Point> points = contours_.points_of(loop);
-      PixelPoint last = copy.to_pixels(points.back());
-      for (const Point& point : points) {
-        const PixelPoint next = copy.to_pixels(point);
-        rasterizer_.add_side(last, next);
-        last = next;
-      }
+      rasterizer_.add_segments(section_.segments, copy);
+    } else {
+      rasterizer_.add_loops(contours_, copy);
     }
   }
-  rasterizer_.paint(mask_);
-  return mask_;
+  return rasterizer_.paint();
 }
 
 const Contours& ContourEngine::contours_at(Nanometers height) {

@@ -49,7 +49,6 @@ class ContourEngine {
   ContourLinker linker_;
   Contours contours_;
   Rasterizer rasterizer_;
-  Mask mask_;
 };
 
 }  // namespace contourd

@@ -3,166 +3,247 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <utility>
 
 namespace contourd {
 namespace {
 
-constexpr std::size_t kWordBits = 64;
+constexpr std::int32_t kOne = CoverageBand::kOne;
+constexpr int kOneBits = CoverageBand::kOneBits;
+constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
-std::size_t index_of(std::int32_t row, std::int32_t column, std::size_t per_row) {
-  return static_cast<std::size_t>(row) * per_row + static_cast<std::size_t>(column);
+// Columns as whole numbers of 2^-32: the display's 16384 take 46 bits.
+constexpr int kColumnBits = 32;
+constexpr double kColumn = 4294967296.0;
+constexpr std::int64_t kFraction = (std::int64_t{1} << kColumnBits) - 1;
+
+// The least width for which steepness is told apart, in columns: keeps it a number for upright sides.
+constexpr double kLeastWidth = 1e-6;
+
+std::int64_t fixed_column(double x) {
+  return static_cast<std::int64_t>(x * kColumn);
+}
+
+std::int32_t rounded(double positive) {
+  return static_cast<std::int32_t>(positive + 0.5);
+}
+
+// What a piece of the side has passed of its cover, held to that: the column's bounds are rounded.
+std::int32_t part_of(std::int32_t cover, double passed) {
+  return rounded(std::min(passed, static_cast<double>(cover)));
+}
+
+// The share of a pixel that lies right of a side which passes `cover` units of its height between two columns
+// whose fractions add up to `fractions` (in 2^-32): the mean of both distances to the pixel's right edge.
+std::int32_t share_right_of(std::int32_t cover, std::int64_t fractions) {
+  constexpr std::int64_t kHalf = std::int64_t{1} << kColumnBits;
+  return cover - static_cast<std::int32_t>((cover * fractions + kHalf) >> (kColumnBits + 1));
+}
+
+// A point of the side at the given x, or y, held between its ends.
+double y_at(const PixelPoint& from, const PixelPoint& to, double x) {
+  const double y = from.y + (x - from.x) * ((to.y - from.y) / (to.x - from.x));
+  return std::clamp(y, std::min(from.y, to.y), std::max(from.y, to.y));
+}
+double x_at(const PixelPoint& from, const PixelPoint& to, double y) {
+  const double x = from.x + (y - from.y) * ((to.x - from.x) / (to.y - from.y));
+  return std::clamp(x, std::min(from.x, to.x), std::max(from.x, to.x));
+}
+
+// A piece of a side within one row: `cover` units of its height between the columns left and right (2^-32),
+// where it rises by `steepness` a column. Each pixel that it crosses takes its part of the cover; the parts
+// are differences of rounded sums and so add up.
+void add_piece(const CoverageBand::Row& row, std::int64_t left, std::int64_t right, std::int32_t cover,
+               double steepness, std::int32_t sign) {
+  const auto add = [&](std::int64_t column, std::int32_t part, std::int64_t fractions) {
+    const std::uint64_t cell = CoverageBand::cell(part, share_right_of(part, fractions));
+    row.add(static_cast<std::size_t>(column), sign < 0 ? 0 - cell : cell);
+  };
+  std::int64_t column = left >> kColumnBits;
+  const std::int64_t last = right >> kColumnBits;
+  const std::int64_t fraction = left & kFraction;
+  if (last - column <= 1) {
+    // One pixel or two, without a branch: which of them cannot be foreseen. The second part may be nothing.
+    const double in_first = static_cast<double>(kFraction + 1 - fraction) / kColumn;
+    const std::int32_t first_part = part_of(cover, steepness * in_first);
+    const std::int32_t part = column == last ? cover : first_part;
+    add(column, part, fraction + (column == last ? right & kFraction : kFraction + 1));
+    add(last, cover - part, right & kFraction);
+    return;
+  }
+  double passed = steepness * (static_cast<double>(kFraction + 1 - fraction) / kColumn);
+  std::int32_t sum = part_of(cover, passed);
+  add(column, sum, fraction + kFraction + 1);
+  while (++column < last) {
+    passed += steepness;
+    const std::int32_t next_sum = part_of(cover, passed);
+    add(column, next_sum - sum, kFraction + 1);
+    sum = next_sum;
+  }
+  add(last, cover - sum, right & kFraction);
 }
 
 }  // namespace
 
 Rasterizer::Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing)
-    : width_(width.count()), height_(height.count()), anti_aliasing_(anti_aliasing) {
-  const Mask checks_the_size(width, height);
-  words_per_row_ = (static_cast<std::size_t>(width_) + kWordBits - 1) / kWordBits;
-  deltas_.assign(checks_the_size.pixels().size(), 0);
-  touched_.assign(words_per_row_ * static_cast<std::size_t>(height_), 0);
-  row_used_.assign(static_cast<std::size_t>(height_), 0);
+    : mask_(width, height),
+      width_(width.count()),
+      height_(height.count()),
+      anti_aliasing_(anti_aliasing),
+      band_(width_),
+      band_bits_(std::countr_zero(static_cast<std::uint32_t>(band_.rows()))) {
+  first_side_.assign(static_cast<std::size_t>((height_ - 1) >> band_bits_) + 1, kNone);
+  dark_.assign(band_.chunks() * static_cast<std::size_t>(height_), ~std::uint64_t{0});
+  full_.assign(dark_.size(), 0);
+}
+
+void Rasterizer::add_segments(std::span<const Segment> segments, const PixelMap& map) {
+  for (const Segment& segment : segments)
+    add_side(map.to_pixels(segment.from), map.to_pixels(segment.to));
+}
+
+void Rasterizer::add_loops(const Contours& contours, const PixelMap& map) {
+  for (const ContourLoop& loop : contours.loops) {
+    const std::span<const Point> points = contours.points_of(loop);
+    PixelPoint last = map.to_pixels(points.back());
+    for (const Point& point : points) {
+      const PixelPoint next = map.to_pixels(point);
+      add_side(last, next);
+      last = next;
+    }
+  }
 }
 
 void Rasterizer::add_side(PixelPoint from, PixelPoint to) {
+  std::int32_t sign = 1;
+  if (to.y < from.y) {
+    sign = -1;
+    std::swap(from, to);
+  }
+  if (to.y <= 0.0 || from.y >= height_) return;
   if (anti_aliasing_ == AntiAliasing::On) {
-    add_covered(from, to);
+    add_covered(from, to, sign);
   } else {
-    add_centers(from, to);
+    add_centers(from, to, sign);
   }
 }
 
-void Rasterizer::add_covered(PixelPoint from, PixelPoint to) {
+void Rasterizer::add_covered(PixelPoint from, PixelPoint to, std::int32_t sign) {
+  const double width = width_;
+  const double height = height_;
+  if (from.y < 0.0 || to.y > height) {
+    const PixelPoint top = from.y < 0.0 ? PixelPoint{x_at(from, to, 0.0), 0.0} : from;
+    to = to.y > height ? PixelPoint{x_at(from, to, height), height} : to;
+    from = top;
+  }
+  if (std::min(from.x, to.x) >= 0.0 && std::max(from.x, to.x) <= width) {
+    add_covered_within(from, to, sign);
+    return;
+  }
+  // Cut at the display's left and right edge. What lies left of it changes all pixels of the row alike, as if
+  // it were on the edge; what lies right of it changes none.
+  const auto within = [width](PixelPoint p) { return PixelPoint{std::clamp(p.x, 0.0, width), p.y}; };
+  const auto cut_at = [&](double x) {
+    return (from.x < x) == (to.x < x) ? from : PixelPoint{x, y_at(from, to, x)};
+  };
+  PixelPoint first_cut = cut_at(from.x < to.x ? 0.0 : width);
+  PixelPoint second_cut = cut_at(from.x < to.x ? width : 0.0);
+  if (second_cut.y < first_cut.y) second_cut = first_cut;
+  add_covered_within(within(from), within(first_cut), sign);
+  add_covered_within(within(first_cut), within(second_cut), sign);
+  add_covered_within(within(second_cut), within(to), sign);
+}
+
+// REQUIRES: from.y <= to.y, both ends on the display or its edges.
+void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to, std::int32_t sign) {
   // Heights in whole units: where two sides meet they are rounded alike, so what one side leaves the other
   // takes up.
-  const auto fixed = [this](double y) {
-    return static_cast<std::int32_t>(
-        std::floor(std::clamp(y, 0.0, static_cast<double>(height_)) * kOne + 0.5));
-  };
-  std::int32_t top = fixed(from.y);
-  std::int32_t bottom = fixed(to.y);
+  const std::int32_t top = rounded(from.y * kOne);
+  const std::int32_t bottom = rounded(to.y * kOne);
   if (top == bottom) return;
-  const std::int32_t sign = top < bottom ? 1 : -1;
-  if (sign < 0) {
-    std::swap(from, to);
-    std::swap(top, bottom);
+  const double dx = to.x - from.x;
+  const double dy = bottom - top;
+  std::uint32_t& first = first_side_at(top >> kOneBits);
+  covered_sides_.push_back({fixed_column(from.x), fixed_column(to.x),
+                            static_cast<std::int64_t>(dx * (kColumn * kOne) / dy), dy / std::fabs(dx), top,
+                            bottom, sign, first});
+  first = static_cast<std::uint32_t>(covered_sides_.size() - 1);
+}
+
+void Rasterizer::add_centers(PixelPoint from, PixelPoint to, std::int32_t sign) {
+  // Rows whose centre line y lies in [from.y, to.y).
+  const double height = height_;
+  const auto first_row = static_cast<std::int32_t>(std::ceil(std::clamp(from.y - 0.5, 0.0, height)));
+  const auto end_row = static_cast<std::int32_t>(std::ceil(std::clamp(to.y - 0.5, 0.0, height)));
+  if (first_row == end_row) return;
+  std::uint32_t& first = first_side_at(first_row);
+  center_sides_.push_back(
+      {from.x, from.y, (to.x - from.x) / (to.y - from.y), first_row, end_row, sign, first});
+  first = static_cast<std::uint32_t>(center_sides_.size() - 1);
+}
+
+const Mask& Rasterizer::paint(FillRule rule) {
+  const std::size_t chunks = band_.chunks();
+  for (std::int32_t first_row = 0; first_row < height_; first_row += band_.rows()) {
+    work_off(covered_sides_, first_row);
+    work_off(center_sides_, first_row);
+    const std::int32_t end_row = std::min(first_row + band_.rows(), height_);
+    for (std::int32_t row = first_row; row < end_row; ++row) {
+      const std::size_t at = static_cast<std::size_t>(row) * chunks;
+      band_.paint(row - first_row, rule, mask_.row(row),
+                  {std::span(dark_).subspan(at, chunks), std::span(full_).subspan(at, chunks)});
+    }
   }
-  const double dx_dy = (to.x - from.x) / (to.y - from.y);
-  const auto x_at = [&](std::int32_t y) {
-    // Held between the side's ends, which rounded heights could step beyond.
-    const double x = from.x + (static_cast<double>(y) / kOne - from.y) * dx_dy;
-    return std::clamp(x, std::min(from.x, to.x), std::max(from.x, to.x));
-  };
-  double x = x_at(top);
-  for (std::int32_t y = top; y < bottom;) {
-    const std::int32_t row = y >> kOneBits;
-    const std::int32_t next_y = std::min((row + 1) << kOneBits, bottom);
-    const double next_x = x_at(next_y);
-    add_row_cover(row, std::min(x, next_x), std::max(x, next_x), next_y - y, sign);
+  covered_sides_.clear();
+  center_sides_.clear();
+  return mask_;
+}
+
+// Adds the band's part of all sides that reach into it; what is left of a side goes to the next band's list.
+template <typename Side>
+void Rasterizer::work_off(std::vector<Side>& sides, std::int32_t first_row) {
+  if (sides.empty()) return;
+  const std::int32_t end_row = std::min(first_row + band_.rows(), height_);
+  for (std::uint32_t i = std::exchange(first_side_at(first_row), kNone); i != kNone;) {
+    Side& side = sides[i];
+    const std::uint32_t next = side.next;
+    if (!work_off_in_band(side, first_row, end_row)) side.next = std::exchange(first_side_at(end_row), i);
+    i = next;
+  }
+}
+
+bool Rasterizer::work_off_in_band(CoveredSide& side, std::int32_t first_row, std::int32_t end_row) {
+  const std::int32_t end_y = std::min(side.end_y, end_row << kOneBits);
+  std::int64_t x = side.x;
+  CoverageBand::Row row = band_.row((side.y >> kOneBits) - first_row);
+  for (std::int32_t y = side.y; y < end_y; row.step()) {
+    const std::int32_t next_y = std::min((y | (kOne - 1)) + 1, end_y);
+    const std::int32_t cover = next_y - y;
+    std::int64_t next_x = x + side.slope;
+    if (next_y == side.end_y) {
+      next_x = side.end_x;
+    } else if (cover != kOne) {
+      next_x = x + ((side.slope * cover) >> kOneBits);
+    }
+    add_piece(row, std::min(x, next_x), std::max(x, next_x), cover, side.steepness, side.sign);
     x = next_x;
     y = next_y;
   }
+  side.x = x;
+  side.y = end_y;
+  return end_y == side.end_y;
 }
 
-// A side that passes `cover` units of a row's height between x = left and x = right. Right of it the winding
-// number is `sign` times cover larger; within [left, right] it grows linearly. A pixel's share is the mean
-// over the pixel.
-void Rasterizer::add_row_cover(std::int32_t row, double left, double right, std::int32_t cover,
-                               std::int32_t sign) {
-  if (left >= width_) return;
-  if (left < 0.0 || right > width_) {
-    // What lies left of the display changes all pixels of the row alike; what lies right of it changes none.
-    const double cover_per_pixel = right > left ? cover / (right - left) : 0.0;
-    const auto rounded = [](double units) { return static_cast<std::int32_t>(units + 0.5); };
-    const std::int32_t beyond_left = right <= 0.0 ? cover : rounded(cover_per_pixel * std::max(-left, 0.0));
-    if (beyond_left != 0) add_delta(row, 0, sign * beyond_left);
-    if (right <= 0.0) return;
-    cover = right <= width_ ? cover - beyond_left : rounded(cover_per_pixel * (width_ - std::max(left, 0.0)));
-    left = std::max(left, 0.0);
-    right = std::min(right, static_cast<double>(width_));
-  }
-  const double width = right - left;
-  // The integral of the growing cover from left to x.
-  const auto integral = [=](double x) {
-    if (x <= left) return 0.0;
-    if (x >= right) return cover * (x - (left + right) / 2);
-    return cover * (x - left) * (x - left) / (2 * width);
-  };
-  const auto first = static_cast<std::int32_t>(left);
-  const auto last = std::min(static_cast<std::int32_t>(right), width_ - 1);
-  std::int32_t share = 0;
-  double passed = 0.0;
-  for (std::int32_t column = first; column <= last; ++column) {
-    const double next = integral(column + 1.0);
-    const auto next_share = static_cast<std::int32_t>(next - passed + 0.5);
-    add_delta(row, column, sign * (next_share - share));
-    share = next_share;
-    passed = next;
-  }
-  if (last + 1 < width_) add_delta(row, last + 1, sign * (cover - share));
-}
-
-void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
-  const std::int32_t sign = from.y < to.y ? 1 : -1;
-  if (sign < 0) std::swap(from, to);
-  // Rows whose centre line y lies in [from.y, to.y).
-  const auto first_row =
-      static_cast<std::int32_t>(std::ceil(std::clamp(from.y - 0.5, 0.0, static_cast<double>(height_))));
-  const auto end_row =
-      static_cast<std::int32_t>(std::ceil(std::clamp(to.y - 0.5, 0.0, static_cast<double>(height_))));
-  const double dx_dy = (to.x - from.x) / (to.y - from.y);
-  for (std::int32_t row = first_row; row < end_row; ++row) {
-    const double x = from.x + (row + 0.5 - from.y) * dx_dy;
-    // The first column whose centre is not left of x.
+bool Rasterizer::work_off_in_band(CenterSide& side, std::int32_t first_row, std::int32_t end_row) {
+  for (; side.row < std::min(side.end_row, end_row); ++side.row) {
+    // The first column whose centre is not left of the side.
+    const double x = side.x + (side.row + 0.5 - side.y) * side.slope;
     const double column = std::ceil(std::max(x - 0.5, 0.0));
-    if (column < width_) add_delta(row, static_cast<std::int32_t>(column), sign * kOne);
+    if (column >= width_) continue;
+    band_.row(side.row - first_row)
+        .add(static_cast<std::size_t>(column), CoverageBand::cell(side.sign * kOne, side.sign * kOne));
   }
-}
-
-void Rasterizer::add_delta(std::int32_t row, std::int32_t column, std::int32_t delta) {
-  std::int32_t& at = deltas_[index_of(row, column, static_cast<std::size_t>(width_))];
-  // Unsigned: wraps instead of overflowing when more polygons overlap than the sums can hold.
-  at = static_cast<std::int32_t>(static_cast<std::uint32_t>(at) + static_cast<std::uint32_t>(delta));
-  const auto bit = static_cast<std::size_t>(column);
-  touched_[static_cast<std::size_t>(row) * words_per_row_ + bit / kWordBits] |= std::uint64_t{1}
-                                                                                << bit % kWordBits;
-  row_used_[static_cast<std::size_t>(row)] = 1;
-}
-
-void Rasterizer::paint(Mask& mask) {
-  for (std::int32_t row = 0; row < height_; ++row) {
-    const std::span<std::uint8_t> pixels = mask.row(row);
-    std::uint8_t& used = row_used_[static_cast<std::size_t>(row)];
-    if (used != 0) {
-      paint_row(row, pixels);
-      used = 0;
-    } else {
-      std::memset(pixels.data(), 0, pixels.size());
-    }
-  }
-}
-
-void Rasterizer::paint_row(std::int32_t row, std::span<std::uint8_t> pixels) {
-  std::int32_t* const deltas = deltas_.data() + index_of(row, 0, static_cast<std::size_t>(width_));
-  std::uint64_t* const touched = touched_.data() + static_cast<std::size_t>(row) * words_per_row_;
-  std::uint32_t winding = 0;
-  std::uint8_t grey = 0;
-  std::size_t filled = 0;
-  for (std::size_t word = 0; word < words_per_row_; ++word) {
-    for (std::uint64_t bits = std::exchange(touched[word], 0); bits != 0; bits &= bits - 1) {
-      const std::size_t column = word * kWordBits + static_cast<std::size_t>(std::countr_zero(bits));
-      std::memset(pixels.data() + filled, grey, column - filled);
-      filled = column;
-      winding += static_cast<std::uint32_t>(std::exchange(deltas[column], 0));
-      const auto magnitude =
-          static_cast<std::uint32_t>(std::abs(static_cast<std::int64_t>(static_cast<std::int32_t>(winding))));
-      grey =
-          static_cast<std::uint8_t>((std::min<std::uint32_t>(magnitude, kOne) * 255U + kOne / 2) >> kOneBits);
-    }
-  }
-  std::memset(pixels.data() + filled, grey, pixels.size() - filled);
+  return side.row == side.end_row;
 }
 
 }  // namespace contourd

@@ -1,27 +1,31 @@
-// Fills polygons into a mask, by the non-zero winding rule, with exact area coverage (grey) or by pixel
-// centres.
+// Fills polygons into a mask with exact area coverage (grey) or by pixel centres.
 //
-// Every side adds what it changes in the winding number to the pixels that it passes (font-rs's signed area
-// deltas); one sum along each row then gives every pixel's winding, averaged over the pixel. The sums are
-// whole numbers and a side's two ends are rounded alike wherever they meet, so closed polygons cancel exactly
-// at the end of each row: no residue can spill, and every machine computes the same bytes. Only rows and
-// pixels that a side passes are visited one by one; what lies between them is filled in runs.
+// Every side adds what it changes in the winding number to the pixels that it passes (see CoverageBand). The
+// sums are whole numbers and a side's two ends are rounded alike wherever they meet, so closed polygons
+// cancel exactly at the end of each row: no residue can spill, and every machine computes the same bytes. The
+// display is worked off in bands of rows; only rows and blocks that hold something, or held something before,
+// are written.
 //
-// Not thread-safe; allocates in its constructor only.
+// Not thread-safe; allocates only while the number of sides grows.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "core/contour_loops.hpp"
+#include "core/coverage_band.hpp"
 #include "core/mask.hpp"
 #include "core/pixel_map.hpp"
+#include "core/slicer.hpp"
 
 namespace contourd {
 
 enum class AntiAliasing {
   On,   // grey: the covered part of the pixel. Where polygons overlap within one pixel, their parts add up to
         // at most 1.
-  Off,  // 255 where the pixel's centre is inside, else 0 (the thesis's way)
+  Off,  // 255 where the pixel's centre is inside, else 0 (the thesis's way). A centre on a side is inside
+        // when the solid lies right of it, or below it on a level side.
 };
 
 class Rasterizer {
@@ -29,32 +33,54 @@ class Rasterizer {
   // Throws std::invalid_argument unless both sides are 1 to 16384 pixels.
   Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing);
 
-  // Adds a directed side. Sides must form closed polygons by the time of paint(). They may lie outside the
-  // display, at any finite distance.
+  // Adds a directed side. Sides must form closed polygons by the time of paint(), in whatever order they
+  // come. They may lie outside the display, at any finite distance.
   void add_side(PixelPoint from, PixelPoint to);
+  void add_segments(std::span<const Segment> segments, const PixelMap& map);
+  void add_loops(const Contours& contours, const PixelMap& map);
 
-  // Paints all polygons added since the last call into the mask, whose former picture is lost.
-  // REQUIRES: the mask has this rasterizer's size.
-  void paint(Mask& mask);
+  // Paints all polygons added since the last call, over the former picture. Valid until the next call.
+  const Mask& paint(FillRule rule = FillRule::NonZero);
 
  private:
-  // The winding number one, and the height of one row, in the units of the sums: 2^15. Up to 65,535 polygons
-  // may overlap in a pixel.
-  static constexpr int kOneBits = 15;
-  static constexpr std::int32_t kOne = 1 << kOneBits;
+  // What of a side is still to be worked off, from the top down.
+  struct CoveredSide {
+    std::int64_t x, end_x;  // columns, in 2^-32
+    std::int64_t slope;     // the same for each row
+    double steepness;       // units of height for each column, positive
+    std::int32_t y, end_y;  // rows, in units of 1 / CoverageBand::kOne
+    std::int32_t sign;      // +1 when it runs downwards
+    std::uint32_t next;     // in the band's list
+  };
+  struct CenterSide {
+    double x, y;                // its upper end
+    double slope;               // columns for each row
+    std::int32_t row, end_row;  // whose centre lines it crosses
+    std::int32_t sign;
+    std::uint32_t next;
+  };
 
-  void add_covered(PixelPoint from, PixelPoint to);
-  void add_centers(PixelPoint from, PixelPoint to);
-  void add_row_cover(std::int32_t row, double left, double right, std::int32_t cover, std::int32_t sign);
-  void add_delta(std::int32_t row, std::int32_t column, std::int32_t delta);
-  void paint_row(std::int32_t row, std::span<std::uint8_t> pixels);
+  void add_covered(PixelPoint from, PixelPoint to, std::int32_t sign);
+  void add_covered_within(PixelPoint from, PixelPoint to, std::int32_t sign);
+  void add_centers(PixelPoint from, PixelPoint to, std::int32_t sign);
+  template <typename Side>
+  void work_off(std::vector<Side>& sides, std::int32_t first_row);
+  // Whether the side ends there.
+  bool work_off_in_band(CoveredSide& side, std::int32_t first_row, std::int32_t end_row);
+  bool work_off_in_band(CenterSide& side, std::int32_t first_row, std::int32_t end_row);
+  [[nodiscard]] std::uint32_t& first_side_at(std::int32_t row) {
+    return first_side_[static_cast<std::size_t>(row >> band_bits_)];
+  }
 
+  Mask mask_;
   std::int32_t width_, height_;
   AntiAliasing anti_aliasing_;
-  std::size_t words_per_row_;
-  std::vector<std::int32_t> deltas_;    // change of the winding number at a pixel against its left neighbour
-  std::vector<std::uint64_t> touched_;  // a bit a pixel: deltas_ may be other than 0 there
-  std::vector<std::uint8_t> row_used_;
+  CoverageBand band_;
+  int band_bits_;                           // 2^band_bits_ rows a band
+  std::vector<CoveredSide> covered_sides_;  // with anti-aliasing
+  std::vector<CenterSide> center_sides_;    // without
+  std::vector<std::uint32_t> first_side_;   // by band: the side's number
+  std::vector<std::uint64_t> dark_, full_;  // what mask_ holds, see RowBlocks
 };
 
 }  // namespace contourd

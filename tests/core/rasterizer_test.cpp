@@ -30,9 +30,7 @@ Mask painted(int width, int height, AntiAliasing anti_aliasing, const std::vecto
   Rasterizer rasterizer(Pixels{width}, Pixels{height}, anti_aliasing);
   for (const Polygon& polygon : polygons)
     add(rasterizer, polygon);
-  Mask mask(Pixels{width}, Pixels{height});
-  rasterizer.paint(mask);
-  return mask;
+  return rasterizer.paint();
 }
 
 Polygon box(double left, double top, double right, double bottom) {
@@ -255,9 +253,7 @@ TEST_CASE("Sixty thousand polygons over each other are still lit") {
   Rasterizer rasterizer(Pixels{4}, Pixels{4}, AntiAliasing::On);
   for (int i = 0; i < 60'000; ++i)
     add(rasterizer, box(1, 1, 3, 3));
-  Mask mask(Pixels{4}, Pixels{4});
-  rasterizer.paint(mask);
-  CHECK(mask.lit_area() == 4.0);
+  CHECK(rasterizer.paint().lit_area() == 4.0);
 }
 
 TEST_CASE("Nothing spills out of a closed polygon's reach") {
@@ -386,17 +382,11 @@ TEST_CASE(
 TEST_CASE("Painting replaces the mask and leaves nothing for the next") {
   for (const AntiAliasing mode : kBoth) {
     Rasterizer rasterizer(Pixels{100}, Pixels{10}, mode);
-    Mask mask(Pixels{100}, Pixels{10});
-    for (std::int32_t y = 0; y < 10; ++y)
-      std::ranges::fill(mask.row(y), std::uint8_t{77});
     add(rasterizer, box(5, 2, 95, 4));
-    rasterizer.paint(mask);
-    CHECK(mask.lit_area() == 180.0);
-    rasterizer.paint(mask);
-    CHECK(mask.lit_pixels() == 0);
+    CHECK(rasterizer.paint().lit_area() == 180.0);
+    CHECK(rasterizer.paint().lit_pixels() == 0);
     add(rasterizer, box(1, 3, 2, 4));
-    rasterizer.paint(mask);
-    CHECK(mask.lit_pixels() == 1);
+    CHECK(rasterizer.paint().lit_pixels() == 1);
   }
 }
 

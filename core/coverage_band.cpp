@@ -1,0 +1,160 @@
+#include "core/coverage_band.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <utility>
+
+namespace contourd {
+namespace {
+
+constexpr std::size_t kBlock = CoverageBand::kBlock;
+constexpr std::size_t kChunk = kBlock * kBlock;
+
+// Cells of one band: 256 KB, a quarter of a Cortex-A72's second cache.
+constexpr std::size_t kBandCells = std::size_t{1} << 15;
+constexpr std::size_t kFewestRows = 2;
+
+template <FillRule rule>
+std::uint8_t grey_of(std::uint32_t winding) {
+  constexpr std::uint32_t one = CoverageBand::kOne;
+  const auto sign =
+      static_cast<std::uint32_t>(static_cast<std::int32_t>(winding) >> 31);  // all ones when negative
+  const std::uint32_t magnitude = rule == FillRule::NonZero ? (winding ^ sign) - sign : winding & ~sign;
+  return static_cast<std::uint8_t>((std::min(magnitude, one) * 255U + one / 2) >> CoverageBand::kOneBits);
+}
+
+// Ones from bit `from` up to, not including, bit `to`.
+std::uint64_t bits_between(std::size_t from, std::size_t to) {
+  const std::uint64_t below_to = to < 64 ? (std::uint64_t{1} << to) - 1 : ~std::uint64_t{0};
+  return from < 64 ? below_to & (~std::uint64_t{0} << from) : 0;
+}
+
+// Makes the given blocks of a chunk one grey value.
+void fill_blocks(std::uint64_t blocks, std::uint8_t grey, std::size_t chunk, std::span<std::uint8_t> pixels) {
+  while (blocks != 0) {
+    // Runs of neighbours at once.
+    const auto first = static_cast<std::size_t>(std::countr_zero(blocks));
+    const auto count = static_cast<std::size_t>(std::countr_one(blocks >> first));
+    const std::size_t begin = chunk * kChunk + first * kBlock;
+    std::memset(pixels.data() + begin, grey, std::min(count * kBlock, pixels.size() - begin));
+    blocks &= ~bits_between(first, first + count);
+  }
+}
+
+// One chunk's state while its row is painted.
+struct ChunkState {
+  std::uint64_t dark, full;
+
+  // Gives those of the blocks that are not so already.
+  std::uint64_t make(std::uint64_t blocks, std::uint8_t grey) {
+    const std::uint64_t to_write = grey == 0 ? blocks & ~dark : grey == 255 ? blocks & ~full : blocks;
+    dark = grey == 0 ? dark | blocks : dark & ~blocks;
+    full = grey == 255 ? full | blocks : full & ~blocks;
+    return to_write;
+  }
+};
+
+void copy_block(const std::uint8_t* from, std::span<std::uint8_t> to) {
+  if (to.size() >= kBlock) {
+    std::memcpy(to.data(), from, kBlock);
+  } else {
+    std::memcpy(to.data(), from, to.size());
+  }
+}
+
+}  // namespace
+
+CoverageBand::CoverageBand(std::int32_t width)
+    : stride_((static_cast<std::size_t>(width) + 1 + kBlock - 1) / kBlock * kBlock),
+      blocks_(stride_ / kBlock),
+      chunks_((blocks_ + kBlock - 1) / kBlock),
+      rows_(static_cast<std::int32_t>(std::bit_floor(std::max(kFewestRows, kBandCells / stride_)))) {
+  const auto rows = static_cast<std::size_t>(rows_);
+  cells_.assign(rows * stride_, 0);
+  touched_.assign(rows * blocks_, 0);
+  used_.assign(rows * chunks_, 0);
+  columns_.resize(kChunk + 4);
+  line_.resize(stride_ + kBlock + 1);
+}
+
+void CoverageBand::paint(std::int32_t row, FillRule rule, std::span<std::uint8_t> pixels, RowBlocks state) {
+  const auto line = static_cast<std::size_t>(row);
+  if (rule == FillRule::NonZero) {
+    paint_row<FillRule::NonZero>(line, pixels, state);
+  } else {
+    paint_row<FillRule::Positive>(line, pixels, state);
+  }
+}
+
+// The columns that hold something in the blocks of `used`, and each such block's first. Few branches: how
+// many columns a block has cannot be foreseen, and a wrong guess costs more than handling four.
+std::size_t CoverageBand::take_columns(std::size_t row, std::size_t chunk, std::uint64_t used) {
+  std::size_t count = 0;
+  for (; used != 0; used &= used - 1) {
+    const std::size_t block = chunk * kBlock + static_cast<std::size_t>(std::countr_zero(used));
+    std::uint64_t bits = std::exchange(touched_[row * blocks_ + block], 0) | 1;
+    for (int i = 0; i < 4; ++i) {
+      columns_[count] =
+          static_cast<std::uint16_t>(block * kBlock + static_cast<std::size_t>(std::countr_zero(bits)));
+      count += bits != 0;
+      bits &= bits - 1;
+    }
+    for (; bits != 0; bits &= bits - 1) {
+      columns_[count++] =
+          static_cast<std::uint16_t>(block * kBlock + static_cast<std::size_t>(std::countr_zero(bits)));
+    }
+  }
+  return count;
+}
+
+// Paints the blocks of these columns into line_, and forgets their cells; gives the winding number at the
+// end.
+template <FillRule rule>
+std::uint32_t CoverageBand::paint_columns(std::size_t row, std::span<const std::uint16_t> columns,
+                                          std::uint32_t winding) {
+  std::uint64_t* const cells = cells_.data() + row * stride_;
+  for (const std::uint16_t column : columns) {
+    const std::uint64_t cell = std::exchange(cells[column], 0U);
+    const auto share = static_cast<std::uint32_t>(cell);
+    line_[column] = grey_of<rule>(winding + share);
+    // The share's sign has borrowed from the cover's half.
+    winding += static_cast<std::uint32_t>(cell >> 32) + (share >> 31);
+    // All that follow in this block, as far as no later column paints over them.
+    std::memset(line_.data() + column + 1, grey_of<rule>(winding), kBlock);
+  }
+  return winding;
+}
+
+template <FillRule rule>
+void CoverageBand::paint_row(std::size_t row, std::span<std::uint8_t> pixels, RowBlocks state) {
+  const std::size_t pixel_blocks = (pixels.size() + kBlock - 1) / kBlock;
+  std::uint32_t winding = 0;
+  for (std::size_t chunk = 0; chunk < chunks_; ++chunk) {
+    const std::size_t first_block = chunk * kBlock;
+    // Of this chunk; the last may hold a block without pixels.
+    const std::size_t end = std::min(pixel_blocks - first_block, kBlock);
+    const std::uint64_t used = std::exchange(used_[row * chunks_ + chunk], 0);
+    ChunkState blocks{state.dark[chunk] & ~used, state.full[chunk] & ~used};
+    std::uint8_t grey = grey_of<rule>(winding);
+    winding = paint_columns<rule>(row, std::span(columns_).first(take_columns(row, chunk, used)), winding);
+    std::size_t next = 0;
+    const auto fill_up_to = [&](std::size_t block) {
+      const std::uint64_t to_write = blocks.make(bits_between(next, block), grey);
+      if (to_write != 0) fill_blocks(to_write, grey, chunk, pixels);
+    };
+    for (std::uint64_t rest = used & bits_between(0, end); rest != 0; rest &= rest - 1) {
+      const auto block = static_cast<std::size_t>(std::countr_zero(rest));
+      if (block > next) fill_up_to(block);
+      const std::size_t begin = (first_block + block) * kBlock;
+      copy_block(line_.data() + begin, pixels.subspan(begin));
+      grey = line_[begin + kBlock];  // where no used block follows, what the last column left there
+      next = block + 1;
+    }
+    if (next < end) fill_up_to(end);
+    state.dark[chunk] = blocks.dark;
+    state.full[chunk] = blocks.full;
+  }
+}
+
+}  // namespace contourd
