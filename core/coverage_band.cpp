@@ -73,7 +73,7 @@ CoverageBand::CoverageBand(std::int32_t width)
   const auto rows = static_cast<std::size_t>(rows_);
   cells_.assign(rows * stride_, 0);
   touched_.assign(rows * blocks_, 0);
-  used_.assign(rows * chunks_, 0);
+  used_.assign(rows * chunks_ * kBlock, 0);
   columns_.resize(kChunk + 4);
   line_.resize(stride_ + kBlock + 1);
 }
@@ -85,6 +85,20 @@ void CoverageBand::paint(std::int32_t row, FillRule rule, std::span<std::uint8_t
   } else {
     paint_row<FillRule::Positive>(line, pixels, state);
   }
+}
+
+// A bit for each block of the chunk that is in use; none is after that.
+std::uint64_t CoverageBand::take_used(std::size_t row, std::size_t chunk) {
+  std::uint8_t* const bytes = used_.data() + (row * chunks_ + chunk) * kBlock;
+  std::uint64_t used = 0;
+  for (std::size_t i = 0; i < kBlock; i += 8) {
+    std::uint64_t eight = 0;
+    std::memcpy(&eight, bytes + i, sizeof eight);
+    // Byte k's lowest bit comes to lie in bit 56 + k of the product, without any carry.
+    used |= (eight * 0x0102040810204080U >> 56) << i;
+  }
+  if (used != 0) std::memset(bytes, 0, kBlock);
+  return used;
 }
 
 // The columns that hold something in the blocks of `used`, and each such block's first. Few branches: how
@@ -134,7 +148,7 @@ void CoverageBand::paint_row(std::size_t row, std::span<std::uint8_t> pixels, Ro
     const std::size_t first_block = chunk * kBlock;
     // Of this chunk; the last may hold a block without pixels.
     const std::size_t end = std::min(pixel_blocks - first_block, kBlock);
-    const std::uint64_t used = std::exchange(used_[row * chunks_ + chunk], 0);
+    const std::uint64_t used = take_used(row, chunk);
     ChunkState blocks{state.dark[chunk] & ~used, state.full[chunk] & ~used};
     std::uint8_t grey = grey_of<rule>(winding);
     winding = paint_columns<rule>(row, std::span(columns_).first(take_columns(row, chunk, used)), winding);

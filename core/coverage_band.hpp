@@ -54,13 +54,13 @@ class CoverageBand {
     void add(std::size_t column, std::uint64_t cell) const {
       cells_[column] += cell;
       touched_[column / kBlock] |= std::uint64_t{1} << column % kBlock;
-      used_[column / (kBlock * kBlock)] |= std::uint64_t{1} << column / kBlock % kBlock;
+      used_[column / kBlock] = 1;
     }
     // To the row below. REQUIRES: there is one, or nothing is added any more.
     void step() {
       cells_ += band_->stride_;
       touched_ += band_->blocks_;
-      used_ += band_->chunks_;
+      used_ += band_->chunks_ * kBlock;
     }
 
    private:
@@ -69,12 +69,12 @@ class CoverageBand {
         : band_(&band),
           cells_(band.cells_.data() + row * band.stride_),
           touched_(band.touched_.data() + row * band.blocks_),
-          used_(band.used_.data() + row * band.chunks_) {}
+          used_(band.used_.data() + row * band.chunks_ * kBlock) {}
 
     const CoverageBand* band_;
     std::uint64_t* cells_;
     std::uint64_t* touched_;
-    std::uint64_t* used_;
+    std::uint8_t* used_;
   };
   // REQUIRES: 0 <= row < rows().
   [[nodiscard]] Row row(std::int32_t row) { return {*this, static_cast<std::size_t>(row)}; }
@@ -86,6 +86,7 @@ class CoverageBand {
  private:
   template <FillRule rule>
   void paint_row(std::size_t row, std::span<std::uint8_t> pixels, RowBlocks state);
+  [[nodiscard]] std::uint64_t take_used(std::size_t row, std::size_t chunk);
   [[nodiscard]] std::size_t take_columns(std::size_t row, std::size_t chunk, std::uint64_t used);
   template <FillRule rule>
   [[nodiscard]] std::uint32_t paint_columns(std::size_t row, std::span<const std::uint16_t> columns,
@@ -99,7 +100,7 @@ class CoverageBand {
   std::int32_t rows_;
   std::vector<std::uint64_t> cells_;
   std::vector<std::uint64_t> touched_;  // a bit a column
-  std::vector<std::uint64_t> used_;     // a bit a block
+  std::vector<std::uint8_t> used_;      // a byte a block, 0 or 1, whole chunks a row
   // While a row is painted: columns in use, and its pixels.
   std::vector<std::uint16_t> columns_;
   std::vector<std::uint8_t> line_;

@@ -115,62 +115,75 @@ void Rasterizer::add_loops(const Contours& contours, const PixelMap& map) {
 }
 
 void Rasterizer::add_side(PixelPoint from, PixelPoint to) {
+  if (anti_aliasing_ == AntiAliasing::On) {
+    add_covered(from, to);
+  } else {
+    add_centers(from, to);
+  }
+}
+
+void Rasterizer::add_covered(PixelPoint from, PixelPoint to) {
+  const double width = width_;
+  const double height = height_;
+  if (std::min({from.x, from.y, to.x, to.y}) >= 0.0 && std::max(from.x, to.x) <= width &&
+      std::max(from.y, to.y) <= height) {
+    add_covered_within(from, to);
+  } else if (std::max(from.y, to.y) > 0.0 && std::min(from.y, to.y) < height) {
+    add_cut(from, to);
+  }
+}
+
+// Cuts a side at the display's edges. What lies left of it changes all pixels of the row alike, as if it were
+// on the edge; what lies right of it, above or below changes none.
+void Rasterizer::add_cut(PixelPoint from, PixelPoint to) {
+  const double width = width_;
+  const double height = height_;
+  const auto held = [height](PixelPoint p, PixelPoint from_there) {
+    const double y = std::clamp(p.y, 0.0, height);
+    return y == p.y ? p : PixelPoint{x_at(p, from_there, y), y};
+  };
+  const PixelPoint start = held(from, to);
+  const PixelPoint end = held(to, from);
+  const auto point_at = [&](double x, PixelPoint otherwise) {
+    return (start.x < x) == (end.x < x) ? otherwise : PixelPoint{x, y_at(start, end, x)};
+  };
+  const auto within = [width](PixelPoint p) { return PixelPoint{std::clamp(p.x, 0.0, width), p.y}; };
+  const PixelPoint entry = within(point_at(start.x < end.x ? 0.0 : width, start));
+  const PixelPoint exit = within(point_at(start.x < end.x ? width : 0.0, end));
+  add_covered_within(within(start), entry);
+  add_covered_within(entry, exit);
+  add_covered_within(exit, within(end));
+}
+
+// REQUIRES: both ends on the display or its edges.
+void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to) {
+  // Heights in whole units: where two sides meet they are rounded alike, so what one side leaves the other
+  // takes up.
+  const std::int32_t from_y = rounded(from.y * kOne);
+  const std::int32_t to_y = rounded(to.y * kOne);
+  if (from_y == to_y) return;
+  const std::int64_t from_x = fixed_column(from.x);
+  const std::int64_t to_x = fixed_column(to.x);
+  // Numbers are chosen, not branches: which way a side runs cannot be foreseen.
+  const bool down = from_y < to_y;
+  const std::int32_t top = down ? from_y : to_y;
+  const std::int64_t width = down ? to_x - from_x : from_x - to_x;
+  const double height = std::abs(to_y - from_y);
+  const double columns = static_cast<double>(width) / kColumn;
+  std::uint32_t& first = first_side_at(top >> kOneBits);
+  covered_sides_.push_back({down ? from_x : to_x, down ? to_x : from_x,
+                            static_cast<std::int64_t>(static_cast<double>(width) * kOne / height),
+                            height / std::max(std::fabs(columns), kLeastWidth), top, down ? to_y : from_y,
+                            down ? 1 : -1, first});
+  first = static_cast<std::uint32_t>(covered_sides_.size() - 1);
+}
+
+void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
   std::int32_t sign = 1;
   if (to.y < from.y) {
     sign = -1;
     std::swap(from, to);
   }
-  if (to.y <= 0.0 || from.y >= height_) return;
-  if (anti_aliasing_ == AntiAliasing::On) {
-    add_covered(from, to, sign);
-  } else {
-    add_centers(from, to, sign);
-  }
-}
-
-void Rasterizer::add_covered(PixelPoint from, PixelPoint to, std::int32_t sign) {
-  const double width = width_;
-  const double height = height_;
-  if (from.y < 0.0 || to.y > height) {
-    const PixelPoint top = from.y < 0.0 ? PixelPoint{x_at(from, to, 0.0), 0.0} : from;
-    to = to.y > height ? PixelPoint{x_at(from, to, height), height} : to;
-    from = top;
-  }
-  if (std::min(from.x, to.x) >= 0.0 && std::max(from.x, to.x) <= width) {
-    add_covered_within(from, to, sign);
-    return;
-  }
-  // Cut at the display's left and right edge. What lies left of it changes all pixels of the row alike, as if
-  // it were on the edge; what lies right of it changes none.
-  const auto within = [width](PixelPoint p) { return PixelPoint{std::clamp(p.x, 0.0, width), p.y}; };
-  const auto cut_at = [&](double x) {
-    return (from.x < x) == (to.x < x) ? from : PixelPoint{x, y_at(from, to, x)};
-  };
-  PixelPoint first_cut = cut_at(from.x < to.x ? 0.0 : width);
-  PixelPoint second_cut = cut_at(from.x < to.x ? width : 0.0);
-  if (second_cut.y < first_cut.y) second_cut = first_cut;
-  add_covered_within(within(from), within(first_cut), sign);
-  add_covered_within(within(first_cut), within(second_cut), sign);
-  add_covered_within(within(second_cut), within(to), sign);
-}
-
-// REQUIRES: from.y <= to.y, both ends on the display or its edges.
-void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to, std::int32_t sign) {
-  // Heights in whole units: where two sides meet they are rounded alike, so what one side leaves the other
-  // takes up.
-  const std::int32_t top = rounded(from.y * kOne);
-  const std::int32_t bottom = rounded(to.y * kOne);
-  if (top == bottom) return;
-  const double dx = to.x - from.x;
-  const double dy = bottom - top;
-  std::uint32_t& first = first_side_at(top >> kOneBits);
-  covered_sides_.push_back({fixed_column(from.x), fixed_column(to.x),
-                            static_cast<std::int64_t>(dx * (kColumn * kOne) / dy), dy / std::fabs(dx), top,
-                            bottom, sign, first});
-  first = static_cast<std::uint32_t>(covered_sides_.size() - 1);
-}
-
-void Rasterizer::add_centers(PixelPoint from, PixelPoint to, std::int32_t sign) {
   // Rows whose centre line y lies in [from.y, to.y).
   const double height = height_;
   const auto first_row = static_cast<std::int32_t>(std::ceil(std::clamp(from.y - 0.5, 0.0, height)));

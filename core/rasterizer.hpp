@@ -60,9 +60,10 @@ class Rasterizer {
     std::uint32_t next;
   };
 
-  void add_covered(PixelPoint from, PixelPoint to, std::int32_t sign);
-  void add_covered_within(PixelPoint from, PixelPoint to, std::int32_t sign);
-  void add_centers(PixelPoint from, PixelPoint to, std::int32_t sign);
+  void add_covered(PixelPoint from, PixelPoint to);
+  void add_cut(PixelPoint from, PixelPoint to);
+  void add_covered_within(PixelPoint from, PixelPoint to);
+  void add_centers(PixelPoint from, PixelPoint to);
   template <typename Side>
   void work_off(std::vector<Side>& sides, std::int32_t first_row);
   // Whether the side ends there.

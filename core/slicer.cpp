@@ -1,23 +1,76 @@
 #include "core/slicer.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
+#include <limits>
+#include <span>
 
 namespace contourd {
 namespace {
 
-// The finalizer of SplitMix64 (Steele, Lea, Flood 2014): every input bit moves about half of the output's.
-std::uint64_t mix(std::uint64_t bits) {
-  bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9U;
-  bits = (bits ^ (bits >> 27)) * 0x94D049BB133111EBU;
-  return bits ^ (bits >> 31);
+// 64 bits by 64 bits, both halves of the product mixed (as in wyhash): cheap, and every bit of both tells.
+std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
+  __extension__ using Wide = unsigned __int128;
+  const Wide product = static_cast<Wide>(a) * b;
+  return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
+}
+
+// Which vertices a crossed facet's segment comes from: it runs from the side (from_lower, from_upper) to the
+// side (to_lower, to_upper).
+struct CrossedSides {
+  std::uint8_t from_lower, from_upper, to_lower, to_upper;
+};
+
+// By which vertices are above: bit i for vertex i. Wound counter-clockwise seen from outside, a facet is
+// entered where its outline comes down through the plane and left where it goes up, so that the inside is on
+// the left.
+constexpr std::array<CrossedSides, 8> kCrossedSides{{
+    {},            // none above
+    {1, 0, 2, 0},  // 0
+    {2, 1, 0, 1},  // 1
+    {2, 1, 2, 0},  // 0 and 1
+    {0, 2, 1, 2},  // 2
+    {1, 0, 1, 2},  // 0 and 2
+    {0, 2, 0, 1},  // 1 and 2
+    {},            // all
+}};
+
+// Facets are looked through this many at a time: first which are crossed, then their segments.
+constexpr std::size_t kBatch = 256;
+
+struct Crossing {
+  std::uint16_t facet;  // in the batch
+  std::uint16_t above;  // bit i: vertex i
+};
+
+// The largest float that is not above z: a float is above one when it is above the other.
+float rounded_down(double z) {
+  const auto nearest = static_cast<float>(z);
+  return nearest > z ? std::nextafter(nearest, -std::numeric_limits<float>::infinity()) : nearest;
+}
+
+// Gives how many were found. Without branches: whether a candidate is crossed cannot be foreseen, and a wrong
+// guess costs more than the whole test.
+std::size_t find_crossings(std::span<const Facet> batch, float z, std::span<Crossing, kBatch> crossings) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    const auto& v = batch[i].vertices;
+    const unsigned above = unsigned{v[0].z > z} | unsigned{v[1].z > z} << 1U | unsigned{v[2].z > z} << 2U;
+    crossings[count] = {static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(above)};
+    count += above != 0 && above != 7;
+  }
+  return count;
 }
 
 }  // namespace
 
 std::uint64_t hash_of(const Point& point) {
+  // Neither constant is a number's bits, so that no factor becomes 0.
   const std::uint64_t x = std::bit_cast<std::uint64_t>(point.x + 0.0);  // -0 + 0 is 0
   const std::uint64_t y = std::bit_cast<std::uint64_t>(point.y + 0.0);
-  return mix(x ^ mix(y + 0x9E3779B97F4A7C15U));
+  return mix(x ^ 0xFFF4D049BB133111U, y ^ 0xFFF8476D1CE4E5B9U);
 }
 
 void slice_at(const HeightIndex& model, double z, Section& section) {
@@ -26,24 +79,24 @@ void slice_at(const HeightIndex& model, double z, Section& section) {
   // Sum over all segments of hash(from) - hash(to): zero when starts and ends are the same multiset of
   // points. A chance zero of an unbalanced section has odds of 2^-64.
   std::uint64_t imbalance = 0;
+  std::array<Crossing, kBatch> crossings;
+  const float float_z = rounded_down(z);
   model.for_each_candidate_run(z, [&](std::span<const Facet> run) {
-    for (const Facet& facet : run) {
-      const auto& v = facet.vertices;
-      const bool above[3] = {v[0].z > z, v[1].z > z, v[2].z > z};
-      const int count = above[0] + above[1] + above[2];
-      if (count == 0 || count == 3) continue;
-      ++section.intersecting_facets;
-      // The vertex that is alone on its side of the plane, and the other two in the facet's winding.
-      const bool lone_above = count == 1;
-      const std::size_t lone = above[0] == lone_above ? 0U : above[1] == lone_above ? 1U : 2U;
-      const Vertex& a = v[lone];
-      const Vertex& b = v[(lone + 1) % 3];
-      const Vertex& c = v[(lone + 2) % 3];
-      const Segment segment = lone_above ? Segment{intersect_side(b, a, z), intersect_side(c, a, z)}
-                                         : Segment{intersect_side(a, c, z), intersect_side(a, b, z)};
-      if (segment.from == segment.to) continue;
-      imbalance += hash_of(segment.from) - hash_of(segment.to);
-      section.segments.push_back(segment);
+    while (!run.empty()) {
+      const std::span<const Facet> batch = run.first(std::min(run.size(), kBatch));
+      run = run.subspan(batch.size());
+      const std::span<const Crossing> crossed =
+          std::span(crossings).first(find_crossings(batch, float_z, crossings));
+      section.intersecting_facets += static_cast<std::uint32_t>(crossed.size());
+      for (const Crossing& crossing : crossed) {
+        const auto& v = batch[crossing.facet].vertices;
+        const CrossedSides sides = kCrossedSides[crossing.above];
+        const Segment segment{intersect_side(v[sides.from_lower], v[sides.from_upper], z),
+                              intersect_side(v[sides.to_lower], v[sides.to_upper], z)};
+        if (segment.from == segment.to) continue;
+        imbalance += hash_of(segment.from) - hash_of(segment.to);
+        section.segments.push_back(segment);
+      }
     }
   });
   section.balanced = imbalance == 0;
