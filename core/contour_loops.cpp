@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace contourd {
 namespace {
@@ -39,6 +40,9 @@ void ContourLinker::link(std::span<const Segment> segments, Millimeters toleranc
   contours.loops.clear();
   contours.open_chains = contours.gaps_closed = contours.repaired_loops = 0;
   contours.widest_gap = Millimeters{};
+  if (link_simple(segments, contours)) return;
+  contours.points.clear();
+  contours.loops.clear();
   chain_points_.clear();
   chains_.clear();
   build_nodes(segments);
@@ -46,6 +50,44 @@ void ContourLinker::link(std::span<const Segment> segments, Millimeters toleranc
   walk_chains(segments, contours);
   walk_loops(segments, contours);
   if (!chains_.empty()) join_chains(tolerance, contours);
+}
+
+// Most sections: at every point one segment starts and one ends. False when it is otherwise; `contours` then
+// holds nothing of use.
+bool ContourLinker::link_simple(std::span<const Segment> segments, Contours& contours) {
+  const auto count = static_cast<std::uint32_t>(segments.size());
+  slots_.assign(std::bit_ceil(std::size_t{count} * 2 + 1), kNone);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::uint32_t& slot = slot_of(segments[i].from, segments);
+    if (slot != kNone) return false;
+    slot = i;
+  }
+  next_.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    next_[i] = slot_of(segments[i].to, segments);
+    if (next_[i] == kNone) return false;
+  }
+  for (std::uint32_t first = 0; first < count; ++first) {
+    if (next_[first] == kNone) continue;
+    const auto first_point = static_cast<std::uint32_t>(contours.points.size());
+    std::uint32_t i = first;
+    do {
+      contours.points.push_back(segments[i].from);
+      i = std::exchange(next_[i], kNone);
+    } while (next_[i] != kNone);
+    if (i != first) return false;  // two segments end in one point
+    contours.loops.push_back({first_point, static_cast<std::uint32_t>(contours.points.size()) - first_point});
+  }
+  return true;
+}
+
+// The slot of the segment that starts in this point, or the free one where it would be.
+std::uint32_t& ContourLinker::slot_of(const Point& point, std::span<const Segment> segments) {
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t slot = hash_of(point) & mask;
+  while (slots_[slot] != kNone && !(segments[slots_[slot]].from == point))
+    slot = (slot + 1) & mask;
+  return slots_[slot];
 }
 
 void ContourLinker::build_nodes(std::span<const Segment> segments) {

@@ -70,6 +70,8 @@ class ContourLinker {
     std::uint32_t first_point, point_count;
   };
 
+  [[nodiscard]] bool link_simple(std::span<const Segment> segments, Contours& contours);
+  [[nodiscard]] std::uint32_t& slot_of(const Point& point, std::span<const Segment> segments);
   void build_nodes(std::span<const Segment> segments);
   std::uint32_t node_at(const Point& point);
   void drop_duplicates(std::span<const Segment> segments);
@@ -83,7 +85,9 @@ class ContourLinker {
   void join_chains(Millimeters tolerance, Contours& contours);
 
   std::vector<Node> nodes_;
-  std::vector<std::uint32_t> slots_;  // open addressing: node numbers by the hash of their point
+  std::vector<std::uint32_t>
+      slots_;  // open addressing, by the hash of a point: a node's or a segment's number
+  std::vector<std::uint32_t> next_;                 // by segment, while every point joins two
   std::vector<std::uint32_t> from_node_, to_node_;  // by segment
   std::vector<std::uint32_t> next_leaving_;         // by segment: the next one that leaves the same node
   std::vector<bool> used_;                          // by segment
