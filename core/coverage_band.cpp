@@ -91,7 +91,8 @@ void CoverageBand::paint(std::int32_t row, FillRule rule, std::span<std::uint8_t
 std::uint64_t CoverageBand::take_used(std::size_t row, std::size_t chunk) {
   std::uint8_t* const bytes = used_.data() + (row * chunks_ + chunk) * kBlock;
   std::uint64_t used = 0;
-  for (std::size_t i = 0; i < kBlock; i += 8) {
+  const std::size_t blocks = std::min(blocks_ - chunk * kBlock, kBlock);
+  for (std::size_t i = 0; i < blocks; i += 8) {
     std::uint64_t eight = 0;
     std::memcpy(&eight, bytes + i, sizeof eight);
     // Byte k's lowest bit comes to lie in bit 56 + k of the product, without any carry.

@@ -93,6 +93,7 @@ Rasterizer::Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing)
       band_(width_),
       band_bits_(std::countr_zero(static_cast<std::uint32_t>(band_.rows()))) {
   first_side_.assign(static_cast<std::size_t>((height_ - 1) >> band_bits_) + 1, kNone);
+  band_lit_.assign(first_side_.size(), 0);
   dark_.assign(band_.chunks() * static_cast<std::size_t>(height_), ~std::uint64_t{0});
   full_.assign(dark_.size(), 0);
 }
@@ -196,20 +197,28 @@ void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
 }
 
 const Mask& Rasterizer::paint(FillRule rule) {
-  const std::size_t chunks = band_.chunks();
   for (std::int32_t first_row = 0; first_row < height_; first_row += band_.rows()) {
-    work_off(covered_sides_, first_row);
-    work_off(center_sides_, first_row);
-    const std::int32_t end_row = std::min(first_row + band_.rows(), height_);
-    for (std::int32_t row = first_row; row < end_row; ++row) {
-      const std::size_t at = static_cast<std::size_t>(row) * chunks;
-      band_.paint(row - first_row, rule, mask_.row(row),
-                  {std::span(dark_).subspan(at, chunks), std::span(full_).subspan(at, chunks)});
-    }
+    std::uint8_t& lit = band_lit_[static_cast<std::size_t>(first_row >> band_bits_)];
+    const bool has_sides = first_side_at(first_row) != kNone;
+    if (!has_sides && lit == 0) continue;
+    lit = has_sides;
+    paint_band(first_row, rule);
   }
   covered_sides_.clear();
   center_sides_.clear();
   return mask_;
+}
+
+void Rasterizer::paint_band(std::int32_t first_row, FillRule rule) {
+  work_off(covered_sides_, first_row);
+  work_off(center_sides_, first_row);
+  const std::size_t chunks = band_.chunks();
+  const std::int32_t end_row = std::min(first_row + band_.rows(), height_);
+  for (std::int32_t row = first_row; row < end_row; ++row) {
+    const std::size_t at = static_cast<std::size_t>(row) * chunks;
+    band_.paint(row - first_row, rule, mask_.row(row),
+                {std::span(dark_).subspan(at, chunks), std::span(full_).subspan(at, chunks)});
+  }
 }
 
 // Adds the band's part of all sides that reach into it; what is left of a side goes to the next band's list.

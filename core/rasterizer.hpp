@@ -64,6 +64,7 @@ class Rasterizer {
   void add_cut(PixelPoint from, PixelPoint to);
   void add_covered_within(PixelPoint from, PixelPoint to);
   void add_centers(PixelPoint from, PixelPoint to);
+  void paint_band(std::int32_t first_row, FillRule rule);
   template <typename Side>
   void work_off(std::vector<Side>& sides, std::int32_t first_row);
   // Whether the side ends there.
@@ -81,6 +82,7 @@ class Rasterizer {
   std::vector<CoveredSide> covered_sides_;  // with anti-aliasing
   std::vector<CenterSide> center_sides_;    // without
   std::vector<std::uint32_t> first_side_;   // by band: the side's number
+  std::vector<std::uint8_t> band_lit_;      // by band: whether mask_ holds any light there
   std::vector<std::uint64_t> dark_, full_;  // what mask_ holds, see RowBlocks
 };
 
