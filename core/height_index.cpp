@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace contourd {
@@ -12,25 +12,57 @@ namespace {
 // KiB.
 constexpr std::size_t kDeepestLevelLimit = 16;
 
+struct HeightRange {
+  float low, high;
+};
+
+HeightRange heights_of(const Facet& facet) {
+  const auto& v = facet.vertices;
+  return {std::min({v[0].z, v[1].z, v[2].z}), std::max({v[0].z, v[1].z, v[2].z})};
+}
+
+// Six times the volume that the facets enclose: negative when they face inwards. Tetrahedra from a point of
+// the model, which keeps the digits of small models far from (0, 0, 0).
+double six_volumes_of(std::span<const Facet> facets) {
+  if (facets.empty()) return 0;
+  const Vertex origin = facets[0].vertices[0];
+  double sum = 0;
+  for (const Facet& facet : facets) {
+    const auto& [a, b, c] = facet.vertices;
+    const double ax = a.x - origin.x, ay = a.y - origin.y, az = a.z - origin.z;
+    const double bx = b.x - origin.x, by = b.y - origin.y, bz = b.z - origin.z;
+    const double cx = c.x - origin.x, cy = c.y - origin.y, cz = c.z - origin.z;
+    sum += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
+  }
+  return sum;
+}
+
 // A facet must be shorter than its cell by this factor, so that the rounding in cell_of() (a few units in the
 // 16th digit, times up to 2^16 cells) cannot place its ends two cells apart.
 constexpr double kCellMargin = 1.0 + 1e-9;
 
-struct HeightRange {
-  double low, high;
-};
-
-HeightRange height_range(const Facet& facet) {
-  const auto [a, b, c] = facet.vertices;
-  return {std::min({a.z, b.z, c.z}), std::max({a.z, b.z, c.z})};
+// The largest k with 2^k * part < 1, up to 1022; more when part is 0. REQUIRES: 0 <= part, not above 1 by
+// much.
+std::size_t halvings_above(double part) {
+  constexpr int kFractionBits = 52;
+  constexpr std::uint64_t kBias = 1023;
+  const std::uint64_t exponent = std::bit_cast<std::uint64_t>(part) >> kFractionBits;
+  return exponent < kBias ? static_cast<std::size_t>(kBias - 1 - exponent) : 0;
 }
 
 }  // namespace
 
 HeightIndex::HeightIndex(std::vector<Facet> facets)
     : facets_(std::move(facets)), bounds_(bounds_of(facets_)) {
+  if (six_volumes_of(facets_) < 0) turn_outwards();
   make_levels();
   if (!levels_.empty()) sort_into_cells();
+}
+
+void HeightIndex::turn_outwards() {
+  for (Facet& facet : facets_)
+    std::swap(facet.vertices[1], facet.vertices[2]);
+  turned_outwards_ = true;
 }
 
 void HeightIndex::make_levels() {
@@ -48,35 +80,30 @@ void HeightIndex::make_levels() {
   cell_starts_.assign(first_cell + 1, 0);
 }
 
-std::size_t HeightIndex::cell_of(const Facet& facet) const {
-  const auto [low, high] = height_range(facet);
-  const double reach = (high - low) * kCellMargin;
-  std::size_t level = levels_.size() - 1;
-  if (reach > 0.0) {
-    // The deepest k with 2^k <= H / reach.
-    const int exponent = std::ilogb(bounds_.size_z() / reach);
-    level = std::min(level, static_cast<std::size_t>(std::max(exponent, 0)));
-  }
+std::size_t HeightIndex::cell_of(float low, float high) const {
+  // The deepest level whose cells are higher than the facet.
+  const double reach = static_cast<double>(high) - static_cast<double>(low);
+  const double part_of_height = reach * kCellMargin * levels_[0].cells_per_mm;
+  const std::size_t level = std::min(levels_.size() - 1, halvings_above(part_of_height));
   return levels_[level].first_cell + cell_of(low, levels_[level]);
 }
 
 void HeightIndex::sort_into_cells() {
   // Counting sort: how many facets a cell has, where each cell starts, then each facet to its place.
-  for (const Facet& facet : facets_)
-    ++cell_starts_[cell_of(facet) + 1];
+  std::vector<std::uint32_t> cells(facets_.size());
+  for (std::size_t i = 0; i < facets_.size(); ++i) {
+    const auto [low, high] = heights_of(facets_[i]);
+    const std::size_t cell = cell_of(low, high);
+    cells[i] = static_cast<std::uint32_t>(cell);
+    ++cell_starts_[cell + 1];
+  }
   for (std::size_t cell = 1; cell < cell_starts_.size(); ++cell)
     cell_starts_[cell] += cell_starts_[cell - 1];
   std::vector<std::uint32_t> next(cell_starts_.begin(), cell_starts_.end() - 1);
-  std::vector<std::uint32_t> place(facets_.size());
-  for (std::size_t i = 0; i < facets_.size(); ++i)
-    place[i] = next[cell_of(facets_[i])]++;
-  // Follows the permutation's cycles, so that no second copy of the facets is needed.
-  for (std::uint32_t i = 0; i < place.size(); ++i) {
-    while (place[i] != i) {
-      const std::uint32_t target = place[i];
-      std::swap(facets_[i], facets_[target]);
-      std::swap(place[i], place[target]);
-    }
+  candidates_.resize(facets_.size());
+  for (std::size_t i = 0; i < facets_.size(); ++i) {
+    const auto [low, high] = heights_of(facets_[i]);
+    candidates_[next[cells[i]]++] = {low, high, static_cast<std::uint32_t>(i)};
   }
 }
 

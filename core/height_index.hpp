@@ -22,16 +22,24 @@ class HeightIndex {
  public:
   HeightIndex() = default;
 
-  // Takes the facets and reorders them in place; extra memory while building: 4 bytes a facet.
-  // REQUIRES: finite coordinates, fewer than 2^32 facets.
+  // Takes the facets as they are. Where they enclose a negative volume (an inside-out model), all are turned.
+  // Extra memory: 12 bytes a facet, 16 while building. REQUIRES: finite coordinates, fewer than 2^32 facets.
   explicit HeightIndex(std::vector<Facet> facets);
 
-  // All facets, flat ones included, in the index's order.
+  // All facets, flat ones included, in the order given.
   [[nodiscard]] std::span<const Facet> facets() const { return facets_; }
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
+  // Whether the model was inside out, so that its facets had to be turned.
+  [[nodiscard]] bool turned_outwards() const { return turned_outwards_; }
 
-  // Calls visit(span of facets) for runs that hold every facet crossed by the plane at z (millimetres, model
-  // coordinates), and some that are not crossed. Allocates nothing.
+  // A facet by its number in facets(), and between which heights it lies.
+  struct Candidate {
+    float low, high;
+    std::uint32_t facet;
+  };
+
+  // Calls visit(span of candidates) for runs that hold every facet crossed by the plane at z (millimetres,
+  // model coordinates), and some that are not crossed. Allocates nothing.
   template <typename Visit>
   void for_each_candidate_run(double z, Visit&& visit) const {
     if (!(z >= bounds_.min_z && z < bounds_.max_z)) return;
@@ -40,7 +48,7 @@ class HeightIndex {
       const std::size_t first = level.first_cell + (cell > 0 ? cell - 1 : 0);
       const std::uint32_t begin = cell_starts_[first];
       const std::uint32_t end = cell_starts_[level.first_cell + cell + 1];
-      if (begin != end) visit(std::span<const Facet>(facets_).subspan(begin, end - begin));
+      if (begin != end) visit(std::span<const Candidate>(candidates_).subspan(begin, end - begin));
     }
   }
 
@@ -55,14 +63,17 @@ class HeightIndex {
     const auto cell = static_cast<std::size_t>((z - bounds_.min_z) * level.cells_per_mm);
     return cell < level.cells ? cell : level.cells - 1;
   }
-  [[nodiscard]] std::size_t cell_of(const Facet& facet) const;
+  [[nodiscard]] std::size_t cell_of(float low, float high) const;
+  void turn_outwards();
   void make_levels();
   void sort_into_cells();
 
   std::vector<Facet> facets_;
   Bounds bounds_;
+  bool turned_outwards_ = false;
   std::vector<Level> levels_;               // none for a model without height
-  std::vector<std::uint32_t> cell_starts_;  // facets_ offsets, one more than there are cells
+  std::vector<Candidate> candidates_;       // cell by cell
+  std::vector<std::uint32_t> cell_starts_;  // candidates_ offsets, one more than there are cells
 };
 
 }  // namespace contourd

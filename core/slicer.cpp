@@ -40,28 +40,32 @@ constexpr std::array<CrossedSides, 8> kCrossedSides{{
 // Facets are looked through this many at a time: first which are crossed, then their segments.
 constexpr std::size_t kBatch = 256;
 
-struct Crossing {
-  std::uint16_t facet;  // in the batch
-  std::uint16_t above;  // bit i: vertex i
-};
-
 // The largest float that is not above z: a float is above one when it is above the other.
 float rounded_down(double z) {
   const auto nearest = static_cast<float>(z);
   return nearest > z ? std::nextafter(nearest, -std::numeric_limits<float>::infinity()) : nearest;
 }
 
-// Gives how many were found. Without branches: whether a candidate is crossed cannot be foreseen, and a wrong
-// guess costs more than the whole test.
-std::size_t find_crossings(std::span<const Facet> batch, float z, std::span<Crossing, kBatch> crossings) {
+// Gives how many of the candidates are crossed, and their facets. Without branches: which are cannot be
+// foreseen, and a wrong guess costs more than the whole test.
+std::size_t find_crossed(std::span<const HeightIndex::Candidate> candidates, float z,
+                         std::span<std::uint32_t, kBatch> crossed) {
   std::size_t count = 0;
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    const auto& v = batch[i].vertices;
-    const unsigned above = unsigned{v[0].z > z} | unsigned{v[1].z > z} << 1U | unsigned{v[2].z > z} << 2U;
-    crossings[count] = {static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(above)};
-    count += above != 0 && above != 7;
+  for (const HeightIndex::Candidate& candidate : candidates) {
+    crossed[count] = candidate.facet;
+    count += static_cast<std::size_t>(candidate.low <= z) & static_cast<std::size_t>(candidate.high > z);
   }
   return count;
+}
+
+// REQUIRES: the facet is crossed. `float_z` is z rounded down.
+Segment segment_of(const Facet& facet, double z, float float_z) {
+  const auto& v = facet.vertices;
+  const unsigned above =
+      unsigned{v[0].z > float_z} | unsigned{v[1].z > float_z} << 1U | unsigned{v[2].z > float_z} << 2U;
+  const CrossedSides sides = kCrossedSides[above];
+  return {intersect_side(v[sides.from_lower], v[sides.from_upper], z),
+          intersect_side(v[sides.to_lower], v[sides.to_upper], z)};
 }
 
 }  // namespace
@@ -79,20 +83,15 @@ void slice_at(const HeightIndex& model, double z, Section& section) {
   // Sum over all segments of hash(from) - hash(to): zero when starts and ends are the same multiset of
   // points. A chance zero of an unbalanced section has odds of 2^-64.
   std::uint64_t imbalance = 0;
-  std::array<Crossing, kBatch> crossings;
+  std::array<std::uint32_t, kBatch> crossed;
   const float float_z = rounded_down(z);
-  model.for_each_candidate_run(z, [&](std::span<const Facet> run) {
-    while (!run.empty()) {
-      const std::span<const Facet> batch = run.first(std::min(run.size(), kBatch));
-      run = run.subspan(batch.size());
-      const std::span<const Crossing> crossed =
-          std::span(crossings).first(find_crossings(batch, float_z, crossings));
-      section.intersecting_facets += static_cast<std::uint32_t>(crossed.size());
-      for (const Crossing& crossing : crossed) {
-        const auto& v = batch[crossing.facet].vertices;
-        const CrossedSides sides = kCrossedSides[crossing.above];
-        const Segment segment{intersect_side(v[sides.from_lower], v[sides.from_upper], z),
-                              intersect_side(v[sides.to_lower], v[sides.to_upper], z)};
+  const std::span<const Facet> facets = model.facets();
+  model.for_each_candidate_run(z, [&](std::span<const HeightIndex::Candidate> run) {
+    for (; !run.empty(); run = run.subspan(std::min(run.size(), kBatch))) {
+      const std::size_t count = find_crossed(run.first(std::min(run.size(), kBatch)), float_z, crossed);
+      section.intersecting_facets += static_cast<std::uint32_t>(count);
+      for (const std::uint32_t facet : std::span(crossed).first(count)) {
+        const Segment segment = segment_of(facets[facet], z, float_z);
         if (segment.from == segment.to) continue;
         imbalance += hash_of(segment.from) - hash_of(segment.to);
         section.segments.push_back(segment);

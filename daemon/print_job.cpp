@@ -160,8 +160,6 @@ void warn_about_mesh(JobSummary& summary) {
                     "closed where they show",
                     mesh.open_edges, mesh.flipped_edges, mesh.non_manifold_edges));
   }
-  if (mesh.volume_mm3 < 0)
-    summary.warnings.emplace_back("the model is inside out; it is printed all the same");
 }
 
 PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
@@ -183,6 +181,9 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   check_inside(bounds, centers, volume);
   summary.layers = choose_layers(ticket, summary.resin, printer, bounds);
   HeightIndex index(std::move(model.facets));
+  if (index.turned_outwards()) {
+    summary.warnings.emplace_back("the model is inside out: its facets were turned outwards");
+  }
   const auto indexed = SteadyClock::now();
   PrintPlan& plan = job.plan;
   plan.job = files.name;

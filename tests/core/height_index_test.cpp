@@ -35,9 +35,11 @@ std::vector<Key> crossing(std::span<const Facet> facets, double z) {
 
 std::vector<Key> crossing_candidates(const HeightIndex& index, double z) {
   std::vector<Key> keys;
-  index.for_each_candidate_run(z, [&](std::span<const Facet> run) {
-    const std::vector<Key> some = crossing(run, z);
-    keys.insert(keys.end(), some.begin(), some.end());
+  index.for_each_candidate_run(z, [&](std::span<const HeightIndex::Candidate> run) {
+    for (const HeightIndex::Candidate& candidate : run) {
+      const Facet& facet = index.facets()[candidate.facet];
+      if (crosses(facet, z)) keys.push_back(key_of(facet));
+    }
   });
   return keys;
 }
@@ -47,16 +49,16 @@ std::vector<Key> sorted(std::vector<Key> keys) {
   return keys;
 }
 
-std::vector<Key> sorted_keys(std::span<const Facet> facets) {
+std::vector<Key> keys_of(std::span<const Facet> facets) {
   std::vector<Key> keys;
   for (const Facet& facet : facets)
     keys.push_back(key_of(facet));
-  return sorted(std::move(keys));
+  return keys;
 }
 
 std::size_t candidates(const HeightIndex& index, double z) {
   std::size_t count = 0;
-  index.for_each_candidate_run(z, [&](std::span<const Facet> run) { count += run.size(); });
+  index.for_each_candidate_run(z, [&](std::span<const HeightIndex::Candidate> run) { count += run.size(); });
   return count;
 }
 
@@ -98,15 +100,35 @@ TEST_CASE("The candidates hold every facet that a scan of all finds and hold it 
       heights.push_back(index.bounds().min_z + index.bounds().size_z() * i / 64);
     }
     for (const double z : heights) {
-      RC_ASSERT(sorted(crossing_candidates(index, z)) == sorted(crossing(facets, z)));
+      RC_ASSERT(sorted(crossing_candidates(index, z)) == sorted(crossing(index.facets(), z)));
     }
   }));
 }
 
-TEST_CASE("The index holds the model's facets in some order") {
+TEST_CASE("The index holds the facets in the order given and turns an inside-out model") {
+  const models::Facets box = models::box({-1, -2, -3}, {4, 5, 6});
+  models::Facets turned = box;
+  for (Facet& facet : turned)
+    std::swap(facet.vertices[1], facet.vertices[2]);
+  const HeightIndex index(box);
+  CHECK_FALSE(index.turned_outwards());
+  CHECK(keys_of(index.facets()) == keys_of(box));
+  const HeightIndex from_turned(turned);
+  CHECK(from_turned.turned_outwards());
+  CHECK(keys_of(from_turned.facets()) == keys_of(box));
+}
+
+TEST_CASE("Candidates know their facets' heights") {
   CHECK(rc::check([] {
-    const models::Facets facets = draw_facets();
-    RC_ASSERT(sorted_keys(HeightIndex(facets).facets()) == sorted_keys(facets));
+    const HeightIndex index(draw_facets());
+    index.for_each_candidate_run(testing::draw_real(-1100, 1100),
+                                 [&](std::span<const HeightIndex::Candidate> run) {
+                                   for (const HeightIndex::Candidate& candidate : run) {
+                                     const auto& v = index.facets()[candidate.facet].vertices;
+                                     RC_ASSERT(candidate.low == std::min({v[0].z, v[1].z, v[2].z}));
+                                     RC_ASSERT(candidate.high == std::max({v[0].z, v[1].z, v[2].z}));
+                                   }
+                                 });
   }));
 }
 
