@@ -9,7 +9,7 @@ namespace contourd::bench {
 namespace {
 
 constexpr Nanometers kRise{10'000};
-constexpr int kWarmUp = 50, kBaselinePlanes = 15;
+constexpr int kWarmUp = 50, kPasses = 3, kBaselinePlanes = 15;
 
 struct Subject {
   std::string id, name;
@@ -33,19 +33,16 @@ Times at_random_heights(const Bench& bench, ContourEngine& engine) {
   const std::vector<Millimeters> heights = random_heights(engine.model().bounds(), bench.runs(2000));
   for (int i = 0; i < bench.runs(kWarmUp); ++i)
     (void)engine.mask_at_z(heights[static_cast<std::size_t>(i)]);
-  Times times;
-  for (const Millimeters z : heights)
-    time_once(times, [&] { (void)engine.mask_at_z(z); });
-  return times;
+  return best_of_passes(kPasses, heights, [&](Millimeters z) { (void)engine.mask_at_z(z); });
 }
 
 Times at_rising_heights(const Bench& bench, ContourEngine& engine) {
   const Nanometers top = to_nanometers(Millimeters{engine.model().bounds().size_z()}).value();
   const Nanometers rise = bench.quick ? Nanometers{10'000'000} : kRise;
-  Times times;
+  std::vector<Nanometers> heights;
   for (Nanometers height{0}; height < top; height += rise)
-    time_once(times, [&] { (void)engine.mask_at(height); });
-  return times;
+    heights.push_back(height);
+  return best_of_passes(kPasses, heights, [&](Nanometers height) { (void)engine.mask_at(height); });
 }
 
 // How many segments the random planes have: mean and 99th percentile.
@@ -68,7 +65,8 @@ Peer run_baseline(const Bench& bench, const HeightIndex& model) {
   Times times;
   for (const Millimeters z : random_heights(model.bounds(), bench.runs(kBaselinePlanes)))
     time_once(times, [&] { (void)slicer.contours_at(static_cast<float>(z.count())); });
-  return {"thesis's algorithms, contours alone", median(times.wall_s) * 1e3};
+  return {"thesis's algorithms, contours alone", median(times.wall_s) * 1e3, false,
+          median(times.cpu_s) * 1e3};
 }
 
 std::vector<Row> rows_of(const Bench& bench, const Subject& subject) {

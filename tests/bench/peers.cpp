@@ -15,7 +15,7 @@ std::optional<Peer> run_slic3r(const std::filesystem::path& model, Nanometers la
   const ProcessResult result =
       run_process({program->string(), "--export-svg", "--layer-height", layer_mm, "--first-layer-height",
                    layer_mm, "-o", (folder.path() / "contours.svg").string(), model.string()});
-  return Peer{"slic3r", result.wall_s};
+  return Peer{"slic3r", result.wall_s, false, result.cpu_s};
 }
 
 std::optional<Peer> run_prusa_slicer(const std::filesystem::path& model, Nanometers layer,
@@ -58,7 +58,7 @@ std::optional<Peer> run_prusa_slicer(const std::filesystem::path& model, Nanomet
                                             "--output",
                                             (folder.path() / "masks.sl1").string(),
                                             model.string()});
-  return Peer{"prusa-slicer", result.wall_s};
+  return Peer{"prusa-slicer", result.wall_s, false, result.cpu_s};
 }
 
 }  // namespace contourd::bench

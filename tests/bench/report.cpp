@@ -38,6 +38,7 @@ std::optional<double> ratio(const Row& row, const Peer& peer) {
 void print_peer(const Row& row, const Peer& peer) {
   const std::optional<double> times = ratio(row, peer);
   fmt::print("{} {:.4g} {}{}", peer.name, peer.figure, row.unit, peer.cited ? " (cited)" : "");
+  if (peer.cpu) fmt::print(" (CPU {:.4g})", *peer.cpu);
   if (times) fmt::print(", ratio {:.3g}", *times);
 }
 
@@ -67,6 +68,7 @@ Json to_json(const Row& row) {
   json["peers"] = Json::array();
   for (const Peer& peer : row.peers) {
     Json entry{{"name", peer.name}, {"figure", peer.figure}, {"cited", peer.cited}};
+    if (peer.cpu) entry["cpu"] = *peer.cpu;
     if (const auto times = ratio(row, peer)) entry["ratio"] = *times;
     json["peers"].push_back(entry);
   }

@@ -12,7 +12,8 @@ namespace contourd::bench {
 struct Peer {
   std::string name;
   double figure = 0;
-  bool cited = false;  // not run now: from a paper, or measured once before
+  bool cited = false;           // not run now: from a paper, or measured once before
+  std::optional<double> cpu{};  // of all threads, in the row's unit
 };
 
 struct Target {

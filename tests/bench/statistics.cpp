@@ -16,16 +16,19 @@ double percentile(std::vector<double> values, double percent) {
 }
 
 Line fit_line(std::span<const double> x, std::span<const double> y) {
-  const auto n = static_cast<double>(x.size());
-  double mean_x = 0, mean_y = 0;
+  const auto weight = [&](std::size_t i) { return 1 / (y[i] * y[i]); };
+  double weights = 0, mean_x = 0, mean_y = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    mean_x += x[i] / n;
-    mean_y += y[i] / n;
+    weights += weight(i);
+    mean_x += weight(i) * x[i];
+    mean_y += weight(i) * y[i];
   }
+  mean_x /= weights;
+  mean_y /= weights;
   double xy = 0, xx = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    xy += (x[i] - mean_x) * (y[i] - mean_y);
-    xx += (x[i] - mean_x) * (x[i] - mean_x);
+    xy += weight(i) * (x[i] - mean_x) * (y[i] - mean_y);
+    xx += weight(i) * (x[i] - mean_x) * (x[i] - mean_x);
   }
   Line line{mean_y - xy / xx * mean_x, xy / xx, 0};
   for (std::size_t i = 0; i < x.size(); ++i) {

@@ -1,7 +1,9 @@
 // What the benchmark makes of many measured numbers. Thread-safe (no shared state).
 #pragma once
 
+#include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace contourd::bench {
@@ -14,13 +16,19 @@ namespace contourd::bench {
   return percentile(std::move(values), 50);
 }
 
-// y = at_zero + slope x, by least squares.
+// The least of them: what others on the machine do can only add to a time. REQUIRES: values is not empty.
+[[nodiscard]] inline double best(const std::vector<double>& values) {
+  return *std::min_element(values.begin(), values.end());
+}
+
+// y = at_zero + slope x, by least squares of the relative errors, so that small values count as much as large
+// ones.
 struct Line {
   double at_zero = 0, slope = 0;
   // The point farthest from the line, as a part of the line's value there.
   double worst_deviation = 0;
 };
-// REQUIRES: as many y as x, at least two, not all x equal.
+// REQUIRES: as many y as x, at least two, not all x equal, no y of zero.
 [[nodiscard]] Line fit_line(std::span<const double> x, std::span<const double> y);
 
 }  // namespace contourd::bench

@@ -33,10 +33,11 @@ TEST_CASE("A line through points that lie on one is that line") {
   CHECK_THAT(line.worst_deviation, Catch::Matchers::WithinAbs(0, 1e-12));
 }
 
-TEST_CASE("The worst deviation is relative to the line") {
-  // Best line through these is y = 2 + 0 x, by symmetry; the middle is off by half of it and the ends by a
-  // quarter.
+TEST_CASE("The line is the best one relative to the values, and so is the worst deviation") {
+  // Flat, by symmetry. Weights of 1/1.5^2 twice and 1/3^2 once: (2/1.5 + 1/3) / (2/2.25 + 1/9) = 5/3. The
+  // middle's 3 is off by 4/3, which is 0.8 of it.
   const Line line = fit_line(std::vector<double>{0, 1, 2}, std::vector<double>{1.5, 3, 1.5});
-  CHECK_THAT(line.at_zero, Catch::Matchers::WithinAbs(2, 1e-12));
-  CHECK_THAT(line.worst_deviation, Catch::Matchers::WithinAbs(0.5, 1e-12));
+  CHECK_THAT(line.slope, Catch::Matchers::WithinAbs(0, 1e-12));
+  CHECK_THAT(line.at_zero, Catch::Matchers::WithinAbs(5.0 / 3, 1e-12));
+  CHECK_THAT(line.worst_deviation, Catch::Matchers::WithinAbs(0.8, 1e-12));
 }

@@ -4,7 +4,9 @@
 
 #include <time.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -40,6 +42,25 @@ template <typename Function>
   for (int run = 0; run < runs; ++run)
     time_once(times, function);
   return times;
+}
+
+// Calls function(argument) for all arguments in turn, `passes` times, and keeps each argument's best time:
+// what the machine does besides falls away, what an argument costs by itself, with caches full of the others,
+// stays.
+template <typename Argument, typename Function>
+[[nodiscard]] Times best_of_passes(int passes, const std::vector<Argument>& arguments, Function&& function) {
+  Times best;
+  for (int pass = 0; pass < passes; ++pass) {
+    Times times;
+    for (const Argument& argument : arguments)
+      time_once(times, [&] { function(argument); });
+    if (pass == 0) best = times;
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+      best.wall_s[i] = std::min(best.wall_s[i], times.wall_s[i]);
+      best.cpu_s[i] = std::min(best.cpu_s[i], times.cpu_s[i]);
+    }
+  }
+  return best;
 }
 
 }  // namespace contourd::bench
