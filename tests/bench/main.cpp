@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <stdexcept>
 
 #include "tests/bench/bench.hpp"
+#include "tests/bench/process.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace contourd::bench {
@@ -63,6 +66,9 @@ bool is_wanted(const Options& options, const std::string& group) {
 }
 
 void run(const Options& options) {
+  if (is_wanted(options, "instructions") && !find_program("valgrind")) {
+    throw std::runtime_error("valgrind is not installed; its callgrind counts the instructions");
+  }
   std::unique_ptr<testing::TemporaryFolder> temporary;
   std::filesystem::path folder = options.models;
   if (folder.empty()) {

@@ -46,7 +46,7 @@ Row masks_as_files(const Bench& bench, const std::filesystem::path& file) {
   // A quick run's layers are 10 mm: 20 files.
   const Nanometers layer = bench.quick ? Nanometers{10'000'000} : kLayer;
   std::vector<double> wall, cpu;
-  for (int run = 0; run < bench.runs(3); ++run) {
+  for (int run = 0; run < bench.runs(2); ++run) {
     const testing::TemporaryFolder folder;
     const ProcessResult result =
         run_process({contourctl.string(), "slice", file.string(), "--layer-height-um",
