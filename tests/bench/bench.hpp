@@ -21,7 +21,7 @@ class Models {
 
   // A model that the project cannot make, where it is at hand.
   [[nodiscard]] std::optional<std::filesystem::path> shared(const std::string& name) const;
-  // 1.29 million facets (2,400 for a quick run), binary. Throws std::runtime_error when it cannot be written.
+  // 1.3 million facets (2,400 for a quick run), binary. Throws std::runtime_error when it cannot be written.
   [[nodiscard]] std::filesystem::path gyroid() const;
   // 294,000 facets of the same shape (also 2,400), ASCII. Throws as gyroid().
   [[nodiscard]] std::filesystem::path ascii_gyroid() const;

@@ -78,13 +78,13 @@ void run(const Options& options) {
   const Models models(folder, options.shared, options.quick);
   const Bench bench{options.quick, !options.quick && !options.no_peers, models};
   std::vector<Row> rows;
+  print_heading();
   for (const Group& group : groups()) {
     if (!is_wanted(options, group.name)) continue;
-    fmt::print(stderr, "contourd-bench: {} ...\n", group.name);
-    for (Row& row : group.rows(bench))
-      rows.push_back(std::move(row));
+    const std::vector<Row> more = group.rows(bench);
+    print_table_rows(more);
+    rows.insert(rows.end(), more.begin(), more.end());
   }
-  print_table(rows);
   if (!options.json.empty()) write_json(options.json, rows, options.quick);
 }
 

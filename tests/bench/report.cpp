@@ -92,9 +92,13 @@ std::optional<bool> reached(const Row& row) {
   return std::nullopt;
 }
 
-void print_table(const std::vector<Row>& rows) {
+void print_heading() {
   fmt::print("{:<66} {:>9} {:>9} {:<7} {:>10} {:>4}  {}\n", "what", "ours", "CPU", "unit", "target", "",
              "peers");
+  std::fflush(stdout);
+}
+
+void print_table_rows(const std::vector<Row>& rows) {
   for (const Row& row : rows)
     print_row(row);
   std::fflush(stdout);

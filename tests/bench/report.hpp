@@ -37,7 +37,9 @@ struct Row {
 // True and false as the target is reached; nothing without a target or figure.
 [[nodiscard]] std::optional<bool> reached(const Row& row);
 
-void print_table(const std::vector<Row>& rows);
+// The table, heading first, then rows as they come.
+void print_heading();
+void print_table_rows(const std::vector<Row>& rows);
 // Throws std::runtime_error.
 void write_json(const std::filesystem::path& path, const std::vector<Row>& rows, bool quick);
 
