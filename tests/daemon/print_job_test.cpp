@@ -160,6 +160,6 @@ TEST_CASE("A model that is not watertight or inside out is printed, with a warni
   models::invert(inverted);
   const PreparedJob job = desk.prepare(inverted);
   CHECK(job.summary.warnings ==
-        std::vector<std::string>{"the model is inside out; it is printed all the same"});
+        std::vector<std::string>{"the model is inside out: its facets were turned outwards"});
   CHECK(job.plan.engine->mask_at(Nanometers{1'000'000}).lit_area() == 160000.0);
 }
