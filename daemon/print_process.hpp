@@ -29,6 +29,9 @@ struct PrintPlan {
   Duration settle{}, rest{};
 };
 
+// How long a layer takes on this axis: exposure, peel, the way back and the waits between.
+[[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer, const ZAxis& axis);
+
 // What really happened to one layer.
 struct LayerRecord {
   std::int32_t layer = 0;     // from 0
@@ -107,7 +110,6 @@ class PrintProcess {
   void finish();
   void after_move(MoveResult result);
   [[nodiscard]] Nanometers current_height() const;
-  [[nodiscard]] Duration layer_duration(std::int32_t layer) const;
 
   Machine& machine_;
   Clock& clock_;

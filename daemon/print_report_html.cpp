@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "daemon/print_findings.hpp"
 #include "daemon/print_report.hpp"
 #include "daemon/readable.hpp"
 
@@ -183,8 +184,13 @@ std::string facts(const PrintReport& report) {
     rows += row("Masks", fmt::format("{:.2f} ms each, the slowest {:.2f} ms",
                                      ms(sum) / static_cast<double>(report.layers.size()), ms(slowest)));
   }
+  if (report.findings) rows += row("Analysis", findings_line(*report.findings));
   for (const std::string& warning : s.warnings)
     rows += row("Warning", warning);
+  if (report.findings) {
+    for (const std::string& warning : warnings_about(*report.findings))
+      rows += row("Warning", warning);
+  }
   return rows;
 }
 
