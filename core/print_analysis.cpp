@@ -40,16 +40,9 @@ void PrintAnalysis::note_islands() {
   for (const MaskIsland& island : finder_.find(layer_, beneath_)) {
     ++findings_.island_count;
     if (findings_.islands.size() == PrintFindings::kMostIslands) continue;
-    findings_.islands.push_back({findings_.layers() - 1, island.center, on_plate(island.center),
+    findings_.islands.push_back({findings_.layers() - 1, island.center, on_plate(display_, island.center),
                                  static_cast<double>(island.grey) / 255.0 * pixel_area_mm2_});
   }
-}
-
-Point PrintAnalysis::on_plate(PixelPoint pixel) const {
-  const double pitch_mm = to_millimeters(display_.pixel_pitch).count();
-  const double right = (pixel.x - display_.width.count() / 2.0) * pitch_mm;
-  const double up = (display_.height.count() / 2.0 - pixel.y) * pitch_mm;
-  return {display_.mirror_x ? -right : right, display_.mirror_y ? -up : up};
 }
 
 std::optional<PrintFindings> analyze_print(

@@ -75,7 +75,6 @@ class PrintAnalysis {
  private:
   void note_area(double area_mm2, const Layer& layer);
   void note_islands();
-  [[nodiscard]] Point on_plate(PixelPoint pixel) const;
 
   DisplayGeometry display_;
   double pixel_area_mm2_;

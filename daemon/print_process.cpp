@@ -36,8 +36,9 @@ std::string_view name_of(PrintOutcome outcome) {
 }
 
 Duration layer_duration(const PrintPlan& plan, std::int32_t layer, const ZAxis& axis) {
-  return plan.exposures[static_cast<std::size_t>(layer)] + plan.settle + plan.rest +
-         axis.move_duration(plan.lift, plan.lift_speed) + axis.move_duration(plan.lift, plan.retract_speed);
+  return layer_duration(plan, layer, [&axis](Nanometers distance, MillimetersPerSecond speed) {
+    return axis.move_duration(distance, speed);
+  });
 }
 
 PrintProcess::PrintProcess(Machine& machine, Clock& clock, PrintObserver& observer)
