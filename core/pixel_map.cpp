@@ -2,6 +2,13 @@
 
 namespace contourd {
 
+Point on_plate(const DisplayGeometry& display, PixelPoint pixel) {
+  const double pitch_mm = to_millimeters(display.pixel_pitch).count();
+  const double right = (pixel.x - display.width.count() / 2.0) * pitch_mm;
+  const double up = (display.height.count() / 2.0 - pixel.y) * pitch_mm;
+  return {display.mirror_x ? -right : right, display.mirror_y ? -up : up};
+}
+
 PixelMap PixelMap::true_scale(const DisplayGeometry& display, Point center) {
   const double pixels_per_mm = 1000.0 / display.pixel_pitch.count();
   return PixelMap(pixels_per_mm, display.width.count() / 2.0 - center.x * pixels_per_mm, -pixels_per_mm,

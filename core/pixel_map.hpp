@@ -21,6 +21,9 @@ struct DisplayGeometry {
   bool mirror_y = false;          // top and bottom exchanged
 };
 
+// A pixel point's place on the plate: millimetres from the plate's centre, seen from above, mirrors undone.
+[[nodiscard]] Point on_plate(const DisplayGeometry& display, PixelPoint pixel);
+
 class PixelMap {
  public:
   // True scale: `center` (millimetres) comes to lie on the display's centre.

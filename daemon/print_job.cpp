@@ -194,6 +194,8 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   // Computed for its time, and to have the engine's memory grown before the print needs it.
   (void)plan.engine->mask_at(summary.layers.middle_of(0));
   job.first_mask_at = SteadyClock::now();
+  job.analysis_engine = std::make_unique<ContourEngine>(*plan.engine);
+  job.display = display_of(printer);
   summary.reading = read - start;
   summary.indexing = indexed - read;
   summary.first_mask = job.first_mask_at - indexed;

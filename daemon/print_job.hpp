@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -47,6 +48,9 @@ struct JobSummary {
 
 struct PreparedJob {
   PrintPlan plan;
+  // The same engine once more, with the same settings: to look through the whole print beside it.
+  std::unique_ptr<ContourEngine> analysis_engine;
+  DisplayGeometry display;
   JobSummary summary;
   TimePoint first_mask_at{};  // CLOCK_MONOTONIC, whatever clock the machine runs by
 };

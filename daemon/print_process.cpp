@@ -35,6 +35,12 @@ std::string_view name_of(PrintOutcome outcome) {
   return "?";
 }
 
+Duration layer_duration(const PrintPlan& plan, std::int32_t layer, const ZAxis& axis) {
+  return layer_duration(plan, layer, [&axis](Nanometers distance, MillimetersPerSecond speed) {
+    return axis.move_duration(distance, speed);
+  });
+}
+
 PrintProcess::PrintProcess(Machine& machine, Clock& clock, PrintObserver& observer)
     : machine_(machine), clock_(clock), observer_(observer) {
   make_safe(machine_);
@@ -53,7 +59,7 @@ void PrintProcess::start(PrintPlan plan) {
   left_after_.assign(plan_->exposures.size() + 1, Duration{0});
   for (std::int32_t layer = plan_->layers.count - 1; layer >= 0; --layer) {
     const auto i = static_cast<std::size_t>(layer);
-    left_after_[i] = left_after_[i + 1] + layer_duration(layer);
+    left_after_[i] = left_after_[i + 1] + layer_duration(*plan_, layer, machine_.z_axis());
   }
   handle(PrintEvent::Started);
 }
@@ -260,13 +266,6 @@ void PrintProcess::finish() {
   const PrintPlan plan = std::move(*plan_);
   plan_.reset();
   observer_.print_ended(outcome, failure_, plan);
-}
-
-Duration PrintProcess::layer_duration(std::int32_t layer) const {
-  const ZAxis& axis = machine_.z_axis();
-  return plan_->exposures[static_cast<std::size_t>(layer)] + plan_->settle + plan_->rest +
-         axis.move_duration(plan_->lift, plan_->lift_speed) +
-         axis.move_duration(plan_->lift, plan_->retract_speed);
 }
 
 Duration PrintProcess::time_left() const {

@@ -29,6 +29,17 @@ struct PrintPlan {
   Duration settle{}, rest{};
 };
 
+// How long a layer takes on this axis: exposure, peel, the way back and the waits between.
+[[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer, const ZAxis& axis);
+// The same where `move_duration(distance, speed)` stands for the axis.
+template <typename MoveDuration>
+[[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer,
+                                      const MoveDuration& move_duration) requires
+    std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
+  return plan.exposures[static_cast<std::size_t>(layer)] + plan.settle + plan.rest +
+         move_duration(plan.lift, plan.lift_speed) + move_duration(plan.lift, plan.retract_speed);
+}
+
 // What really happened to one layer.
 struct LayerRecord {
   std::int32_t layer = 0;     // from 0
@@ -107,7 +118,6 @@ class PrintProcess {
   void finish();
   void after_move(MoveResult result);
   [[nodiscard]] Nanometers current_height() const;
-  [[nodiscard]] Duration layer_duration(std::int32_t layer) const;
 
   Machine& machine_;
   Clock& clock_;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/print_analysis.hpp"
 #include "daemon/print_job.hpp"
 
 namespace contourd {
@@ -18,7 +19,8 @@ struct PrintReport {
   PrintOutcome outcome = PrintOutcome::Failed;
   std::string reason;  // why it failed
   JobSummary summary;
-  std::vector<LayerRecord> layers;  // those that were exposed
+  std::optional<PrintFindings> findings;  // nothing when the print ended before its analysis
+  std::vector<LayerRecord> layers;        // those that were exposed
   std::chrono::system_clock::time_point started,
       ended;                                   // for people; durations come from the monotonic clock
   Duration print_time{};                       // by the machine's clock

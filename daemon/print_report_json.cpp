@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "daemon/print_findings.hpp"
 #include "daemon/print_report.hpp"
 
 namespace contourd {
@@ -85,6 +86,7 @@ std::string report_as_json(const PrintReport& report) {
       [&](double sum, const LayerRecord& l) { return sum + l.area_mm2 * mm(summary.layers.thickness); });
   json["exposed_volume_mm3"] = volume;
   if (report.masks) json["masks_folder"] = report.masks->string();
+  json["analysis"] = report.findings ? findings_json(*report.findings) : Json();
   Json layers = Json::array();
   for (const LayerRecord& layer : report.layers)
     layers.push_back(layer_json(layer));

@@ -24,8 +24,10 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
           {"history",
            [this] {
              Json jobs = Json::array();
-             for (const EndedJob& job : ended_)
+             for (const EndedJob& job : ended_) {
                jobs.push_back(ended_json(job));
+               jobs.back()["analysis"] = job.analysis;
+             }
              return Json{{"ended", jobs}};
            }},
           {"pause",
@@ -78,6 +80,7 @@ PrinterService::Json PrinterService::ended_json(const EndedJob& job) {
 
 PrinterService::Json PrinterService::job_json() const {
   Json job{{"name", active_->files.name}};
+  job["analysis"] = active_->analysis;
   if (process_.state() == PrintState::Idle) return job;
   const LayerStack& layers = active_->prepared->summary.layers;
   job["layer"] = process_.layer() + 1;

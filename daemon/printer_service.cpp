@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/preview.hpp"
+#include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
 #include "hw/png_file.hpp"
 
@@ -52,6 +53,7 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       supervisor_(supervisor),
       spool_(config.spool_folder, loop, *this),
       process_(machine, clock, *this),
+      analyst_(loop),
       worker_(loop) {}
 
 void PrinterService::start() {
@@ -65,6 +67,8 @@ void PrinterService::start() {
 void PrinterService::shut_down(const std::string& reason) {
   shutting_down_ = true;
   process_.fail(reason);
+  // Printed, and only its analysis still under way.
+  if (active_ && active_->report) finish_job();
   // Still being read: nothing was printed, so it waits for the next start.
   if (active_) give_back_unbegun();
   loop_.stop();
@@ -269,7 +273,38 @@ void PrinterService::start_print() {
   }
   active_->started = clock_.now();
   active_->started_at = std::chrono::system_clock::now();
+  start_analysis();
   process_.start(std::move(active_->prepared->plan));
+}
+
+void PrinterService::start_analysis() {
+  PreparedJob& job = *active_->prepared;
+  AnalysisTask task{std::move(job.analysis_engine), job.display, job.plan.layers, {}};
+  for (std::int32_t layer = 0; layer < job.plan.layers.count; ++layer)
+    task.layer_durations.push_back(layer_duration(job.plan, layer, machine_.z_axis()));
+  analyst_.start(std::move(task), [this](const AnalyzedPrint& print) { analyzed(print); });
+}
+
+void PrinterService::analyzed(const AnalyzedPrint& print) {
+  const std::string name = active_->files.name;
+  if (const auto* findings = std::get_if<PrintFindings>(&print.findings)) {
+    log_.info("analysis",
+              fmt::format("{}: {}; found in {:.0f} ms", printable(name), findings_line(*findings),
+                          milliseconds(print.took)),
+              job_fields(name));
+    for (const std::string& warning : warnings_about(*findings)) {
+      log_.warning("analysis", fmt::format("{}: {}", printable(name), warning), job_fields(name));
+    }
+    active_->findings = *findings;
+    active_->analysis = findings_summary_json(*findings);
+  } else {
+    log_.warning("analysis",
+                 fmt::format("{}: the print goes on, but could not be analysed: {}", printable(name),
+                             std::get<std::string>(print.findings)),
+                 job_fields(name));
+  }
+  notify("analysis", ControlServer::Delivery::Lossy);
+  if (active_->report) finish_job();
 }
 
 // --- the print's events
@@ -314,21 +349,32 @@ void PrinterService::layer_done(const LayerRecord& layer) {
 
 void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) {
   const std::string name = active_->files.name;
-  const bool done = outcome == PrintOutcome::Done;
-  const Spool::Folder folder = done ? Spool::Folder::Done : Spool::Folder::Failed;
-  const PrintReport report = make_report(outcome, reason, plan);
+  PrintReport report = make_report(outcome, reason, plan);
   const std::string summary = fmt::format("{}: {} after {} of {} layers and {}{}", printable(name),
                                           name_of(outcome), report.layers.size(), plan.layers.count,
                                           readable(report.print_time), reason.empty() ? "" : ": " + reason);
   log_.write(outcome == PrintOutcome::Failed ? LogLevel::Error : LogLevel::Info, name_of(outcome), summary,
              job_fields(name));
+  active_->report = std::move(report);
+  // A print on a machine takes much longer than its analysis; a simulated one need not.
+  if (outcome == PrintOutcome::Done && analyst_.busy()) return;
+  finish_job();
+}
+
+void PrinterService::finish_job() {
+  analyst_.cancel();
+  PrintReport report = std::move(*active_->report);
+  report.findings = std::move(active_->findings);
+  const bool done = report.outcome == PrintOutcome::Done;
+  const Spool::Folder folder = done ? Spool::Folder::Done : Spool::Folder::Failed;
   write_report(report, folder);
   file_job(active_->files, folder,
-           done                                ? ""
-           : outcome == PrintOutcome::Canceled ? "Cancelled by the owner."
-                                               : reason);
+           done                                       ? ""
+           : report.outcome == PrintOutcome::Canceled ? "Cancelled by the owner."
+                                                      : report.reason);
+  Json analysis = std::move(active_->analysis);
   active_.reset();
-  ended(name, name_of(outcome), reason);
+  ended(report.job, name_of(report.outcome), report.reason, std::move(analysis));
   pump_soon();
 }
 
@@ -378,8 +424,9 @@ void PrinterService::file_job(const JobFiles& files, Spool::Folder to, const std
   }
 }
 
-void PrinterService::ended(const std::string& name, std::string_view outcome, const std::string& reason) {
-  ended_.push_back({name, std::string(outcome), reason});
+void PrinterService::ended(const std::string& name, std::string_view outcome, const std::string& reason,
+                           Json analysis) {
+  ended_.push_back({name, std::string(outcome), reason, std::move(analysis)});
   if (ended_.size() > kLongestHistory) ended_.pop_front();
   supervisor_.status(fmt::format("Ready; last job {}: {}", printable(name), outcome));
   notify("ended", ControlServer::Delivery::Certain);

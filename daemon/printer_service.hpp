@@ -11,6 +11,7 @@
 
 #include "daemon/control_server.hpp"
 #include "daemon/log.hpp"
+#include "daemon/print_analyst.hpp"
 #include "daemon/print_process.hpp"
 #include "daemon/print_report.hpp"
 #include "daemon/spool.hpp"
@@ -50,10 +51,14 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
     TimePoint started;  // machine's clock
     std::chrono::system_clock::time_point started_at;
     std::optional<std::filesystem::path> masks;
+    Json analysis;               // the findings in short, for whoever asks; null while there are none
     bool cancel_wanted = false;  // cancelled before it could start
+    std::optional<PrintFindings> findings;  // nothing while the analysis is under way
+    std::optional<PrintReport> report;      // once the print is over, until its analysis is too
   };
   struct EndedJob {
     std::string name, outcome, reason;
+    Json analysis;  // in short; null when there is none
   };
 
   void model_arrived(const std::string& file) override;
@@ -75,11 +80,16 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void checked(const std::string& file, const std::optional<std::string>& refusal);
   void reject(const std::string& file, const std::string& reason);
   void start_print();
+  void start_analysis();
+  void analyzed(const AnalyzedPrint& print);
+  // Files the print that is over, with its report.
+  void finish_job();
   void file_job(const JobFiles& files, Spool::Folder to, const std::string& reason);
   [[nodiscard]] PrintReport make_report(PrintOutcome outcome, const std::string& reason,
                                         const PrintPlan& plan) const;
   void write_report(const PrintReport& report, Spool::Folder folder);
-  void ended(const std::string& name, std::string_view outcome, const std::string& reason);
+  void ended(const std::string& name, std::string_view outcome, const std::string& reason,
+             Json analysis = {});
   void notify(const std::string& what, ControlServer::Delivery delivery);
   void set_plate_occupant(const std::optional<std::string>& job);
 
@@ -106,6 +116,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   bool shutting_down_ = false;
   std::unique_ptr<ControlServer> control_;
   EventLoop::SourcePtr pump_timer_;
+  PrintAnalyst analyst_;
   Worker worker_;  // last: its thread ends before what its tasks use
 };
 

@@ -1,6 +1,8 @@
-// One thread for what takes too long for the event loop: reading models. Tasks run one after the other; what
-// they return is handed back on the loop's thread.
+// One thread for what takes too long for the event loop: reading or analysing models. Tasks run one after the
+// other; what they return is handed back on the loop's thread.
 #pragma once
+
+#include <sys/resource.h>
 
 #include <condition_variable>
 #include <deque>
@@ -16,8 +18,13 @@ namespace contourd {
 
 class Worker {
  public:
-  explicit Worker(EventLoop& loop)
-      : mailbox_(loop), thread_([this](const std::stop_token& stop) { work(stop); }) {}
+  // `niceness` as for nice(2): 0 competes with the event loop on equal terms, up to 19 gives way to it.
+  explicit Worker(EventLoop& loop, int niceness = 0)
+      : mailbox_(loop), thread_([this, niceness](const std::stop_token& stop) {
+          // Linux: of the calling thread. Should it fail, the work is done all the same.
+          if (niceness != 0) (void)::setpriority(PRIO_PROCESS, 0, niceness);
+          work(stop);
+        }) {}
 
   // Calls `task` on the worker's thread, then `done` with its result on the loop's. `task` must not throw.
   template <typename Task, typename Done>

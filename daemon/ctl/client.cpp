@@ -68,6 +68,12 @@ std::string left(const Json& job) {
   return readable(std::chrono::duration_cast<Duration>(seconds));
 }
 
+void print_analysis(const Json& analysis) {
+  fmt::print("resin     {:.2f} ml\n", analysis.value("resin_ml", 0.0));
+  for (const Json& warning : analysis["warnings"])
+    fmt::print("warning   {}\n", printable(warning.get<std::string>()));
+}
+
 void print_status(const Json& status) {
   fmt::print("printer   {}\nstate     {}\n", status.value("printer", ""), status.value("state", ""));
   if (status["job"].is_object()) {
@@ -78,6 +84,7 @@ void print_status(const Json& status) {
                  job.value("height_mm", 0.0), left(job),
                  job.value("pause_pending", false) ? ", pause after this layer" : "");
     }
+    if (job.contains("analysis") && job["analysis"].is_object()) print_analysis(job["analysis"]);
   }
   fmt::print(
       "plate     {}{}\n", status.value("plate", ""),

@@ -46,6 +46,20 @@ struct SliceOptions {
 };
 int slice(const SliceOptions& options);
 
+struct AnalyzeOptions {
+  std::filesystem::path model;
+  bool json = false;
+  std::optional<std::filesystem::path> html;  // one self-contained page
+
+  // As contourd would print it: with this configuration, and a job's ticket.
+  std::optional<std::filesystem::path> printer, ticket;
+  // Without a printer: in the middle of this display, and no time estimate.
+  DisplayGeometry display;
+  AntiAliasing anti_aliasing = AntiAliasing::On;
+  Nanometers layer_height{50'000};
+};
+int analyze(const AnalyzeOptions& options);
+
 struct ClientOptions {
   std::filesystem::path socket;
   bool json = false;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include <system_error>
 
 #include "core/stl_reader.hpp"
+#include "daemon/config/config_error.hpp"
 #include "daemon/control_defaults.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
@@ -21,15 +23,26 @@ namespace contourd::ctl {
 namespace {
 
 // What the user typed, before it has a unit.
-struct SliceWords {
-  std::optional<double> z_mm, layer_height_um;
+struct DisplayWords {
   double pixel_pitch_um = 50;
   std::string display = "1920x1080";
+};
+
+struct SliceWords {
+  std::optional<double> z_mm, layer_height_um;
+  DisplayWords display;
   std::string anti_aliasing = "on";
   std::string mask, masks, csv, contours;
 };
 
-DisplayGeometry parse_display(const SliceWords& words) {
+struct AnalyzeWords {
+  double layer_height_um = 50;
+  DisplayWords display;
+  std::string anti_aliasing = "on";
+  std::string html, printer, ticket;
+};
+
+DisplayGeometry parse_display(const DisplayWords& words) {
   DisplayGeometry display;
   int width = 0, height = 0, used = 0;
   const int parts = std::sscanf(words.display.c_str(), "%dx%d%n", &width, &height, &used);
@@ -52,9 +65,20 @@ void set_if_given(std::optional<std::filesystem::path>& path, const std::string&
   if (!word.empty()) path = word;
 }
 
+AntiAliasing parse_anti_aliasing(const std::string& word) {
+  return word == "on" ? AntiAliasing::On : AntiAliasing::Off;
+}
+
+Nanometers parse_layer_height(double um) {
+  const auto height = to_nanometers(to_millimeters(Micrometers{um}));
+  if (!height || *height < Nanometers{1000})
+    throw UsageError(fmt::format("--layer-height-um {}: expected 1 or more", um));
+  return *height;
+}
+
 SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
-  options.display = parse_display(words);
-  options.anti_aliasing = words.anti_aliasing == "on" ? AntiAliasing::On : AntiAliasing::Off;
+  options.display = parse_display(words.display);
+  options.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
   set_if_given(options.mask, words.mask);
   set_if_given(options.masks, words.masks);
   set_if_given(options.csv, words.csv);
@@ -69,13 +93,19 @@ SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
       throw UsageError("--masks, --csv and --contours go with --layer-height-um");
     }
   } else {
-    const auto height = to_nanometers(to_millimeters(Micrometers{*words.layer_height_um}));
-    if (!height || *height < Nanometers{1000}) {
-      throw UsageError(fmt::format("--layer-height-um {}: expected 1 or more", *words.layer_height_um));
-    }
-    options.layer_height = height;
+    options.layer_height = parse_layer_height(*words.layer_height_um);
     if (options.mask) throw UsageError("--mask goes with --z");
   }
+  return options;
+}
+
+AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeWords& words) {
+  options.display = parse_display(words.display);
+  options.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
+  options.layer_height = parse_layer_height(words.layer_height_um);
+  set_if_given(options.html, words.html);
+  set_if_given(options.printer, words.printer);
+  set_if_given(options.ticket, words.ticket);
   return options;
 }
 
@@ -92,6 +122,7 @@ class CommandLine {
     client_.socket = socket != nullptr ? socket : kDefaultSocket;
     add_inspect();
     add_slice();
+    add_analyze();
     add_client_commands();
   }
   CommandLine(const CommandLine&) = delete;
@@ -136,12 +167,39 @@ class CommandLine {
     add("--masks", words_.masks, "Write one PNG file a layer to this folder: 0001.png ...");
     add("--csv", words_.csv, "Write each layer's measurements to this file, and FILE-summary.csv");
     add("--contours", words_.contours, "Write one CSV file of contour points a layer to this folder");
-    add("--display", words_.display, "Pixels, WIDTHxHEIGHT");
-    add("--pixel-pitch-um", words_.pixel_pitch_um, "Side of a pixel on the plate, um");
+    add("--display", words_.display.display, "Pixels, WIDTHxHEIGHT");
+    add("--pixel-pitch-um", words_.display.pixel_pitch_um, "Side of a pixel on the plate, um");
     add("--aa", words_.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")
         ->check(CLI::IsMember({"on", "off"}));
     command->add_flag("--fit", slice_.fit, "Fit the model to the display instead of true scale");
     command->add_flag("--json", slice_.json, "Print JSON");
+  }
+
+  void add_analyze() {
+    CLI::App* command = add_command("analyze", "Say what a whole print will be: resin, areas, islands, times",
+                                    [this] { return analyze(parse_analyze(analyze_, analyze_words_)); });
+    command->add_option("MODEL", analyze_.model, "STL file")->required();
+    command->add_flag("--json", analyze_.json, "Print JSON");
+    command->add_option("--html", analyze_words_.html, "Write a page with plots and the contours in 3-D")
+        ->check(kNotEmpty);
+    CLI::Option* printer =
+        command
+            ->add_option("--printer", analyze_words_.printer, "As contourd with this configuration prints it")
+            ->check(kNotEmpty);
+    command->add_option("--ticket", analyze_words_.ticket, "The job's ticket, with --printer")
+        ->check(kNotEmpty)
+        ->needs(printer);
+    const auto add = [&](const char* name, auto& word, const char* help) {
+      return command->add_option(name, word, help)
+          ->check(kNotEmpty)
+          ->capture_default_str()
+          ->excludes(printer);
+    };
+    add("--layer-height-um", analyze_words_.layer_height_um, "Layer height, um");
+    add("--display", analyze_words_.display.display, "Pixels, WIDTHxHEIGHT");
+    add("--pixel-pitch-um", analyze_words_.display.pixel_pitch_um, "Side of a pixel on the plate, um");
+    add("--aa", analyze_words_.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")
+        ->check(CLI::IsMember({"on", "off"}));
   }
 
   void add_client_commands() {
@@ -171,6 +229,8 @@ class CommandLine {
   CLI::App app_{"Inspects and slices STL models, and talks to contourd."};
   InspectOptions inspect_;
   SliceOptions slice_;
+  AnalyzeOptions analyze_;
+  AnalyzeWords analyze_words_;
   SliceWords words_;
   ClientOptions client_;
   std::optional<std::string> job_;
@@ -179,7 +239,9 @@ class CommandLine {
 
 // One line, whatever a file is called.
 int complain(int code, const char* why) {
-  fmt::print(stderr, "contourctl: {}\n", printable(why));
+  std::string line = why;
+  std::ranges::replace(line, '\n', ' ');
+  fmt::print(stderr, "contourctl: {}\n", printable(line));
   return code;
 }
 
@@ -196,6 +258,8 @@ int main(int argc, char** argv) {
     return complain(kBadData, error.what());
   } catch (const OutputError& error) {
     return complain(kCannotCreate, error.what());
+  } catch (const contourd::ConfigError& error) {
+    return complain(kBadConfig, error.what());
   } catch (const DaemonError& error) {
     return complain(kUnavailable, error.what());
   } catch (const std::system_error& error) {

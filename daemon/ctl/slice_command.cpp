@@ -12,6 +12,7 @@
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/slice_files.hpp"
+#include "daemon/ctl/statistics_text.hpp"
 #include "hw/png_file.hpp"
 
 namespace contourd::ctl {
@@ -119,22 +120,6 @@ std::vector<LayerMeasurement> measure_layers(const SliceOptions& options, const 
   return measurements;
 }
 
-void print_statistics(std::size_t facets, const LayerStack& layers, const LayerStatistics& s) {
-  fmt::print("facets {}, layers {}\n\n{:<20} {:>12} {:>12}\n", facets, layers.count, "", "mean", "SD");
-  const auto row = [](const char* name, const MeanAndDeviation& v) {
-    fmt::print("{:<20} {:>12.4f} {:>12.4f}\n", name, v.mean, v.deviation);
-  };
-  row("slicing ms", s.slicing_ms);
-  row("contour ms", s.contour_ms);
-  row("total ms", s.total_ms);
-  row("intersecting facets", s.intersecting_facets);
-  row("loop count", s.loop_count);
-  fmt::print(
-      "\nnormalized correlation of the contour time with the loop count {:.2f}, with the intersecting facets "
-      "{:.2f}\n",
-      s.contour_time_vs_loop_count, s.contour_time_vs_intersecting_facets);
-}
-
 void report_measurements(const SliceOptions& options, std::size_t facets, const LayerStack& layers,
                          const std::vector<LayerMeasurement>& measurements) {
   const LayerStatistics statistics = statistics_of(measurements);
@@ -144,18 +129,12 @@ void report_measurements(const SliceOptions& options, std::size_t facets, const 
     summary.replace_filename(options.csv->stem().string() + "-summary.csv");
     write_statistics(summary, statistics);
   }
-  if (!options.json) return print_statistics(facets, layers, statistics);
-  const auto both = [](const MeanAndDeviation& v) { return Json{{"mean", v.mean}, {"sd", v.deviation}}; };
-  const Json json{
-      {"facets", facets},
-      {"layers", layers.count},
-      {"slicing_ms", both(statistics.slicing_ms)},
-      {"contour_ms", both(statistics.contour_ms)},
-      {"total_ms", both(statistics.total_ms)},
-      {"intersecting_facets", both(statistics.intersecting_facets)},
-      {"loop_count", both(statistics.loop_count)},
-      {"correlation_contour_time_loop_count", statistics.contour_time_vs_loop_count},
-      {"correlation_contour_time_intersecting_facets", statistics.contour_time_vs_intersecting_facets}};
+  if (!options.json) {
+    fmt::print("facets {}, layers {}\n\n", facets, layers.count);
+    return print_statistics(statistics);
+  }
+  Json json{{"facets", facets}, {"layers", layers.count}};
+  json.update(statistics_json(statistics));
   fmt::print("{}\n", json.dump(2));
 }
 

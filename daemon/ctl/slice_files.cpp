@@ -13,14 +13,18 @@ namespace contourd::ctl {
 namespace {
 
 void write_file(const std::filesystem::path& path, const fmt::memory_buffer& text) {
+  write_text(path, {text.data(), text.size()});
+}
+
+}  // namespace
+
+void write_text(const std::filesystem::path& path, std::string_view text) {
   errno = 0;
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   file.write(text.data(), static_cast<std::streamsize>(text.size()));
   file.close();
   if (!file) throw OutputError(fmt::format("cannot write {}: {}", path.string(), std::strerror(errno)));
 }
-
-}  // namespace
 
 void write_measurements(const std::filesystem::path& path, std::span<const LayerMeasurement> layers) {
   fmt::memory_buffer text;

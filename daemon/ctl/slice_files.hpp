@@ -1,15 +1,19 @@
-// The files that `contourctl slice` writes: the thesis's measurements and contours as CSV. Throws OutputError
+// The files that contourctl writes: the thesis's measurements and contours as CSV. Throws OutputError
 // when one cannot be written.
 #pragma once
 
 #include <filesystem>
 #include <span>
+#include <string_view>
 
 #include "core/contour_loops.hpp"
 #include "core/layer_statistics.hpp"
 #include "core/pixel_map.hpp"
 
 namespace contourd::ctl {
+
+// Replaces the file.
+void write_text(const std::filesystem::path& path, std::string_view text);
 
 // One row a layer (thesis, section 3.5), under a heading.
 void write_measurements(const std::filesystem::path& path, std::span<const LayerMeasurement> layers);

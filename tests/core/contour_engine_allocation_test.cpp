@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/contour_engine.hpp"
+#include "core/island_finder.hpp"
+#include "core/mask_runs.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
@@ -89,4 +91,24 @@ TEST_CASE("A warm engine allocates nothing for a cracked model") {
   for (std::size_t i = 0; i < facets.size(); i += 100)
     facets[i] = facets.back();
   CHECK(allocations_when_warm(facets) == 0);
+}
+
+TEST_CASE("Finding islands allocates nothing when warm") {
+  const DisplayGeometry display{Pixels{480}, Pixels{480}};
+  ContourEngine engine(HeightIndex(models::gyroid_sphere(10, 6, 24)), display, AntiAliasing::On,
+                       {PixelMap::true_scale(display, {0, 0})});
+  // Runs alternate between two layers, as in an analysis: both must have seen the largest.
+  MaskRuns layer, beneath;
+  IslandFinder finder;
+  long during_last = 0;
+  for (int pass = 0; pass < 3; ++pass) {
+    const long before = allocations;
+    for (Nanometers height{0}; height < Nanometers{20'250'000}; height += kLayer) {
+      std::swap(layer, beneath);
+      layer.extract(engine.mask_at(height));
+      (void)finder.find(layer, beneath);
+    }
+    during_last = allocations - before;
+  }
+  CHECK(during_last == 0);
 }

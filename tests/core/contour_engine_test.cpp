@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -133,6 +134,36 @@ TEST_CASE("The copies of a cracked model are lit alike") {
   ContourEngine engine(model, kDisplay, AntiAliasing::On,
                        {PixelMap::true_scale(kDisplay, {6, 1}), PixelMap::true_scale(kDisplay, {-4, 1})});
   CHECK(engine.mask_at(Nanometers{1'000'000}).lit_area() == 2 * 40.0 * 40.0);
+}
+
+TEST_CASE("Two models on a plate are lit together and each stands on it") {
+  const auto low = std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {2, 2, 5}));
+  const auto sunk = std::make_shared<const HeightIndex>(models::box({0, 0, -90}, {2, 2, -88}));
+  ContourEngine engine(
+      {{low, {PixelMap::true_scale(kDisplay, {6, 1})}}, {sunk, {PixelMap::true_scale(kDisplay, {-4, 1})}}},
+      kDisplay, AntiAliasing::On);
+  CHECK(engine.mask_at(Nanometers{1'000'000}).lit_area() == 2 * 40.0 * 40.0);
+  CHECK(engine.intersecting_facets() == 16);
+  CHECK(engine.mask_at(Nanometers{3'000'000}).lit_area() == 40.0 * 40.0);
+}
+
+TEST_CASE("A layer says what was bridged to close it and an intact one that nothing was") {
+  models::Facets box = models::box({0, 0, 0}, {2, 2, 5});
+  ContourEngine intact = engine_for(box);
+  box.pop_back();
+  ContourEngine engine = engine_for(box);
+  (void)intact.mask_at(Nanometers{1'000'000});
+  CHECK(intact.cracks() == LayerCracks{});
+  (void)engine.mask_at(Nanometers{1'000'000});
+  const LayerCracks of_mask = engine.cracks();
+  CHECK(of_mask.open_chains == 1);
+  CHECK(of_mask.gaps_closed == 0);
+  CHECK(of_mask.widest_gap.count() > 0.05);
+  (void)engine.contours_at(Nanometers{1'000'000});
+  CHECK(engine.cracks() == of_mask);
+  // Above the model: what was found below is no longer told.
+  (void)engine.mask_at(Nanometers{9'000'000});
+  CHECK(engine.cracks() == LayerCracks{});
 }
 
 TEST_CASE("A missing or turned or doubled facet changes no pixel where its gap is a straight line") {

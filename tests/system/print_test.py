@@ -1,6 +1,7 @@
 """Whole prints on the simulated printer: masks, reports, and what happens when the machine fails."""
 
 import base64
+import html
 import html.parser
 import json
 import os
@@ -167,6 +168,63 @@ class Page(html.parser.HTMLParser):
 
     def handle_data(self, data):
         self.text += data
+
+
+class Analysis(PrintTest):
+    # 60 layers of 50 um: a slab, a millimetre of nothing, and a box in the air.
+    FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
+
+    def test_a_sound_print_is_analysed_without_a_warning(self):
+        report = self.printed(SMALL)
+        found = report["analysis"]
+        self.assertEqual((found["layers"], found["islands"], found["empty_layers"]), (20, 0, 0))
+        self.assertEqual((found["warnings"], found["island_list"], found["empty_layer_list"]), ([], [], []))
+        self.assertEqual((found["largest_area_layer"], found["cracked_layers"], found["open_chains"]), (1, 0, 0))
+        # 20 boxes of 200 by 100 pixels, in double.
+        self.assertAlmostEqual(found["resin_ml"], 0.05, delta=1e-9)
+        self.assertAlmostEqual(found["largest_area_mm2"], 50, delta=1e-9)
+        # What the print took besides its layers: the lamp's warm-up of 5 s, homing, the first way down, parking.
+        self.assertGreater(found["layer_time_s"], 20 * 6)
+        self.assertGreater(report["print_time_s"], found["layer_time_s"] + 5)
+        self.assertLess(report["print_time_s"], found["layer_time_s"] + 120)
+
+    def test_islands_and_empty_layers_are_warned_about_and_printed_all_the_same(self):
+        daemon = self.daemon()
+        daemon.drop("part.stl", self.FLOATING)
+        report = daemon.wait_done("part")
+        self.assertEqual(report["layers_exposed"], 60)
+        found = report["analysis"]
+        self.assertEqual((found["islands"], found["empty_layers"]), (1, 20))
+        self.assertEqual(found["empty_layer_list"], list(range(21, 41)))
+        island = found["island_list"][0]
+        self.assertEqual(island["layer"], 41)
+        # Corners on pixel borders; what is left is double rounding.
+        for value, expected in zip(island["plate_mm"], (-2, -1), strict=True):
+            self.assertAlmostEqual(value, expected, delta=1e-9)
+        self.assertAlmostEqual(island["area_mm2"], 4, delta=1e-9)
+        self.assertAlmostEqual(found["resin_ml"], 0.104, delta=1e-9)
+        self.assertEqual(len(found["warnings"]), 2)
+        page = daemon.read("done", "part.report.html")
+        log = daemon.log()
+        for warning in found["warnings"]:
+            self.assertIn(warning, html.unescape(page))
+            self.assertIn(warning, log)
+        self.assertRegex(log, r"60 layers in .*, 0\.10 ml of resin, .*, 1 island, 20 empty layers; found in")
+        history = daemon.rpc("history")["result"]["ended"]
+        self.assertEqual(history[-1]["analysis"]["islands"], 1)
+        daemon.stop()
+
+    def test_the_status_tells_it_while_the_print_runs(self):
+        daemon = self.daemon(REALTIME)
+        daemon.drop("part.stl", self.FLOATING)
+        told = daemon.watcher.wait_for(lambda m: m.get("method") == "analysis", "the analysis")["params"]
+        self.assertEqual(told["job"]["analysis"]["islands"], 1)
+        self.assertEqual(daemon.status()["job"]["analysis"], told["job"]["analysis"])
+        result = daemon.ctl("status")
+        self.assertIn(b"resin     0.10 ml", result.stdout)
+        self.assertIn(b"warning   1 island begins", result.stdout)
+        daemon.stop()
+        self.assertEqual(daemon.report("part", "failed")["analysis"]["islands"], 1)
 
 
 class Report(PrintTest):

@@ -1,0 +1,61 @@
+#include "core/print_analysis.hpp"
+
+#include <utility>
+
+namespace contourd {
+
+PrintAnalysis::PrintAnalysis(const DisplayGeometry& display) : display_(display) {
+  const double pitch_mm = to_millimeters(display.pixel_pitch).count();
+  pixel_area_mm2_ = pitch_mm * pitch_mm;
+}
+
+void PrintAnalysis::add_layer(const Mask& mask, const Layer& layer) {
+  std::swap(layer_, beneath_);
+  layer_.extract(mask);
+  note_area(static_cast<double>(layer_.grey_sum()) / 255.0 * pixel_area_mm2_, layer);
+  if (findings_.layers() > 1) note_islands();
+  if (layer.cracks != LayerCracks{}) {
+    findings_.cracks += layer.cracks;
+    findings_.cracked_layers.push_back({findings_.layers() - 1, layer.cracks});
+  }
+  findings_.layer_time += layer.duration;
+}
+
+void PrintAnalysis::note_area(double area_mm2, const Layer& layer) {
+  const std::int32_t number = findings_.layers();
+  findings_.area_mm2.push_back(area_mm2);
+  findings_.volume_mm3 += area_mm2 * to_millimeters(layer.thickness).count();
+  if (area_mm2 > findings_.largest_area_mm2) {
+    findings_.largest_area_mm2 = area_mm2;
+    findings_.largest_area_layer = number;
+  }
+  if (area_mm2 == 0) return;
+  // The dark layers beneath turn out to be inside the print.
+  for (; dark_since_ < number; ++dark_since_)
+    findings_.empty_layers.push_back(dark_since_);
+  dark_since_ = number + 1;
+}
+
+void PrintAnalysis::note_islands() {
+  for (const MaskIsland& island : finder_.find(layer_, beneath_)) {
+    ++findings_.island_count;
+    if (findings_.islands.size() == PrintFindings::kMostIslands) continue;
+    findings_.islands.push_back({findings_.layers() - 1, island.center, on_plate(display_, island.center),
+                                 static_cast<double>(island.grey) / 255.0 * pixel_area_mm2_});
+  }
+}
+
+std::optional<PrintFindings> analyze_print(
+    ContourEngine& engine, const DisplayGeometry& display, const LayerStack& layers,
+    const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,
+    const std::stop_token& stop) {
+  PrintAnalysis analysis(display);
+  for (std::int32_t layer = 0; layer < layers.count; ++layer) {
+    if (stop.stop_requested()) return std::nullopt;
+    const Mask& mask = engine.mask_at(layers.middle_of(layer));
+    analysis.add_layer(mask, {layers.thickness, layer_duration(layer), engine.cracks()});
+  }
+  return analysis.findings();
+}
+
+}  // namespace contourd

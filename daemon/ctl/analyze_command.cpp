@@ -1,0 +1,208 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/contour_engine.hpp"
+#include "core/print_analysis.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "daemon/ctl/analyze_page.hpp"
+#include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/slice_files.hpp"
+#include "daemon/ctl/statistics_text.hpp"
+#include "daemon/print_findings.hpp"
+#include "daemon/print_job.hpp"
+#include "daemon/readable.hpp"
+#include "hw/motion_profile.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using SteadyClock = std::chrono::steady_clock;
+
+// A layer's times are the best of so many: what else the machine did meanwhile is not the model's.
+constexpr int kRuns = 3;
+// What a page holds: some four megabytes of contours.
+constexpr std::int32_t kMostPictureLayers = 500;
+constexpr std::size_t kMostPicturePoints = 700'000;
+
+struct Subject {
+  std::unique_ptr<ContourEngine> engine;
+  std::vector<Duration> layer_durations;  // by layer; none when no printer is known
+  AnalyzedModel model;
+};
+
+// In the middle of a display, without a printer.
+Subject subject_alone(const AnalyzeOptions& options) {
+  Subject subject;
+  StlModel model = read_model(options.model);
+  subject.model.warnings = std::move(model.warnings);
+  HeightIndex index(std::move(model.facets));
+  const Bounds bounds = index.bounds();
+  const std::optional<LayerStack> layers = layers_for(Millimeters{bounds.size_z()}, options.layer_height);
+  if (!layers) {
+    throw UsageError(fmt::format("a model {:.6g} mm high has more layers of that height than can be counted",
+                                 bounds.size_z()));
+  }
+  subject.model.layers = *layers;
+  subject.model.display = options.display;
+  subject.model.size_x_mm = bounds.size_x();
+  subject.model.size_y_mm = bounds.size_y();
+  subject.model.size_z_mm = bounds.size_z();
+  const double pitch_mm = to_millimeters(options.display.pixel_pitch).count();
+  if (bounds.size_x() > options.display.width.count() * pitch_mm ||
+      bounds.size_y() > options.display.height.count() * pitch_mm) {
+    subject.model.warnings.emplace_back(
+        "the model is larger than the display: what lies outside is not counted");
+  }
+  subject.engine =
+      std::make_unique<ContourEngine>(std::move(index), options.display, options.anti_aliasing,
+                                      std::vector{PixelMap::true_scale(options.display, bounds.center())});
+  return subject;
+}
+
+// As contourd prints it.
+Subject subject_of_printer(const AnalyzeOptions& options) {
+  const PrinterConfig printer = load_printer_config(*options.printer);
+  // Bad files are told as by the other commands, before anything about the printer.
+  (void)read_model(options.model);
+  PreparedJob job = [&] {
+    try {
+      return prepare_job({options.model.stem().string(), options.model, options.ticket}, printer);
+    } catch (const JobRefused& refusal) {
+      throw StlError(options.model.string() + ": " + refusal.what());
+    }
+  }();
+  Subject subject;
+  const PrintPlan& plan = job.plan;
+  const auto move = [&printer](Nanometers distance, MillimetersPerSecond speed) {
+    return MotionProfile(distance, speed, printer.simulated.axis.acceleration).duration();
+  };
+  for (std::int32_t layer = 0; layer < plan.layers.count; ++layer)
+    subject.layer_durations.push_back(layer_duration(plan, layer, move));
+  subject.engine = std::move(job.analysis_engine);
+  subject.model.warnings = std::move(job.summary.warnings);
+  subject.model.layers = plan.layers;
+  subject.model.display = job.display;
+  subject.model.size_x_mm = job.summary.size_x_mm;
+  subject.model.size_y_mm = job.summary.size_y_mm;
+  subject.model.size_z_mm = job.summary.size_z_mm;
+  return subject;
+}
+
+// The thesis's loop of section 3.5: slice, then join, each timed.
+class Stopwatch {
+ public:
+  explicit Stopwatch(const ContourEngine& engine) : engine_(engine) {}
+
+  LayerMeasurement measure(Nanometers height) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    LayerMeasurement best{to_millimeters(height), kNever, kNever, 0, 0};
+    for (int run = 0; run < kRuns; ++run) {
+      const LayerMeasurement once = measure_once(height);
+      best.slicing_ms = std::min(best.slicing_ms, once.slicing_ms);
+      best.contour_ms = std::min(best.contour_ms, once.contour_ms);
+      best.intersecting_facets = once.intersecting_facets;
+      best.loop_count = once.loop_count;
+    }
+    return best;
+  }
+
+ private:
+  LayerMeasurement measure_once(Nanometers height) {
+    const auto ms = [](SteadyClock::duration time) {
+      return std::chrono::duration<double, std::milli>(time).count();
+    };
+    LayerMeasurement sum;
+    for (const PlateModel& each : engine_.models()) {
+      const auto start = SteadyClock::now();
+      slice_at(*each.model, each.model->bounds().min_z + to_millimeters(height).count(), section_);
+      const auto sliced = SteadyClock::now();
+      linker_.link(section_.segments, engine_.join_tolerance(), contours_);
+      const auto joined = SteadyClock::now();
+      sum.slicing_ms += ms(sliced - start);
+      sum.contour_ms += ms(joined - sliced);
+      sum.intersecting_facets += section_.intersecting_facets;
+      sum.loop_count += static_cast<std::uint32_t>(contours_.loops.size());
+    }
+    return sum;
+  }
+
+  const ContourEngine& engine_;
+  Section section_;
+  ContourLinker linker_;
+  Contours contours_;
+};
+
+AnalyzedModel analyze(Subject subject, bool with_contours) {
+  AnalyzedModel model = std::move(subject.model);
+  for (const PlateModel& each : subject.engine->models())
+    model.facets += each.model->facets().size();
+  model.findings = analyze_print(*subject.engine, model.display, model.layers, [&](std::int32_t layer) {
+                     const std::vector<Duration>& known = subject.layer_durations;
+                     return known.empty() ? Duration{0} : known[static_cast<std::size_t>(layer)];
+                   }).value();
+  Stopwatch stopwatch(*subject.engine);
+  for (std::int32_t layer = 0; layer < model.layers.count; ++layer)
+    model.measurements.push_back(stopwatch.measure(model.layers.middle_of(layer)));
+  model.statistics = statistics_of(model.measurements);
+  if (with_contours) {
+    model.contours =
+        stack_contours(*subject.engine, model.display, model.layers, kMostPictureLayers, kMostPicturePoints);
+  }
+  return model;
+}
+
+void print_findings(const AnalyzedModel& m) {
+  const PrintFindings& found = m.findings;
+  fmt::print("facets        {}\nsize          {:.6g} x {:.6g} x {:.6g} mm\n", m.facets, m.size_x_mm,
+             m.size_y_mm, m.size_z_mm);
+  fmt::print("layers        {} of {:g} um\n", m.layers.count,
+             to_millimeters(m.layers.thickness).count() * 1000);
+  if (found.layer_time > Duration{0}) fmt::print("layer time    {}\n", readable(found.layer_time));
+  fmt::print("resin         {:.3f} ml\n", found.resin_ml());
+  fmt::print("largest area  {:.2f} mm2, layer {}\n", found.largest_area_mm2, found.largest_area_layer + 1);
+  fmt::print("islands       {}\nempty layers  {}\n", found.island_count, found.empty_layers.size());
+  fmt::print("cracks        {} gaps closed, the widest {:.3f} mm, {} open chains, on {} layers\n",
+             found.cracks.gaps_closed, found.cracks.widest_gap.count(), found.cracks.open_chains,
+             found.cracked_layers.size());
+  for (const std::string& warning : m.warnings)
+    fmt::print("warning       {}\n", warning);
+  for (const std::string& warning : warnings_about(found))
+    fmt::print("warning       {}\n", warning);
+  fmt::print("\n");
+  print_statistics(m.statistics);
+}
+
+void print_json(const AnalyzedModel& m) {
+  Json json{{"facets", m.facets}, {"size_mm", {m.size_x_mm, m.size_y_mm, m.size_z_mm}}};
+  json["layer_height_um"] = to_millimeters(m.layers.thickness).count() * 1000;
+  json.update(findings_json(m.findings));
+  if (m.findings.layer_time == Duration{0}) json["layer_time_s"] = nullptr;
+  json["model_warnings"] = m.warnings;
+  json["statistics"] = statistics_json(m.statistics);
+  json["area_mm2"] = m.findings.area_mm2;
+  fmt::print("{}\n", json.dump(2));
+}
+
+}  // namespace
+
+int analyze(const AnalyzeOptions& options) {
+  Subject subject = options.printer ? subject_of_printer(options) : subject_alone(options);
+  subject.model.name = options.model.filename().string();
+  const AnalyzedModel model = analyze(std::move(subject), options.html.has_value());
+  if (options.html) write_text(*options.html, analysis_page(model));
+  if (options.json) {
+    print_json(model);
+  } else {
+    print_findings(model);
+  }
+  return kOk;
+}
+
+}  // namespace contourd::ctl

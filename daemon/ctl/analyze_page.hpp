@@ -1,0 +1,30 @@
+// The page that `contourctl analyze --html` writes: figures, the thesis's plots and correlations, and its
+// stacked contours as a picture that can be turned. One file that needs nothing else. Thread-safe.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/layer_statistics.hpp"
+#include "core/print_analysis.hpp"
+#include "daemon/ctl/contour_stack.hpp"
+
+namespace contourd::ctl {
+
+struct AnalyzedModel {
+  std::string name;
+  std::size_t facets = 0;
+  double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as printed
+  DisplayGeometry display;
+  LayerStack layers;
+  std::vector<std::string> warnings;  // about the file and its mesh
+  PrintFindings findings;
+  std::vector<LayerMeasurement> measurements;  // by layer; z above the plate
+  LayerStatistics statistics;
+  ContourStack contours;
+};
+
+[[nodiscard]] std::string analysis_page(const AnalyzedModel& model);
+
+}  // namespace contourd::ctl

@@ -1,0 +1,32 @@
+// A print's contours, stacked, small enough for a page: the thesis's figures 4.1 to 4.7. Every so many layers
+// only, without points that a picture cannot show, and as 16-bit numbers. Thread-safe (no shared state).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/contour_engine.hpp"
+#include "core/layers.hpp"
+
+namespace contourd::ctl {
+
+struct ContourStack {
+  std::vector<std::int32_t> layers;  // those that are in it, from 0
+  // Little-endian words of 16 bits: for each loop its place in `layers`, its number of points (low, high),
+  // then x and y of each point. A word w stands for the millimetre min + w / 65535 * size, on the plate.
+  std::vector<std::uint8_t> words;
+  double min_x_mm = 0, min_y_mm = 0;
+  double size_mm = 0;  // along x and y alike
+};
+
+// At most `most_points` points, in at most `most_layers` layers.
+[[nodiscard]] ContourStack stack_contours(const ContourEngine& engine, const DisplayGeometry& display,
+                                          const LayerStack& layers, std::int32_t most_layers,
+                                          std::size_t most_points);
+
+// The points without those within `tolerance` of the line between the neighbours that are kept (Douglas and
+// Peucker), for a closed polygon.
+[[nodiscard]] std::vector<Point> simplified(std::span<const Point> polygon, double tolerance);
+
+}  // namespace contourd::ctl

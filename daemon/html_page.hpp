@@ -1,0 +1,39 @@
+// What contourd's HTML pages have in common: their look, text that is safe in them, pictures and plots inside
+// the page. Thread-safe (no shared state).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace contourd {
+
+inline constexpr std::string_view kPageStyle = R"(
+:root { color-scheme: light dark; --ink: #1d2733; --paper: #fbfbfa; --line: #c9ced6; --accent: #6a3fb5; }
+@media (prefers-color-scheme: dark) { :root { --ink: #dfe4ea; --paper: #14181d; --line: #3a4450; --accent: #b99af0; } }
+body { font: 15px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.5rem; margin-bottom: 0; } h2 { font-size: 1.05rem; margin: 1.8rem 0 .4rem; }
+.outcome { font-weight: 600; } .done { color: #1d8348; } .failed, .cancelled { color: #c0392b; }
+.top { display: flex; flex-wrap: wrap; gap: 1.5rem; align-items: flex-start; margin-top: 1rem; }
+.top img { width: 22rem; max-width: 100%; border-radius: 6px; background: #000; }
+table { border-collapse: collapse; } td, th { text-align: left; padding: .15rem 1.2rem .15rem 0; vertical-align: top; }
+th { font-weight: 400; opacity: .7; } svg { width: 100%; height: auto; }
+svg text { font: 12px system-ui, sans-serif; fill: var(--ink); } svg .grid { stroke: var(--line); stroke-width: 1; }
+svg .curve { fill: none; stroke: var(--accent); stroke-width: 1.5; stroke-linejoin: round; }
+)";
+
+// Text from a file name or an error message, safe inside HTML.
+[[nodiscard]] std::string escaped(const std::string& text);
+
+[[nodiscard]] std::string base64(std::span<const std::uint8_t> bytes);
+
+struct PlotPoint {
+  double height_mm, value;
+};
+
+// A heading and, under it, a curve over the height as SVG. `title` and what it says must be safe in HTML.
+// REQUIRES: rising heights.
+[[nodiscard]] std::string svg_plot(const std::string& title, std::span<const PlotPoint> all);
+
+}  // namespace contourd

@@ -1,0 +1,132 @@
+#include "daemon/print_findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "daemon/readable.hpp"
+
+namespace contourd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// How many islands, and stretches of layers, a sentence names.
+constexpr std::size_t kNamed = 3;
+
+std::string count_of(std::uint64_t count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+// "3", "3 to 7", "3 to 7, 9, 12 and 4 more" for layers in rising order.
+std::string stretches(std::span<const std::int32_t> layers) {
+  std::string text;
+  std::size_t named = 0, i = 0;
+  for (; i < layers.size() && named < kNamed; ++named) {
+    std::size_t end = i + 1;
+    while (end < layers.size() && layers[end] == layers[end - 1] + 1)
+      ++end;
+    text += fmt::format("{}{}", named == 0 ? "" : ", ", layers[i] + 1);
+    if (end - i > 1) text += fmt::format(" to {}", layers[end - 1] + 1);
+    i = end;
+  }
+  if (i < layers.size()) text += fmt::format(" and {} more", layers.size() - i);
+  return text;
+}
+
+std::string island_warning(const PrintFindings& findings) {
+  std::vector<Island> largest(std::min(kNamed, findings.islands.size()));
+  std::ranges::partial_sort_copy(findings.islands, largest,
+                                 [](const Island& a, const Island& b) { return a.area_mm2 > b.area_mm2; });
+  std::string text = fmt::format(
+      "{} with nothing under {}:", count_of(findings.island_count, "island begins", "islands begin"),
+      findings.island_count == 1 ? "it" : "them");
+  for (std::size_t i = 0; i < largest.size(); ++i) {
+    const Island& island = largest[i];
+    text += fmt::format("{} layer {} at {:.2f}, {:.2f} mm from the plate's centre ({:.3g} mm2)",
+                        i == 0 ? "" : ",", island.layer + 1, island.plate_mm.x, island.plate_mm.y,
+                        island.area_mm2);
+  }
+  if (findings.island_count > largest.size())
+    text += fmt::format(", and {} smaller", findings.island_count - largest.size());
+  return text;
+}
+
+std::string open_contours_warning(const PrintFindings& findings) {
+  std::vector<std::int32_t> open;
+  for (const CrackedLayer& each : findings.cracked_layers) {
+    if (each.cracks.open_chains > 0) open.push_back(each.layer);
+  }
+  return fmt::format(
+      "the model is cracked: contours of {} ({}) did not close; the widest gap bridged is {:.3f} mm",
+      count_of(open.size(), "layer", "layers"), stretches(open), findings.cracks.widest_gap.count());
+}
+
+}  // namespace
+
+std::string findings_line(const PrintFindings& findings) {
+  std::string text = count_of(findings.area_mm2.size(), "layer", "layers");
+  if (findings.layer_time > Duration{0}) text += fmt::format(" in {}", readable(findings.layer_time));
+  text += fmt::format(", {:.2f} ml of resin", findings.resin_ml());
+  if (findings.layers() > 0) {
+    text += fmt::format(", at most {:.2f} mm2 (layer {})", findings.largest_area_mm2,
+                        findings.largest_area_layer + 1);
+  }
+  return text + fmt::format(", {}, {}", count_of(findings.island_count, "island", "islands"),
+                            count_of(findings.empty_layers.size(), "empty layer", "empty layers"));
+}
+
+std::vector<std::string> warnings_about(const PrintFindings& findings) {
+  std::vector<std::string> warnings;
+  if (findings.island_count > 0) warnings.push_back(island_warning(findings));
+  if (!findings.empty_layers.empty()) {
+    const bool one = findings.empty_layers.size() == 1;
+    warnings.push_back(fmt::format("layer{} {} {} empty: what comes above has nothing to hold it",
+                                   one ? "" : "s", stretches(findings.empty_layers), one ? "is" : "are"));
+  }
+  if (findings.cracks.open_chains > 0) warnings.push_back(open_contours_warning(findings));
+  return warnings;
+}
+
+Json findings_summary_json(const PrintFindings& findings) {
+  Json json;
+  json["layers"] = findings.layers();
+  json["layer_time_s"] = std::chrono::duration<double>(findings.layer_time).count();
+  json["resin_ml"] = findings.resin_ml();
+  json["largest_area_mm2"] = findings.largest_area_mm2;
+  json["largest_area_layer"] = findings.layers() > 0 ? Json(findings.largest_area_layer + 1) : Json();
+  json["islands"] = findings.island_count;
+  json["empty_layers"] = findings.empty_layers.size();
+  json["cracked_layers"] = findings.cracked_layers.size();
+  json["open_chains"] = findings.cracks.open_chains;
+  json["gaps_closed"] = findings.cracks.gaps_closed;
+  json["widest_gap_mm"] = findings.cracks.widest_gap.count();
+  json["warnings"] = warnings_about(findings);
+  return json;
+}
+
+Json findings_json(const PrintFindings& findings) {
+  Json json = findings_summary_json(findings);
+  Json islands = Json::array(), empty = Json::array(), cracked = Json::array();
+  for (const Island& island : findings.islands) {
+    islands.push_back({{"layer", island.layer + 1},
+                       {"plate_mm", {island.plate_mm.x, island.plate_mm.y}},
+                       {"pixel", {island.pixel.x, island.pixel.y}},
+                       {"area_mm2", island.area_mm2}});
+  }
+  for (const std::int32_t layer : findings.empty_layers)
+    empty.push_back(layer + 1);
+  for (const CrackedLayer& each : findings.cracked_layers) {
+    cracked.push_back({{"layer", each.layer + 1},
+                       {"open_chains", each.cracks.open_chains},
+                       {"gaps_closed", each.cracks.gaps_closed},
+                       {"widest_gap_mm", each.cracks.widest_gap.count()}});
+  }
+  json["island_list"] = std::move(islands);
+  json["empty_layer_list"] = std::move(empty);
+  json["cracked_layer_list"] = std::move(cracked);
+  return json;
+}
+
+}  // namespace contourd

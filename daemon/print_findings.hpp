@@ -1,0 +1,24 @@
+// What a whole-print analysis found, in words and as JSON: for the log, the report, the control socket and
+// contourctl. Layers count from 1 here, as people count. Thread-safe (no shared state).
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/print_analysis.hpp"
+
+namespace contourd {
+
+// "800 layers in 3 h 05 min, 12.34 ml of resin, ..."; without the time where none is known.
+[[nodiscard]] std::string findings_line(const PrintFindings& findings);
+
+// What may spoil the print, one sentence each: islands, empty layers, contours that did not close.
+[[nodiscard]] std::vector<std::string> warnings_about(const PrintFindings& findings);
+
+// The figures, and the warnings: for whoever asks while a print runs.
+[[nodiscard]] nlohmann::ordered_json findings_summary_json(const PrintFindings& findings);
+// The same with every island, empty layer and cracked layer.
+[[nodiscard]] nlohmann::ordered_json findings_json(const PrintFindings& findings);
+
+}  // namespace contourd

@@ -1,0 +1,86 @@
+#include "daemon/print_findings.hpp"
+
+#include <cmath>
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+
+namespace {
+
+PrintFindings spoilt() {
+  PrintFindings findings;
+  findings.area_mm2 = {80, 0, 0, 81, 0, 7, 0, 6, 0, 5};
+  findings.volume_mm3 = 1234.5;
+  findings.largest_area_mm2 = 81;
+  findings.largest_area_layer = 3;
+  findings.empty_layers = {1, 2, 4, 6, 8};
+  findings.islands = {
+      {3, {1, 2}, {0.5, -1.25}, 2}, {5, {1, 2}, {1, 1}, 7}, {7, {1, 2}, {2, 2}, 5}, {9, {1, 2}, {3, 3}, 4}};
+  findings.island_count = 40;
+  findings.cracked_layers = {{2, {1, Millimeters{0.01}, 0}}, {3, {0, Millimeters{1.5}, 2}}};
+  findings.cracks = {1, Millimeters{1.5}, 2};
+  findings.layer_time = std::chrono::minutes{185};
+  return findings;
+}
+
+}  // namespace
+
+TEST_CASE("Findings are told in one line with layers, time, resin and what is wrong") {
+  CHECK(findings_line(spoilt()) ==
+        "10 layers in 3 h 05 min, 1.23 ml of resin, at most 81.00 mm2 (layer 4), 40 islands, 5 empty layers");
+  PrintFindings sound;
+  sound.area_mm2 = {10};
+  sound.largest_area_mm2 = 10;
+  CHECK(findings_line(sound) ==
+        "1 layer, 0.00 ml of resin, at most 10.00 mm2 (layer 1), 0 islands, 0 empty layers");
+}
+
+TEST_CASE("A sound print has no warnings") {
+  PrintFindings sound;
+  sound.area_mm2 = {10, 10};
+  sound.cracks.gaps_closed = 3;  // closed within the tolerance: told, but not a warning
+  CHECK(warnings_about(sound).empty());
+}
+
+TEST_CASE("Warnings name the largest islands, the empty layers and the open contours") {
+  const auto warnings = warnings_about(spoilt());
+  REQUIRE(warnings.size() == 3);
+  CHECK(
+      warnings[0] ==
+      "40 islands begin with nothing under them: layer 6 at 1.00, 1.00 mm from the plate's centre (7 mm2), "
+      "layer 8 at 2.00, 2.00 mm from the plate's centre (5 mm2), layer 10 at 3.00, 3.00 mm from the plate's "
+      "centre (4 mm2), and 37 smaller");
+  CHECK(warnings[1] == "layers 2 to 3, 5, 7 and 1 more are empty: what comes above has nothing to hold it");
+  CHECK(warnings[2] ==
+        "the model is cracked: contours of 1 layer (4) did not close; the widest gap bridged is 1.500 mm");
+}
+
+TEST_CASE("One island and one empty layer are told in the singular") {
+  PrintFindings findings;
+  findings.area_mm2 = {1, 0, 1};
+  findings.empty_layers = {1};
+  findings.islands = {{2, {1, 2}, {0, 0}, 1}};
+  findings.island_count = 1;
+  const auto warnings = warnings_about(findings);
+  REQUIRE(warnings.size() == 2);
+  CHECK(warnings[0] ==
+        "1 island begins with nothing under it: layer 3 at 0.00, 0.00 mm from the plate's centre (1 mm2)");
+  CHECK(warnings[1] == "layer 2 is empty: what comes above has nothing to hold it");
+}
+
+TEST_CASE("Findings as JSON count layers from one") {
+  const auto json = findings_json(spoilt());
+  CHECK(json["layers"] == 10);
+  CHECK(json["layer_time_s"] == 11100.0);
+  CHECK(json["largest_area_layer"] == 4);
+  CHECK(std::fabs(json["resin_ml"].get<double>() - 1.2345) < 1e-12);  // one division
+  CHECK(json["islands"] == 40);
+  CHECK(json["island_list"].size() == 4);
+  CHECK(json["island_list"][0]["layer"] == 4);
+  CHECK(json["island_list"][0]["plate_mm"][1] == -1.25);
+  CHECK(json["empty_layer_list"] == nlohmann::ordered_json({2, 3, 5, 7, 9}));
+  CHECK(json["cracked_layer_list"][1]["open_chains"] == 2);
+  CHECK(json["warnings"].size() == 3);
+  CHECK(findings_summary_json(PrintFindings{})["largest_area_layer"].is_null());
+}

@@ -1,0 +1,271 @@
+"""contourctl analyze: its figures, its page, and what it says about bad input."""
+
+import base64
+import html.parser
+import json
+import os
+import struct
+
+from harness import (
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, NO_INPUT, OK, SOURCE, Daemon, FolderTest, binary_stl, box, contourctl, cube,
+    inside_out, main, source_json, wedge,
+)  # fmt: skip
+
+BAD_CONFIG = 78
+# A slab, a millimetre of nothing, and a box in the air: 60 layers of 50 um.
+FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
+
+
+class AnalyzeTest(FolderTest):
+    def analyze(self, data, *arguments):
+        result = contourctl("analyze", "--json", *arguments, self.write("model.stl", data))
+        self.assertEqual(result.returncode, OK, result.stderr)
+        self.assertEqual(result.stderr, b"")
+        return json.loads(result.stdout)
+
+
+class Figures(AnalyzeTest):
+    def test_a_box_has_its_exact_figures(self):
+        found = self.analyze(binary_stl(box((-3, 5, 1), (7, 25, 11))))
+        self.assertEqual((found["facets"], found["size_mm"], found["layer_height_um"]), (12, [10, 20, 10], 50))
+        self.assertEqual((found["layers"], found["islands"], found["empty_layers"]), (200, 0, 0))
+        self.assertEqual((found["cracked_layers"], found["open_chains"], found["gaps_closed"]), (0, 0, 0))
+        self.assertEqual((found["warnings"], found["model_warnings"], found["island_list"]), ([], [], []))
+        self.assertIsNone(found["layer_time_s"])
+        # Sides on the pixels' borders; what is left is double rounding.
+        self.assertAlmostEqual(found["resin_ml"], 2, delta=1e-9)
+        self.assertAlmostEqual(found["largest_area_mm2"], 200, delta=1e-9)
+        self.assertEqual(found["largest_area_layer"], 1)
+        self.assertEqual(len(found["area_mm2"]), 200)
+        for area in found["area_mm2"]:
+            self.assertAlmostEqual(area, 200, delta=1e-9)
+        statistics = found["statistics"]
+        self.assertEqual(statistics["intersecting_facets"], {"mean": 8, "sd": 0})
+        self.assertEqual(statistics["loop_count"], {"mean": 1, "sd": 0})
+        # Against a constant, equation 4.1 is the mean over the root of the mean square: the same for both.
+        self.assertAlmostEqual(statistics["correlation_contour_time_loop_count"],
+                               statistics["correlation_contour_time_intersecting_facets"], delta=1e-12)  # fmt: skip
+        self.assertGreater(statistics["total_ms"]["mean"], 0)
+
+    def test_a_wedge_is_largest_at_its_foot(self):
+        found = self.analyze(binary_stl(wedge(20, 10, 10)), "--layer-height-um", "100")
+        self.assertEqual((found["layers"], found["largest_area_layer"]), (100, 1))
+        # The midpoint rule is exact for a plane; grey pixels of one slanted edge are rounded to 1/255.
+        self.assertAlmostEqual(found["resin_ml"], 1, delta=1e-3)
+
+    def test_an_island_and_the_empty_layers_under_it_are_found(self):
+        found = self.analyze(FLOATING)
+        self.assertEqual((found["layers"], found["islands"], found["empty_layer_list"]), (60, 1, list(range(21, 41))))
+        island = found["island_list"][0]
+        self.assertEqual(island["layer"], 41)
+        # Of a model in the middle of 1920 x 1080 pixels of 50 um: two millimetres left of it and one down.
+        for value, expected in zip(island["plate_mm"] + island["pixel"], (-2, -1, 920, 560), strict=True):
+            self.assertAlmostEqual(value, expected, delta=1e-9)
+        self.assertAlmostEqual(island["area_mm2"], 4, delta=1e-9)
+        self.assertEqual(len(found["warnings"]), 2)
+
+    def test_cracks_are_told_by_layer(self):
+        facets = [f for f in cube(2) if not all(vertex[0] == 2 for vertex in f)]
+        found = self.analyze(binary_stl(facets))
+        self.assertEqual((found["cracked_layers"], found["open_chains"], found["widest_gap_mm"]), (40, 40, 2))
+        self.assertEqual([each["layer"] for each in found["cracked_layer_list"]], list(range(1, 41)))
+        self.assertTrue(any("did not close" in warning for warning in found["warnings"]), found["warnings"])
+
+    def test_it_prints_for_a_person_without_json(self):
+        result = contourctl("analyze", self.write("model.stl", FLOATING))
+        self.assertEqual((result.returncode, result.stderr), (OK, b""))
+        for words in (b"60 of 50 um", b"0.104 ml", b"100.00 mm2, layer 1", b"islands       1", b"empty layers  20",
+                      b"1 island begins with nothing under it: layer 41", b"normalized correlation"):  # fmt: skip
+            self.assertIn(words, result.stdout)
+        self.assertNotIn(b"{", result.stdout)
+
+    def test_a_model_without_facets_has_no_layers(self):
+        found = self.analyze(binary_stl([]), "--html", self.path("page.html"))
+        self.assertEqual((found["layers"], found["resin_ml"], found["largest_area_layer"]), (0, 0, None))
+
+    def test_what_lies_beyond_the_display_is_told(self):
+        found = self.analyze(binary_stl(cube(20)), "--display", "100x100")
+        self.assertEqual(len(found["model_warnings"]), 1)
+        self.assertIn("larger than the display", found["model_warnings"][0])
+
+
+class WithPrinter(AnalyzeTest):
+    CONFIG = os.path.join(SOURCE, "config", "simulated.json")
+
+    def test_it_is_what_the_daemon_finds(self):
+        daemon = Daemon(self).start()
+        ticket = {"layer_height_um": 100, "copies": 2, "position_mm": {"x": 3, "y": -2}}
+        daemon.drop("part.stl", FLOATING, ticket)
+        expected = daemon.wait_done("part")["analysis"]
+        daemon.stop()
+        ticket_path = self.write("ticket.json", json.dumps(ticket).encode())
+        found = self.analyze(FLOATING, "--printer", daemon.config_path, "--ticket", ticket_path)
+        self.assertEqual(found["islands"], 2)
+        self.assertGreater(found["layer_time_s"], 30 * 6)
+        self.assertEqual({key: found[key] for key in expected}, expected)
+
+    def test_the_time_is_that_of_its_resin(self):
+        found = self.analyze(binary_stl(box((0, 0, 0), (5, 5, 1))), "--printer", self.CONFIG)
+        resin = source_json("resins", "standard.json")
+        least = resin["exposure_ms"] + resin["settle_ms"] + resin["rest_ms"]
+        self.assertGreater(found["layer_time_s"], found["layers"] * least / 1000)
+
+    def test_a_model_that_the_printer_cannot_print_is_bad_data(self):
+        path = self.write("large.stl", binary_stl(cube(100)))
+        result = contourctl("analyze", path, "--printer", self.CONFIG)
+        self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
+        self.assert_one_line(result.stderr, path, "beyond the display")
+
+    def test_a_wrong_configuration_or_ticket_is_told(self):
+        model = self.write("cube.stl", binary_stl(cube(10)))
+        config = self.write("printer.json", b'{"name": 3}')
+        result = contourctl("analyze", model, "--printer", config)
+        self.assertEqual((result.returncode, result.stdout), (BAD_CONFIG, b""))
+        self.assert_one_line(result.stderr, config)
+        ticket = self.write("ticket.json", b'{"copies": "many"}')
+        result = contourctl("analyze", model, "--printer", self.CONFIG, "--ticket", ticket)
+        self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
+        self.assert_one_line(result.stderr, ticket, "copies")
+
+
+class Parser(html.parser.HTMLParser):
+    """Every element that must be closed is; what refers to anything outside is kept."""
+
+    VOID = {"meta", "input"}
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.tags, self.references, self.scripts, self.text = [], [], [], [], ""
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        if tag not in self.VOID:
+            self.open.append(tag)
+        self.references += [value for name, value in attributes if name in ("src", "href", "data", "action")]
+
+    def handle_startendtag(self, tag, attributes):
+        self.tags.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open and self.open[-1] == tag, f"</{tag}> closes {self.open}"
+        self.open.pop()
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] == "script":
+            self.scripts.append(data)
+        else:
+            self.text += data
+
+
+class Page(AnalyzeTest):
+    def page(self, data, name="page.html", *arguments):
+        path = self.path(name)
+        self.analyze(data, "--html", path, *arguments)
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        page = Parser()
+        page.feed(text)
+        page.close()
+        self.assertEqual(page.open, [])
+        return text, page, json.loads(page.scripts[0])
+
+    @staticmethod
+    def loops(data):
+        """(layer from 0, height, [(x, y) in mm on the plate]) of every loop in the picture."""
+        bytes_ = base64.b64decode(data["loops"], validate=True)
+        words = struct.unpack(f"<{len(bytes_) // 2}H", bytes_)
+        found, at = [], 0
+        while at < len(words):
+            count = words[at + 1] + 65536 * words[at + 2]
+            points = [tuple(data["min_mm"][i % 2] + words[at + 3 + 2 * k + i] / 65535 * data["size_mm"] for i in (0, 1))
+                      for k in range(count)]  # fmt: skip
+            found.append((data["layers"][words[at]], data["heights_mm"][words[at]], points))
+            at += 3 + 2 * count
+        return found
+
+    def test_it_is_one_file_that_needs_nothing_else(self):
+        text, page, _ = self.page(FLOATING)
+        self.assertNotRegex(text, r"(?i)https?:|url\(|@import|<link|\bimport\b")
+        self.assertEqual(page.references, [])
+        self.assertEqual(page.tags.count("svg"), 6)
+        self.assertEqual((page.tags.count("canvas"), page.tags.count("script")), (2, 2))
+        self.assertNotRegex(text, r"\b(nan|inf)\b")
+        self.assertNotIn("{{", text)
+        for words in ("model.stl", "Slicing time", "Contour time", "Total time", "Intersecting facets", "Contour loops",
+                      "Exposed area", "Normalized correlation", "1 island begins", "0.10 ml"):  # fmt: skip
+            self.assertIn(words, page.text)
+
+    def test_the_picture_holds_the_contours_where_they_are_on_the_plate(self):
+        _, _, data = self.page(FLOATING)
+        loops = self.loops(data)
+        self.assertEqual([layer for layer, _, _ in loops], list(range(20)) + list(range(40, 60)))
+        step = data["size_mm"] / 65535
+        for layer, height, points in loops:
+            self.assertAlmostEqual(height, (layer + 0.5) * 0.05, delta=1e-9)
+            # A square, and nothing else of it: points on its sides are left out. The plate's centre is the model's.
+            self.assertEqual(len(points), 4)
+            low, high = ((-5, -5), (5, 5)) if layer < 20 else ((-3, -2), (-1, 0))
+            for i in (0, 1):
+                self.assertAlmostEqual(min(p[i] for p in points), low[i], delta=step)
+                self.assertAlmostEqual(max(p[i] for p in points), high[i], delta=step)
+        self.assertEqual(len(data["islands"]), 1)
+        for quantity in data["quantities"]:
+            self.assertEqual(len(quantity["values"]), len(data["layers"]))
+
+    def test_of_many_layers_and_points_it_holds_some(self):
+        _, _, data = self.page(binary_stl(wedge(20, 10, 10)), "many.html", "--layer-height-um", "5")
+        self.assertLessEqual(len(data["layers"]), 500)
+        self.assertEqual(data["layers"], list(range(0, 2000, data["layers"][1])))
+
+    def test_a_file_name_cannot_become_part_of_the_page(self):
+        name = "<script>alert(1)</script>{{data}}&.stl".replace("/", "\u2215")
+        path = self.write(name, binary_stl(cube(2)))
+        result = contourctl("analyze", path, "--html", self.path("page.html"))
+        self.assertEqual(result.returncode, OK, result.stderr)
+        with open(self.path("page.html"), encoding="utf-8") as file:
+            text = file.read()
+        page = Parser()
+        page.feed(text)
+        self.assertEqual(page.tags.count("script"), 2)
+        self.assertIn(name, page.text)
+
+    def test_a_page_that_cannot_be_written_gives_73(self):
+        page = self.path("nowhere", "page.html")
+        result = contourctl("analyze", self.write("cube.stl", binary_stl(cube(2))), "--html", page)
+        self.assertEqual((result.returncode, result.stdout), (CANNOT_CREATE, b""))
+        self.assert_one_line(result.stderr, page)
+
+
+class BadInput(AnalyzeTest):
+    def test_bad_data_gives_65_and_one_line(self):
+        for data in (b"", b"no STL file", binary_stl(cube(20))[:-7], binary_stl([((float("nan"), 0, 0), (1, 0, 0), (0, 1, 0))])):
+            path = self.write("bad.stl", data)
+            for more in ([], ["--json"], ["--html", self.path("page.html")], ["--printer", WithPrinter.CONFIG]):
+                result = contourctl("analyze", path, *more)
+                self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""), result)
+                self.assert_one_line(result.stderr, path)
+        self.assertFalse(os.path.exists(self.path("page.html")))
+
+    def test_a_file_that_cannot_be_read_gives_66_and_one_line(self):
+        for path in (self.path("missing.stl"), self.folder, ""):
+            for more in ([], ["--printer", WithPrinter.CONFIG]):
+                result = contourctl("analyze", *more, "--", path)
+                self.assertEqual((result.returncode, result.stdout), (NO_INPUT, b""), result)
+                self.assert_one_line(result.stderr, path)
+
+    def test_wrong_options_are_bad_usage(self):
+        path = self.write("cube.stl", binary_stl(cube(2)))
+        for more in (["--layer-height-um", "0"], ["--layer-height-um", "nan"], ["--display", "0x5"], ["--aa", "maybe"],
+                     ["--html", ""], ["--pixel-pitch-um", "-1"], ["--ticket", "ticket.json"],
+                     ["--printer", WithPrinter.CONFIG, "--display", "100x100"]):  # fmt: skip
+            result = contourctl("analyze", path, *more)
+            self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), (more, result))
+        self.assertEqual(contourctl("analyze").returncode, BAD_USAGE)
+
+    def test_a_model_inside_out_is_analysed_all_the_same(self):
+        found = self.analyze(binary_stl(inside_out(cube(20))))
+        self.assertAlmostEqual(found["resin_ml"], 8, delta=1e-9)
+
+
+if __name__ == "__main__":
+    main()
