@@ -214,6 +214,21 @@ class Analysis(PrintTest):
         self.assertEqual(history[-1]["analysis"]["islands"], 1)
         daemon.stop()
 
+    def test_a_print_that_is_over_before_its_analysis_is_filed_as_done_also_at_a_stop(self):
+        daemon = self.daemon(masks=False)
+        # On one processor the analysis gets a tenth of it, so the print is through first.
+        processor = {min(os.sched_getaffinity(0))}
+        for thread in os.listdir(f"/proc/{daemon.process.pid}/task"):
+            os.sched_setaffinity(int(thread), processor)
+        daemon.drop("part.stl", binary_stl(cube(40)))
+        daemon.wait_state("finishing")
+        daemon.stop()
+        report = daemon.report("part")
+        self.assertEqual((report["outcome"], report["layers_exposed"]), ("done", 800))
+        self.assertIn("analysis", report)
+        self.assertTrue(daemon.has("done", "part.stl"))
+        self.assertEqual((daemon.names_in("printing"), daemon.names_in("incoming")), ([], []))
+
     def test_the_status_tells_it_while_the_print_runs(self):
         daemon = self.daemon(REALTIME)
         daemon.drop("part.stl", self.FLOATING)
