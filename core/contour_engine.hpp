@@ -1,9 +1,11 @@
-// The contour core behind one call: the mask of a model at a height.
+// The contour core behind one call: the mask of what stands on the plate, one model or several, at a height.
 //
-// Deterministic: the same model, height and settings give the same bytes on every machine. Allocates nothing
+// Deterministic: the same models, height and settings give the same bytes on every machine. Allocates nothing
 // once it has seen its largest section. Not thread-safe; the masks and contours it returns belong to it.
 #pragma once
 
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "core/contour_loops.hpp"
@@ -15,39 +17,51 @@
 
 namespace contourd {
 
+// A model on the plate: it stands there by its own lowest point, once for each of its copies' maps.
+struct PlateModel {
+  std::shared_ptr<const HeightIndex> model;  // never null
+  std::vector<PixelMap> copies;
+};
+
 class ContourEngine {
  public:
-  // `copies`: one map for each copy of the model on the display.
   // Throws std::invalid_argument unless the display is 1 to 16384 pixels wide and high.
+  ContourEngine(std::vector<PlateModel> models, const DisplayGeometry& display, AntiAliasing anti_aliasing);
+  // The same for one model that nobody shares.
   ContourEngine(HeightIndex model, const DisplayGeometry& display, AntiAliasing anti_aliasing,
                 std::vector<PixelMap> copies);
 
-  [[nodiscard]] const HeightIndex& model() const { return model_; }
+  [[nodiscard]] std::span<const PlateModel> models() const { return models_; }
+  // REQUIRES: one model.
+  [[nodiscard]] const HeightIndex& model() const { return *models_.front().model; }
 
-  // The mask at a height above the model's lowest point. Valid until the next call.
+  // The mask at a height above the plate, which is every model's lowest point: the union of the models'
+  // sections there. Valid until the next call.
   [[nodiscard]] const Mask& mask_at(Nanometers height);
-  // The same at a z of the model's own coordinates.
+  // The same at a z of the model's own coordinates. REQUIRES: one model.
   [[nodiscard]] const Mask& mask_at_z(Millimeters z);
 
-  // The contour loops at a height above the model's lowest point, in the model's own coordinates (one copy).
-  // Valid until the next call.
+  // The contour loops at a height above the plate: those of the first model, then of the second..., each in
+  // its model's own coordinates and once, however many copies there are. Valid until the next call.
   [[nodiscard]] const Contours& contours_at(Nanometers height);
 
-  // Facets crossed in the last call of either.
-  [[nodiscard]] std::uint32_t intersecting_facets() const { return section_.intersecting_facets; }
+  // Facets crossed in the last call of any of these, in all models; copies count once.
+  [[nodiscard]] std::uint32_t intersecting_facets() const { return intersecting_facets_; }
 
   // Ends of a section's segments that miss each other by up to a pixel are joined.
   [[nodiscard]] Millimeters join_tolerance() const { return join_tolerance_; }
 
  private:
-  [[nodiscard]] double z_of(Nanometers height) const;
+  void slice(const HeightIndex& model, double z);
+  void add_to_mask(const PlateModel& plate_model, double z);
 
-  HeightIndex model_;
-  std::vector<PixelMap> copies_;
+  std::vector<PlateModel> models_;
   Millimeters join_tolerance_;
   Section section_;
+  std::uint32_t intersecting_facets_ = 0;
   ContourLinker linker_;
-  Contours contours_;
+  Contours contours_;        // of one model
+  Contours plate_contours_;  // of all
   Rasterizer rasterizer_;
   Mask mask_;
 };
