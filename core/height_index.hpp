@@ -9,6 +9,7 @@
 // Immutable once built: any number of threads may query it.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -40,6 +41,23 @@ class HeightIndex {
       const std::size_t first = level.first_cell + (cell > 0 ? cell - 1 : 0);
       const std::uint32_t begin = cell_starts_[first];
       const std::uint32_t end = cell_starts_[level.first_cell + cell + 1];
+      if (begin != end) visit(std::span<const Facet>(facets_).subspan(begin, end - begin));
+    }
+  }
+
+  // The same for a range of heights: runs that hold every facet with a point from `low` to `high`, flat ones
+  // included, and some that have none. REQUIRES: low <= high.
+  template <typename Visit>
+  void for_each_candidate_run(double low, double high, Visit&& visit) const {
+    if (!(high >= bounds_.min_z && low <= bounds_.max_z)) return;
+    if (levels_.empty() && !facets_.empty()) visit(std::span<const Facet>(facets_));
+    for (const Level& level : levels_) {
+      // Their lowest vertices lie less than a cell below the range, or in it.
+      const std::size_t lowest = cell_of(std::max(low, bounds_.min_z), level);
+      const std::size_t first = level.first_cell + (lowest > 0 ? lowest - 1 : 0);
+      const std::size_t last = level.first_cell + cell_of(std::min(high, bounds_.max_z), level);
+      const std::uint32_t begin = cell_starts_[first];
+      const std::uint32_t end = cell_starts_[last + 1];
       if (begin != end) visit(std::span<const Facet>(facets_).subspan(begin, end - begin));
     }
   }
