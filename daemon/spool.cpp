@@ -204,8 +204,13 @@ Spool::Sight Spool::look_at_model(const fs::path& path) const {
 
 Spool::Sight Spool::look_at_plate(const fs::path& path) const {
   Sight sight;
-  sight.known_to_be_whole = true;
   std::error_code code;
+  // Anybody's folder, or not yet a plate: what is in it does not matter.
+  if (!fs::exists(fs::symlink_status(path / kPlateTicket, code))) {
+    sight.missing = {kPlateTicket};
+    return sight;
+  }
+  sight.known_to_be_whole = true;
   for (const fs::directory_entry& entry : fs::directory_iterator(path, code)) {
     struct stat status {};
     if (::lstat(entry.path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
@@ -215,11 +220,7 @@ Spool::Sight Spool::look_at_plate(const fs::path& path) const {
     sight.being_written = sight.being_written || writers == Writers::Some;
     sight.known_to_be_whole = sight.known_to_be_whole && bytes > 0 && writers == Writers::None;
   }
-  if (!fs::exists(fs::symlink_status(path / kPlateTicket, code))) {
-    sight.missing = {kPlateTicket};
-  } else if (!sight.being_written) {
-    sight.missing = missing_models(path);
-  }
+  if (!sight.being_written) sight.missing = missing_models(path);
   return sight;
 }
 
