@@ -81,6 +81,7 @@ class Lookahead {
   }
 
   void see(const Facet& facet) {
+    if (limit_ <= thinnest_) return;  // no facet can say less
     const auto [low, high] = range_of(facet);
     const std::int64_t begins = nearest_um(low);
     if (high <= kNegligibleMm || begins >= limit_) return;
