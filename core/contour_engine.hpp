@@ -1,11 +1,12 @@
-// The contour core behind one call: the mask of a model at a height.
+// The contour core behind one call: the mask of what stands on the plate, one model or several, at a height.
 //
-// Deterministic: the same model, height and settings give the same bytes on every machine. Allocates nothing
+// Deterministic: the same models, height and settings give the same bytes on every machine. Allocates nothing
 // once it has seen its largest section. Not thread-safe; the masks and contours it returns belong to it. Any
 // number of engines, each on its own thread, may share a model.
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/contour_loops.hpp"
@@ -18,7 +19,7 @@
 
 namespace contourd {
 
-// A model that stands on the plate, with one map for each of its copies on the display.
+// A model on the plate: it stands there by its own lowest point, once for each of its copies' maps.
 struct PlateModel {
   std::shared_ptr<const HeightIndex> model;  // never null
   std::vector<PixelMap> copies;
@@ -29,26 +30,27 @@ class ContourEngine {
   // REQUIRES: at least one model.
   // Throws std::invalid_argument unless the display is 1 to 16384 pixels wide and high.
   ContourEngine(std::vector<PlateModel> models, const DisplayGeometry& display, AntiAliasing anti_aliasing);
-  // The same for one model that is nobody else's.
+  // The same for one model that nobody shares.
   ContourEngine(HeightIndex model, const DisplayGeometry& display, AntiAliasing anti_aliasing,
                 std::vector<PixelMap> copies);
 
-  [[nodiscard]] const std::vector<PlateModel>& models() const { return models_; }
-  // The first of them.
+  [[nodiscard]] std::span<const PlateModel> models() const { return models_; }
+  // REQUIRES: one model.
   [[nodiscard]] const HeightIndex& model() const { return *models_.front().model; }
 
-  // The mask at a height above each model's lowest point. Valid until the next call.
+  // The mask at a height above the plate, which is every model's lowest point: the union of the models'
+  // sections there. Valid until the next call.
   [[nodiscard]] const Mask& mask_at(Nanometers height);
-  // The same at a z of the models' own coordinates.
+  // The same at a z of the model's own coordinates. REQUIRES: one model.
   [[nodiscard]] const Mask& mask_at_z(Millimeters z);
 
-  // The contour loops of the first model at a height above its lowest point, in its own coordinates (one
-  // copy). Valid until the next call.
+  // The contour loops at a height above the plate: those of the first model, then of the second..., each in
+  // its model's own coordinates and once, however many copies there are. Valid until the next call.
   [[nodiscard]] const Contours& contours_at(Nanometers height);
 
-  // Facets crossed in the last call of either.
+  // Facets crossed in the last call of any of these, in all models; copies count once.
   [[nodiscard]] std::uint32_t intersecting_facets() const { return intersecting_facets_; }
-  // What was bridged in the last call of either, each model counted once, however many copies it has.
+  // What was bridged in the last call of any of these, in all models; copies count once.
   [[nodiscard]] const LayerCracks& cracks() const { return cracks_; }
 
   // Ends of a section's segments that miss each other by up to a pixel are joined.
@@ -56,9 +58,9 @@ class ContourEngine {
 
  private:
   void begin_section();
-  void cut(const HeightIndex& model, double z);
+  void slice(const HeightIndex& model, double z);
   void link();
-  void add_sides(const PlateModel& plate_model, double z);
+  void add_to_mask(const PlateModel& plate_model, double z);
 
   std::vector<PlateModel> models_;
   Millimeters join_tolerance_;
@@ -66,7 +68,8 @@ class ContourEngine {
   LayerCracks cracks_;
   Section section_;
   ContourLinker linker_;
-  Contours contours_;
+  Contours contours_;        // of one model
+  Contours plate_contours_;  // of all
   Rasterizer rasterizer_;
 };
 

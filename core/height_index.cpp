@@ -56,7 +56,7 @@ HeightIndex::HeightIndex(std::vector<Facet> facets)
     : facets_(std::move(facets)), bounds_(bounds_of(facets_)) {
   if (six_volumes_of(facets_) < 0) turn_outwards();
   make_levels();
-  if (!levels_.empty()) sort_into_cells();
+  sort_into_cells();
 }
 
 void HeightIndex::turn_outwards() {
@@ -67,6 +67,7 @@ void HeightIndex::turn_outwards() {
 
 void HeightIndex::make_levels() {
   const double height = bounds_.size_z();
+  cell_starts_.assign(2, 0);
   if (!(height > 0.0)) return;
   // No more cells than facets on the deepest level: they would be empty.
   const std::size_t deepest =
@@ -93,7 +94,7 @@ void HeightIndex::sort_into_cells() {
   std::vector<std::uint32_t> cells(facets_.size());
   for (std::size_t i = 0; i < facets_.size(); ++i) {
     const auto [low, high] = heights_of(facets_[i]);
-    const std::size_t cell = cell_of(low, high);
+    const std::size_t cell = levels_.empty() ? 0 : cell_of(low, high);
     cells[i] = static_cast<std::uint32_t>(cell);
     ++cell_starts_[cell + 1];
   }

@@ -9,6 +9,7 @@
 // Immutable once built: any number of threads may query it.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -52,6 +53,23 @@ class HeightIndex {
     }
   }
 
+  // The same for a range of heights: runs that hold every facet with a point from `low` to `high`, flat ones
+  // included, and some that have none. REQUIRES: low <= high.
+  template <typename Visit>
+  void for_each_candidate_run(double low, double high, Visit&& visit) const {
+    if (!(high >= bounds_.min_z && low <= bounds_.max_z)) return;
+    if (levels_.empty() && !candidates_.empty()) visit(std::span<const Candidate>(candidates_));
+    for (const Level& level : levels_) {
+      // Their lowest vertices lie less than a cell below the range, or in it.
+      const std::size_t lowest = cell_of(std::max(low, bounds_.min_z), level);
+      const std::size_t first = level.first_cell + (lowest > 0 ? lowest - 1 : 0);
+      const std::size_t last = level.first_cell + cell_of(std::min(high, bounds_.max_z), level);
+      const std::uint32_t begin = cell_starts_[first];
+      const std::uint32_t end = cell_starts_[last + 1];
+      if (begin != end) visit(std::span<const Candidate>(candidates_).subspan(begin, end - begin));
+    }
+  }
+
  private:
   struct Level {
     std::size_t first_cell;  // in cell_starts_
@@ -72,7 +90,7 @@ class HeightIndex {
   Bounds bounds_;
   bool turned_outwards_ = false;
   std::vector<Level> levels_;               // none for a model without height
-  std::vector<Candidate> candidates_;       // cell by cell
+  std::vector<Candidate> candidates_;       // cell by cell; all in one run for a model without height
   std::vector<std::uint32_t> cell_starts_;  // candidates_ offsets, one more than there are cells
 };
 

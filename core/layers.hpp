@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "core/units.hpp"
 
@@ -32,6 +34,18 @@ struct LayerStack {
   const double layers = std::ceil(model_height.count() / to_millimeters(thickness).count() - kRoundingNoise);
   if (!(layers < std::numeric_limits<std::int32_t>::max())) return std::nullopt;
   return LayerStack{thickness, static_cast<std::int32_t>(std::fmax(layers, 0.0))};
+}
+
+// Where layers of these thicknesses, stacked from the plate up, are cut: each at its middle.
+[[nodiscard]] inline std::vector<Nanometers> middles_of(std::span<const Nanometers> thicknesses) {
+  std::vector<Nanometers> middles;
+  middles.reserve(thicknesses.size());
+  Nanometers bottom{};
+  for (const Nanometers thickness : thicknesses) {
+    middles.push_back(bottom + thickness / 2);
+    bottom += thickness;
+  }
+  return middles;
 }
 
 }  // namespace contourd

@@ -33,13 +33,16 @@ constexpr double kAmbient = 60, kDiffuse = 190;
 
 class Canvas {
  public:
-  Canvas(std::span<const Facet> facets, double top_z, Pixels width, Pixels height)
+  Canvas(std::span<const PreviewPart> parts, double top_z, Pixels width, Pixels height)
       : image_(width, height),
         depth_(image_.pixels().size(), -std::numeric_limits<double>::infinity()),
         top_z_(top_z) {
-    frame(facets);
-    for (const Facet& facet : facets)
-      draw(facet);
+    frame(parts);
+    for (const PreviewPart& part : parts) {
+      move_ = {part.x, part.y, part.z};
+      for (const Facet& facet : part.facets)
+        draw(facet);
+    }
   }
 
   Mask take() { return std::move(image_); }
@@ -49,15 +52,17 @@ class Canvas {
     double x, y, depth, z;
   };
 
-  void frame(std::span<const Facet> facets) {
+  void frame(std::span<const PreviewPart> parts) {
     double min_x = HUGE_VAL, max_x = -HUGE_VAL, min_y = HUGE_VAL, max_y = -HUGE_VAL;
-    for (const Facet& facet : facets) {
-      for (const Vertex& v : facet.vertices) {
-        const Vector p{v.x, v.y, v.z};
-        min_x = std::min(min_x, dot(p, kRight));
-        max_x = std::max(max_x, dot(p, kRight));
-        min_y = std::min(min_y, dot(p, kUp));
-        max_y = std::max(max_y, dot(p, kUp));
+    for (const PreviewPart& part : parts) {
+      for (const Facet& facet : part.facets) {
+        for (const Vertex& v : facet.vertices) {
+          const Vector p{v.x + part.x, v.y + part.y, v.z + part.z};
+          min_x = std::min(min_x, dot(p, kRight));
+          max_x = std::max(max_x, dot(p, kRight));
+          min_y = std::min(min_y, dot(p, kUp));
+          max_y = std::max(max_y, dot(p, kUp));
+        }
       }
     }
     const double width = image_.width().count(), height = image_.height().count();
@@ -70,8 +75,8 @@ class Canvas {
   }
 
   [[nodiscard]] Corner project(const Vertex& v) const {
-    const Vector p{v.x, v.y, v.z};
-    return {dot(p, kRight) * scale_ + offset_x_, offset_y_ - dot(p, kUp) * scale_, dot(p, kTowardsEye), v.z};
+    const Vector p{v.x + move_.x, v.y + move_.y, v.z + move_.z};
+    return {dot(p, kRight) * scale_ + offset_x_, offset_y_ - dot(p, kUp) * scale_, dot(p, kTowardsEye), p.z};
   }
 
   void draw(const Facet& facet) {
@@ -129,13 +134,19 @@ class Canvas {
   Mask image_;
   std::vector<double> depth_;
   double top_z_;
+  Vector move_{};  // of the part that is being drawn
   double scale_ = 1, offset_x_ = 0, offset_y_ = 0;
 };
 
 }  // namespace
 
+Mask render_preview(std::span<const PreviewPart> parts, Millimeters top, Pixels width, Pixels height) {
+  return Canvas(parts, top.count(), width, height).take();
+}
+
 Mask render_preview(std::span<const Facet> facets, Millimeters top_z, Pixels width, Pixels height) {
-  return Canvas(facets, top_z.count(), width, height).take();
+  const PreviewPart part{facets};
+  return render_preview(std::span(&part, 1), top_z, width, height);
 }
 
 }  // namespace contourd

@@ -9,8 +9,17 @@
 
 namespace contourd {
 
-// Draws what lies below `top_z` (model coordinates), at the scale at which the whole model fills the picture,
+// A model and how far it is moved from its own coordinates, in millimetres. Holds a reference to its facets.
+struct PreviewPart {
+  std::span<const Facet> facets;
+  double x = 0, y = 0, z = 0;
+};
+
+// Draws what lies below `top` (after the parts were moved), at the scale at which all parts fill the picture,
 // on black. What was not printed is missing from the picture.
+[[nodiscard]] Mask render_preview(std::span<const PreviewPart> parts, Millimeters top, Pixels width,
+                                  Pixels height);
+// The same for one model where it is.
 [[nodiscard]] Mask render_preview(std::span<const Facet> facets, Millimeters top_z, Pixels width,
                                   Pixels height);
 

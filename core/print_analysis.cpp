@@ -46,14 +46,17 @@ void PrintAnalysis::note_islands() {
 }
 
 std::optional<PrintFindings> analyze_print(
-    ContourEngine& engine, const DisplayGeometry& display, const LayerStack& layers,
+    ContourEngine& engine, const DisplayGeometry& display, std::span<const Nanometers> thicknesses,
     const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,
     const std::stop_token& stop) {
   PrintAnalysis analysis(display);
-  for (std::int32_t layer = 0; layer < layers.count; ++layer) {
+  Nanometers bottom{};
+  for (std::int32_t layer = 0; const Nanometers thickness : thicknesses) {
     if (stop.stop_requested()) return std::nullopt;
-    const Mask& mask = engine.mask_at(layers.middle_of(layer));
-    analysis.add_layer(mask, {layers.thickness, layer_duration(layer), engine.cracks()});
+    const Mask& mask = engine.mask_at(bottom + thickness / 2);
+    analysis.add_layer(mask, {thickness, layer_duration(layer), engine.cracks()});
+    bottom += thickness;
+    ++layer;
   }
   return analysis.findings();
 }

@@ -7,13 +7,13 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <vector>
 
 #include "core/contour_engine.hpp"
 #include "core/island_finder.hpp"
 #include "core/layer_cracks.hpp"
-#include "core/layers.hpp"
 #include "core/mask.hpp"
 #include "core/mask_runs.hpp"
 #include "core/pixel_map.hpp"
@@ -84,10 +84,11 @@ class PrintAnalysis {
   PrintFindings findings_;
 };
 
-// All layers of a print, computed by `engine` on `display`. `layer_duration` says how long a layer takes.
+// All layers of a print, from the plate up by their thicknesses, computed by `engine` on `display`.
+// `layer_duration` says how long a layer takes.
 // Nothing when `stop` was asked for meanwhile; it is looked at before every layer.
 [[nodiscard]] std::optional<PrintFindings> analyze_print(
-    ContourEngine& engine, const DisplayGeometry& display, const LayerStack& layers,
+    ContourEngine& engine, const DisplayGeometry& display, std::span<const Nanometers> thicknesses,
     const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,
     const std::stop_token& stop = {});
 

@@ -17,7 +17,7 @@ namespace contourd {
 struct AnalysisTask {
   std::unique_ptr<ContourEngine> engine;  // its own: the print's computes masks meanwhile
   DisplayGeometry display;
-  LayerStack layers;
+  std::vector<Nanometers> layers;         // their thicknesses
   std::vector<Duration> layer_durations;  // by layer
 };
 

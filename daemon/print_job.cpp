@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <new>
 #include <system_error>
 #include <utility>
+#include <variant>
 
 #include "core/placement.hpp"
 
@@ -14,205 +16,251 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-// Between copies on one plate, so that cured resin does not join them.
-constexpr double kCopyGapMm = 2.0;
+// What is known of one model on the way to the plate.
+struct LoadedModel {
+  ModelTicket ticket;
+  std::string name;  // as messages have it
+  StlModel stl;
+};
 
-StlModel read_model(const JobFiles& files) {
+StlModel read_model(const std::filesystem::path& path, const std::string& name) {
+  const std::string prefix = name.empty() ? "" : name + ": ";
   try {
-    StlModel model = read_stl_file(files.model);
-    if (model.facets.empty()) throw JobRefused("the STL file holds no facets");
+    StlModel model = read_stl_file(path);
+    if (model.facets.empty()) throw JobRefused(prefix + "the STL file holds no facets");
     return model;
   } catch (const StlError& error) {
-    throw JobRefused(fmt::format("not a usable STL file: {}", error.what()));
+    throw JobRefused(fmt::format("{}not a usable STL file: {}", prefix, error.what()));
   } catch (const std::bad_alloc&) {
-    throw JobRefused("the model does not fit into this machine's memory");
+    throw JobRefused(prefix + "the model does not fit into this machine's memory");
   }
 }
 
-DisplayGeometry display_of(const PrinterConfig& printer) {
-  return {printer.display_width, printer.display_height, printer.pixel_pitch, printer.mirror_x,
-          printer.mirror_y};
+JobTicket ticket_of(const JobFiles& files) {
+  if (files.plate) return load_plate_ticket(files.model / kPlateTicket);
+  return files.ticket ? load_job_ticket(*files.ticket) : JobTicket{};
 }
 
-struct BuildVolume {
-  double x_mm, y_mm, z_mm;
-};
+std::vector<LoadedModel> read_models(const JobFiles& files, const JobTicket& ticket) {
+  std::vector<LoadedModel> models;
+  for (const ModelTicket& model : ticket.models) {
+    const std::filesystem::path path = files.plate ? files.model / model.file : files.model;
+    models.push_back({model, files.plate ? model.file : "the model", read_model(path, model.file)});
+  }
+  return models;
+}
 
 BuildVolume build_volume(const PrinterConfig& printer, const ResinProfile& resin) {
-  const double pitch_mm = to_millimeters(printer.pixel_pitch).count();
   // Every layer is peeled off by a lift, the last one too.
-  return {printer.display_width.count() * pitch_mm, printer.display_height.count() * pitch_mm,
+  return {{printer.display_width, printer.display_height, printer.pixel_pitch, printer.mirror_x,
+           printer.mirror_y},
           to_millimeters(printer.travel - resin.lift).count()};
 }
 
 // As large as the thesis's equations 3.6 to 3.19 draw it, but in all three directions alike, and no higher
 // than the machine: a part that is to be printed must keep its shape.
-double scale_to_fit(const Bounds& bounds, const PrinterConfig& printer, const BuildVolume& volume) {
-  const double pixels_per_mm = PixelMap::fit(display_of(printer), bounds).pixels_per_mm_x();
-  const double fit_display = pixels_per_mm * to_millimeters(printer.pixel_pitch).count();
-  return std::min(fit_display, volume.z_mm / bounds.size_z());
+double scale_to_fit(const Bounds& bounds, const BuildVolume& volume) {
+  const double pixels_per_mm = PixelMap::fit(volume.display, bounds).pixels_per_mm_x();
+  return std::min(pixels_per_mm * volume.pitch_mm(), volume.height_mm / bounds.size_z());
 }
 
-Bounds place(std::vector<Facet>& facets, const JobTicket& ticket, const PrinterConfig& printer,
-             const BuildVolume& volume, JobSummary& summary) {
-  Orientation turn{ticket.rotation.x, ticket.rotation.y, ticket.rotation.z, 1.0};
+// Turns and scales the facets; the scale that the owner asked for comes back.
+Scale turn_and_scale(std::vector<Facet>& facets, const ModelTicket& ticket, const BuildVolume& volume,
+                     const Scale& shrinkage) {
+  Orientation turn{ticket.rotation.x, ticket.rotation.y, ticket.rotation.z, shrinkage, ticket.up};
+  Scale scale = ticket.scale.value_or(Scale{});
   if (ticket.fit) {
     orient(facets, turn);
+    scale = Scale{scale_to_fit(bounds_of(facets), volume)};
     turn = Orientation{};
-    turn.scale = scale_to_fit(bounds_of(facets), printer, volume);
+    turn.scale = scale;
   } else {
-    turn.scale = ticket.scale.value_or(1.0);
+    turn.scale = scale * shrinkage;
   }
   orient(facets, turn);
-  summary.scale = turn.scale;
-  const Bounds bounds = bounds_of(facets);
-  if (!std::isfinite(bounds.size_x() + bounds.size_y() + bounds.size_z())) {
-    throw JobRefused("the model is too large: its coordinates leave the range of numbers");
-  }
-  if (!(bounds.size_z() > 0)) throw JobRefused("the model is flat: it has no height to print");
-  summary.size_x_mm = bounds.size_x();
-  summary.size_y_mm = bounds.size_y();
-  summary.size_z_mm = bounds.size_z();
-  return bounds;
+  return scale;
 }
 
-// Centres of the copies on the plate, relative to its own centre: rows of columns, as near to a square as
-// the plate allows.
-std::vector<Point> arrange_copies(const Bounds& bounds, const JobTicket& ticket, const BuildVolume& volume) {
-  const double pitch_x = bounds.size_x() + kCopyGapMm, pitch_y = bounds.size_y() + kCopyGapMm;
-  const double columns_that_fit = std::fmax(1, std::floor((volume.x_mm + kCopyGapMm) / pitch_x));
-  const double rows_that_fit = std::fmax(1, std::floor((volume.y_mm + kCopyGapMm) / pitch_y));
-  if (ticket.copies > columns_that_fit * rows_that_fit) {
+void check_size(const Bounds& bounds, const std::string& name, const BuildVolume& volume) {
+  if (!std::isfinite(bounds.size_x() + bounds.size_y() + bounds.size_z()))
+    throw JobRefused(name + " is too large: its coordinates leave the range of numbers");
+  if (!(bounds.size_z() > 0)) throw JobRefused(name + " is flat: it has no height to print");
+  // A thousandth of a millimetre: the rounding of float coordinates.
+  if (bounds.size_z() > volume.height_mm + 1e-3) {
     throw JobRefused(
-        fmt::format("{} copies of {:.2f} x {:.2f} mm do not fit on the plate ({:.2f} x {:.2f} mm); there is "
-                    "room for {:.0f}",
-                    ticket.copies, bounds.size_x(), bounds.size_y(), volume.x_mm, volume.y_mm,
-                    columns_that_fit * rows_that_fit));
-  }
-  const double square = std::ceil(std::sqrt(ticket.copies * pitch_y / pitch_x));
-  const double fewest_columns = std::ceil(ticket.copies / rows_that_fit);
-  const double columns =
-      std::fmin(std::fmin(columns_that_fit, ticket.copies), std::fmax(fewest_columns, square));
-  const double rows = std::ceil(ticket.copies / columns);
-  std::vector<Point> centers;
-  for (int copy = 0; copy < ticket.copies; ++copy) {
-    const double column = std::fmod(copy, columns), row = std::floor(copy / columns);
-    centers.push_back({ticket.position.x.count() + (column - (columns - 1) / 2) * pitch_x,
-                       ticket.position.y.count() + ((rows - 1) / 2 - row) * pitch_y});
-  }
-  return centers;
-}
-
-void check_inside(const Bounds& bounds, const std::vector<Point>& centers, const BuildVolume& volume) {
-  // A thousandth of a millimetre: the rounding of float coordinates, far below a pixel.
-  constexpr double kRoundingMm = 1e-3;
-  if (bounds.size_z() > volume.z_mm + kRoundingMm) {
-    throw JobRefused(
-        fmt::format("the model is {:.2f} mm high, the machine can print {:.2f} mm (its travel less the lift)",
-                    bounds.size_z(), volume.z_mm));
-  }
-  for (const Point& center : centers) {
-    const double reach_x = std::fabs(center.x) + bounds.size_x() / 2,
-                 reach_y = std::fabs(center.y) + bounds.size_y() / 2;
-    if (reach_x <= volume.x_mm / 2 + kRoundingMm && reach_y <= volume.y_mm / 2 + kRoundingMm) continue;
-    throw JobRefused(
-        fmt::format("the model ({:.2f} x {:.2f} mm, its centre {:.2f}, {:.2f} mm from the plate's) reaches "
-                    "beyond the display ({:.2f} x {:.2f} mm)",
-                    bounds.size_x(), bounds.size_y(), center.x, center.y, volume.x_mm, volume.y_mm));
+        fmt::format("{} is {:.2f} mm high, the machine can print {:.2f} mm (its travel less the lift)", name,
+                    bounds.size_z(), volume.height_mm));
   }
 }
 
-std::vector<PixelMap> maps_of(const std::vector<Point>& centers, const Bounds& bounds,
-                              const PrinterConfig& printer) {
-  std::vector<PixelMap> maps;
-  const Point middle = bounds.center();
-  for (const Point& center : centers) {
-    // The point of the model that comes to lie on the display's centre.
-    maps.push_back(PixelMap::true_scale(display_of(printer), {middle.x - center.x, middle.y - center.y}));
-  }
-  return maps;
+// Takes the facets; what they were before is lost.
+ModelToPlace make_ready(LoadedModel& model, const JobFiles& files, const BuildVolume& volume,
+                        JobSummary& summary) {
+  const ModelTicket& ticket = model.ticket;
+  ModelSummary figures;
+  figures.file = ticket.file;
+  figures.format = model.stl.format;
+  figures.rotation_deg = ticket.rotation;
+  figures.up = ticket.up;
+  figures.scale = turn_and_scale(model.stl.facets, ticket, volume, summary.resin.shrinkage_factors);
+  const Bounds bounds = bounds_of(model.stl.facets);
+  check_size(bounds, model.name, volume);
+  figures.size_x_mm = bounds.size_x();
+  figures.size_y_mm = bounds.size_y();
+  figures.size_z_mm = bounds.size_z();
+  summary.height_mm = std::max(summary.height_mm, bounds.size_z());
+  summary.models.push_back(std::move(figures));
+  // A model alone stands in the middle.
+  const std::optional<PlateOffset> position =
+      files.plate ? ticket.position : ticket.position.value_or(PlateOffset{});
+  return {model.name, std::make_shared<const HeightIndex>(std::move(model.stl.facets)), position,
+          ticket.copies};
 }
 
-LayerStack choose_layers(const JobTicket& ticket, const ResinProfile& resin, const PrinterConfig& printer,
-                         const Bounds& bounds) {
-  const Nanometers thickness = ticket.layer_height.value_or(resin.layer_height);
+std::vector<PlateModel> stand_on_plate(const std::vector<ModelToPlace>& models,
+                                       const Arrangement& arrangement, const BuildVolume& volume) {
+  std::vector<PlateModel> standing;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    PlateModel& model = standing.emplace_back();
+    model.model = models[i].model;
+    const Point middle = model.model->bounds().center();
+    for (const Point& center : arrangement[i]) {
+      // The point of the model that comes to lie on the display's centre.
+      model.copies.push_back(
+          PixelMap::true_scale(volume.display, {middle.x - center.x, middle.y - center.y}));
+    }
+  }
+  return standing;
+}
+
+void check_layer_height(Nanometers thickness, const ResinProfile& resin, const PrinterConfig& printer) {
   const auto problems = layer_height_problems(resin, thickness, printer.irradiance_mw_cm2);
-  if (!problems.empty()) {
-    std::string reasons;
-    for (const std::string& problem : problems)
-      reasons += (reasons.empty() ? "" : "; ") + problem;
-    throw JobRefused(fmt::format("the layer height cannot be printed: {}", reasons));
-  }
-  const std::optional<LayerStack> layers = layers_for(Millimeters{bounds.size_z()}, thickness);
-  if (!layers) throw JobRefused("the model has more layers than can be counted");
-  if (layers->count == 0) {
-    throw JobRefused(fmt::format("the model is {:.6g} mm high, too thin for a layer", bounds.size_z()));
-  }
-  return *layers;
+  if (problems.empty()) return;
+  std::string reasons;
+  for (const std::string& problem : problems)
+    reasons += (reasons.empty() ? "" : "; ") + problem;
+  throw JobRefused(fmt::format("the layer height cannot be printed: {}", reasons));
 }
 
-void warn_about_mesh(JobSummary& summary) {
-  const MeshReport& mesh = summary.mesh;
+AdaptiveLayers adaptive_limits(const AdaptiveTicket& ticket, const ResinProfile& resin,
+                               const PrinterConfig& printer) {
+  if (std::holds_alternative<FixedExposure>(resin.exposure)) {
+    throw JobRefused(fmt::format(
+        "adaptive layers need a resin with a working curve: the exposure times of {} hold for its "
+        "layer height of {:g} um only",
+        in_quotes(resin.name), to_millimeters(resin.layer_height).count() * 1000));
+  }
+  const AdaptiveLayers limits{ticket.thinnest.value_or(resin.layer_height_min),
+                              ticket.thickest.value_or(resin.layer_height_max), ticket.cusp};
+  for (const Nanometers thickness : {limits.thinnest, limits.thickest})
+    check_layer_height(thickness, resin, printer);
+  if (limits.thinnest > limits.thickest) {
+    throw JobRefused(fmt::format(
+        "the thinnest adaptive layer, {:g} um, is thicker than the thickest, {:g} um",
+        to_millimeters(limits.thinnest).count() * 1000, to_millimeters(limits.thickest).count() * 1000));
+  }
+  return limits;
+}
+
+PrintLayers choose_layers(const JobTicket& ticket, const PrinterConfig& printer,
+                          const std::vector<ModelToPlace>& models, JobSummary& summary) {
+  const ResinProfile& resin = summary.resin;
+  if (ticket.adaptive) {
+    summary.layers.adaptive = adaptive_limits(*ticket.adaptive, resin, printer);
+    summary.layers.thinnest = summary.layers.adaptive->thinnest;
+    std::vector<std::shared_ptr<const HeightIndex>> indexes;
+    for (const ModelToPlace& model : models)
+      indexes.push_back(model.model);
+    return {std::move(indexes), *summary.layers.adaptive};
+  }
+  const Nanometers thickness = ticket.layer_height.value_or(resin.layer_height);
+  check_layer_height(thickness, resin, printer);
+  const std::optional<LayerStack> layers = layers_for(Millimeters{summary.height_mm}, thickness);
+  if (!layers) throw JobRefused("the model has more layers than can be counted");
+  summary.layers.thinnest = thickness;
+  return PrintLayers(*layers);
+}
+
+// Asks for every layer beforehand, for the estimates. Refuses a print without any.
+void count_layers(PrintPlan& plan, JobSummary& summary) {
+  plan.expected_layers = plan.layers.all();
+  if (plan.expected_layers.empty())
+    throw JobRefused(fmt::format("the model is {:.6g} mm high, too thin for a layer", summary.height_mm));
+  summary.layers.count = static_cast<std::int32_t>(plan.expected_layers.size());
+  const auto [thinnest, thickest] =
+      std::minmax_element(plan.expected_layers.begin(), plan.expected_layers.end());
+  summary.layers.thinnest = *thinnest;
+  summary.layers.thickest = *thickest;
+}
+
+void inspect(const PlateModel& model, const std::string& prefix, ModelSummary& figures,
+             std::vector<std::string>& warnings) {
+  if (model.model->turned_outwards())
+    warnings.push_back(prefix + "the model is inside out: its facets were turned outwards");
+  figures.mesh = inspect_mesh(model.model->facets());
+  const MeshReport& mesh = figures.mesh;
   if (!mesh.watertight) {
-    summary.warnings.push_back(
+    warnings.push_back(
+        prefix +
         fmt::format("the model is not watertight ({} open edges, {} turned against each other, {} of more "
-                    "than two facets): gaps are "
-                    "closed where they show",
+                    "than two facets): gaps are closed where they show",
                     mesh.open_edges, mesh.flipped_edges, mesh.non_manifold_edges));
   }
 }
 
+void take_settings(const PrinterConfig& printer, const ResinProfile& resin, PrintPlan& plan) {
+  plan.exposure = [resin, irradiance = printer.irradiance_mw_cm2](std::int32_t layer, Nanometers thickness) {
+    return exposure_time(resin, thickness, layer, irradiance);
+  };
+  const double pitch_mm = to_millimeters(printer.pixel_pitch).count();
+  plan.pixel_area_mm2 = pitch_mm * pitch_mm;
+  plan.lift = resin.lift;
+  plan.lift_speed = resin.lift_speed;
+  plan.retract_speed = resin.retract_speed;
+  plan.travel_speed = printer.travel_speed;
+  plan.settle = resin.settle;
+  plan.rest = resin.rest;
+}
+
 PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   const auto start = SteadyClock::now();
-  const JobTicket ticket = files.ticket ? load_job_ticket(*files.ticket) : JobTicket{};
+  const JobTicket ticket = ticket_of(files);
   PreparedJob job;
   JobSummary& summary = job.summary;
+  summary.plate = files.plate;
   summary.resin = ticket.resin ? find_resin(printer, *ticket.resin) : printer.resin;
-  StlModel model = read_model(files);
+  std::vector<LoadedModel> loaded = read_models(files, ticket);
   const auto read = SteadyClock::now();
-  summary.format = model.format;
-  summary.warnings = std::move(model.warnings);
-  summary.rotation_deg = ticket.rotation;
-  summary.position = ticket.position;
-  summary.copies = ticket.copies;
   const BuildVolume volume = build_volume(printer, summary.resin);
-  const Bounds bounds = place(model.facets, ticket, printer, volume, summary);
-  const std::vector<Point> centers = arrange_copies(bounds, ticket, volume);
-  check_inside(bounds, centers, volume);
-  summary.layers = choose_layers(ticket, summary.resin, printer, bounds);
-  HeightIndex index(std::move(model.facets));
-  if (index.turned_outwards()) {
-    summary.warnings.emplace_back("the model is inside out: its facets were turned outwards");
-  }
-  const auto indexed = SteadyClock::now();
+  std::vector<ModelToPlace> models;
+  for (LoadedModel& model : loaded)
+    models.push_back(make_ready(model, files, volume, summary));
+  const Arrangement arrangement = arrange(models, volume);
   PrintPlan& plan = job.plan;
   plan.job = files.name;
-  plan.layers = summary.layers;
-  plan.engine = std::make_unique<ContourEngine>(std::move(index), display_of(printer),
-                                                printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off,
-                                                maps_of(centers, bounds, printer));
+  plan.layers = choose_layers(ticket, printer, models, summary);
+  check_arrangement(models, arrangement, volume, summary.layers.thinnest);
+  const auto indexed = SteadyClock::now();
+  plan.engine = std::make_unique<ContourEngine>(stand_on_plate(models, arrangement, volume), volume.display,
+                                                printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off);
   // Computed for its time, and to have the engine's memory grown before the print needs it.
-  (void)plan.engine->mask_at(summary.layers.middle_of(0));
+  const std::optional<Nanometers> first = plan.layers.thickness_at(Nanometers{});
+  if (first) (void)plan.engine->mask_at(*first / 2);
   job.first_mask_at = SteadyClock::now();
   job.analysis_engine = std::make_unique<ContourEngine>(*plan.engine);
-  job.display = display_of(printer);
+  job.display = volume.display;
   summary.reading = read - start;
   summary.indexing = indexed - read;
   summary.first_mask = job.first_mask_at - indexed;
-  for (std::int32_t layer = 0; layer < plan.layers.count; ++layer) {
-    plan.exposures.push_back(
-        exposure_time(summary.resin, plan.layers.thickness, layer, printer.irradiance_mw_cm2));
+  count_layers(plan, summary);
+  take_settings(printer, summary.resin, plan);
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    summary.models[i].centers = arrangement[i];
+    const std::string prefix = files.plate ? models[i].name + ": " : "";
+    for (const std::string& warning : loaded[i].stl.warnings)
+      summary.warnings.push_back(prefix + warning);
+    inspect(plan.engine->models()[i], prefix, summary.models[i], summary.warnings);
   }
-  const double pitch_mm = to_millimeters(printer.pixel_pitch).count();
-  plan.pixel_area_mm2 = pitch_mm * pitch_mm;
-  plan.lift = summary.resin.lift;
-  plan.lift_speed = summary.resin.lift_speed;
-  plan.retract_speed = summary.resin.retract_speed;
-  plan.travel_speed = printer.travel_speed;
-  plan.settle = summary.resin.settle;
-  plan.rest = summary.resin.rest;
-  summary.mesh = inspect_mesh(plan.engine->model().facets());
-  warn_about_mesh(summary);
   return job;
 }
 

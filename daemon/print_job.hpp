@@ -1,46 +1,57 @@
-// From a model's file and its ticket to a print that can begin: read, placed, checked against the machine,
-// its first mask computed. Thread-safe (no shared state): runs on the worker's thread.
+// From a model's file and its ticket, or a plate's folder, to a print that can begin: read, placed, checked
+// against the machine, its first mask computed. Thread-safe (no shared state): runs on the worker's thread.
 #pragma once
 
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "core/adaptive_layers.hpp"
 #include "core/mesh_report.hpp"
 #include "core/stl_reader.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/printer_config.hpp"
+#include "daemon/plate_arrangement.hpp"
 #include "daemon/print_process.hpp"
 
 namespace contourd {
 
 struct JobFiles {
-  std::string name;  // unique among all jobs in the spool; fit for a file's name
-  std::filesystem::path model;
-  std::optional<std::filesystem::path> ticket;
+  std::string name;                             // unique among all jobs in the spool; fit for a file's name
+  std::filesystem::path model;                  // an STL file, or a plate's folder
+  std::optional<std::filesystem::path> ticket;  // beside an STL file
+  bool plate = false;
 };
 
-// The job cannot be printed. what() is for the owner: what, where, why.
-class JobRefused : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
+// One of its models.
+struct ModelSummary {
+  std::string file;  // in the plate's folder; empty for a job of one model
+  StlFormat format = StlFormat::Binary;
+  MeshReport mesh;                                     // as placed
+  double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as placed
+  Scale scale;                                         // the resin's shrinkage not included
+  RotationDegrees rotation_deg;
+  std::optional<Direction> up;
+  std::vector<Point> centers;  // by copy, from the plate's centre, in millimetres
+};
+
+// Figures of layers that are still to come: the print decides as it goes.
+struct LayerSummary {
+  std::int32_t count = 0;
+  Nanometers thinnest{}, thickest{};  // the same when all are alike
+  std::optional<AdaptiveLayers> adaptive;
 };
 
 // What a job is, for the log and the report.
 struct JobSummary {
-  StlFormat format = StlFormat::Binary;
-  MeshReport mesh;                                     // as in the file
-  double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as placed
-  double scale = 1;
-  RotationDegrees rotation_deg;
-  PlateOffset position;
-  int copies = 1;
+  std::vector<ModelSummary> models;  // at least one
+  bool plate = false;
+  double height_mm = 0;  // of the highest model
   ResinProfile resin;
-  LayerStack layers;
-  Duration reading{};     // the file, to facets
+  LayerSummary layers;
+  Duration reading{};     // the files, to facets
   Duration indexing{};    // placement and height index
   Duration first_mask{};  // from the first facet to the mask of layer 1
   std::vector<std::string> warnings;

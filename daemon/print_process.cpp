@@ -56,12 +56,20 @@ void PrintProcess::start(PrintPlan plan) {
   layer_ = 0;
   pause_wanted_ = resume_wanted_ = canceled_ = false;
   failure_.clear();
-  left_after_.assign(plan_->exposures.size() + 1, Duration{0});
-  for (std::int32_t layer = plan_->layers.count - 1; layer >= 0; --layer) {
-    const auto i = static_cast<std::size_t>(layer);
-    left_after_[i] = left_after_[i + 1] + layer_duration(*plan_, layer, machine_.z_axis());
+  begin_layer(Nanometers{});
+  left_after_.assign(plan_->expected_layers.size() + 1, Duration{0});
+  for (std::size_t i = plan_->expected_layers.size(); i-- > 0;) {
+    left_after_[i] =
+        left_after_[i + 1] + layer_duration(*plan_, static_cast<std::int32_t>(i), machine_.z_axis());
   }
   handle(PrintEvent::Started);
+}
+
+void PrintProcess::begin_layer(Nanometers bottom) {
+  const std::optional<Nanometers> thickness = plan_->layers.thickness_at(bottom);
+  if (!thickness) throw std::logic_error("a print has no layer on top of its last");
+  bottom_ = bottom;
+  thickness_ = *thickness;
 }
 
 void PrintProcess::pause() {
@@ -132,7 +140,7 @@ void PrintProcess::perform(PrintEffect effect) {
     case PrintEffect::Home:
       return home();
     case PrintEffect::LowerToLayer:
-      return move_to(plan_->layers.top_of(layer_), layer_ == 0 ? plan_->travel_speed : plan_->retract_speed);
+      return move_to(layer_top(), layer_ == 0 ? plan_->travel_speed : plan_->retract_speed);
     case PrintEffect::WaitToSettle:
       return wait(plan_->settle);
     case PrintEffect::ShowMask:
@@ -145,7 +153,7 @@ void PrintProcess::perform(PrintEffect effect) {
       }));
     case PrintEffect::TimeExposure:
       light_on_at_ = clock_.now();
-      return wait(plan_->exposures[static_cast<std::size_t>(layer_)]);
+      return wait(record_.exposure_asked);
     case PrintEffect::ShowBlack:
       expect_within(kPresentDeadline, "the display to show black");
       return machine_.display().black(
@@ -161,7 +169,7 @@ void PrintProcess::perform(PrintEffect effect) {
       return move_to(std::min(current_height() + plan_->lift, machine_.z_axis().travel()), plan_->lift_speed);
     case PrintEffect::NextLayer:
       ++layer_;
-      return;
+      return begin_layer(layer_top());
     case PrintEffect::RaiseForALook:
       pause_wanted_ = false;
       return move_to(std::min(current_height() + kLook, machine_.z_axis().travel()), plan_->travel_speed);
@@ -225,7 +233,7 @@ void PrintProcess::after_move(MoveResult result) {
   if (result != MoveResult::Reached && !halted)
     return fail(fmt::format("the plate did not arrive: {}", describe(result)));
   if (state_ != PrintState::Lifting) return handle(PrintEvent::MoveEnded);
-  if (layer_ + 1 == plan_->layers.count) return handle(PrintEvent::LayersDone);
+  if (on_last_layer()) return handle(PrintEvent::LayersDone);
   handle(pause_wanted_ ? PrintEvent::PauseDue : PrintEvent::LayerDue);
 }
 
@@ -235,8 +243,10 @@ void PrintProcess::show_mask() {
   record_ = LayerRecord{};
   record_.layer = layer_;
   record_.plate_height = current_height();
-  record_.mask_height = record_.plate_height - plan_->layers.thickness / 2;
-  record_.exposure_asked = plan_->exposures[static_cast<std::size_t>(layer_)];
+  record_.bottom = bottom_;
+  record_.thickness = thickness_;
+  record_.mask_height = record_.plate_height - thickness_ / 2;
+  record_.exposure_asked = plan_->exposure(layer_, thickness_);
   const auto start = std::chrono::steady_clock::now();
   const Mask& mask = plan_->engine->mask_at(record_.mask_height);
   record_.mask_time = std::chrono::steady_clock::now() - start;
@@ -271,7 +281,8 @@ void PrintProcess::finish() {
 Duration PrintProcess::time_left() const {
   // From Darkening on, the layer under way has had its light.
   const bool exposed = state_ >= PrintState::Darkening;
-  return left_after_[static_cast<std::size_t>(layer_) + (exposed ? 1 : 0)];
+  const std::size_t index = static_cast<std::size_t>(layer_) + (exposed ? 1 : 0);
+  return left_after_[std::min(index, left_after_.size() - 1)];
 }
 
 }  // namespace contourd

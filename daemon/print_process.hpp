@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/contour_engine.hpp"
-#include "core/layers.hpp"
+#include "core/print_layers.hpp"
 #include "daemon/print_states.hpp"
 #include "hw/machine.hpp"
 
@@ -21,28 +21,32 @@ namespace contourd {
 struct PrintPlan {
   std::string job;
   std::unique_ptr<ContourEngine> engine;
-  LayerStack layers;
-  std::vector<Duration> exposures;  // by layer
+  PrintLayers layers;  // asked layer by layer
+  // Light of a layer, counted from 0, of this thickness.
+  std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure;
+  std::vector<Nanometers> expected_layers;  // their thicknesses, for the time left only
   double pixel_area_mm2 = 0;
   Nanometers lift{};
   MillimetersPerSecond lift_speed, retract_speed, travel_speed;
   Duration settle{}, rest{};
 };
 
-// How long a layer takes on this axis: exposure, peel, the way back and the waits between.
+// How long one of the expected layers takes on this axis: exposure, peel, the way back and the waits between.
 [[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer, const ZAxis& axis);
 // The same where `move_duration(distance, speed)` stands for the axis.
 template <typename MoveDuration>
 [[nodiscard]] Duration layer_duration(const PrintPlan& plan, std::int32_t layer,
                                       const MoveDuration& move_duration) requires
     std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
-  return plan.exposures[static_cast<std::size_t>(layer)] + plan.settle + plan.rest +
-         move_duration(plan.lift, plan.lift_speed) + move_duration(plan.lift, plan.retract_speed);
+  return plan.exposure(layer, plan.expected_layers[static_cast<std::size_t>(layer)]) + plan.settle +
+         plan.rest + move_duration(plan.lift, plan.lift_speed) + move_duration(plan.lift, plan.retract_speed);
 }
 
 // What really happened to one layer.
 struct LayerRecord {
-  std::int32_t layer = 0;     // from 0
+  std::int32_t layer = 0;  // from 0
+  Nanometers bottom{};     // where it was meant to lie, above the plate
+  Nanometers thickness{};
   Nanometers plate_height{};  // where the axis said the plate was when the mask was computed
   Nanometers mask_height{};   // at which the model was cut: half a layer below
   Duration exposure_asked{};
@@ -83,7 +87,7 @@ class PrintProcess {
   PrintProcess(const PrintProcess&) = delete;
   PrintProcess& operator=(const PrintProcess&) = delete;
 
-  // REQUIRES: state() is Idle; at least one layer; as many exposures as layers.
+  // REQUIRES: state() is Idle; at least one layer; an exposure for every layer.
   void start(PrintPlan plan);
 
   // Pause after the layer under way, or no longer.
@@ -98,9 +102,13 @@ class PrintProcess {
   [[nodiscard]] bool pause_pending() const { return pause_wanted_; }
   // The layer under way, from 0. REQUIRES: not Idle.
   [[nodiscard]] std::int32_t layer() const { return layer_; }
+  // Its top above the plate, and how thick it is. REQUIRES: not Idle.
+  [[nodiscard]] Nanometers layer_top() const { return bottom_ + thickness_; }
+  [[nodiscard]] Nanometers layer_thickness() const { return thickness_; }
+  [[nodiscard]] bool on_last_layer() const { return !plan_->layers.thickness_at(layer_top()); }
   // Nothing while Idle.
   [[nodiscard]] const PrintPlan* plan() const { return plan_ ? &*plan_ : nullptr; }
-  // From now to the end, pauses aside. REQUIRES: not Idle.
+  // From now to the end, pauses aside, as far as the layers are as expected. REQUIRES: not Idle.
   [[nodiscard]] Duration time_left() const;
 
  private:
@@ -118,6 +126,7 @@ class PrintProcess {
   void finish();
   void after_move(MoveResult result);
   [[nodiscard]] Nanometers current_height() const;
+  void begin_layer(Nanometers bottom);
 
   Machine& machine_;
   Clock& clock_;
@@ -126,13 +135,14 @@ class PrintProcess {
   std::uint64_t states_entered_ = 0;
   std::optional<PrintPlan> plan_;
   std::int32_t layer_ = 0;
+  Nanometers bottom_{}, thickness_{};  // of the layer under way
   bool pause_wanted_ = false;
   bool resume_wanted_ = false;  // while the plate still rises for a pause
   bool canceled_ = false;
   std::string failure_;
   LayerRecord record_;
   TimePoint light_on_at_{};
-  std::vector<Duration> left_after_;  // by layer: how long the layers behind it take
+  std::vector<Duration> left_after_;  // by expected layer: how long the layers behind it take
   std::unique_ptr<Timer> wait_;
   std::unique_ptr<Timer> deadline_;
 };

@@ -27,19 +27,39 @@ double ms(Duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
+std::string model_rows(const ModelSummary& model) {
+  std::string rows;
+  if (!model.file.empty()) rows += row("File", model.file);
+  rows += row("Size",
+              fmt::format("{:.2f} x {:.2f} x {:.2f} mm", model.size_x_mm, model.size_y_mm, model.size_z_mm));
+  rows += row("Model", fmt::format("{} facets, {}, {}", model.mesh.facets, name_of(model.format),
+                                   model.mesh.watertight ? "watertight" : "not watertight"));
+  if (model.centers.size() != 1) rows += row("Copies", std::to_string(model.centers.size()));
+  const Scale& scale = model.scale;
+  if (!scale.uniform()) {
+    rows += row("Scale", fmt::format("{:.4g} x {:.4g} x {:.4g}", scale.x, scale.y, scale.z));
+  } else if (scale.x != 1) {
+    rows += row("Scale", fmt::format("{:.4g}", scale.x));
+  }
+  return rows;
+}
+
 std::string facts(const PrintReport& report) {
   const JobSummary& s = report.summary;
   std::string rows;
   rows += row("Printer", report.printer);
   rows += row("Started", iso_time(report.started));
   rows += row("Print time", readable(report.print_time));
-  rows += row("Layers", fmt::format("{} of {} exposed, {:g} um each", report.layers.size(), s.layers.count,
-                                    to_millimeters(s.layers.thickness).count() * 1000));
-  rows += row("Size", fmt::format("{:.2f} x {:.2f} x {:.2f} mm", s.size_x_mm, s.size_y_mm, s.size_z_mm));
-  rows += row("Model", fmt::format("{} facets, {}, {}", s.mesh.facets, name_of(s.format),
-                                   s.mesh.watertight ? "watertight" : "not watertight"));
-  if (s.copies != 1) rows += row("Copies", std::to_string(s.copies));
-  if (s.scale != 1) rows += row("Scale", fmt::format("{:.4g}", s.scale));
+  const double thinnest_um = to_millimeters(s.layers.thinnest).count() * 1000;
+  const double thickest_um = to_millimeters(s.layers.thickest).count() * 1000;
+  rows +=
+      row("Layers", fmt::format("{} of {} exposed, {}", report.layers.size(), s.layers.count,
+                                s.layers.adaptive
+                                    ? fmt::format("{:g} to {:g} um (cusp {:g} um)", thinnest_um, thickest_um,
+                                                  to_millimeters(s.layers.adaptive->cusp).count() * 1000)
+                                    : fmt::format("{:g} um each", thinnest_um)));
+  for (const ModelSummary& model : s.models)
+    rows += model_rows(model);
   rows += row("Resin", s.resin.name);
   rows +=
       row("Lift", fmt::format("{:g} mm, {:g} mm/s up, {:g} mm/s down", to_millimeters(s.resin.lift).count(),

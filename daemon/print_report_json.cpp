@@ -19,22 +19,69 @@ double mm(Nanometers height) {
   return to_millimeters(height).count();
 }
 
-Json model_json(const JobSummary& summary) {
-  const MeshReport& mesh = summary.mesh;
-  return {{"format", name_of(summary.format)},
-          {"facets", mesh.facets},
-          {"size_mm", {summary.size_x_mm, summary.size_y_mm, summary.size_z_mm}},
-          {"scale", summary.scale},
-          {"rotation_deg", {summary.rotation_deg.x, summary.rotation_deg.y, summary.rotation_deg.z}},
-          {"position_mm", {summary.position.x.count(), summary.position.y.count()}},
-          {"copies", summary.copies},
-          {"watertight", mesh.watertight},
-          {"open_edges", mesh.open_edges},
-          {"warnings", summary.warnings}};
+Json scale_json(const Scale& scale) {
+  if (scale.uniform()) return scale.x;
+  return {scale.x, scale.y, scale.z};
+}
+
+Json model_json(const ModelSummary& model) {
+  const MeshReport& mesh = model.mesh;
+  Json json;
+  if (!model.file.empty()) json["file"] = model.file;
+  json["format"] = name_of(model.format);
+  json["facets"] = mesh.facets;
+  json["size_mm"] = {model.size_x_mm, model.size_y_mm, model.size_z_mm};
+  json["scale"] = scale_json(model.scale);
+  if (model.up) {
+    json["up"] = {model.up->x, model.up->y, model.up->z};
+  } else {
+    json["rotation_deg"] = {model.rotation_deg.x, model.rotation_deg.y, model.rotation_deg.z};
+  }
+  json["copies"] = model.centers.size();
+  Json centers = Json::array();
+  for (const Point& center : model.centers)
+    centers.push_back({center.x, center.y});
+  json["positions_mm"] = std::move(centers);
+  json["watertight"] = mesh.watertight;
+  json["open_edges"] = mesh.open_edges;
+  return json;
+}
+
+// One model is told as it always was; a plate's are a list.
+void add_models(const JobSummary& summary, Json& json) {
+  if (summary.plate) {
+    json["models"] = Json::array();
+    for (const ModelSummary& model : summary.models)
+      json["models"].push_back(model_json(model));
+    json["warnings"] = summary.warnings;
+    return;
+  }
+  Json model = model_json(summary.models.front());
+  const std::vector<Point>& centers = summary.models.front().centers;
+  Point middle{};
+  for (const Point& center : centers) {
+    middle.x += center.x / static_cast<double>(centers.size());
+    middle.y += center.y / static_cast<double>(centers.size());
+  }
+  model["position_mm"] = {middle.x, middle.y};
+  model["warnings"] = summary.warnings;
+  json["model"] = std::move(model);
+}
+
+void add_layer_figures(const LayerSummary& layers, Json& json) {
+  if (layers.adaptive) {
+    json["adaptive_layers"] = {{"cusp_um", mm(layers.adaptive->cusp) * 1000},
+                               {"min_um", mm(layers.adaptive->thinnest) * 1000},
+                               {"max_um", mm(layers.adaptive->thickest) * 1000}};
+  } else {
+    json["layer_height_um"] = mm(layers.thinnest) * 1000;
+  }
+  json["layers"] = layers.count;
 }
 
 Json layer_json(const LayerRecord& layer) {
   return {{"layer", layer.layer + 1},
+          {"thickness_um", mm(layer.thickness) * 1000},
           {"plate_height_mm", mm(layer.plate_height)},
           {"mask_height_mm", mm(layer.mask_height)},
           {"exposure_asked_ms", ms(layer.exposure_asked)},
@@ -65,7 +112,7 @@ std::string report_as_json(const PrintReport& report) {
   json["started"] = iso_time(report.started);
   json["ended"] = iso_time(report.ended);
   json["print_time_s"] = ms(report.print_time) / 1000;
-  json["model"] = model_json(summary);
+  add_models(summary, json);
   json["resin"] = summary.resin.name;
   json["settings"] = {{"lift_mm", mm(summary.resin.lift)},
                       {"lift_speed_mm_s", summary.resin.lift_speed.count()},
@@ -74,16 +121,15 @@ std::string report_as_json(const PrintReport& report) {
                       {"rest_ms", ms(summary.resin.rest)},
                       {"bottom_layers", summary.resin.bottom_layers},
                       {"fade_layers", summary.resin.fade_layers}};
-  json["layer_height_um"] = mm(summary.layers.thickness) * 1000;
-  json["layers"] = summary.layers.count;
+  add_layer_figures(summary.layers, json);
   json["layers_exposed"] = report.layers.size();
   json["reading_ms"] = ms(summary.reading);
   json["indexing_ms"] = ms(summary.indexing);
   json["first_mask_ms"] = ms(summary.first_mask);
   json["arrival_to_first_mask_ms"] = ms(report.first_mask_after);
-  const double volume = std::accumulate(
-      report.layers.begin(), report.layers.end(), 0.0,
-      [&](double sum, const LayerRecord& l) { return sum + l.area_mm2 * mm(summary.layers.thickness); });
+  const double volume =
+      std::accumulate(report.layers.begin(), report.layers.end(), 0.0,
+                      [](double sum, const LayerRecord& l) { return sum + l.area_mm2 * mm(l.thickness); });
   json["exposed_volume_mm3"] = volume;
   if (report.masks) json["masks_folder"] = report.masks->string();
   json["analysis"] = report.findings ? findings_json(*report.findings) : Json();

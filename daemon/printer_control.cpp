@@ -33,7 +33,7 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
           {"pause",
            [this] {
              require_print("pause");
-             if (process_.layer() + 1 == process_.plan()->layers.count) {
+             if (process_.on_last_layer()) {
                throw ControlRefusal("the last layer is under way, the print ends by itself");
              }
              process_.pause();
@@ -82,11 +82,13 @@ PrinterService::Json PrinterService::job_json() const {
   Json job{{"name", active_->files.name}};
   job["analysis"] = active_->analysis;
   if (process_.state() == PrintState::Idle) return job;
-  const LayerStack& layers = active_->prepared->summary.layers;
+  const JobSummary& summary = active_->prepared->summary;
   job["layer"] = process_.layer() + 1;
-  job["layers"] = layers.count;
+  job["layers"] = summary.layers.count;
   job["layers_done"] = active_->layers.size();
-  job["height_mm"] = to_millimeters(layers.top_of(process_.layer())).count();
+  job["height_mm"] = to_millimeters(process_.layer_top()).count();
+  job["total_height_mm"] = summary.height_mm;
+  job["layer_height_um"] = to_millimeters(process_.layer_thickness()).count() * 1000;
   job["elapsed_s"] = seconds(clock_.now() - active_->started);
   job["time_left_s"] = seconds(process_.time_left());
   job["pause_pending"] = process_.pause_pending();
@@ -99,6 +101,10 @@ PrinterService::Json PrinterService::status() const {
   Json status{{"printer", config_.name}, {"state", state}};
   status["job"] = active_ ? job_json() : Json();
   status["queued"] = queue_.size();
+  Json incomplete = Json::object();
+  for (const auto& [file, missing] : spool_.incomplete())
+    incomplete[file] = missing;
+  status["incomplete"] = std::move(incomplete);
   status["plate"] = plate_occupant_ ? "occupied" : "clear";
   status["plate_job"] = plate_occupant_ ? Json(*plate_occupant_) : Json();
   status["waiting_for"] = waiting_for_.empty() ? Json() : Json(waiting_for_);

@@ -26,7 +26,7 @@ LogFields job_fields(const std::string& job) {
   return {{"JOB_ID", printable(job)}};
 }
 LogFields file_fields(const std::string& file) {
-  return job_fields(std::filesystem::path(file).stem().string());
+  return job_fields(job_name_of(file));
 }
 
 std::variant<PreparedJob, std::string> try_to_prepare(const JobFiles& files, const PrinterConfig& printer) {
@@ -35,6 +35,49 @@ std::variant<PreparedJob, std::string> try_to_prepare(const JobFiles& files, con
   } catch (const JobRefused& refusal) {
     return std::string(refusal.what());
   }
+}
+
+// "434000 facets, 20.00 x 20.00 x 40.00 mm", or what is on the plate.
+std::string content_of(const JobSummary& summary) {
+  if (!summary.plate) {
+    const ModelSummary& model = summary.models.front();
+    return fmt::format("{} facets, {:.2f} x {:.2f} x {:.2f} mm", model.mesh.facets, model.size_x_mm,
+                       model.size_y_mm, model.size_z_mm);
+  }
+  std::size_t parts = 0;
+  std::uint64_t facets = 0;
+  for (const ModelSummary& model : summary.models) {
+    parts += model.centers.size();
+    facets += model.mesh.facets;
+  }
+  return fmt::format("{} models, {} parts, {} facets, {:.2f} mm high", summary.models.size(), parts, facets,
+                     summary.height_mm);
+}
+
+std::string thickness_of(const LayerSummary& layers) {
+  const auto um = [](Nanometers thickness) { return to_millimeters(thickness).count() * 1000; };
+  if (!layers.adaptive) return fmt::format("{:g} um", um(layers.thinnest));
+  return fmt::format("{:g} to {:g} um", um(layers.thinnest), um(layers.thickest));
+}
+
+// What the preview shows: all copies on a plate, but one of each model when that is too much to draw.
+std::vector<PreviewPart> preview_parts(const JobSummary& summary, const ContourEngine& engine) {
+  constexpr std::uint64_t kMostFacets = 5'000'000;  // some seconds of drawing
+  std::uint64_t facets = 0;
+  for (std::size_t i = 0; i < summary.models.size(); ++i)
+    facets += engine.models()[i].model->facets().size() * summary.models[i].centers.size();
+  const bool all = summary.plate && facets <= kMostFacets;
+  std::vector<PreviewPart> parts;
+  for (std::size_t i = 0; i < summary.models.size(); ++i) {
+    const HeightIndex& model = *engine.models()[i].model;
+    const std::vector<Point>& centers = summary.models[i].centers;
+    const Point middle = model.bounds().center();
+    for (std::size_t copy = 0; copy < (all ? centers.size() : 1); ++copy) {
+      parts.push_back(
+          {model.facets(), centers[copy].x - middle.x, centers[copy].y - middle.y, -model.bounds().min_z});
+    }
+  }
+  return parts;
 }
 
 double milliseconds(Duration duration) {
@@ -118,6 +161,15 @@ void PrinterService::model_arrived(const std::string& file) {
   pump();
 }
 
+void PrinterService::plate_waits(const std::string& file, const std::vector<std::string>& missing) {
+  std::string names;
+  for (const std::string& name : missing)
+    names += (names.empty() ? "" : ", ") + printable(name);
+  log_.info("incomplete",
+            fmt::format("{}: waits for {}, which its {} names", printable(file), names, kPlateTicket),
+            file_fields(file));
+}
+
 void PrinterService::model_withdrawn(const std::string& file) {
   if (std::erase_if(queue_, [&](const QueuedJob& job) { return job.file == file; }) == 0) return;
   log_.info("withdrawn", fmt::format("{}: taken away by the owner", printable(file)), file_fields(file));
@@ -174,7 +226,7 @@ void PrinterService::begin_next() {
   if (job.check == QueuedJob::Check::Running) return;
   queue_.pop_front();
   // The owner is writing it anew: it comes back when it is whole.
-  if (spool_.is_being_written(job.file)) {
+  if (spool_.is_unfinished(job.file)) {
     spool_.wait_for(job.file);
     return pump_soon();
   }
@@ -215,7 +267,7 @@ void PrinterService::checked(const std::string& file, const std::optional<std::s
   // Gone, or written again meanwhile: what was found out is about another file.
   if (job != queue_.end() && job->check == QueuedJob::Check::Running) {
     job->check = QueuedJob::Check::Passed;
-    if (refusal && !spool_.is_being_written(file)) {
+    if (refusal && !spool_.is_unfinished(file)) {
       queue_.erase(job);
       reject(file, *refusal);
     }
@@ -230,7 +282,7 @@ void PrinterService::reject(const std::string& file, const std::string& reason) 
   } catch (const std::system_error& error) {
     log_.error("refused", fmt::format("{}: cannot be moved to failed: {}", printable(file), error.what()));
   }
-  ended(std::filesystem::path(file).stem().string(), "failed", reason);
+  ended(job_name_of(file), "failed", reason);
 }
 
 void PrinterService::prepared(std::variant<PreparedJob, std::string> result) {
@@ -246,14 +298,11 @@ void PrinterService::prepared(std::variant<PreparedJob, std::string> result) {
   }
   active_->prepared = std::move(std::get<PreparedJob>(result));
   const JobSummary& summary = active_->prepared->summary;
-  log_.info(
-      "ready",
-      fmt::format(
-          "{}: {} facets, {:.2f} x {:.2f} x {:.2f} mm, {} layers of {:g} um; first mask after {:.0f} ms",
-          printable(name), summary.mesh.facets, summary.size_x_mm, summary.size_y_mm, summary.size_z_mm,
-          summary.layers.count, to_millimeters(summary.layers.thickness).count() * 1000,
-          milliseconds(active_->prepared->first_mask_at - active_->turn_came)),
-      job_fields(name));
+  log_.info("ready",
+            fmt::format("{}: {}, {} layers of {}; first mask after {:.0f} ms", printable(name),
+                        content_of(summary), summary.layers.count, thickness_of(summary.layers),
+                        milliseconds(active_->prepared->first_mask_at - active_->turn_came)),
+            job_fields(name));
   for (const std::string& warning : summary.warnings) {
     log_.warning("model", fmt::format("{}: {}", printable(name), warning), job_fields(name));
   }
@@ -279,9 +328,10 @@ void PrinterService::start_print() {
 
 void PrinterService::start_analysis() {
   PreparedJob& job = *active_->prepared;
-  AnalysisTask task{std::move(job.analysis_engine), job.display, job.plan.layers, {}};
-  for (std::int32_t layer = 0; layer < job.plan.layers.count; ++layer)
-    task.layer_durations.push_back(layer_duration(job.plan, layer, machine_.z_axis()));
+  AnalysisTask task{std::move(job.analysis_engine), job.display, job.plan.expected_layers, {}};
+  for (std::size_t layer = 0; layer < task.layers.size(); ++layer)
+    task.layer_durations.push_back(
+        layer_duration(job.plan, static_cast<std::int32_t>(layer), machine_.z_axis()));
   analyst_.start(std::move(task), [this](const AnalyzedPrint& print) { analyzed(print); });
 }
 
@@ -351,7 +401,7 @@ void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason
   const std::string name = active_->files.name;
   PrintReport report = make_report(outcome, reason, plan);
   const std::string summary = fmt::format("{}: {} after {} of {} layers and {}{}", printable(name),
-                                          name_of(outcome), report.layers.size(), plan.layers.count,
+                                          name_of(outcome), report.layers.size(), report.summary.layers.count,
                                           readable(report.print_time), reason.empty() ? "" : ": " + reason);
   log_.write(outcome == PrintOutcome::Failed ? LogLevel::Error : LogLevel::Info, name_of(outcome), summary,
              job_fields(name));
@@ -392,12 +442,12 @@ PrintReport PrinterService::make_report(PrintOutcome outcome, const std::string&
   report.print_time = clock_.now() - active_->started;
   report.first_mask_after = active_->prepared->first_mask_at - active_->turn_came;
   report.masks = active_->masks;
-  const HeightIndex& model = plan.engine->model();
-  const Nanometers printed =
-      plan.layers.thickness *
-      static_cast<std::int64_t>(active_->layers.empty() ? 0 : active_->layers.back().layer + 1);
-  const Millimeters top{model.bounds().min_z + to_millimeters(printed).count()};
-  report.preview_png = encode_png(render_preview(model.facets(), top, kPreviewWidth, kPreviewHeight));
+  const Nanometers printed = active_->layers.empty()
+                                 ? Nanometers{}
+                                 : active_->layers.back().bottom + active_->layers.back().thickness;
+  const std::vector<PreviewPart> parts = preview_parts(report.summary, *plan.engine);
+  report.preview_png =
+      encode_png(render_preview(parts, to_millimeters(printed), kPreviewWidth, kPreviewHeight));
   return report;
 }
 

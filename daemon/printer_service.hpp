@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/control_server.hpp"
 #include "daemon/log.hpp"
@@ -63,6 +64,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
 
   void model_arrived(const std::string& file) override;
   void model_withdrawn(const std::string& file) override;
+  void plate_waits(const std::string& file, const std::vector<std::string>& missing) override;
   void state_changed(PrintState state) override;
   void layer_done(const LayerRecord& layer) override;
   void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) override;

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <sys/epoll.h>
 #include <sys/file.h>
-#include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -49,7 +48,35 @@ Writers writers_of(const fs::path& path) {
   return errno == EAGAIN ? Writers::Some : Writers::Unknown;
 }
 
+constexpr std::uint32_t kChanges =
+    IN_CREATE | IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
+
+bool is_folder(const fs::path& path) {
+  std::error_code code;
+  return fs::is_directory(fs::symlink_status(path, code));
+}
+
+// Which of a plate's files are not there. Nothing when its plate.json cannot be used: that is for its owner
+// to hear.
+std::vector<std::string> missing_models(const fs::path& plate) {
+  std::vector<std::string> missing;
+  try {
+    for (const ModelTicket& model : load_plate_ticket(plate / kPlateTicket).models) {
+      std::error_code code;
+      const bool there = fs::exists(fs::symlink_status(plate / model.file, code));
+      if (!there && std::find(missing.begin(), missing.end(), model.file) == missing.end())
+        missing.push_back(model.file);
+    }
+  } catch (const ConfigError&) {
+  }
+  return missing;
+}
+
 }  // namespace
+
+std::string job_name_of(const std::string& file) {
+  return is_model_name(file) ? fs::path(file).stem().string() : file;
+}
 
 bool is_model_name(const std::string& file) {
   std::string extension = fs::path(file).extension().string();
@@ -96,7 +123,7 @@ void Spool::open() {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Incoming))) {
     const std::string file = entry.path().filename().string();
     struct stat status {};
-    if (!is_model_name(file) || ::lstat(entry.path().c_str(), &status) != 0) continue;
+    if (::lstat(entry.path().c_str(), &status) != 0) continue;
     found.emplace_back(status.st_ctim.tv_sec * std::int64_t{1'000'000'000} + status.st_ctim.tv_nsec, file);
   }
   std::sort(found.begin(), found.end());
@@ -107,11 +134,23 @@ void Spool::open() {
 void Spool::watch_incoming() {
   const std::string incoming = folder(Folder::Incoming).string();
   fs::create_directories(incoming);
-  if (::inotify_add_watch(inotify_.get(), incoming.c_str(),
-                          IN_CREATE | IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR) <
-      0) {
-    throw failure("cannot watch " + incoming);
-  }
+  incoming_watch_ = ::inotify_add_watch(inotify_.get(), incoming.c_str(), kChanges);
+  if (incoming_watch_ < 0) throw failure("cannot watch " + incoming);
+}
+
+bool Spool::watch_plate(const std::string& file) {
+  const fs::path path = folder(Folder::Incoming) / file;
+  const int watch = ::inotify_add_watch(inotify_.get(), path.c_str(), kChanges | IN_DONT_FOLLOW);
+  if (watch >= 0) plate_watches_[watch] = file;
+  return watch >= 0;
+}
+
+void Spool::stop_watching_plate(const std::string& file) {
+  std::erase_if(plate_watches_, [&](const auto& watched) {
+    if (watched.second != file) return false;
+    ::inotify_rm_watch(inotify_.get(), watched.first);
+    return true;
+  });
 }
 
 void Spool::read_events() {
@@ -122,51 +161,115 @@ void Spool::read_events() {
     for (ssize_t at = 0; at < bytes;) {
       const auto* event = reinterpret_cast<const inotify_event*>(buffer.data() + at);
       at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
-      if ((event->mask & IN_Q_OVERFLOW) != 0) {
-        // Events were lost: everything in the folder is looked at afresh.
-        for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Incoming))) {
-          consider(entry.path().filename().string(), Look::Event);
-        }
-        continue;
-      }
-      // The folder itself was removed: made and watched anew.
-      if ((event->mask & IN_IGNORED) != 0) {
-        watch_incoming();
-        continue;
-      }
-      const std::string file = event->len > 0 ? event->name : "";
-      if ((event->mask & (IN_DELETE | IN_MOVED_FROM)) != 0) {
-        candidates_.erase(file);
-        if (is_model_name(file)) observer_.model_withdrawn(file);
-      } else {
-        consider(file, Look::Event);
-      }
+      take_event(*event);
     }
   }
 }
 
+void Spool::take_event(const inotify_event& event) {
+  if ((event.mask & IN_Q_OVERFLOW) != 0) {
+    // Events were lost: everything in the folder is looked at afresh.
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Incoming))) {
+      consider(entry.path().filename().string(), Look::Event);
+    }
+    return;
+  }
+  if (const auto plate = plate_watches_.find(event.wd); plate != plate_watches_.end()) {
+    const std::string file = plate->second;
+    if ((event.mask & IN_IGNORED) != 0) plate_watches_.erase(plate);
+    return consider(file, Look::Event);
+  }
+  // A plate's that is not watched any more.
+  if (event.wd != incoming_watch_) return;
+  // The folder itself was removed: made and watched anew.
+  if ((event.mask & IN_IGNORED) != 0) return watch_incoming();
+  const std::string file = event.len > 0 ? event.name : "";
+  if ((event.mask & (IN_DELETE | IN_MOVED_FROM)) == 0) return consider(file, Look::Event);
+  candidates_.erase(file);
+  incomplete_.erase(file);
+  if ((event.mask & IN_ISDIR) != 0) stop_watching_plate(file);
+  if (is_model_name(file) || (event.mask & IN_ISDIR) != 0) observer_.model_withdrawn(file);
+}
+
+Spool::Sight Spool::look_at_model(const fs::path& path) const {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0) return {};
+  Sight sight;
+  sight.bytes = static_cast<std::uintmax_t>(status.st_size);
+  const Writers writers = writers_of(path);
+  sight.being_written = is_unfinished(path.filename().string());
+  sight.known_to_be_whole = (sight.bytes > 0 && writers == Writers::None) || !S_ISREG(status.st_mode);
+  return sight;
+}
+
+Spool::Sight Spool::look_at_plate(const fs::path& path) const {
+  Sight sight;
+  std::error_code code;
+  // Anybody's folder, or not yet a plate: what is in it does not matter.
+  if (!fs::exists(fs::symlink_status(path / kPlateTicket, code))) {
+    sight.missing = {kPlateTicket};
+    return sight;
+  }
+  sight.known_to_be_whole = true;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path, code)) {
+    struct stat status {};
+    if (::lstat(entry.path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
+    const auto bytes = static_cast<std::uintmax_t>(status.st_size);
+    const Writers writers = writers_of(entry.path());
+    sight.bytes += bytes;
+    sight.being_written = sight.being_written || writers == Writers::Some;
+    sight.known_to_be_whole = sight.known_to_be_whole && bytes > 0 && writers == Writers::None;
+  }
+  if (!sight.being_written) sight.missing = missing_models(path);
+  return sight;
+}
+
 void Spool::consider(const std::string& file, Look look) {
   const fs::path path = folder(Folder::Incoming) / file;
-  struct stat status {};
-  if (!is_model_name(file) || ::lstat(path.c_str(), &status) != 0) return;
-  const bool regular = S_ISREG(status.st_mode);
+  const bool plate = is_plate(Folder::Incoming, file);
+  std::error_code code;
+  if (!plate && (!is_model_name(file) || !fs::exists(fs::symlink_status(path, code)))) return;
+  // Watched before it is looked at, so that nothing can come in between.
+  const bool watched = !plate || watch_plate(file);
+  const Sight sight = plate ? look_at_plate(path) : look_at_model(path);
+  note_missing(file, sight.missing);
+  if (!sight.missing.empty()) {
+    candidates_.erase(file);
+    // What cannot be watched, for want of watches, is looked at by the timer.
+    if (!watched) look_later(file);
+    return;
+  }
   Candidate& candidate = candidates_[file];
-  const auto bytes = static_cast<std::uintmax_t>(status.st_size);
-  if (bytes != candidate.bytes) candidate.unchanged_looks = 0;
+  if (sight.bytes != candidate.bytes) candidate.unchanged_looks = 0;
   if (look == Look::Timer) ++candidate.unchanged_looks;
-  candidate.bytes = bytes;
-  const bool being_written = is_being_written(file);
+  candidate.bytes = sight.bytes;
   const bool quiet = candidate.unchanged_looks >= kQuietLooks;
-  const bool known_to_be_whole = bytes > 0 && writers_of(path) == Writers::None;
-  const bool whole = !being_written && (known_to_be_whole || quiet || !regular);
-  if (whole) {
+  if (!sight.being_written && (sight.known_to_be_whole || quiet)) {
     candidates_.erase(file);
     observer_.model_arrived(file);
     return;
   }
+  look_later(file);
+}
+
+void Spool::look_later(const std::string& file) {
+  candidates_.try_emplace(file);
   if (!look_again_timer_) {
     look_again_timer_ = loop_.at(std::chrono::steady_clock::now() + kLookInterval, [this] { look_again(); });
   }
+}
+
+// A folder without plate.json is none of ours, or not yet: nothing is said of it.
+void Spool::note_missing(const std::string& file, const std::vector<std::string>& missing) {
+  if (missing.empty()) {
+    incomplete_.erase(file);
+    return;
+  }
+  const bool was_complete = !incomplete_.contains(file);
+  if (std::exchange(incomplete_[file], missing) != missing && missing.front() != kPlateTicket)
+    observer_.plate_waits(file, missing);
+  // It may be in the queue: a file was taken out of it again.
+  if (was_complete) observer_.model_withdrawn(file);
 }
 
 void Spool::look_again() {
@@ -184,8 +287,12 @@ void Spool::look_again() {
   }
 }
 
-bool Spool::is_being_written(const std::string& file) const {
+bool Spool::is_unfinished(const std::string& file) const {
   const JobFiles files = files_of(Folder::Incoming, file);
+  if (files.plate) {
+    const Sight sight = look_at_plate(files.model);
+    return sight.being_written || !sight.missing.empty();
+  }
   return writers_of(files.model) == Writers::Some ||
          (files.ticket && writers_of(*files.ticket) == Writers::Some);
 }
@@ -194,11 +301,18 @@ void Spool::wait_for(const std::string& file) {
   consider(file, Look::Event);
 }
 
+// A folder of any name that is not hidden, but not one called like a model: that is refused as what it is
+// not.
+bool Spool::is_plate(Folder where, const std::string& file) const {
+  return !file.empty() && !file.starts_with('.') && !is_model_name(file) && is_folder(folder(where) / file);
+}
+
 JobFiles Spool::files_of(Folder where, const std::string& file) const {
   const fs::path model = folder(where) / file;
+  if (is_plate(where, file)) return {file, model, std::nullopt, true};
   fs::path ticket = model;
   ticket.replace_extension(".json");
-  JobFiles files{model.stem().string(), model, std::nullopt};
+  JobFiles files{job_name_of(file), model, std::nullopt, false};
   // A name too long to have a ticket has none.
   std::error_code code;
   if (fs::exists(fs::symlink_status(ticket, code))) files.ticket = ticket;
@@ -216,7 +330,7 @@ std::string Spool::unused_name(const std::string& full_stem) const {
   for (int number = 1;; ++number) {
     const std::string name = number == 1 ? stem : fmt::format("{}-{}", stem, number);
     const auto used_in = [&](Folder where) {
-      for (const char* suffix : {".stl", ".json", ".report.json", ".reason.txt"}) {
+      for (const char* suffix : {"", ".stl", ".json", ".report.json", ".reason.txt"}) {
         if (fs::exists(fs::symlink_status(folder(where) / (name + suffix)))) return true;
       }
       return false;
@@ -226,7 +340,7 @@ std::string Spool::unused_name(const std::string& full_stem) const {
 }
 
 JobFiles Spool::named(Folder where, const std::string& name, const JobFiles& like) const {
-  JobFiles files{name, folder(where) / (name + ".stl"), std::nullopt};
+  JobFiles files{name, folder(where) / (like.plate ? name : name + ".stl"), std::nullopt, like.plate};
   if (like.ticket) files.ticket = folder(where) / (name + ".json");
   return files;
 }
@@ -283,7 +397,7 @@ std::vector<JobFiles> Spool::interrupted() {
   std::vector<fs::path> others;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Printing))) {
     const std::string file = entry.path().filename().string();
-    if (is_model_name(file)) {
+    if (is_model_name(file) || is_plate(Folder::Printing, file)) {
       jobs.push_back(files_of(Folder::Printing, file));
     } else {
       others.push_back(entry.path());

@@ -3,11 +3,14 @@
 // only.
 //
 //   incoming/NAME.stl (+ NAME.json)     waits its turn, checked already
-//   printing/NAME.stl (+ NAME.json)     under way
-//   done/NAME.stl ... NAME.report.json NAME.report.html
-//   failed/NAME.stl ... NAME.reason.txt
+//   incoming/NAME/                      a plate: plate.json, and the STL files that it names
+//   printing/NAME.stl (+ NAME.json)     under way; or printing/NAME/
+//   done/NAME.stl ... NAME.report.json NAME.report.html; or done/NAME/ ...
+//   failed/NAME.stl ... NAME.reason.txt; or failed/NAME/ ...
 //   plate-occupied                      the plate holds a part: the job's name is in it
 #pragma once
+
+#include <sys/inotify.h>
 
 #include <functional>
 #include <map>
@@ -21,7 +24,7 @@
 
 namespace contourd {
 
-// Told of models in incoming/.
+// Told of models and plates in incoming/.
 class SpoolObserver {
  public:
   SpoolObserver() = default;
@@ -29,11 +32,14 @@ class SpoolObserver {
   SpoolObserver& operator=(const SpoolObserver&) = delete;
   virtual ~SpoolObserver() = default;
 
-  // incoming/`file` is whole: closed by its writer, or moved in. May come again for the same file when it was
-  // written again.
+  // incoming/`file` is whole: closed by its writer, or moved in; a plate with all its files. May come again
+  // for the same file when it was written again.
   virtual void model_arrived(const std::string& file) = 0;
-  // The owner took incoming/`file` away.
+  // The owner took incoming/`file` away, or a plate's file.
   virtual void model_withdrawn(const std::string& file) = 0;
+  // The plate incoming/`file` cannot be taken as long as these files are missing, which its plate.json names.
+  // Told when it changes.
+  virtual void plate_waits(const std::string& file, const std::vector<std::string>& missing) = 0;
 };
 
 class Spool {
@@ -49,12 +55,17 @@ class Spool {
 
   [[nodiscard]] std::filesystem::path folder(Folder folder) const;
 
-  // Whether somebody has incoming/`file` or its ticket open for writing at this moment.
-  [[nodiscard]] bool is_being_written(const std::string& file) const;
+  // Whether at this moment somebody has incoming/`file`, its ticket or a plate's file open for writing, or a
+  // plate lacks a file.
+  [[nodiscard]] bool is_unfinished(const std::string& file) const;
+  // Plates in incoming/ that wait for files, and for which.
+  [[nodiscard]] const std::map<std::string, std::vector<std::string>>& incomplete() const {
+    return incomplete_;
+  }
   // Reports incoming/`file` again when it is whole.
   void wait_for(const std::string& file);
 
-  // The files of a model in incoming/ or printing/, its ticket with it if there is one.
+  // The files of a model in incoming/ or printing/, its ticket with it if there is one; or a plate's folder.
   [[nodiscard]] JobFiles files_of(Folder folder, const std::string& file) const;
 
   // incoming/ -> printing/, under a name that no job in printing/, done/ or failed/ has. Throws
@@ -74,8 +85,8 @@ class Spool {
   void write_beside(Folder folder, const std::string& name, const std::string& suffix,
                     const std::string& text) const;
 
-  // Models left in printing/ by a daemon that did not end its print. What else lies there goes to failed/, or
-  // back to incoming/ if it is the ticket of a model there.
+  // Models and plates left in printing/ by a daemon that did not end its print. What else lies there goes to
+  // failed/, or back to incoming/ if it is the ticket of a model there.
   [[nodiscard]] std::vector<JobFiles> interrupted();
 
   // The job whose part is on the plate, or nothing when the plate is clear. Survives restarts.
@@ -86,15 +97,32 @@ class Spool {
 
  private:
   struct Candidate {
+    std::uintmax_t bytes = 0;  // a plate's files together
+    int unchanged_looks = 0;   // by the timer: events may come in bursts
+  };
+
+  // How a job in incoming/ looks.
+  struct Sight {
     std::uintmax_t bytes = 0;
-    int unchanged_looks = 0;  // by the timer: events may come in bursts
+    bool being_written = false;
+    bool known_to_be_whole = false;    // else it counts as whole when it stays as it is
+    std::vector<std::string> missing;  // of a plate: what it lacks, its plate.json alone if it lacks that
   };
 
   void watch_incoming();
+  // False when there are no more watches.
+  [[nodiscard]] bool watch_plate(const std::string& file);
+  void stop_watching_plate(const std::string& file);
   void read_events();
+  void take_event(const inotify_event& event);
   enum class Look { Event, Timer };
   void consider(const std::string& file, Look look);
+  void look_later(const std::string& file);
+  void note_missing(const std::string& file, const std::vector<std::string>& missing);
+  [[nodiscard]] Sight look_at_model(const std::filesystem::path& path) const;
+  [[nodiscard]] Sight look_at_plate(const std::filesystem::path& path) const;
   void look_again();
+  [[nodiscard]] bool is_plate(Folder where, const std::string& file) const;
   [[nodiscard]] std::string unused_name(const std::string& full_stem) const;
   void move_job(const JobFiles& from, const JobFiles& to) const;
   [[nodiscard]] JobFiles named(Folder folder, const std::string& name, const JobFiles& like) const;
@@ -106,10 +134,16 @@ class Spool {
   FileDescriptor inotify_;
   EventLoop::SourcePtr inotify_source_;
   EventLoop::SourcePtr look_again_timer_;
+  int incoming_watch_ = -1;
+  std::map<int, std::string> plate_watches_;     // inotify's number: the plate in incoming/
   std::map<std::string, Candidate> candidates_;  // not known to be whole yet
+  std::map<std::string, std::vector<std::string>> incomplete_;
 };
 
 // Whether a file in incoming/ is a model, by its name.
 [[nodiscard]] bool is_model_name(const std::string& file);
+
+// The name of the job that a model or a plate's folder in incoming/ becomes, but for a number behind it.
+[[nodiscard]] std::string job_name_of(const std::string& file);
 
 }  // namespace contourd

@@ -7,24 +7,72 @@
 namespace contourd {
 namespace {
 
-void check_rules(JsonDocument& document) {
-  // By now `fit` is there, if the ticket is an object at all.
-  if (document.sound_number("/scale") && document.value().at("fit") == true) {
-    document.add_violation("/scale", "a ticket has either scale or fit, not both");
-  }
+// Rules across one model's keys; `place` is its pointer.
+void check_model_rules(JsonDocument& document, const std::string& place) {
+  const nlohmann::json::json_pointer pointer(place);
+  if (!document.value().contains(pointer) || !document.value().at(pointer).is_object()) return;
+  const nlohmann::json model = document.value().at(pointer);
+  const bool has_scale =
+      document.sound_number(place + "/scale") || model.value("scale", nlohmann::json()).is_object();
+  if (has_scale && model.value("fit", nlohmann::json()) == true)
+    document.add_violation(place + "/scale", "a ticket has either scale or fit, not both");
+  if (!model.contains("up")) return;
+  if (model.contains("rotation_deg"))
+    document.add_violation(place + "/up", "a ticket has either up or rotation_deg, not both");
+  const auto component = [&](const char* axis) { return document.sound_number(place + "/up/" + axis); };
+  if (component("x") == 0.0 && component("y") == 0.0 && component("z") == 0.0)
+    document.add_violation(place + "/up", "a direction must not be zero in x, y and z");
 }
 
-JobTicket read_ticket(const JsonSection& root) {
-  const JsonSection rotation = root.section("rotation_deg");
-  const JsonSection position = root.section("position_mm");
+void check_layer_rules(JsonDocument& document) {
+  if (document.sound_number("/layer_height_um") && document.value().contains("adaptive_layers")) {
+    document.add_violation("/adaptive_layers",
+                           "a ticket has either adaptive_layers or layer_height_um, not both");
+  }
+  const auto thinnest = document.sound_number("/adaptive_layers/min_um");
+  const auto thickest = document.sound_number("/adaptive_layers/max_um");
+  if (thinnest && thickest && *thinnest > *thickest)
+    document.add_violation("/adaptive_layers/min_um", "it is more than max_um");
+}
+
+Scale read_scale(const JsonSection& model) {
+  if (!model.is_section("scale")) return Scale{model.number("scale")};
+  const JsonSection scale = model.section("scale");
+  return {scale.number("x"), scale.number("y"), scale.number("z")};
+}
+
+ModelTicket read_model(const JsonSection& root) {
+  ModelTicket model;
+  if (root.has("file")) model.file = root.text("file");
+  if (root.has("rotation_deg")) {
+    const JsonSection rotation = root.section("rotation_deg");
+    model.rotation = {rotation.number("x"), rotation.number("y"), rotation.number("z")};
+  }
+  if (root.has("up")) {
+    const JsonSection up = root.section("up");
+    model.up = Direction{up.number("x"), up.number("y"), up.number("z")};
+  }
+  if (root.has("scale")) model.scale = read_scale(root);
+  if (root.has("fit")) model.fit = root.boolean("fit");
+  if (root.has("position_mm")) {
+    const JsonSection position = root.section("position_mm");
+    model.position = {Millimeters{position.number("x")}, Millimeters{position.number("y")}};
+  }
+  model.copies = root.integer<int>("copies");
+  return model;
+}
+
+// What holds for the whole job.
+JobTicket read_job(const JsonSection& root) {
   JobTicket ticket;
   if (root.has("resin")) ticket.resin = root.text("resin");
   if (root.has("layer_height_um")) ticket.layer_height = root.length("layer_height_um");
-  ticket.rotation = {rotation.number("x"), rotation.number("y"), rotation.number("z")};
-  if (root.has("scale")) ticket.scale = root.number("scale");
-  ticket.fit = root.boolean("fit");
-  ticket.position = {Millimeters{position.number("x")}, Millimeters{position.number("y")}};
-  ticket.copies = root.integer<int>("copies");
+  if (root.has("adaptive_layers")) {
+    const JsonSection adaptive = root.section("adaptive_layers");
+    ticket.adaptive.emplace().cusp = adaptive.length("cusp_um");
+    if (adaptive.has("min_um")) ticket.adaptive->thinnest = adaptive.length("min_um");
+    if (adaptive.has("max_um")) ticket.adaptive->thickest = adaptive.length("max_um");
+  }
   return ticket;
 }
 
@@ -33,9 +81,32 @@ JobTicket read_ticket(const JsonSection& root) {
 JobTicket load_job_ticket(const std::filesystem::path& path) {
   JsonDocument document = JsonDocument::from_file(path);
   ticket_schema().check(document);
-  check_rules(document);
+  check_model_rules(document, "");
+  check_layer_rules(document);
   document.throw_if_violated();
-  return read_ticket(JsonSection(document));
+  const JsonSection root(document);
+  JobTicket ticket = read_job(root);
+  ticket.models = {read_model(root)};
+  return ticket;
+}
+
+JobTicket load_plate_ticket(const std::filesystem::path& path) {
+  JsonDocument document = JsonDocument::from_file(path);
+  plate_schema().check(document);
+  const nlohmann::json& value = document.value();
+  const std::size_t models = value.is_object() && value.contains("models") && value.at("models").is_array()
+                                 ? value.at("models").size()
+                                 : 0;
+  for (std::size_t i = 0; i < models; ++i)
+    check_model_rules(document, "/models/" + std::to_string(i));
+  check_layer_rules(document);
+  document.throw_if_violated();
+  const JsonSection root(document);
+  JobTicket ticket = read_job(root);
+  ticket.models.clear();
+  for (const JsonSection& model : root.sections("models"))
+    ticket.models.push_back(read_model(model));
+  return ticket;
 }
 
 }  // namespace contourd

@@ -1,10 +1,13 @@
-// How one model is to be printed, as the file beside it says. Value types; thread-safe.
+// How a job is to be printed, as its owner says: the file beside a model, or a plate's. Value types;
+// thread-safe.
 #pragma once
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "core/placement.hpp"
 #include "core/units.hpp"
 
 namespace contourd {
@@ -22,18 +25,39 @@ struct PlateOffset {
   Millimeters y;
 };
 
-// A default-made ticket is what a model without a file gets.
-struct JobTicket {
-  std::optional<std::string> resin;        // profile name; not yet known to exist
-  std::optional<Nanometers> layer_height;  // not yet checked against the resin
+// One model: how it is turned, how large it is and where it lies.
+struct ModelTicket {
+  std::string file;  // in the plate's folder; empty: the model that the ticket lies beside
   RotationDegrees rotation;
-  std::optional<double> scale;  // factor; never together with fit
+  std::optional<Direction> up;  // never together with a rotation
+  std::optional<Scale> scale;   // never together with fit
   bool fit = false;             // fill the display
-  PlateOffset position;
+  std::optional<PlateOffset> position;
   int copies = 1;
 };
 
+// Layers as thick as the slopes allow; what is not given is the resin's.
+struct AdaptiveTicket {
+  Nanometers cusp;
+  std::optional<Nanometers> thinnest, thickest;
+};
+
+// A default-made ticket is what a model without a file gets.
+struct JobTicket {
+  std::optional<std::string> resin;                // profile name; not yet known to exist
+  std::optional<Nanometers> layer_height;          // not yet checked against the resin
+  std::optional<AdaptiveTicket> adaptive;          // never together with layer_height
+  std::vector<ModelTicket> models{ModelTicket{}};  // exactly one in a model's own ticket
+};
+
+// The name of a plate's ticket in its folder.
+inline constexpr const char* kPlateTicket = "plate.json";
+
 // Reads NAME.json from beside NAME.stl. Throws ConfigError with everything that is wrong with it.
 [[nodiscard]] JobTicket load_job_ticket(const std::filesystem::path& path);
+
+// Reads a plate's plate.json. The files that it names need not be there. Throws ConfigError with everything
+// that is wrong with it.
+[[nodiscard]] JobTicket load_plate_ticket(const std::filesystem::path& path);
 
 }  // namespace contourd

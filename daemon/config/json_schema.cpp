@@ -1,8 +1,12 @@
 #include "daemon/config/json_schema.hpp"
 
+#include <charconv>
 #include <cstddef>
+#include <limits>
 #include <set>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
@@ -33,6 +37,14 @@ Path path_of(const std::vector<std::string>& context) {
   return path;
 }
 
+// Of an array's element; a number that no array has for a key that is none.
+std::size_t index_of(const std::string& key) {
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), index);
+  const bool whole = error == std::errc() && end == key.data() + key.size();
+  return whole ? index : std::numeric_limits<std::size_t>::max();
+}
+
 // Says what is wrong at that place. Nothing where the schema says nothing about it, as for an unknown key's
 // inside.
 void explain_place(const json& schema, const Path& path, JsonDocument& document) {
@@ -40,6 +52,14 @@ void explain_place(const json& schema, const Path& path, JsonDocument& document)
   const json* value = &document.value();
   std::string pointer;
   for (const std::string& key : path) {
+    if (value->is_array()) {
+      const std::size_t index = index_of(key);
+      if (index >= value->size() || !rules->contains("items")) return;
+      value = &value->at(index);
+      rules = &rules->at("items");
+      pointer = child_pointer(pointer, key);
+      continue;
+    }
     if (!value->is_object() || !value->contains(key)) return;
     if (!rules->contains("properties") || !rules->at("properties").contains(key)) return;
     value = &value->at(key);
@@ -51,6 +71,10 @@ void explain_place(const json& schema, const Path& path, JsonDocument& document)
 
 // Recursion is bounded by the schema's depth.
 void fill_defaults(const json& schema, json& value) {
+  if (value.is_array() && schema.contains("items")) {
+    for (json& item : value)
+      fill_defaults(schema["items"], item);
+  }
   if (!value.is_object() || !schema.contains("properties")) return;
   for (const auto& property : schema["properties"].items()) {
     const json& rules = property.value();
@@ -60,10 +84,25 @@ void fill_defaults(const json& schema, json& value) {
   }
 }
 
+// Recursion is bounded by the schema's depth.
+void resolve_references(json& schema, std::string_view file, const json& other) {
+  if (schema.is_object() && schema.contains("$ref")) {
+    const std::string& reference = schema["$ref"].get_ref<const std::string&>();
+    const std::size_t hash = reference.find('#');
+    if (hash == std::string::npos || reference.substr(0, hash) != file)
+      throw std::runtime_error("a schema refers to " + reference + ", which is not in " + std::string(file));
+    schema = json(other.at(json::json_pointer(reference.substr(hash + 1))));
+    return;
+  }
+  if (!schema.is_structured()) return;
+  for (json& child : schema)
+    resolve_references(child, file, other);
+}
+
 }  // namespace
 
 struct JsonSchema::Compiled {
-  explicit Compiled(std::string_view text) : value(json::parse(text.begin(), text.end())) {
+  explicit Compiled(json schema_value) : value(std::move(schema_value)) {
     valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
     const Adapter adapter(value);
     parser.populateSchema(adapter, schema);
@@ -73,7 +112,14 @@ struct JsonSchema::Compiled {
   valijson::Schema schema;
 };
 
-JsonSchema::JsonSchema(std::string_view text) : compiled_(std::make_unique<Compiled>(text)) {}
+JsonSchema::JsonSchema(std::string_view text)
+    : compiled_(std::make_unique<Compiled>(json::parse(text.begin(), text.end()))) {}
+
+JsonSchema::JsonSchema(std::string_view text, std::string_view file, const JsonSchema& other) {
+  json value = json::parse(text.begin(), text.end());
+  resolve_references(value, file, other.value());
+  compiled_ = std::make_unique<Compiled>(std::move(value));
+}
 
 JsonSchema::~JsonSchema() = default;
 
@@ -105,6 +151,11 @@ void JsonSchema::check(JsonDocument& document) const {
 
 const JsonSchema& printer_schema() {
   static const JsonSchema schema(contourd_schema_text);
+  return schema;
+}
+
+const JsonSchema& plate_schema() {
+  static const JsonSchema schema(plate_schema_text, "ticket.schema.json", ticket_schema());
   return schema;
 }
 

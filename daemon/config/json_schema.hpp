@@ -13,9 +13,13 @@ namespace contourd {
 class JsonSchema {
  public:
   // Draft 7, of which the sentences know: type, enum, minimum, maximum, minLength, maxLength, pattern,
-  // required, properties, additionalProperties: false, and oneOf as a choice between sets of required keys.
-  // Throws nlohmann::json::exception or std::runtime_error when the text is no schema.
+  // required, properties, additionalProperties: false, items (one schema for all), minItems, maxItems, and
+  // oneOf as a choice between sets of required keys. Throws nlohmann::json::exception or std::runtime_error
+  // when the text is no schema.
   explicit JsonSchema(std::string_view text);
+  // A schema that borrows parts of another: every {"$ref": "FILE#/pointer"} is replaced by what is there in
+  // `other`, which is FILE.
+  JsonSchema(std::string_view text, std::string_view file, const JsonSchema& other);
   ~JsonSchema();
   JsonSchema(const JsonSchema&) = delete;
   JsonSchema& operator=(const JsonSchema&) = delete;
@@ -23,6 +27,7 @@ class JsonSchema {
   // Adds every violation of the schema to the document, then gives the keys that are missing their defaults.
   void check(JsonDocument& document) const;
 
+  // References resolved.
   [[nodiscard]] const nlohmann::json& value() const;
 
  private:
@@ -31,6 +36,7 @@ class JsonSchema {
 };
 
 [[nodiscard]] const JsonSchema& printer_schema();
+[[nodiscard]] const JsonSchema& plate_schema();
 [[nodiscard]] const JsonSchema& resin_schema();
 [[nodiscard]] const JsonSchema& ticket_schema();
 

@@ -32,6 +32,20 @@ JsonSection JsonSection::section(std::string_view key) const {
   return {document_, at(key), child_pointer(pointer_, key)};
 }
 
+bool JsonSection::is_section(std::string_view key) const {
+  return at(key).is_object();
+}
+
+std::vector<JsonSection> JsonSection::sections(std::string_view key) const {
+  const nlohmann::json& list = at(key);
+  if (!list.is_array()) reject(key, "expected a list");
+  std::vector<JsonSection> all;
+  const std::string place = child_pointer(pointer_, key);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    all.push_back(JsonSection(document_, list[i], child_pointer(place, std::to_string(i))));
+  return all;
+}
+
 bool JsonSection::boolean(std::string_view key) const {
   const nlohmann::json& value = at(key);
   if (!value.is_boolean()) reject(key, "expected true or false");

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/units.hpp"
 #include "daemon/config/json_document.hpp"
@@ -22,7 +23,10 @@ class JsonSection {
   explicit JsonSection(const JsonDocument& document);
 
   [[nodiscard]] bool has(std::string_view key) const;
+  [[nodiscard]] bool is_section(std::string_view key) const;
   [[nodiscard]] JsonSection section(std::string_view key) const;
+  // A list of objects.
+  [[nodiscard]] std::vector<JsonSection> sections(std::string_view key) const;
   [[nodiscard]] bool boolean(std::string_view key) const;
   [[nodiscard]] std::string text(std::string_view key) const;
   // Finite. An integer or a fraction.

@@ -90,6 +90,13 @@ std::variant<FixedExposure, WorkingCurve> read_exposure(const JsonSection& profi
                       Micrometers{curve.number("bottom_overcure_um")}};
 }
 
+// What must be made so much larger that it comes out right.
+Scale read_shrinkage(const JsonSection& profile) {
+  const JsonSection percent = profile.section("shrinkage_percent");
+  const auto factor = [&](const char* axis) { return 1 / (1 - percent.number(axis) / 100); };
+  return {factor("x"), factor("y"), factor("z")};
+}
+
 ResinProfile read_profile(const JsonSection& profile, std::string name) {
   return {
       .name = std::move(name),
@@ -97,6 +104,7 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .layer_height_min = profile.length("layer_height_min_um"),
       .layer_height_max = profile.length("layer_height_max_um"),
       .exposure = read_exposure(profile),
+      .shrinkage_factors = read_shrinkage(profile),
       .bottom_layers = profile.integer<int>("bottom_layers"),
       .fade_layers = profile.integer<int>("fade_layers"),
       .lift = profile.length("lift_mm"),

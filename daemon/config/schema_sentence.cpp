@@ -76,17 +76,45 @@ bool is_whole(const json& value) {
   return value.is_number_integer() || (value.is_number_float() && std::trunc(value.get<double>()) == value);
 }
 
+struct JsonType {
+  std::string_view name, expected;
+  bool (*fits)(const json&);
+};
+
+constexpr std::array<JsonType, 6> kTypes{{
+    {"object", "an object", [](const json& value) { return value.is_object(); }},
+    {"array", "a list", [](const json& value) { return value.is_array(); }},
+    {"string", "a text", [](const json& value) { return value.is_string(); }},
+    {"boolean", "true or false", [](const json& value) { return value.is_boolean(); }},
+    {"number", "a number", [](const json& value) { return value.is_number(); }},
+    // A whole number too large for an integer is out of range, not of the wrong type.
+    {"integer", "a whole number", is_whole},
+}};
+
+// `type` is one name or a list of them.
 std::optional<std::string> wrong_type(const json& schema, const json& value) {
-  const std::string type = schema.value("type", std::string());
-  const auto expected = [&](std::string_view what) {
-    return "expected " + std::string(what) + ", found " + found(value);
+  if (!schema.contains("type")) return std::nullopt;
+  const json names = schema["type"].is_array() ? schema["type"] : json::array({schema["type"]});
+  std::vector<std::string> expected;
+  for (const JsonType& type : kTypes) {
+    if (std::find(names.begin(), names.end(), type.name) == names.end()) continue;
+    if (type.fits(value)) return std::nullopt;
+    expected.emplace_back(type.expected);
+  }
+  if (expected.empty()) return std::nullopt;
+  return "expected " + joined(expected, " or ") + ", found " + found(value);
+}
+
+std::optional<std::string> wrong_length(const json& schema, const json& value) {
+  if (!value.is_array()) return std::nullopt;
+  const auto says = [&](const char* limit, const char* what) {
+    return "there are " + std::to_string(value.size()) + " in this list; " + what + " " +
+           schema[limit].dump();
   };
-  if (type == "object" && !value.is_object()) return expected("an object");
-  if (type == "string" && !value.is_string()) return expected("a text");
-  if (type == "boolean" && !value.is_boolean()) return expected("true or false");
-  if (type == "number" && !value.is_number()) return expected("a number");
-  // A whole number too large for an integer is out of range, not of the wrong type.
-  if (type == "integer" && !is_whole(value)) return expected("a whole number");
+  if (schema.contains("minItems") && value.size() < schema["minItems"].get<std::size_t>())
+    return says("minItems", "it must have at least");
+  if (schema.contains("maxItems") && value.size() > schema["maxItems"].get<std::size_t>())
+    return says("maxItems", "the limit is");
   return std::nullopt;
 }
 
@@ -210,8 +238,9 @@ void explain(const json& schema, const json& value, const std::string& pointer, 
     document.add_violation(pointer, *sentence);
     return;
   }
-  for (const auto& sentence : {not_listed(schema, value), wrong_number(schema, value, pointer),
-                               wrong_text(schema, value), wrong_choice(schema, value)}) {
+  for (const auto& sentence :
+       {not_listed(schema, value), wrong_number(schema, value, pointer), wrong_text(schema, value),
+        wrong_length(schema, value), wrong_choice(schema, value)}) {
     if (sentence) document.add_violation(pointer, *sentence);
   }
   if (value.is_object()) explain_keys(schema, value, pointer, document);

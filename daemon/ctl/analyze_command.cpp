@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <limits>
@@ -8,6 +9,7 @@
 
 #include "core/contour_engine.hpp"
 #include "core/print_analysis.hpp"
+#include "core/print_layers.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/analyze_page.hpp"
 #include "daemon/ctl/commands.hpp"
@@ -49,7 +51,7 @@ Subject subject_alone(const AnalyzeOptions& options) {
     throw UsageError(fmt::format("a model {:.6g} mm high has more layers of that height than can be counted",
                                  bounds.size_z()));
   }
-  subject.model.layers = *layers;
+  subject.model.layers = PrintLayers(*layers).all();
   subject.model.display = options.display;
   subject.model.size_x_mm = bounds.size_x();
   subject.model.size_y_mm = bounds.size_y();
@@ -83,15 +85,15 @@ Subject subject_of_printer(const AnalyzeOptions& options) {
   const auto move = [&printer](Nanometers distance, MillimetersPerSecond speed) {
     return MotionProfile(distance, speed, printer.simulated.axis.acceleration).duration();
   };
-  for (std::int32_t layer = 0; layer < plan.layers.count; ++layer)
-    subject.layer_durations.push_back(layer_duration(plan, layer, move));
+  for (std::size_t layer = 0; layer < plan.expected_layers.size(); ++layer)
+    subject.layer_durations.push_back(layer_duration(plan, static_cast<std::int32_t>(layer), move));
   subject.engine = std::move(job.analysis_engine);
   subject.model.warnings = std::move(job.summary.warnings);
-  subject.model.layers = plan.layers;
+  subject.model.layers = plan.expected_layers;
   subject.model.display = job.display;
-  subject.model.size_x_mm = job.summary.size_x_mm;
-  subject.model.size_y_mm = job.summary.size_y_mm;
-  subject.model.size_z_mm = job.summary.size_z_mm;
+  subject.model.size_x_mm = job.summary.models.front().size_x_mm;
+  subject.model.size_y_mm = job.summary.models.front().size_y_mm;
+  subject.model.size_z_mm = job.summary.models.front().size_z_mm;
   return subject;
 }
 
@@ -143,17 +145,18 @@ AnalyzedModel analyze(Subject subject, bool with_contours) {
   AnalyzedModel model = std::move(subject.model);
   for (const PlateModel& each : subject.engine->models())
     model.facets += each.model->facets().size();
+  model.layer_middles = middles_of(model.layers);
   model.findings = analyze_print(*subject.engine, model.display, model.layers, [&](std::int32_t layer) {
                      const std::vector<Duration>& known = subject.layer_durations;
                      return known.empty() ? Duration{0} : known[static_cast<std::size_t>(layer)];
                    }).value();
   Stopwatch stopwatch(*subject.engine);
-  for (std::int32_t layer = 0; layer < model.layers.count; ++layer)
-    model.measurements.push_back(stopwatch.measure(model.layers.middle_of(layer)));
+  for (const Nanometers middle : model.layer_middles)
+    model.measurements.push_back(stopwatch.measure(middle));
   model.statistics = statistics_of(model.measurements);
   if (with_contours) {
-    model.contours =
-        stack_contours(*subject.engine, model.display, model.layers, kMostPictureLayers, kMostPicturePoints);
+    model.contours = stack_contours(*subject.engine, model.display, model.layer_middles, kMostPictureLayers,
+                                    kMostPicturePoints);
   }
   return model;
 }
@@ -162,8 +165,7 @@ void print_findings(const AnalyzedModel& m) {
   const PrintFindings& found = m.findings;
   fmt::print("facets        {}\nsize          {:.6g} x {:.6g} x {:.6g} mm\n", m.facets, m.size_x_mm,
              m.size_y_mm, m.size_z_mm);
-  fmt::print("layers        {} of {:g} um\n", m.layers.count,
-             to_millimeters(m.layers.thickness).count() * 1000);
+  fmt::print("layers        {}\n", layers_text(m.layers));
   if (found.layer_time > Duration{0}) fmt::print("layer time    {}\n", readable(found.layer_time));
   fmt::print("resin         {:.3f} ml\n", found.resin_ml());
   fmt::print("largest area  {:.2f} mm2, layer {}\n", found.largest_area_mm2, found.largest_area_layer + 1);
@@ -181,7 +183,9 @@ void print_findings(const AnalyzedModel& m) {
 
 void print_json(const AnalyzedModel& m) {
   Json json{{"facets", m.facets}, {"size_mm", {m.size_x_mm, m.size_y_mm, m.size_z_mm}}};
-  json["layer_height_um"] = to_millimeters(m.layers.thickness).count() * 1000;
+  const auto [thinnest, thickest] = std::minmax_element(m.layers.begin(), m.layers.end());
+  json["layer_height_um"] = m.layers.empty() ? 0.0 : to_millimeters(*thinnest).count() * 1000;
+  json["layer_height_max_um"] = m.layers.empty() ? 0.0 : to_millimeters(*thickest).count() * 1000;
   json.update(findings_json(m.findings));
   if (m.findings.layer_time == Duration{0}) json["layer_time_s"] = nullptr;
   json["model_warnings"] = m.warnings;

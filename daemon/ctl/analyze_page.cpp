@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "daemon/ctl/analyze_page_text.hpp"
+#include "daemon/ctl/statistics_text.hpp"
 #include "daemon/html_page.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
@@ -42,8 +43,7 @@ std::string facts(const AnalyzedModel& m) {
   std::string rows;
   rows += row("Model", fmt::format("{} facets, {:.2f} x {:.2f} x {:.2f} mm", m.facets, m.size_x_mm,
                                    m.size_y_mm, m.size_z_mm));
-  rows += row("Layers", fmt::format("{} of {:g} um", m.layers.count,
-                                    to_millimeters(m.layers.thickness).count() * 1000));
+  rows += row("Layers", layers_text(m.layers));
   if (found.layer_time > Duration{0}) rows += row("Time of the layers", readable(found.layer_time));
   rows += row("Resin", fmt::format("{:.2f} ml", found.resin_ml()));
   rows += row("Largest area",
@@ -84,7 +84,8 @@ std::string island_table(const AnalyzedModel& m) {
     table += fmt::format(
         "<tr "
         "data-island=\"{}\"><td>{}</td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.4g}</td></tr>\n",
-        i, islands[i].layer + 1, to_millimeters(m.layers.middle_of(islands[i].layer)).count(),
+        i, islands[i].layer + 1,
+        to_millimeters(m.layer_middles[static_cast<std::size_t>(islands[i].layer)]).count(),
         islands[i].plate_mm.x, islands[i].plate_mm.y, islands[i].area_mm2);
   }
   return table + "</table>\n";
@@ -152,11 +153,12 @@ Json picture_data(const AnalyzedModel& m) {
   const ContourStack& stack = m.contours;
   std::vector<double> heights;
   for (const std::int32_t layer : stack.layers)
-    heights.push_back(to_millimeters(m.layers.middle_of(layer)).count());
+    heights.push_back(to_millimeters(m.layer_middles[static_cast<std::size_t>(layer)]).count());
   Json islands = Json::array();
   for (const Island& island : islands_by_size(m)) {
     islands.push_back({island.layer + 1, island.plate_mm.x, island.plate_mm.y,
-                       to_millimeters(m.layers.middle_of(island.layer)).count(), island.area_mm2});
+                       to_millimeters(m.layer_middles[static_cast<std::size_t>(island.layer)]).count(),
+                       island.area_mm2});
   }
   return {{"layers", stack.layers},   {"heights_mm", heights},
           {"top_mm", m.size_z_mm},    {"min_mm", {stack.min_x_mm, stack.min_y_mm}},

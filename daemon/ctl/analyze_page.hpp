@@ -17,8 +17,9 @@ struct AnalyzedModel {
   std::size_t facets = 0;
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as printed
   DisplayGeometry display;
-  LayerStack layers;
-  std::vector<std::string> warnings;  // about the file and its mesh
+  std::vector<Nanometers> layers;         // their thicknesses, from the plate up
+  std::vector<Nanometers> layer_middles;  // where they are cut
+  std::vector<std::string> warnings;      // about the file and its mesh
   PrintFindings findings;
   std::vector<LayerMeasurement> measurements;  // by layer; z above the plate
   LayerStatistics statistics;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "core/adaptive_layers.hpp"
 #include "core/pixel_map.hpp"
 #include "core/rasterizer.hpp"
 #include "core/stl_reader.hpp"
@@ -31,18 +32,20 @@ int inspect(const InspectOptions& options);
 struct SliceOptions {
   std::filesystem::path model;
   bool json = false;
-  // Exactly one of the two is given: one height (the file's coordinates), or layers.
+  // Exactly one of the three is given: one height (the file's coordinates), layers of one height, or adaptive
+  // ones.
   std::optional<Millimeters> z;
   std::optional<Nanometers> layer_height;
+  std::optional<AdaptiveLayers> adaptive;
 
   DisplayGeometry display;
   bool fit = false;
   AntiAliasing anti_aliasing = AntiAliasing::On;
 
   std::optional<std::filesystem::path> mask;      // one PNG, with z
-  std::optional<std::filesystem::path> masks;     // a folder of PNGs, with layer_height
-  std::optional<std::filesystem::path> csv;       // with layer_height
-  std::optional<std::filesystem::path> contours;  // a folder of CSVs, with layer_height
+  std::optional<std::filesystem::path> masks;     // a folder of PNGs, with layers
+  std::optional<std::filesystem::path> csv;       // with layers
+  std::optional<std::filesystem::path> contours;  // a folder of CSVs, with layers
 };
 int slice(const SliceOptions& options);
 

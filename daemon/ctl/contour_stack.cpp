@@ -133,14 +133,16 @@ std::vector<Point> simplified(std::span<const Point> polygon, double tolerance) 
 }
 
 ContourStack stack_contours(const ContourEngine& engine, const DisplayGeometry& display,
-                            const LayerStack& layers, std::int32_t most_layers, std::size_t most_points) {
-  std::int32_t step = std::max(1, (layers.count + most_layers - 1) / most_layers);
+                            std::span<const Nanometers> middles, std::int32_t most_layers,
+                            std::size_t most_points) {
+  const auto count = static_cast<std::int32_t>(middles.size());
+  std::int32_t step = std::max(1, (count + most_layers - 1) / most_layers);
   while (true) {
     Stacker stacker(engine, display);
-    for (std::int32_t layer = 0; layer < layers.count && stacker.points() <= most_points; layer += step)
-      stacker.add_layer(layer, layers.middle_of(layer));
+    for (std::int32_t layer = 0; layer < count && stacker.points() <= most_points; layer += step)
+      stacker.add_layer(layer, middles[static_cast<std::size_t>(layer)]);
     // Too many: every other one of them. A single layer is as coarse as it gets.
-    if (stacker.points() <= most_points || step >= layers.count) return stacker.take();
+    if (stacker.points() <= most_points || step >= count) return stacker.take();
     step *= 2;
   }
 }

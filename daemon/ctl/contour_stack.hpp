@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/contour_engine.hpp"
-#include "core/layers.hpp"
 
 namespace contourd::ctl {
 
@@ -20,9 +19,9 @@ struct ContourStack {
   double size_mm = 0;  // along x and y alike
 };
 
-// At most `most_points` points, in at most `most_layers` layers.
+// Of the layers that are cut at these heights: at most `most_points` points, in at most `most_layers` layers.
 [[nodiscard]] ContourStack stack_contours(const ContourEngine& engine, const DisplayGeometry& display,
-                                          const LayerStack& layers, std::int32_t most_layers,
+                                          std::span<const Nanometers> middles, std::int32_t most_layers,
                                           std::size_t most_points);
 
 // The points without those within `tolerance` of the line between the neighbours that are kept (Douglas and

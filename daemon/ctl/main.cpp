@@ -29,7 +29,8 @@ struct DisplayWords {
 };
 
 struct SliceWords {
-  std::optional<double> z_mm, layer_height_um;
+  std::optional<double> z_mm, layer_height_um, cusp_um;
+  double min_layer_um = 25, max_layer_um = 100;
   DisplayWords display;
   std::string anti_aliasing = "on";
   std::string mask, masks, csv, contours;
@@ -69,11 +70,22 @@ AntiAliasing parse_anti_aliasing(const std::string& word) {
   return word == "on" ? AntiAliasing::On : AntiAliasing::Off;
 }
 
-Nanometers parse_layer_height(double um) {
-  const auto height = to_nanometers(to_millimeters(Micrometers{um}));
-  if (!height || *height < Nanometers{1000})
-    throw UsageError(fmt::format("--layer-height-um {}: expected 1 or more", um));
-  return *height;
+Nanometers parse_um(const char* option, double um, double least) {
+  const auto length = to_nanometers(to_millimeters(Micrometers{um}));
+  if (!length || !(um >= least))
+    throw UsageError(fmt::format("{} {}: expected {} or more", option, um, least));
+  return *length;
+}
+
+AdaptiveLayers parse_adaptive(const SliceWords& words) {
+  const AdaptiveLayers layers{parse_um("--min-layer-um", words.min_layer_um, 1),
+                              parse_um("--max-layer-um", words.max_layer_um, 1),
+                              parse_um("--cusp-um", *words.cusp_um, 0.1)};
+  if (layers.thinnest > layers.thickest) {
+    throw UsageError(fmt::format("--min-layer-um {} is more than --max-layer-um {}", words.min_layer_um,
+                                 words.max_layer_um));
+  }
+  return layers;
 }
 
 SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
@@ -83,26 +95,28 @@ SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
   set_if_given(options.masks, words.masks);
   set_if_given(options.csv, words.csv);
   set_if_given(options.contours, words.contours);
-  if (words.z_mm.has_value() == words.layer_height_um.has_value())
-    throw UsageError("slice needs either --z or --layer-height-um");
+  if (int{words.z_mm.has_value()} + int{words.layer_height_um.has_value()} + int{words.cusp_um.has_value()} !=
+      1)
+    throw UsageError("slice needs either --z or --layer-height-um or --cusp-um");
   if (words.z_mm) {
     if (!std::isfinite(*words.z_mm))
       throw UsageError(fmt::format("--z {}: expected a finite number", *words.z_mm));
     options.z = Millimeters{*words.z_mm};
     if (options.masks || options.csv || options.contours) {
-      throw UsageError("--masks, --csv and --contours go with --layer-height-um");
+      throw UsageError("--masks, --csv and --contours go with --layer-height-um or --cusp-um");
     }
-  } else {
-    options.layer_height = parse_layer_height(*words.layer_height_um);
-    if (options.mask) throw UsageError("--mask goes with --z");
+    return options;
   }
+  if (options.mask) throw UsageError("--mask goes with --z");
+  if (words.layer_height_um) options.layer_height = parse_um("--layer-height-um", *words.layer_height_um, 1);
+  if (words.cusp_um) options.adaptive = parse_adaptive(words);
   return options;
 }
 
 AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeWords& words) {
   options.display = parse_display(words.display);
   options.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
-  options.layer_height = parse_layer_height(words.layer_height_um);
+  options.layer_height = parse_um("--layer-height-um", words.layer_height_um, 1);
   set_if_given(options.html, words.html);
   set_if_given(options.printer, words.printer);
   set_if_given(options.ticket, words.ticket);
@@ -163,6 +177,9 @@ class CommandLine {
     };
     add("--z", words_.z_mm, "Height of the cut, mm, in the file's coordinates");
     add("--layer-height-um", words_.layer_height_um, "Layer height, um");
+    add("--cusp-um", words_.cusp_um, "Adaptive layers: how far a layer's edge may stand off the surface, um");
+    add("--min-layer-um", words_.min_layer_um, "Thinnest adaptive layer, um");
+    add("--max-layer-um", words_.max_layer_um, "Thickest adaptive layer, um");
     add("--mask", words_.mask, "Write the mask at --z to this PNG file");
     add("--masks", words_.masks, "Write one PNG file a layer to this folder: 0001.png ...");
     add("--csv", words_.csv, "Write each layer's measurements to this file, and FILE-summary.csv");

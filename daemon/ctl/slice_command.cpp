@@ -1,13 +1,14 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "core/contour_engine.hpp"
 #include "core/filled_area.hpp"
 #include "core/layer_statistics.hpp"
-#include "core/layers.hpp"
+#include "core/print_layers.hpp"
 #include "core/stl_reader.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
@@ -30,9 +31,9 @@ PixelMap map_for(const SliceOptions& options, const Bounds& bounds) {
                      : PixelMap::true_scale(options.display, bounds.center());
 }
 
-ContourEngine engine_for(HeightIndex model, const SliceOptions& options) {
-  const PixelMap map = map_for(options, model.bounds());
-  return ContourEngine(std::move(model), options.display, options.anti_aliasing, {map});
+ContourEngine engine_for(std::shared_ptr<const HeightIndex> model, const SliceOptions& options) {
+  const PixelMap map = map_for(options, model->bounds());
+  return ContourEngine({PlateModel{std::move(model), {map}}}, options.display, options.anti_aliasing);
 }
 
 void write_mask(const std::filesystem::path& path, const Mask& mask) {
@@ -61,17 +62,17 @@ void warn_if_larger_than_display(const SliceOptions& options, const Bounds& boun
       bounds.size_x(), bounds.size_y(), width, height);
 }
 
-int slice_at_height(const SliceOptions& options, HeightIndex model) {
+int slice_at_height(const SliceOptions& options, const std::shared_ptr<const HeightIndex>& model) {
   const double z = options.z->count();
   Section section;
-  slice_at(model, z, section);
+  slice_at(*model, z, section);
   Contours contours;
   ContourLinker().link(section.segments, to_millimeters(options.display.pixel_pitch), contours);
   const double area = filled_area_mm2(contours);
   const double perimeter = perimeter_mm(contours);
   if (options.mask) {
-    warn_if_larger_than_display(options, model.bounds());
-    write_mask(*options.mask, engine_for(std::move(model), options).mask_at_z(*options.z));
+    warn_if_larger_than_display(options, model->bounds());
+    write_mask(*options.mask, engine_for(model, options).mask_at_z(*options.z));
   }
   if (options.json) {
     const Json json{{"z_mm", z},
@@ -94,18 +95,40 @@ int slice_at_height(const SliceOptions& options, HeightIndex model) {
   return kOk;
 }
 
+// Where each layer is cut, above the model's lowest point: at its middle.
+std::vector<Nanometers> layer_middles(const SliceOptions& options,
+                                      const std::shared_ptr<const HeightIndex>& model) {
+  const Millimeters height{model->bounds().size_z()};
+  PrintLayers layers;
+  if (options.adaptive) {
+    layers = PrintLayers({model}, *options.adaptive);
+  } else if (const auto stack = layers_for(height, *options.layer_height)) {
+    layers = PrintLayers(*stack);
+  } else {
+    throw UsageError(fmt::format("a model {:.6g} mm high has more layers of that height than can be counted",
+                                 height.count()));
+  }
+  std::vector<Nanometers> middles;
+  Nanometers bottom{};
+  while (const std::optional<Nanometers> thickness = layers.thickness_at(bottom)) {
+    middles.push_back(bottom + *thickness / 2);
+    bottom += *thickness;
+  }
+  return middles;
+}
+
 // The thesis's loop of section 3.5: slice, then join, each timed.
 std::vector<LayerMeasurement> measure_layers(const SliceOptions& options, const HeightIndex& model,
-                                             const LayerStack& layers) {
+                                             std::span<const Nanometers> layers) {
   const PixelMap map = map_for(options, model.bounds());
   const Millimeters tolerance = to_millimeters(options.display.pixel_pitch);
   Section section;
   ContourLinker linker;
   Contours contours;
   std::vector<LayerMeasurement> measurements;
-  measurements.reserve(static_cast<std::size_t>(layers.count));
-  for (std::int32_t layer = 0; layer < layers.count; ++layer) {
-    const double z = model.bounds().min_z + to_millimeters(layers.middle_of(layer)).count();
+  measurements.reserve(layers.size());
+  for (const Nanometers middle : layers) {
+    const double z = model.bounds().min_z + to_millimeters(middle).count();
     const auto start = SteadyClock::now();
     slice_at(model, z, section);
     const auto sliced = SteadyClock::now();
@@ -114,13 +137,13 @@ std::vector<LayerMeasurement> measure_layers(const SliceOptions& options, const 
     measurements.push_back({Millimeters{z}, ms_between(start, sliced), ms_between(sliced, joined),
                             section.intersecting_facets, static_cast<std::uint32_t>(contours.loops.size())});
     if (options.contours) {
-      write_contours(*options.contours / fmt::format("{:04}.csv", layer + 1), contours, map);
+      write_contours(*options.contours / fmt::format("{:04}.csv", measurements.size()), contours, map);
     }
   }
   return measurements;
 }
 
-void report_measurements(const SliceOptions& options, std::size_t facets, const LayerStack& layers,
+void report_measurements(const SliceOptions& options, std::size_t facets,
                          const std::vector<LayerMeasurement>& measurements) {
   const LayerStatistics statistics = statistics_of(measurements);
   if (options.csv) {
@@ -130,36 +153,28 @@ void report_measurements(const SliceOptions& options, std::size_t facets, const 
     write_statistics(summary, statistics);
   }
   if (!options.json) {
-    fmt::print("facets {}, layers {}\n\n", facets, layers.count);
+    fmt::print("facets {}, layers {}\n\n", facets, measurements.size());
     return print_statistics(statistics);
   }
-  Json json{{"facets", facets}, {"layers", layers.count}};
+  Json json{{"facets", facets}, {"layers", measurements.size()}};
   json.update(statistics_json(statistics));
   fmt::print("{}\n", json.dump(2));
 }
 
-int slice_layers(const SliceOptions& options, HeightIndex model) {
-  const Millimeters height{model.bounds().size_z()};
-  const std::optional<LayerStack> layers = layers_for(height, *options.layer_height);
-  if (!layers) {
-    throw UsageError(fmt::format("a model {:.6g} mm high has more layers of that height than can be counted",
-                                 height.count()));
-  }
+int slice_layers(const SliceOptions& options, const std::shared_ptr<const HeightIndex>& model) {
+  const std::vector<Nanometers> layers = layer_middles(options, model);
   for (const auto& folder : {options.masks, options.contours}) {
     if (folder) make_folder(*folder);
   }
-  const std::size_t facets = model.facets().size();
   // Masks alone ask for no measurement; anything else is measured.
   if (options.csv || options.contours || !options.masks) {
-    report_measurements(options, facets, *layers, measure_layers(options, model, *layers));
+    report_measurements(options, model->facets().size(), measure_layers(options, *model, layers));
   }
   if (options.masks) {
-    warn_if_larger_than_display(options, model.bounds());
-    ContourEngine engine = engine_for(std::move(model), options);
-    for (std::int32_t layer = 0; layer < layers->count; ++layer) {
-      write_mask(*options.masks / fmt::format("{:04}.png", layer + 1),
-                 engine.mask_at(layers->middle_of(layer)));
-    }
+    warn_if_larger_than_display(options, model->bounds());
+    ContourEngine engine = engine_for(model, options);
+    for (std::size_t i = 0; i < layers.size(); ++i)
+      write_mask(*options.masks / fmt::format("{:04}.png", i + 1), engine.mask_at(layers[i]));
   }
   return kOk;
 }
@@ -167,8 +182,8 @@ int slice_layers(const SliceOptions& options, HeightIndex model) {
 }  // namespace
 
 int slice(const SliceOptions& options) {
-  HeightIndex model(read_model(options.model).facets);
-  return options.z ? slice_at_height(options, std::move(model)) : slice_layers(options, std::move(model));
+  const auto model = std::make_shared<const HeightIndex>(read_model(options.model).facets);
+  return options.z ? slice_at_height(options, model) : slice_layers(options, model);
 }
 
 }  // namespace contourd::ctl

@@ -1,5 +1,7 @@
 #include "daemon/ctl/statistics_text.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace contourd::ctl {
@@ -31,6 +33,15 @@ Json statistics_json(const LayerStatistics& statistics) {
           {"loop_count", both(statistics.loop_count)},
           {"correlation_contour_time_loop_count", statistics.contour_time_vs_loop_count},
           {"correlation_contour_time_intersecting_facets", statistics.contour_time_vs_intersecting_facets}};
+}
+
+std::string layers_text(std::span<const Nanometers> thicknesses) {
+  if (thicknesses.empty()) return "0";
+  const auto [thinnest, thickest] = std::minmax_element(thicknesses.begin(), thicknesses.end());
+  const auto um = [](Nanometers thickness) { return to_millimeters(thickness).count() * 1000; };
+  return *thinnest == *thickest
+             ? fmt::format("{} of {:g} um", thicknesses.size(), um(*thinnest))
+             : fmt::format("{} of {:g} to {:g} um", thicknesses.size(), um(*thinnest), um(*thickest));
 }
 
 }  // namespace contourd::ctl

@@ -1,5 +1,9 @@
-// The thesis's statistics of a sliced model (tables 4.1 to 4.6), printed for a person or as JSON.
+// The thesis's statistics of a sliced model (tables 4.1 to 4.6), printed for a person or as JSON, and its
+// layers in words.
 #pragma once
+
+#include <span>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -9,5 +13,8 @@ namespace contourd::ctl {
 
 void print_statistics(const LayerStatistics& statistics);
 [[nodiscard]] nlohmann::ordered_json statistics_json(const LayerStatistics& statistics);
+
+// Such as "400 of 50 um", "372 of 25 to 100 um".
+[[nodiscard]] std::string layers_text(std::span<const Nanometers> thicknesses);
 
 }  // namespace contourd::ctl

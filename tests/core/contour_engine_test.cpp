@@ -279,3 +279,88 @@ TEST_CASE("An engine knows its model") {
   CHECK(engine.model().facets().size() == 24);
   CHECK(engine.model().bounds().max_z == 10);
 }
+
+namespace {
+
+std::shared_ptr<const HeightIndex> shared_index(models::Facets facets) {
+  return std::make_shared<const HeightIndex>(std::move(facets));
+}
+
+// A slab with a post, and beside it a ball that floats far above 0 in its own coordinates.
+std::vector<PlateModel> slab_and_ball() {
+  models::Facets floating = models::sphere(3, 16);
+  models::translate(floating, 100, 100, 75);
+  return {{shared_index(slab_and_post()), {PixelMap::true_scale(kDisplay, {12, 10})}},
+          {shared_index(floating),
+           {PixelMap::true_scale(kDisplay, {91, 100}), PixelMap::true_scale(kDisplay, {100, 93})}}};
+}
+
+}  // namespace
+
+TEST_CASE("Several models all stand on the plate and their masks unite") {
+  const std::vector<PlateModel> models = slab_and_ball();
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    ContourEngine both(models, kDisplay, mode);
+    ContourEngine slab({models[0]}, kDisplay, mode), balls({models[1]}, kDisplay, mode);
+    bool overlap_seen = false, second_seen = false;
+    for (std::int64_t um = 0; um < 11'000; um += 250) {
+      const Nanometers height{um * 1000};
+      const Mask& mask = both.mask_at(height);
+      const Mask& first = slab.mask_at(height);
+      const Mask& second = balls.mask_at(height);
+      second_seen = second_seen || second.lit_pixels() > 0;
+      CHECK((second.lit_pixels() > 0) == (um > 0 && um < 6'000));
+      for (std::size_t i = 0; i < mask.pixels().size(); ++i) {
+        const int a = first.pixels()[i], b = second.pixels()[i], united = mask.pixels()[i];
+        overlap_seen = overlap_seen || (a > 0 && b > 0);
+        // Where both cover a part of the pixel, the parts add up to at most the whole.
+        const bool right = a == 0 || b == 0 ? united == a + b : united >= std::max(a, b);
+        if (!right) FAIL("pixel " << i << " at " << um << " um: " << a << ", " << b << ": " << united);
+      }
+    }
+    CHECK(overlap_seen);
+    CHECK(second_seen);
+  }
+}
+
+TEST_CASE("The contours of several models follow each other, each in its own coordinates") {
+  ContourEngine engine(slab_and_ball(), kDisplay, AntiAliasing::On);
+  CHECK(engine.models().size() == 2);
+  const Contours& both = engine.contours_at(Nanometers{3'000'000});
+  REQUIRE(both.loops.size() == 2);
+  CHECK(both.closed_loops() == 2);
+  for (const Point& point : both.points_of(both.loops[0]))
+    CHECK((point.x <= 20 && point.y <= 20));
+  for (const Point& point : both.points_of(both.loops[1]))
+    CHECK((point.x >= 97 && point.y >= 97));
+  const std::uint32_t facets = engine.intersecting_facets();
+  ContourEngine slab({slab_and_ball()[0]}, kDisplay, AntiAliasing::On);
+  (void)slab.contours_at(Nanometers{3'000'000});
+  CHECK(slab.intersecting_facets() == 8);
+  CHECK(facets > 8);
+  CHECK(engine.contours_at(Nanometers{6'500'000}).loops.size() == 1);
+}
+
+TEST_CASE("The gaps of several models are counted together") {
+  models::Facets cracked = slab_and_post();
+  cracked.erase(cracked.begin() + 5);
+  const auto model = shared_index(cracked);
+  const PixelMap map = PixelMap::true_scale(kDisplay, {10, 10});
+  const auto chains_at = [&](const std::vector<PlateModel>& models) {
+    std::vector<std::uint32_t> chains;
+    ContourEngine engine(models, kDisplay, AntiAliasing::On);
+    for (std::int64_t um = 500; um < 10'000; um += 500)
+      chains.push_back(engine.contours_at(Nanometers{um * 1000}).open_chains);
+    return chains;
+  };
+  const auto one = chains_at({{model, {map}}}), two = chains_at({{model, {map}}, {model, {map}}});
+  CHECK(std::ranges::max(one) > 0);
+  for (std::size_t i = 0; i < one.size(); ++i)
+    CHECK(two[i] == 2 * one[i]);
+}
+
+TEST_CASE("A plate without models is dark") {
+  ContourEngine engine({}, kDisplay, AntiAliasing::On);
+  CHECK(engine.mask_at(Nanometers{0}).lit_pixels() == 0);
+  CHECK(engine.contours_at(Nanometers{0}).loops.empty());
+}

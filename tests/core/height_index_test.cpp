@@ -181,3 +181,48 @@ TEST_CASE("A query touches few facets that it does not cross") {
   CHECK(static_cast<double>(touched) < 4.0 * static_cast<double>(crossed));
   CHECK(crossed > 1000);
 }
+
+TEST_CASE("A range of heights finds every facet with a point in it, flat ones included") {
+  CHECK(rc::check([] {
+    models::Facets facets = testing::draw_blobs(6);
+    const auto box = models::box({0, 0, 0}, {3, 3, static_cast<float>(testing::draw_real(0.1, 9))});
+    facets.insert(facets.end(), box.begin(), box.end());
+    const HeightIndex index(facets);
+    const double height = index.bounds().size_z();
+    for (int i = 0; i < 20; ++i) {
+      // At a vertex' own height now and then, and beyond the model's ends.
+      const auto chosen =
+          static_cast<std::size_t>(testing::draw(0, static_cast<std::int64_t>(facets.size()) - 1));
+      const double low = testing::draw(0, 1) == 1
+                             ? double{facets[chosen].vertices[0].z}
+                             : index.bounds().min_z + testing::draw_real(-0.2, 1.2) * height;
+      const double high = low + (testing::draw(0, 3) == 0 ? 0.0 : testing::draw_real(0, 0.3) * height);
+      std::size_t expected = 0, found = 0;
+      const auto in_range = [&](const Facet& f) {
+        const auto [a, b, c] = f.vertices;
+        return std::max({a.z, b.z, c.z}) >= low && std::min({a.z, b.z, c.z}) <= high;
+      };
+      for (const Facet& facet : facets)
+        expected += in_range(facet) ? 1U : 0U;
+      index.for_each_candidate_run(low, high, [&](std::span<const HeightIndex::Candidate> run) {
+        for (const HeightIndex::Candidate& candidate : run)
+          found += in_range(index.facets()[candidate.facet]) ? 1U : 0U;
+      });
+      RC_ASSERT(found == expected);
+    }
+  }));
+}
+
+TEST_CASE("A range of heights finds a model without height, and nothing in one without facets") {
+  const HeightIndex flat(models::box({0, 0, 2}, {1, 1, 2}));
+  const auto found = [](const HeightIndex& index, double low, double high) {
+    std::size_t facets = 0;
+    index.for_each_candidate_run(low, high,
+                                 [&](std::span<const HeightIndex::Candidate> run) { facets += run.size(); });
+    return facets;
+  };
+  CHECK(found(flat, 1, 3) == 12);
+  CHECK(found(flat, 2, 2) == 12);
+  CHECK(found(flat, 2.1, 3) == 0);
+  CHECK(found(HeightIndex(), -1, 1) == 0);
+}

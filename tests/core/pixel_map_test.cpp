@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/contour_engine.hpp"
+#include "core/placement.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/random_shapes.hpp"
 #include "tests/models/models.hpp"
@@ -156,5 +157,43 @@ TEST_CASE("A cube of 20 mm is 400 by 400 lit pixels of 50 um wherever it stands 
         RC_ASSERT(std::ranges::all_of(lit, [](std::uint8_t grey) { return grey == 255; }));
       }
     }));
+  }
+}
+
+TEST_CASE("Factors in X and Y change a cube's pixels to the pixel, wherever it stands on the pixel grid") {
+  struct Factors {
+    double x, y;
+    int columns, rows;  // of a cube of 400 by 400
+  };
+  // The last is what makes good a shrinkage of 20 % and 1.2 % that takes 500 pixels to 400 and 405 to 400.
+  for (const Factors& f :
+       {Factors{1.25, 0.75, 500, 300}, Factors{0.5, 1, 200, 400}, Factors{1 / 0.8, 1.0125, 500, 405}}) {
+    for (const AntiAliasing anti_aliasing : {AntiAliasing::On, AntiAliasing::Off}) {
+      CHECK(rc::check([&] {
+        // Anywhere in the model's own coordinates; quarters of a millimetre are exact in a float.
+        models::Facets facets = models::box({0, 0, 0}, {20, 20, 20});
+        models::translate(facets, static_cast<float>(draw(-400, 400)) / 4,
+                          static_cast<float>(draw(-400, 400)) / 4, 0);
+        orient(facets, {0, 0, 0, {f.x, f.y, 1}});
+        const HeightIndex cube(facets);
+        DisplayGeometry geometry = display(640, 500);
+        geometry.mirror_x = draw(0, 1) == 1;
+        geometry.mirror_y = draw(0, 1) == 1;
+        const auto column = static_cast<int>(draw(0, 640 - f.columns));
+        const auto row = static_cast<int>(draw(0, 500 - f.rows));
+        const int from_left = geometry.mirror_x ? 640 - f.columns - column : column;
+        const int from_top = geometry.mirror_y ? 500 - f.rows - row : row;
+        const Point center{cube.bounds().min_x + (320 - from_left) * 0.05,
+                           cube.bounds().max_y - (250 - from_top) * 0.05};
+        ContourEngine engine(cube, geometry, anti_aliasing, {PixelMap::true_scale(geometry, center)});
+        const Mask& mask = engine.mask_at(Nanometers{draw(0, 19'999'999)});
+        RC_ASSERT(mask.lit_pixels() == std::int64_t{f.columns} * f.rows);
+        for (int y = row; y < row + f.rows; ++y) {
+          const auto lit =
+              mask.row(y).subspan(static_cast<std::size_t>(column), static_cast<std::size_t>(f.columns));
+          RC_ASSERT(std::ranges::all_of(lit, [](std::uint8_t grey) { return grey == 255; }));
+        }
+      }));
+    }
   }
 }

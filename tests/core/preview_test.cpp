@@ -46,7 +46,7 @@ TEST_CASE("A preview has the size that was asked for") {
 }
 
 TEST_CASE("A preview of nothing is black") {
-  CHECK(render_preview({}, kAll, Pixels{20}, Pixels{20}).lit_pixels() == 0);
+  CHECK(render_preview(models::Facets{}, kAll, Pixels{20}, Pixels{20}).lit_pixels() == 0);
   const Vertex point{5, 5, 5};
   CHECK(render_preview(models::Facets{{{point, point, point}}}, kAll, Pixels{20}, Pixels{20}).lit_pixels() ==
         0);
@@ -132,4 +132,18 @@ TEST_CASE("A turned facet is as bright as a sound one") {
   const Mask sound = render_preview(facets, kAll, Pixels{100}, Pixels{100});
   models::invert(facets);
   CHECK(render_preview(facets, kAll, Pixels{100}, Pixels{100}) == sound);
+}
+
+TEST_CASE("A preview of moved parts is that of the model they make together") {
+  const models::Facets cube = models::box({10, 10, 10}, {12, 12, 12}),
+                       post = models::box({-7, 0, -3}, {-6, 1, 1});
+  const PreviewPart parts[]{{cube, -11, -11, -10}, {post, 10.5, 1.5, 3}, {cube, -7, -11, -10}};
+  models::Facets together = models::box({-1, -1, 0}, {1, 1, 2});
+  for (const auto& more : {models::box({3.5F, 1.5F, 0}, {4.5F, 2.5F, 4}), models::box({3, -1, 0}, {5, 1, 2})})
+    together.insert(together.end(), more.begin(), more.end());
+  for (const double top : {0.0, 1.5, 4.0}) {
+    const Mask expected = render_preview(together, Millimeters{top}, Pixels{120}, Pixels{90});
+    CHECK(render_preview(parts, Millimeters{top}, Pixels{120}, Pixels{90}) == expected);
+    CHECK((expected.lit_pixels() > 0) == true);
+  }
 }

@@ -1,4 +1,5 @@
 #include "core/print_analysis.hpp"
+#include "core/print_layers.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -28,7 +29,7 @@ PrintFindings analyze(const models::Facets& facets, Nanometers thickness = kLaye
                       const DisplayGeometry& display = kDisplay) {
   const LayerStack layers = layers_for(Millimeters{bounds_of(facets).size_z()}, thickness).value();
   ContourEngine engine = engine_for(facets, display);
-  return analyze_print(engine, display, layers, [](std::int32_t) { return 0s; }).value();
+  return analyze_print(engine, display, PrintLayers(layers).all(), [](std::int32_t) { return 0s; }).value();
 }
 
 bool near(double a, double b, double tolerance) {
@@ -135,7 +136,8 @@ TEST_CASE("A floating ball is one island where it begins") {
 TEST_CASE("Dark layers at the end of a print are not inside it") {
   // The engine knows no more than the model; the stack goes on above it.
   ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
-  const auto found = analyze_print(engine, kDisplay, {kLayer, 10}, [](std::int32_t) { return 1s; });
+  const auto found =
+      analyze_print(engine, kDisplay, std::vector(10, kLayer), [](std::int32_t) { return 1s; });
   REQUIRE(found);
   CHECK(found->layers() == 10);
   CHECK(found->empty_layers.empty());
@@ -189,8 +191,8 @@ TEST_CASE("Cracks are summed and told by layer") {
 
 TEST_CASE("The time is that of all layers together") {
   ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
-  const auto found =
-      analyze_print(engine, kDisplay, {kLayer, 4}, [](std::int32_t layer) { return 2s + 100ms * layer; });
+  const auto found = analyze_print(engine, kDisplay, std::vector(4, kLayer),
+                                   [](std::int32_t layer) { return 2s + 100ms * layer; });
   REQUIRE(found);
   CHECK(found->layer_time == 8600ms);
 }
@@ -214,7 +216,7 @@ TEST_CASE("An analysis that is told to stop gives nothing") {
   std::stop_source source;
   std::int32_t asked = 0;
   const auto found = analyze_print(
-      engine, kDisplay, {kLayer, 4},
+      engine, kDisplay, std::vector(4, kLayer),
       [&](std::int32_t) {
         if (++asked == 2) source.request_stop();
         return 1s;

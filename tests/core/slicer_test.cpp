@@ -141,8 +141,8 @@ TEST_CASE("A closed mesh's section closes at every height and at every vertex's 
   CHECK(rc::check([] {
     models::Facets facets = testing::draw_blobs(8);
     if (testing::draw(0, 1) == 1) {
-      orient(facets,
-             {testing::draw_real(0, 360), testing::draw_real(0, 360), testing::draw_real(0, 360), 1.7});
+      orient(facets, {testing::draw_real(0, 360), testing::draw_real(0, 360), testing::draw_real(0, 360),
+                      Scale{1.7}});
     }
     const HeightIndex index(facets);
     Section section;
@@ -160,7 +160,7 @@ TEST_CASE("A closed mesh's section closes at every height and at every vertex's 
 
 TEST_CASE(
     "A plane through a box's corners and edges and faces gives closed sections however the box is turned") {
-  for (const Orientation turn :
+  for (const Orientation& turn :
        {Orientation{}, Orientation{45, 0, 0}, Orientation{0, 45, 0}, Orientation{45, 30, 10}}) {
     models::Facets facets = models::box({0, 0, 0}, {10, 20, 30});
     orient(facets, turn);

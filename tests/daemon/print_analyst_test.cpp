@@ -19,7 +19,7 @@ AnalysisTask task(std::int32_t layers) {
                                                 AntiAliasing::On,
                                                 std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
   task.display = kDisplay;
-  task.layers = {Nanometers{100'000}, layers};
+  task.layers.assign(static_cast<std::size_t>(layers), Nanometers{100'000});
   task.layer_durations.assign(static_cast<std::size_t>(layers), 2s);
   return task;
 }

@@ -61,8 +61,8 @@ Lit lit_box(const Mask& mask) {
 TEST_CASE("A cube lies in the middle of the display, at its true size") {
   Desk desk;
   const PreparedJob job = desk.prepare(kCube);
-  CHECK(job.plan.layers.count == 400);
-  CHECK(job.plan.exposures.size() == 400);
+  CHECK(job.summary.layers.count == 400);
+  CHECK(job.plan.expected_layers == std::vector(400, Nanometers{50'000}));
   const Mask& mask = job.plan.engine->mask_at(Nanometers{1'000'000});
   CHECK(lit_box(mask) == Lit{760, 1159, 340, 739});
   CHECK(mask.lit_area() == 160000.0);
@@ -95,33 +95,34 @@ TEST_CASE("Fit makes the part as large as the display allows, in all three direc
   Desk desk;
   const PreparedJob job = desk.prepare(kCube, R"({"fit": true})");
   // Equation 3.8: R = height - 1 pixels, for 20 mm.
-  CHECK(job.summary.scale == contourd::testing::Approx(1079 * 0.05 / 20).epsilon(1e-6));
-  CHECK(job.summary.size_z_mm == contourd::testing::Approx(1079 * 0.05).epsilon(1e-6));
-  CHECK(job.summary.size_x_mm == contourd::testing::Approx(job.summary.size_z_mm).epsilon(1e-6));
+  CHECK(job.summary.models[0].scale.x == contourd::testing::Approx(1079 * 0.05 / 20).epsilon(1e-6));
+  CHECK(job.summary.models[0].size_z_mm == contourd::testing::Approx(1079 * 0.05).epsilon(1e-6));
+  CHECK(job.summary.models[0].size_x_mm ==
+        contourd::testing::Approx(job.summary.models[0].size_z_mm).epsilon(1e-6));
 }
 
 TEST_CASE("Fit makes a tower no higher than the machine can print") {
   Desk desk;
   const PreparedJob job = desk.prepare(models::box({0, 0, 0}, {1, 1, 100}), R"({"fit": true})");
   // 160 mm of travel less 6 mm of lift; float coordinates.
-  CHECK(job.summary.size_z_mm == contourd::testing::Approx(154.0).epsilon(1e-6));
+  CHECK(job.summary.models[0].size_z_mm == contourd::testing::Approx(154.0).epsilon(1e-6));
 }
 
 TEST_CASE("A rotation stands a flat box up, and it is printed from its new lowest point") {
   Desk desk;
   const PreparedJob job =
       desk.prepare(models::box({0, 0, 0}, {10, 20, 5}), R"({"rotation_deg": {"x": 90, "y": 0, "z": 0}})");
-  CHECK(job.summary.size_y_mm == 5.0);
-  CHECK(job.summary.size_z_mm == 20.0);
-  CHECK(job.plan.layers.count == 400);
+  CHECK(job.summary.models[0].size_y_mm == 5.0);
+  CHECK(job.summary.models[0].size_z_mm == 20.0);
+  CHECK(job.summary.layers.count == 400);
 }
 
 TEST_CASE("What cannot be printed is refused with one sentence that has the figures") {
   Desk desk;
-  CHECK(desk.refusal_of(models::box({0, 0, 0}, {97, 10, 10})) ==
-        "the model (97.00 x 10.00 mm, its centre 0.00, 0.00 mm from the plate's) reaches beyond the display "
-        "(96.00 x "
-        "54.00 mm)");
+  CHECK(
+      desk.refusal_of(models::box({0, 0, 0}, {97, 10, 10})) ==
+      "the model (97.00 x 10.00 mm, its centre 0.00, 0.00 mm from the plate's) reaches 0.50 mm over the left "
+      "edge and 0.50 mm over the right edge of the build area (96.00 x 54.00 mm)");
   CHECK(desk.refusal_of(models::box({0, 0, 0}, {10, 10, 155})) ==
         "the model is 155.00 mm high, the machine can print 154.00 mm (its travel less the lift)");
   CHECK(desk.refusal_of({}) == "the STL file holds no facets");
@@ -133,9 +134,8 @@ TEST_CASE("What cannot be printed is refused with one sentence that has the figu
 
 TEST_CASE("A model beyond the plate only by its position is refused") {
   Desk desk;
-  CHECK(
-      desk.refusal_of(kCube, R"({"position_mm": {"x": 38.1, "y": 0}})").find("reaches beyond the display") !=
-      std::string::npos);
+  CHECK(desk.refusal_of(kCube, R"({"position_mm": {"x": 38.1, "y": 0}})")
+            .find("reaches 0.10 mm over the right edge") != std::string::npos);
   CHECK(desk.refusal_of(kCube, R"({"position_mm": {"x": 38, "y": 0}})").empty());
 }
 
@@ -162,4 +162,130 @@ TEST_CASE("A model that is not watertight or inside out is printed, with a warni
   CHECK(job.summary.warnings ==
         std::vector<std::string>{"the model is inside out: its facets were turned outwards"});
   CHECK(job.plan.engine->mask_at(Nanometers{1'000'000}).lit_area() == 160000.0);
+}
+
+TEST_CASE("A direction that points up stands a flat box up as the angles do") {
+  Desk desk;
+  const PreparedJob job = desk.prepare(models::box({0, 0, 0}, {10, 20, 5}), R"({"up": {"y": 3}})");
+  CHECK(job.summary.models[0].size_y_mm == 5.0);
+  CHECK(job.summary.models[0].size_z_mm == 20.0);
+}
+
+TEST_CASE("Factors by axis and the resin's shrinkage change a cube by whole pixels") {
+  Desk desk;
+  desk.printer.resin.shrinkage_factors = {1.25, 1, 1};
+  const PreparedJob job = desk.prepare(kCube, R"({"scale": {"y": 0.5, "z": 0.25}})");
+  // 25 mm by 10 mm around the middle.
+  const Mask& mask = job.plan.engine->mask_at(Nanometers{1'000'000});
+  CHECK(lit_box(mask) == Lit{710, 1209, 440, 639});
+  CHECK(mask.lit_area() == 500.0 * 200.0);
+  CHECK(job.summary.layers.count == 100);
+  CHECK(job.summary.models[0].scale == Scale{1, 0.5, 0.25});
+}
+
+TEST_CASE("Fit fills the display with a part that is made larger against shrinkage") {
+  Desk desk;
+  desk.printer.resin.shrinkage_factors = {1, 1.25, 1};
+  const PreparedJob job = desk.prepare(kCube, R"({"fit": true})");
+  CHECK(job.summary.models[0].size_y_mm == contourd::testing::Approx(1079 * 0.05).epsilon(1e-6));
+  CHECK(job.summary.models[0].size_x_mm == contourd::testing::Approx(1079 * 0.05 / 1.25).epsilon(1e-6));
+}
+
+TEST_CASE("Adaptive layers are thin on slopes and thick on walls, within what the resin prints") {
+  Desk desk;
+  desk.printer.resin.exposure = WorkingCurve{Micrometers{150}, 9, Micrometers{60}, Micrometers{200}};
+  const PreparedJob job = desk.prepare(models::cone(8, 8, 96), R"({"adaptive_layers": {"cusp_um": 40}})");
+  CHECK(job.summary.layers.adaptive);
+  // 40 um on a slope of nearly 45 degrees: its facets are a little less steep than the round cone.
+  CHECK(job.summary.layers.thickest == Nanometers{56'000});
+  CHECK(job.summary.layers.count == 143);
+  CHECK(job.plan.exposure(20, Nanometers{50'000}) < job.plan.exposure(20, Nanometers{100'000}));
+  CHECK(desk.prepare(kCube, R"({"adaptive_layers": {"cusp_um": 40}})").summary.layers.count == 200);
+  CHECK(desk.refusal_of(kCube, R"({"adaptive_layers": {"cusp_um": 40, "min_um": 10}})")
+            .find("the layer height cannot be printed") == 0);
+}
+
+TEST_CASE("Adaptive layers without a working curve are refused") {
+  Desk desk;
+  CHECK(desk.refusal_of(kCube, R"({"adaptive_layers": {"cusp_um": 10}})") ==
+        "adaptive layers need a resin with a working curve: the exposure times of \"standard\" hold for its "
+        "layer height of 50 um only");
+}
+
+namespace {
+
+// A plate's folder.
+class PlateDesk : public Desk {
+ public:
+  PlateDesk() { std::filesystem::create_directory(plate_); }
+
+  void add(const std::string& file, const models::Facets& facets) {
+    models::write_binary_stl(plate_ / file, facets);
+  }
+  PreparedJob prepare(const std::string& ticket) {
+    folder_.write("plate/plate.json", ticket);
+    return prepare_job({"plate", plate_, std::nullopt, true}, printer);
+  }
+  std::string refusal_of(const std::string& ticket) {
+    try {
+      (void)prepare(ticket);
+    } catch (const JobRefused& refusal) {
+      return refusal.what();
+    }
+    return "";
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::filesystem::path plate_ = folder_.path() / "plate";
+};
+
+}  // namespace
+
+TEST_CASE("A plate's models are printed together, each as its entry says") {
+  PlateDesk desk;
+  desk.add("cube.stl", kCube);
+  desk.add("bar.stl", models::box({100, 100, 100}, {110, 104, 102}));
+  const PreparedJob job = desk.prepare(R"({"layer_height_um": 100, "models": [
+    {"file": "cube.stl", "position_mm": {"x": -20}, "scale": 0.5},
+    {"file": "bar.stl", "position_mm": {"x": 10, "y": 5}, "copies": 2, "up": {"x": 1}}]})");
+  CHECK(job.summary.plate);
+  CHECK(job.summary.layers.count == 100);
+  CHECK(job.summary.height_mm == 10);
+  REQUIRE(job.summary.models.size() == 2);
+  CHECK(job.summary.models[1].file == "bar.stl");
+  CHECK(job.summary.models[1].size_z_mm == 10);
+  CHECK(job.summary.models[1].centers.size() == 2);
+  // The cube 200 by 200, two bars of 2 by 4 mm on end.
+  const Mask& mask = job.plan.engine->mask_at(Nanometers{5'000'000});
+  CHECK(mask.lit_area() == 200.0 * 200 + 2 * 40.0 * 80);
+  CHECK(mask.lit_pixels() == 200 * 200 + 2 * 40 * 80);
+  CHECK(job.plan.engine->contours_at(Nanometers{5'000'000}).loops.size() == 2);
+}
+
+TEST_CASE("A plate's warnings name the model") {
+  PlateDesk desk;
+  models::Facets open = kCube;
+  open.pop_back();
+  desk.add("open.stl", open);
+  const PreparedJob job = desk.prepare(R"({"models": [{"file": "open.stl"}]})");
+  REQUIRE(job.summary.warnings.size() == 1);
+  CHECK(job.summary.warnings[0].find("open.stl: the model is not watertight") == 0);
+}
+
+TEST_CASE("A plate is refused with a sentence that names the model that is wrong") {
+  PlateDesk desk;
+  desk.add("cube.stl", kCube);
+  desk.add("flat.stl", models::box({0, 0, 3}, {10, 10, 3}));
+  desk.add("none.stl", {});
+  CHECK(desk.refusal_of(R"({"models": [{"file": "cube.stl"}, {"file": "flat.stl"}]})") ==
+        "flat.stl is flat: it has no height to print");
+  CHECK(desk.refusal_of(R"({"models": [{"file": "none.stl"}]})") == "none.stl: the STL file holds no facets");
+  CHECK(desk.refusal_of(R"({"models": [{"file": "cube.stl", "position_mm": {"y": -20}}]})") ==
+        "cube.stl (20.00 x 20.00 mm, its centre 0.00, -20.00 mm from the plate's) reaches 3.00 mm over the "
+        "front "
+        "edge of the build area (96.00 x 54.00 mm)");
+  CHECK(desk.refusal_of(R"({"models": [{"file": "gone.stl"}]})").find("gone.stl") != std::string::npos);
+  CHECK(desk.refusal_of(R"({"models": [{"file": "cube.stl", "colour": 1}]})").find("/models/0/colour") !=
+        std::string::npos);
 }

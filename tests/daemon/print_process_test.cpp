@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
@@ -39,9 +40,9 @@ class Bench final : public PrintObserver {
     HeightIndex box(models::box({0, 0, 0}, {3, 2, static_cast<float>(height)}));
     plan.engine = std::make_unique<ContourEngine>(std::move(box), kDisplay, AntiAliasing::On,
                                                   std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
-    plan.layers = {kLayer, count};
-    for (int layer = 0; layer < count; ++layer)
-      plan.exposures.push_back(1s + 100ms * layer);
+    plan.layers = PrintLayers(LayerStack{kLayer, count});
+    plan.expected_layers = plan.layers.all();
+    plan.exposure = [](std::int32_t layer, Nanometers) { return 1s + 100ms * layer; };
     plan.pixel_area_mm2 = 0.01;
     plan.lift = Nanometers{6'000'000};
     plan.lift_speed = MillimetersPerSecond{2};
@@ -144,6 +145,54 @@ TEST_CASE("Each layer is exposed for exactly as long as was asked, at its own he
     CHECK(layer.area_mm2 == contourd::testing::Approx(6.0).epsilon(1e-12));
     CHECK(layer.loops == 1);
   }
+}
+
+TEST_CASE("Layers of different thickness lie upon each other, each with the light for its own") {
+  Bench bench;
+  PrintPlan plan = Bench::plan(1);
+  // A cone's point up: slopes of 45 degrees on a block.
+  auto model = std::make_shared<const HeightIndex>(models::cone(2, 2, 64));
+  plan.engine = std::make_unique<ContourEngine>(
+      std::vector{PlateModel{model, {PixelMap::true_scale(kDisplay, {0, 0})}}}, kDisplay, AntiAliasing::On);
+  plan.layers =
+      PrintLayers(std::vector{model, std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 3}))},
+                  {Nanometers{20'000}, Nanometers{100'000}, Nanometers{35'000}});
+  plan.expected_layers = plan.layers.all();
+  plan.exposure = [](std::int32_t, Nanometers thickness) { return thickness.count() * 10us; };
+  const std::vector<Nanometers> expected = plan.expected_layers;
+  bench.process.start(std::move(plan));
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+  REQUIRE(bench.layers.size() == expected.size());
+  Nanometers bottom{};
+  std::set<Nanometers> thicknesses;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const LayerRecord& layer = bench.layers[i];
+    CHECK(layer.bottom == bottom);
+    CHECK(layer.thickness == expected[i]);
+    CHECK(layer.exposure_measured == layer.thickness.count() * 10us);
+    bottom += layer.thickness;
+    // A microstep of the simulated axis is 1.25 um: half of one at most.
+    CHECK(std::abs((layer.plate_height - bottom).count()) <= 625);
+    CHECK(layer.mask_height == layer.plate_height - layer.thickness / 2);
+    thicknesses.insert(layer.thickness);
+  }
+  CHECK(bottom == Nanometers{3'000'000});
+  // On the slope 35 um / cos 45 degrees, above it the thickest.
+  CHECK(thicknesses.contains(Nanometers{49'000}));
+  CHECK(thicknesses.contains(Nanometers{100'000}));
+}
+
+TEST_CASE("A print whose layers are not as expected goes on and ends where the layers end") {
+  Bench bench;
+  PrintPlan plan = Bench::plan(3);
+  plan.expected_layers.resize(1);
+  bench.process.start(std::move(plan));
+  REQUIRE(bench.run_to(S::Lifting));
+  CHECK(bench.process.time_left() == Duration{0});
+  bench.run_out();
+  CHECK(bench.layers.size() == 3);
+  CHECK(bench.ends == std::vector{PrintOutcome::Done});
 }
 
 TEST_CASE("The mask belongs to the height that the plate has, not to the one that was asked") {

@@ -101,6 +101,38 @@ Facets box(Vertex low, Vertex high) {
   return facets;
 }
 
+Facets lathe(std::span<const Point> profile, int sides) {
+  const auto at = [&](const Point& p, int side) {
+    const double angle = 2 * std::numbers::pi * (side % sides) / sides;
+    return Vertex{static_cast<float>(p.x * std::cos(angle)), static_cast<float>(p.x * std::sin(angle)),
+                  static_cast<float>(p.y)};
+  };
+  Facets facets;
+  for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
+    const Point &low = profile[i], &high = profile[i + 1];
+    for (int side = 0; side < sides; ++side) {
+      if (low.x > 0) facets.push_back({{at(low, side), at(low, side + 1), at(high, side + 1)}});
+      if (high.x > 0) facets.push_back({{at(low, side), at(high, side + 1), at(high, side)}});
+    }
+  }
+  return facets;
+}
+
+Facets cone(double radius_mm, double height_mm, int sides) {
+  const Point profile[]{{0, 0}, {radius_mm, 0}, {0, height_mm}};
+  return lathe(profile, sides);
+}
+
+Facets globe(double radius_mm, int bands, int sides) {
+  std::vector<Point> profile{{0, -radius_mm}};
+  for (int band = 1; band < bands; ++band) {
+    const double angle = std::numbers::pi * band / bands;
+    profile.push_back({radius_mm * std::sin(angle), -radius_mm * std::cos(angle)});
+  }
+  profile.push_back({0, radius_mm});
+  return lathe(profile, sides);
+}
+
 Facets isosurface(const std::function<double(double, double, double)>& value, double half_side_mm,
                   int cells) {
   // Six tetrahedra around a cube's diagonal from corner 0 to 7 (bit 0 is x, 1 is y, 2 is z): alike in every

@@ -18,6 +18,14 @@ using Facets = std::vector<Facet>;
 // An axis-aligned box of 12 facets.
 [[nodiscard]] Facets box(Vertex low, Vertex high);
 
+// A closed surface of revolution about the z axis. The profile runs from the lowest point to the highest, in
+// (radius, z) in mm, the first and the last on the axis.
+[[nodiscard]] Facets lathe(std::span<const Point> profile, int sides);
+// Its base on z = 0, its point up.
+[[nodiscard]] Facets cone(double radius_mm, double height_mm, int sides);
+// A ball around the origin, of `bands` rings of facets.
+[[nodiscard]] Facets globe(double radius_mm, int bands, int sides);
+
 // The surface value = 0 of a function, its inside where the value is negative, within a cube of `cells` cells
 // a side around the origin (marching tetrahedra: every shared vertex is computed from the same two grid
 // points, in the same order). The function must be positive on the cube's faces.

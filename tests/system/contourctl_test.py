@@ -325,6 +325,21 @@ class Masks(FolderTest):
         self.masks(wedge(20, 10, 10), 500, "--display", "500x300")
         self.assertEqual(contents(), first)
 
+    def test_adaptive_layers_are_cut_at_their_own_middles(self):
+        # A box of 2 mm: nothing slopes, so 20 layers of the thickest, 100 um.
+        path = self.write("box.stl", binary_stl(box((0, 0, 1), (10, 10, 3))))
+        csv = self.path("layers.csv")
+        result = contourctl("slice", path, "--cusp-um", "28", "--csv", csv)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(csv, encoding="utf-8") as file:
+            heights = [float(line.split(",")[1]) for line in file.readlines()[1:]]
+        self.assertEqual(len(heights), 20)
+        for number, height in enumerate(heights):
+            self.assertAlmostEqual(height, 1.05 + 0.1 * number, delta=1e-6)
+        for arguments in (["--cusp-um", "0"], ["--cusp-um", "5", "--layer-height-um", "50"], ["--cusp-um", "5", "--mask", "m"],
+                          ["--cusp-um", "5", "--min-layer-um", "50", "--max-layer-um", "40"]):  # fmt: skip
+            self.assertEqual(contourctl("slice", path, *arguments).returncode, 64, arguments)
+
     def test_more_than_9999_layers_have_longer_names(self):
         masks = self.masks(box((0, 0, 0), (1, 1, 10.001)), 1, "--display", "8x8", "--pixel-pitch-um", "500")
         self.assertEqual(len(masks), 10001)

@@ -25,41 +25,85 @@ TEST_CASE("every key of a ticket arrives with its unit") {
     "rotation_deg": {"x": 90, "y": -45.5, "z": 360}, "position_mm": {"x": -10, "y": 2.5}, "copies": 3.0})");
   CHECK(ticket.resin == "tough");
   CHECK(ticket.layer_height == Nanometers{2500});
-  CHECK(ticket.rotation.x == 90.0);
-  CHECK(ticket.rotation.y == -45.5);
-  CHECK(ticket.rotation.z == 360.0);
-  CHECK(ticket.scale == 1.25);
-  CHECK_FALSE(ticket.fit);
-  CHECK(ticket.position.x == Millimeters{-10.0});
-  CHECK(ticket.position.y == Millimeters{2.5});
-  CHECK(ticket.copies == 3);
+  CHECK_FALSE(ticket.adaptive);
+  REQUIRE(ticket.models.size() == 1);
+  const ModelTicket& model = ticket.models[0];
+  CHECK(model.file.empty());
+  CHECK(model.rotation.x == 90.0);
+  CHECK(model.rotation.y == -45.5);
+  CHECK(model.rotation.z == 360.0);
+  CHECK(model.scale == Scale{1.25});
+  CHECK_FALSE(model.up);
+  CHECK_FALSE(model.fit);
+  REQUIRE(model.position);
+  CHECK(model.position->x == Millimeters{-10.0});
+  CHECK(model.position->y == Millimeters{2.5});
+  CHECK(model.copies == 3);
 }
 
 TEST_CASE("an empty ticket is the same as none") {
   const JobTicket ticket = load("{}");
-  const JobTicket none;
-  CHECK(ticket.resin == none.resin);
-  CHECK(ticket.layer_height == none.layer_height);
-  CHECK(ticket.rotation.x == none.rotation.x);
-  CHECK(ticket.rotation.y == none.rotation.y);
-  CHECK(ticket.rotation.z == none.rotation.z);
-  CHECK(ticket.scale == none.scale);
-  CHECK(ticket.fit == none.fit);
-  CHECK(ticket.position.x == none.position.x);
-  CHECK(ticket.position.y == none.position.y);
-  CHECK(ticket.copies == none.copies);
+  CHECK_FALSE(ticket.resin);
+  CHECK_FALSE(ticket.layer_height);
+  CHECK_FALSE(ticket.adaptive);
+  REQUIRE(ticket.models.size() == JobTicket{}.models.size());
+  const ModelTicket model = ticket.models[0], none;
+  CHECK(model.rotation.x == none.rotation.x);
+  CHECK(model.rotation.y == none.rotation.y);
+  CHECK(model.rotation.z == none.rotation.z);
+  CHECK(model.up == none.up);
+  CHECK(model.scale == none.scale);
+  CHECK(model.fit == none.fit);
+  CHECK(model.position.has_value() == none.position.has_value());
+  CHECK(model.copies == none.copies);
 }
 
 TEST_CASE("a section of a ticket may be given in part") {
-  const JobTicket ticket = load(R"({"rotation_deg": {"y": 30}, "position_mm": {"x": 5}})");
-  CHECK(ticket.rotation.x == 0.0);
-  CHECK(ticket.rotation.y == 30.0);
-  CHECK(ticket.position.x == Millimeters{5.0});
-  CHECK(ticket.position.y == Millimeters{0.0});
+  const ModelTicket model =
+      load(R"({"rotation_deg": {"y": 30}, "position_mm": {"x": 5}, "scale": {"y": 1.02}})").models[0];
+  CHECK(model.rotation.x == 0.0);
+  CHECK(model.rotation.y == 30.0);
+  CHECK(model.position->x == Millimeters{5.0});
+  CHECK(model.position->y == Millimeters{0.0});
+  CHECK(model.scale == Scale{1, 1.02, 1});
+  CHECK(load(R"({"up": {"x": -2}})").models[0].up == Direction{-2, 0, 0});
+}
+
+TEST_CASE("a ticket has up or a rotation but not both, and up is a direction") {
+  CHECK(complaints_about(R"({"up": {"z": 1}, "rotation_deg": {"x": 90}})") ==
+        Complaints{"/up: a ticket has either up or rotation_deg, not both"});
+  CHECK(complaints_about(R"({"up": {}})") == Complaints{"/up: a direction must not be zero in x, y and z"});
+  CHECK(complaints_about(R"({"up": {"z": 0.0}})").size() == 1);
+  CHECK(complaints_about(R"({"up": {"x": "left"}})") ==
+        Complaints{"/up/x: expected a number, found the text \"left\""});
+}
+
+TEST_CASE("a ticket's layers are of one height or adaptive") {
+  const JobTicket ticket = load(R"({"adaptive_layers": {"cusp_um": 12.5, "min_um": 20, "max_um": 80}})");
+  REQUIRE(ticket.adaptive);
+  CHECK(ticket.adaptive->cusp == Nanometers{12'500});
+  CHECK(ticket.adaptive->thinnest == Nanometers{20'000});
+  CHECK(ticket.adaptive->thickest == Nanometers{80'000});
+  CHECK_FALSE(load(R"({"adaptive_layers": {"cusp_um": 5}})").adaptive->thinnest);
+  CHECK(complaints_about(R"({"adaptive_layers": {"cusp_um": 5}, "layer_height_um": 50})") ==
+        Complaints{"/adaptive_layers: a ticket has either adaptive_layers or layer_height_um, not both"});
+  CHECK(complaints_about(R"({"adaptive_layers": {"cusp_um": 5, "min_um": 50, "max_um": 40}})") ==
+        Complaints{"/adaptive_layers/min_um: it is more than max_um"});
+  CHECK(complaints_about(R"({"adaptive_layers": {}})").size() == 1);
+}
+
+TEST_CASE("a scale is a number or a factor for each axis") {
+  CHECK(complaints_about(R"({"scale": "big"})") ==
+        Complaints{"/scale: expected an object or a number, found the text \"big\""});
+  CHECK(complaints_about(R"({"scale": {"x": 0, "w": 1}})") ==
+        Complaints{"/scale/w: there is no key \"w\" here; the known ones are \"x\", \"y\", \"z\"",
+                   "/scale/x: 0 is less than the least allowed, 0.001"});
+  CHECK(complaints_about(R"({"scale": {"x": 1}, "fit": true})") ==
+        Complaints{"/scale: a ticket has either scale or fit, not both"});
 }
 
 TEST_CASE("a ticket has scale or fit but not both") {
-  CHECK(load(R"({"fit": true})").fit);
+  CHECK(load(R"({"fit": true})").models[0].fit);
   CHECK(complaints_about(R"({"fit": true, "scale": 1})") ==
         Complaints{"/scale: a ticket has either scale or fit, not both"});
   CHECK(complaints_about(R"({"fit": false, "scale": 1})").empty());
@@ -98,6 +142,56 @@ TEST_CASE("ten mistakes in a ticket are ten lines") {
                              "scale": true, "fit": true, "position_mm": {"z": 1}, "copies": -1, "copies": -1,
                              "colour": "red"})")
           .size() == 10);
+}
+
+JobTicket load_plate(std::string_view text) {
+  const ConfigFolder folder;
+  return load_plate_ticket(folder.write("plate.json", text));
+}
+
+Complaints complaints_about_plate(std::string_view text) {
+  return complaints_of([&] { (void)load_plate(text); });
+}
+
+TEST_CASE("a plate's ticket lists its models, each with what a ticket has for one") {
+  const JobTicket ticket = load_plate(R"({
+    "resin": "tough", "adaptive_layers": {"cusp_um": 10}, "models": [
+      {"file": "ring.stl", "position_mm": {"x": -10}, "scale": {"x": 1.01, "y": 1.02}},
+      {"file": "pin.STL", "up": {"y": 1}, "copies": 4},
+      {"file": "ring.stl", "rotation_deg": {"z": 90}}]})");
+  CHECK(ticket.resin == "tough");
+  CHECK(ticket.adaptive);
+  REQUIRE(ticket.models.size() == 3);
+  CHECK(ticket.models[0].file == "ring.stl");
+  CHECK(ticket.models[0].position->x == Millimeters{-10});
+  CHECK(ticket.models[0].position->y == Millimeters{0});
+  CHECK(ticket.models[0].scale == Scale{1.01, 1.02, 1});
+  CHECK(ticket.models[0].copies == 1);
+  CHECK(ticket.models[1].up == Direction{0, 1, 0});
+  CHECK(ticket.models[1].copies == 4);
+  CHECK_FALSE(ticket.models[1].position);
+  CHECK(ticket.models[2].rotation.z == 90);
+}
+
+TEST_CASE("a plate's mistakes are told with the model's number, from 0") {
+  CHECK(
+      complaints_about_plate(R"({"models": [{"file": "a.stl"}, {"file": "b.stl", "copies": 0, "clour": 1},
+                                               {"up": {"z": 0}, "scale": []}]})") ==
+      Complaints{"/models/1/clour: there is no key \"clour\" here; the known ones are \"copies\", \"file\", "
+                 "\"position_mm\", \"rotation_deg\", \"scale\", \"up\"",
+                 "/models/1/copies: 0 is less than the least allowed, 1",
+                 "/models/2/file: this key is missing: An STL file in the same folder: its name, without '/' "
+                 "and with no '.' at its start",
+                 "/models/2/scale: expected an object or a number, found an array",
+                 "/models/2/up: a direction must not be zero in x, y and z"});
+  CHECK(complaints_about_plate(R"({"models": [{"file": "../a.stl"}]})").size() == 1);
+  CHECK(complaints_about_plate(R"({"models": []})") ==
+        Complaints{"/models: there are 0 in this list; it must have at least 1"});
+  CHECK(complaints_about_plate(R"({"models": {}})") ==
+        Complaints{"/models: expected a list, found an object"});
+  CHECK(complaints_about_plate("{}").size() == 1);
+  CHECK(complaints_about_plate("[]") == Complaints{"expected an object, found an array"});
+  CHECK(complaints_about_plate(R"({"models": [3]})") == Complaints{"/models/0: expected an object, found 3"});
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "daemon/config/json_schema.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <regex>
 
@@ -159,6 +160,7 @@ TEST_CASE("a keyword that has no sentence of its own still refuses the document"
 // Calls `visit` for every property of the schema, its parents first.
 void each_property(const json& schema, const std::string& pointer,
                    const std::function<void(const std::string&, const json&)>& visit) {
+  if (schema.contains("items")) each_property(schema["items"], child_pointer(pointer, "0"), visit);
   if (!schema.contains("properties")) return;
   for (const auto& property : schema["properties"].items()) {
     const std::string place = child_pointer(pointer, property.key());
@@ -168,17 +170,21 @@ void each_property(const json& schema, const std::string& pointer,
 }
 
 TEST_CASE("every property of every schema says what it is, in which unit and within which limits") {
-  for (const JsonSchema* schema : {&printer_schema(), &resin_schema(), &ticket_schema()}) {
+  for (const JsonSchema* schema : {&printer_schema(), &resin_schema(), &ticket_schema(), &plate_schema()}) {
     each_property(schema->value(), "", [](const std::string& place, const json& property) {
       INFO(place);
 
       REQUIRE(property.contains("type"));
       const std::string description = property.value("description", "");
       CHECK_FALSE(description.empty());
-      const bool is_number = property["type"] == "number" || property["type"] == "integer";
+      const auto may_be = [&](const char* type) {
+        const json& types = property["type"];
+        return types == type || (types.is_array() && std::ranges::count(types, type) > 0);
+      };
+      const bool is_number = may_be("number") || may_be("integer");
       CHECK(is_number == property.contains("minimum"));
       CHECK(is_number == property.contains("maximum"));
-      const bool is_object = property["type"] == "object";
+      const bool is_object = may_be("object");
       const bool is_closed = property.value("additionalProperties", json()) == false;
       CHECK(is_object == is_closed);
       for (const auto& [ending, unit] : {std::pair{"_mm", "mm"},
@@ -199,7 +205,7 @@ TEST_CASE("every property of every schema says what it is, in which unit and wit
 }
 
 TEST_CASE("every default in a schema is one that the schema itself allows") {
-  for (const JsonSchema* schema : {&printer_schema(), &resin_schema(), &ticket_schema()}) {
+  for (const JsonSchema* schema : {&printer_schema(), &resin_schema(), &ticket_schema(), &plate_schema()}) {
     each_property(schema->value(), "", [](const std::string& place, const json& property) {
       if (!property.contains("default")) return;
       INFO(place);
@@ -215,6 +221,35 @@ TEST_CASE("the embedded schemas are the files in config") {
   CHECK(printer_schema().value().dump() == testing::shipped("contourd.schema.json").dump());
   CHECK(resin_schema().value().dump() == testing::shipped("resin.schema.json").dump());
   CHECK(ticket_schema().value().dump() == testing::shipped("ticket.schema.json").dump());
+}
+
+TEST_CASE("a schema borrows from another by reference") {
+  const JsonSchema other(R"({"properties": {"size": {"type": "number", "minimum": 1, "default": 3}}})");
+  const JsonSchema schema(R"({"type": "object", "properties": {"list": {"type": "array", "maxItems": 2,
+    "items": {"type": "object", "properties": {"size": {"$ref": "other.json#/properties/size"}}}}}})",
+                          "other.json", other);
+  JsonDocument document = JsonDocument::from_text(R"({"list": [{"size": 0}, {}]})", "test.json");
+  schema.check(document);
+  REQUIRE(document.violations().size() == 1);
+  CHECK(document.violations()[0].pointer == "/list/0/size");
+  CHECK(document.value()["list"][1]["size"] == 3);
+  JsonDocument longer = JsonDocument::from_text(R"({"list": [{}, {}, {}]})", "test.json");
+  schema.check(longer);
+  REQUIRE(longer.violations().size() == 1);
+  CHECK(longer.violations()[0].message == "there are 3 in this list; the limit is 2");
+  CHECK_THROWS(JsonSchema(R"({"$ref": "third.json#/properties/size"})", "other.json", other));
+  CHECK_THROWS(JsonSchema(R"({"$ref": "other.json#/properties/colour"})", "other.json", other));
+}
+
+TEST_CASE("what a plate shares with a ticket is said once, in the ticket's schema") {
+  const json file = testing::shipped("plate.schema.json");
+  const json& model = file["properties"]["models"]["items"]["properties"];
+  for (const auto& property : model.items()) {
+    if (property.key() == "file") continue;
+    CHECK(property.value()["$ref"] == "ticket.schema.json#/properties/" + property.key());
+    CHECK(plate_schema().value()["properties"]["models"]["items"]["properties"][property.key()] ==
+          ticket_schema().value()["properties"][property.key()]);
+  }
 }
 
 }  // namespace

@@ -66,6 +66,19 @@ TEST_CASE("every key of a resin profile arrives with its unit, and the file give
   CHECK(curve.bottom_overcure == Micrometers{150.0});
 }
 
+TEST_CASE("a resin's shrinkage becomes the factors that make it good") {
+  json resin = shipped("resins/standard.json");
+  CHECK(load(resin).shrinkage_factors == Scale{});
+  resin["shrinkage_percent"] = {{"x", 20}, {"y", -0.5}};
+  const Scale factors = load(resin).shrinkage_factors;
+  // 400 pixels shrink to 320: 500 are needed.
+  CHECK(factors.x == 1.25);
+  CHECK(std::fabs(factors.y - 1 / 1.005) < 1e-15);
+  CHECK(factors.z == 1);
+  resin["shrinkage_percent"]["z"] = 21;
+  CHECK(complaints_about(resin) == Complaints{"/shrinkage_percent/z: 21 is more than the limit, 20"});
+}
+
 TEST_CASE("an exposure given outright is the bottom one, fades linearly, then stays") {
   const ResinProfile resin = load(shipped("resins/standard.json"));
   const auto layer = [&](int index) {

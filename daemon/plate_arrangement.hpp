@@ -1,0 +1,50 @@
+// Where the models of a job and their copies stand on the plate, checked against the build area and against
+// each other. Thread-safe (no shared state).
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/height_index.hpp"
+#include "core/pixel_map.hpp"
+#include "daemon/config/job_ticket.hpp"
+
+namespace contourd {
+
+// The job cannot be printed. what() is for the owner: what, where, why.
+class JobRefused : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// A model that is turned and scaled already.
+struct ModelToPlace {
+  std::string name;  // as messages have it: "the model", or its file
+  std::shared_ptr<const HeightIndex> model;
+  std::optional<PlateOffset> position;  // of the copies' centre; where there is room without it
+  int copies = 1;
+};
+
+struct BuildVolume {
+  DisplayGeometry display;  // its pixels are the plate
+  double height_mm = 0;
+
+  [[nodiscard]] double width_mm() const { return display.width.count() * pitch_mm(); }
+  [[nodiscard]] double depth_mm() const { return display.height.count() * pitch_mm(); }
+  [[nodiscard]] double pitch_mm() const { return to_millimeters(display.pixel_pitch).count(); }
+};
+
+// By model, by copy: the centre of its bounds, from the plate's centre, in millimetres. Copies of a model
+// with a position lie in rows and columns around it, 2 mm apart; everything else is put where there is room,
+// 2 mm from all else, with its edges on the pixel grid, and in the middle of the plate if nothing has a
+// position. Whether it is all on the plate: see check_arrangement(). Throws JobRefused when there is no room.
+using Arrangement = std::vector<std::vector<Point>>;
+[[nodiscard]] Arrangement arrange(const std::vector<ModelToPlace>& models, const BuildVolume& volume);
+
+// Throws JobRefused with a sentence when a copy reaches out of the build volume, or when two meet in a layer.
+void check_arrangement(const std::vector<ModelToPlace>& models, const Arrangement& arrangement,
+                       const BuildVolume& volume, Nanometers layer);
+
+}  // namespace contourd

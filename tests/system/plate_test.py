@@ -1,0 +1,245 @@
+"""Plates: a folder of several models that are printed together."""
+
+import json
+import os
+import signal
+import unittest
+
+from harness import (
+    ENDLESS, NIMBLE_RESIN, REALTIME, Daemon, FolderTest, binary_stl, box, contourctl, main, merge, read_png, wait_until,
+)  # fmt: skip
+
+WAITS = {"wait_for_plate_cleared": True}
+CUBE = binary_stl(box((0, 0, 0), (10, 10, 1)))  # 20 layers
+POST = binary_stl(box((50, 50, 50), (54, 52, 52)))  # 40 layers
+BOTH = {"models": [{"file": "cube.stl", "position_mm": {"x": -20}},
+                   {"file": "post.stl", "position_mm": {"x": 15, "y": 10}}]}  # fmt: skip
+CURVE = {"exposure_ms": None, "bottom_exposure_ms": None, "working_curve": {
+    "penetration_depth_um": 150, "critical_energy_mj_cm2": 9, "overcure_um": 60, "bottom_overcure_um": 200}}  # fmt: skip
+
+
+def text(ticket):
+    return ticket if isinstance(ticket, (str, bytes)) else json.dumps(ticket)
+
+
+class PlateTest(FolderTest):
+    def daemon(self, config=None, resin=None, **options):
+        return Daemon(self, config, resin, **options)
+
+    def printing_daemon(self, config=None):
+        """A daemon in real time whose first job stays in its first exposure."""
+        daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), config or {}), {**NIMBLE_RESIN, **ENDLESS}).start()
+        daemon.drop("first.stl", CUBE)
+        daemon.wait_state("exposing")
+        return daemon
+
+    def put(self, daemon, name, data):
+        """A whole file, by a rename."""
+        staging = self.write("staged", data)
+        os.rename(staging, os.fsencode(daemon.file("incoming", name)))
+
+    def drop_plate(self, daemon, name, ticket, files=None):
+        """A whole plate, moved in at once."""
+        staging = self.path("staged-plate")
+        os.mkdir(staging)
+        for file, data in (files or {"cube.stl": CUBE, "post.stl": POST}).items():
+            with open(os.path.join(staging, file), "wb") as out:
+                out.write(data)
+        with open(os.path.join(staging, "plate.json"), "wb") as out:
+            data = text(ticket)
+            out.write(data if isinstance(data, bytes) else data.encode())
+        os.makedirs(daemon.file("incoming"), exist_ok=True)
+        os.rename(staging, daemon.file("incoming", name))
+
+    def refused(self, daemon, name, ticket, *words, files=None):
+        self.drop_plate(daemon, name, ticket, files)
+        reason = daemon.wait_refused(name)
+        for word in words:
+            self.assertIn(word, reason)
+        self.assertTrue(daemon.has("failed", name, "plate.json"))
+        self.assertEqual(daemon.names_in("incoming") + daemon.names_in("printing"), [])
+
+
+class Printing(PlateTest):
+    def test_a_plate_is_printed_as_its_models_alone_are(self):
+        daemon = self.daemon(masks=True).start()
+        self.drop_plate(daemon, "both", BOTH)
+        report = daemon.wait_done("both")
+        self.assertEqual((report["outcome"], report["layers"], report["layers_exposed"]), ("done", 40, 40))
+        self.assertEqual([model["file"] for model in report["models"]], ["cube.stl", "post.stl"])
+        self.assertEqual(report["models"][1]["positions_mm"], [[15, 10]])
+        self.assertEqual(daemon.names_in("done"), ["both", "both.preview.png", "both.report.html", "both.report.json"])
+        self.assertEqual(sorted(os.listdir(daemon.file("done", "both"))), ["cube.stl", "plate.json", "post.stl"])
+        self.assertEqual(daemon.names_in("incoming") + daemon.names_in("printing") + daemon.names_in("failed"), [])
+        masks = report["masks_folder"]
+        pictures = {name: read_png(os.path.join(masks, name)) for name in sorted(os.listdir(masks)) if name.endswith(".png")}
+        self.assertEqual(len(pictures), 40)
+        # 200 by 200 pixels 400 to the left of the middle; 80 by 40, 300 to the right and 200 up.
+        cube, post = self.alone("cube", CUBE, -400, 0), self.alone("post", POST, 300, 200)
+        for number, picture in enumerate(pictures.values()):
+            rows = [bytearray(row) for row in post[number]]
+            if number < 20:
+                for row, other in zip(rows, cube[number]):
+                    for x in range(460, 660):
+                        row[x] |= other[x]
+            self.assertEqual([bytes(row) for row in rows], list(picture.rows), f"layer {number + 1}")
+        daemon.stop()
+
+    def alone(self, name, data, right, up):
+        """The masks of `contourctl slice`, moved by whole pixels: the rows of each layer."""
+        model = self.write(name + ".stl", data)
+        folder = self.path("masks-" + name)
+        done = contourctl("slice", model, "--layer-height-um", "50", "--display", "1920x1080", "--pixel-pitch-um", "50",
+                          "--masks", folder)  # fmt: skip
+        self.assertEqual(done.returncode, 0, done.stderr)
+        layers = []
+        for mask in sorted(os.listdir(folder)):
+            rows = read_png(os.path.join(folder, mask)).rows
+            sideways = [row[-right:] + bytes(-right) if right < 0 else bytes(right) + row[: len(row) - right] for row in rows]
+            layers.append(sideways[up:] + [bytes(1920)] * up)
+        return layers
+
+    def test_models_without_a_position_are_arranged_with_their_copies(self):
+        daemon = self.daemon().start()
+        self.drop_plate(daemon, "many", {"models": [{"file": "cube.stl", "copies": 3}, {"file": "post.stl", "copies": 5},
+                                                    {"file": "cube.stl", "scale": {"x": 2, "z": 2}}]})  # fmt: skip
+        report = daemon.wait_done("many")
+        self.assertEqual([model["copies"] for model in report["models"]], [3, 5, 1])
+        self.assertAlmostEqual(report["layer_records"][0]["area_mm2"], 3 * 100 + 5 * 8 + 200, delta=1e-6)
+        self.assertAlmostEqual(report["layer_records"][-1]["area_mm2"], 5 * 8 + 200, delta=1e-6)
+        daemon.stop()
+
+    def test_adaptive_layers_are_exposed_by_their_thickness(self):
+        daemon = self.daemon(resin=CURVE).start()
+        # A roof: 10 mm wide, 2 mm high, upon walls of 1 mm. Its slope is 2 in 5.
+        roof = [((0, 0, 1), (10, 0, 1), (5, 0, 3)), ((0, 10, 1), (5, 10, 3), (10, 10, 1)),
+                ((0, 0, 1), (5, 0, 3), (5, 10, 3)), ((0, 0, 1), (5, 10, 3), (0, 10, 1)),
+                ((10, 0, 1), (10, 10, 1), (5, 10, 3)), ((10, 0, 1), (5, 10, 3), (5, 0, 3))]  # fmt: skip
+        walls = [facet for facet in box((0, 0, 0), (10, 10, 1)) if not all(vertex[2] == 1 for vertex in facet)]
+        self.drop_plate(daemon, "roof", {"adaptive_layers": {"cusp_um": 28}, "models": [{"file": "roof.stl"}]},
+                        {"roof.stl": binary_stl(roof + walls)})  # fmt: skip
+        report = daemon.wait_done("roof")
+        records = report["layer_records"]
+        # On the slope 28 um / cos(atan(2 / 5)) = 30.2 um.
+        self.assertEqual([record["thickness_um"] for record in records[:11]], [100] * 10 + [30])
+        self.assertAlmostEqual(sum(record["thickness_um"] for record in records), 3000, delta=1e-6)
+        self.assertEqual(report["layers"], len(records))
+        self.assertEqual(report["adaptive_layers"], {"cusp_um": 28, "min_um": 25, "max_um": 100})
+        # Behind the fade: Jacobs' working curve, exp((thickness + overcure) / Dp) Ec / irradiance.
+        self.assertAlmostEqual(records[-20]["exposure_asked_ms"], 9 / 5 * 2.718281828459045 ** ((30 + 60) / 150) * 1000, delta=0.01)
+        daemon.stop()
+
+
+class Arrival(PlateTest):
+    def test_a_plate_that_is_copied_file_by_file_waits_until_all_are_there(self):
+        daemon = self.daemon().start()
+        os.mkdir(daemon.file("incoming", "slow"))
+        self.put(daemon, "slow/plate.json", text(BOTH))
+        waiting = wait_until(lambda: daemon.status()["incomplete"].get("slow"), "the wait")
+        self.assertEqual(waiting, ["cube.stl", "post.stl"])
+        self.put(daemon, "slow/cube.stl", CUBE)
+        wait_until(lambda: daemon.status()["incomplete"].get("slow") == ["post.stl"], "the last file's wait")
+        with open(daemon.file("incoming", "slow", "post.stl"), "wb", buffering=0) as file:
+            file.write(POST[:100])
+            # Every file is there, but one is still being written.
+            wait_until(lambda: not daemon.status()["incomplete"], "the file to be seen")
+            daemon.drop("empty.stl", b"")
+            daemon.wait_refused("empty")
+            self.assertEqual(daemon.names_in("incoming"), ["slow"])
+            file.write(POST[100:])
+        self.assertEqual(daemon.wait_done("slow")["layers"], 40)
+        self.assertIn("waits for cube.stl, post.stl", daemon.log())
+        daemon.stop()
+
+    def test_a_folder_without_a_plate_json_is_left_alone_until_it_gets_one(self):
+        daemon = self.daemon()
+        os.makedirs(daemon.file("incoming", "later"))
+        os.makedirs(daemon.file("incoming", ".hidden"))
+        daemon.start()
+        self.put(daemon, "later/cube.stl", CUBE)
+        daemon.drop("real.stl", CUBE)
+        daemon.wait_done("real")
+        self.assertEqual(daemon.names_in("incoming"), [".hidden", "later"])
+        self.put(daemon, "later/plate.json", '{"models": [{"file": "cube.stl"}]}')
+        daemon.wait_done("later")
+        daemon.stop()
+
+    def test_plates_that_were_there_before_the_start_are_printed(self):
+        daemon = self.daemon()
+        self.drop_plate(daemon, "early", BOTH)
+        daemon.start()
+        daemon.wait_done("early")
+        daemon.stop()
+
+    def test_a_plate_and_a_model_of_the_same_name_do_not_overwrite_each_other(self):
+        daemon = self.daemon().start()
+        daemon.drop("part.stl", CUBE)
+        daemon.wait_done("part")
+        self.drop_plate(daemon, "part", BOTH)
+        daemon.wait_done("part-2")
+        daemon.drop("part.stl", CUBE)
+        daemon.wait_done("part-3")
+        self.assertTrue(daemon.has("done", "part.stl") and daemon.has("done", "part-2", "cube.stl"))
+        daemon.stop()
+
+    def test_a_waiting_plate_from_which_a_file_is_taken_waits_for_it_again(self):
+        daemon = self.printing_daemon()
+        self.drop_plate(daemon, "second", BOTH)
+        wait_until(lambda: daemon.status()["queued"] == 1, "the plate in the queue")
+        os.rename(daemon.file("incoming", "second", "post.stl"), self.path("taken.stl"))
+        wait_until(lambda: daemon.status()["queued"] == 0, "an empty queue")
+        self.assertEqual(daemon.status()["incomplete"], {"second": ["post.stl"]})
+        os.rename(self.path("taken.stl"), daemon.file("incoming", "second", "post.stl"))
+        wait_until(lambda: daemon.status()["queued"] == 1, "the plate in the queue again")
+        os.rename(daemon.file("incoming", "second"), self.path("withdrawn"))
+        wait_until(lambda: daemon.status()["queued"] == 0, "an empty queue")
+        self.assertEqual(daemon.status()["incomplete"], {})
+        daemon.stop()
+
+
+class Refusal(PlateTest):
+    def test_what_is_wrong_with_a_plate_is_told(self):
+        daemon = self.daemon().start()
+        self.refused(daemon, "syntax", "{", "plate.json")
+        self.refused(daemon, "unknown", {"models": [{"file": "cube.stl", "colour": 1}]}, "/models/0/colour")
+        self.refused(daemon, "none", {"models": []}, "/models")
+        self.refused(daemon, "outside", {"models": [{"file": "../cube.stl"}]}, "/models/0/file")
+        self.refused(daemon, "over", {"models": [{"file": "cube.stl", "position_mm": {"x": 45}}]},
+                     "cube.stl", "2.00 mm over the right edge")  # fmt: skip
+        self.refused(daemon, "clash", {"models": [{"file": "cube.stl", "position_mm": {}},
+                                                  {"file": "post.stl", "position_mm": {"x": 6}}]},
+                     "cube.stl and post.stl", "height of 0.025 mm")  # fmt: skip
+        self.refused(daemon, "broken", BOTH, "post.stl", "STL", files={"cube.stl": CUBE, "post.stl": b"no model"})
+        self.refused(daemon, "times", {"adaptive_layers": {"cusp_um": 10}, "models": [{"file": "cube.stl"}]}, "working curve")
+        self.drop_plate(daemon, "good", BOTH)
+        daemon.wait_done("good")
+        daemon.stop()
+
+
+class Interruption(PlateTest):
+    def test_a_killed_plate_is_found_in_failed_at_the_next_start(self):
+        daemon = self.printing_daemon(WAITS)
+        daemon.rpc("cancel")
+        daemon.wait_ended("first")
+        daemon.rpc("plate_cleared")
+        self.drop_plate(daemon, "plate.of.two", BOTH)
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.names_in("printing"), ["plate.of.two"])
+        daemon.kill()
+        daemon.start()
+        self.assertEqual(daemon.names_in("printing"), [])
+        self.assertTrue(daemon.has("failed", "plate.of.two", "post.stl"))
+        self.assertIn("interrupted", daemon.read("failed", "plate.of.two.reason.txt"))
+        self.assertEqual(daemon.status()["plate_job"], "plate.of.two")
+        # Put back as it is, it is printed again.
+        os.rename(daemon.file("failed", "plate.of.two"), daemon.file("incoming", "again"))
+        daemon.rpc("plate_cleared")
+        daemon.wait_state("exposing")
+        daemon.process.send_signal(signal.SIGTERM)
+        self.assertEqual(daemon.process.wait(30), 0)
+        self.assertTrue(daemon.has("failed", "again", "plate.json"))
+        self.assertIn("stopped", daemon.read("failed", "again.reason.txt"))
+
+
+if __name__ == "__main__":
+    main()
