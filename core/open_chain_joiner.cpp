@@ -51,7 +51,9 @@ const JoinedChains& OpenChainJoiner::join() {
 }
 
 OpenChainJoiner::Pair OpenChainJoiner::pair_of(std::uint32_t a, std::uint32_t b, double reversal_cost) const {
-  const double gap = std::hypot(ends_[a].x - ends_[b].x, ends_[a].y - ends_[b].y);
+  // Not std::hypot, which differs between C libraries. Coordinates are floats' size: squares do not overflow.
+  const double dx = ends_[a].x - ends_[b].x, dy = ends_[a].y - ends_[b].y;
+  const double gap = std::sqrt(dx * dx + dy * dy);
   const bool reversal = a % 2 == b % 2;
   return {reversal ? reversal_cost + gap * kReversalFactor : gap, gap, a, b};
 }
