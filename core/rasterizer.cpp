@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "core/exact_side.hpp"
+
 namespace contourd {
 namespace {
 
@@ -113,10 +115,20 @@ void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
   const auto end_row =
       static_cast<std::int32_t>(std::ceil(std::clamp(to.y - 0.5, 0.0, static_cast<double>(height_))));
   const double dx_dy = (to.x - from.x) / (to.y - from.y);
-  for (std::int32_t row = first_row; row < end_row; ++row) {
+  // How far x may be off by the roundings of what it is made from.
+  const double rounding = 4e-15 * (1.0 + std::fabs(from.x) + std::fabs(to.x));
+  std::int32_t row = first_row;
+  // The first column whose centre is not left of x. Where x is so near to a centre that it might lie on
+  // either side, the side itself is asked; one whose rounding is a pixel's size ends too far away for that to
+  // mean anything.
+  const auto first_column_from = [&](double x) {
+    const double nearest = std::floor(x);
+    if (std::fabs(x - 0.5 - nearest) > rounding || rounding > 0.25) return std::ceil(x - 0.5);
+    return side_of(from, to, {nearest + 0.5, row + 0.5}) <= 0 ? nearest : nearest + 1;
+  };
+  for (; row < end_row; ++row) {
     const double x = from.x + (row + 0.5 - from.y) * dx_dy;
-    // The first column whose centre is not left of x.
-    const double column = std::ceil(std::max(x - 0.5, 0.0));
+    const double column = std::max(first_column_from(x), 0.0);
     if (column < width_) add_delta(row, static_cast<std::int32_t>(column), sign * kOne);
   }
 }
