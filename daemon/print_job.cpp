@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/crack_survey.hpp"
 #include "core/placement.hpp"
 
 namespace contourd {
@@ -164,6 +165,22 @@ void warn_about_mesh(JobSummary& summary) {
     summary.warnings.emplace_back("the model is inside out; it is printed all the same");
 }
 
+// Every layer is cut, before any is exposed: a guess is not to be printed, not even in the last one.
+void refuse_guesses(const HeightIndex& model, const LayerStack& layers, const PrinterConfig& printer) {
+  std::vector<Nanometers> heights;
+  for (std::int32_t layer = 0; layer < layers.count; ++layer)
+    heights.push_back(layers.middle_of(layer));
+  const CrackSurvey survey = survey_cracks(model, heights, to_millimeters(printer.pixel_pitch));
+  if (!survey.first_open) return;
+  throw JobRefused(fmt::format(
+      "the model is cracked: contours do not close in {} of its {} layers, first in layer {} at {:.3f} mm, "
+      "and the "
+      "widest gap is {:.3f} mm; mend the model, or print it with \"cracks\": \"repair\" in its ticket",
+      survey.open_layers, layers.count, *survey.first_open + 1,
+      to_millimeters(heights[static_cast<std::size_t>(*survey.first_open)]).count(),
+      survey.cracks.widest_gap.count()));
+}
+
 PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   const auto start = SteadyClock::now();
   const JobTicket ticket = files.ticket ? load_job_ticket(*files.ticket) : JobTicket{};
@@ -183,6 +200,7 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   check_inside(bounds, centers, volume);
   summary.layers = choose_layers(ticket, summary.resin, printer, bounds);
   HeightIndex index(std::move(model.facets));
+  if (ticket.cracks == CrackPolicy::Refuse) refuse_guesses(index, summary.layers, printer);
   const auto indexed = SteadyClock::now();
   PrintPlan& plan = job.plan;
   plan.job = files.name;

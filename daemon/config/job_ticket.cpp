@@ -25,6 +25,7 @@ JobTicket read_ticket(const JsonSection& root) {
   ticket.fit = root.boolean("fit");
   ticket.position = {Millimeters{position.number("x")}, Millimeters{position.number("y")}};
   ticket.copies = root.integer<int>("copies");
+  ticket.cracks = root.text("cracks") == "refuse" ? CrackPolicy::Refuse : CrackPolicy::Repair;
   return ticket;
 }
 

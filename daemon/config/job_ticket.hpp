@@ -22,6 +22,12 @@ struct PlateOffset {
   Millimeters y;
 };
 
+// What is to become of a model whose contours cannot be closed without a guess.
+enum class CrackPolicy {
+  Repair,  // close them all the same, and warn
+  Refuse,  // print nothing
+};
+
 // A default-made ticket is what a model without a file gets.
 struct JobTicket {
   std::optional<std::string> resin;        // profile name; not yet known to exist
@@ -31,6 +37,7 @@ struct JobTicket {
   bool fit = false;             // fill the display
   PlateOffset position;
   int copies = 1;
+  CrackPolicy cracks = CrackPolicy::Repair;
 };
 
 // Reads NAME.json from beside NAME.stl. Throws ConfigError with everything that is wrong with it.

@@ -1,0 +1,29 @@
+// What a cracked model cost a layer: the gaps that were bridged to close its contours. A value; thread-safe.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "core/units.hpp"
+
+namespace contourd {
+
+struct LayerCracks {
+  // Ends that missed each other by more than nothing and less than the tolerance, and were joined.
+  std::uint32_t gaps_closed = 0;
+  // The widest distance bridged, a closed open chain's included.
+  Millimeters widest_gap{};
+  // Chains that no join within the tolerance could close: what they enclose is a guess.
+  std::uint32_t open_chains = 0;
+
+  bool operator==(const LayerCracks&) const = default;
+
+  LayerCracks& operator+=(const LayerCracks& other) {
+    gaps_closed += other.gaps_closed;
+    widest_gap = std::max(widest_gap, other.widest_gap);
+    open_chains += other.open_chains;
+    return *this;
+  }
+};
+
+}  // namespace contourd
