@@ -3,26 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+#include <cstddef>
+
+#include "core/sine_cosine.hpp"
 
 namespace contourd {
 namespace {
 
 using Matrix = std::array<std::array<double, 3>, 3>;
-
-struct SineCosine {
-  double sine, cosine;
-};
-
-SineCosine sine_cosine(double degrees) {
-  const double turned = std::remainder(degrees, 360.0);
-  if (turned == 0.0) return {0, 1};
-  if (turned == 90.0) return {1, 0};
-  if (turned == -90.0) return {-1, 0};
-  if (std::fabs(turned) == 180.0) return {0, -1};
-  const double radians = turned * std::numbers::pi / 180.0;
-  return {std::sin(radians), std::cos(radians)};
-}
 
 Matrix multiply(const Matrix& a, const Matrix& b) {
   Matrix product{};

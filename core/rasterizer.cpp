@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/exact_side.hpp"
+
 namespace contourd {
 namespace {
 
@@ -191,8 +193,7 @@ void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
   const auto end_row = static_cast<std::int32_t>(std::ceil(std::clamp(to.y - 0.5, 0.0, height)));
   if (first_row == end_row) return;
   std::uint32_t& first = first_side_at(first_row);
-  center_sides_.push_back(
-      {from.x, from.y, (to.x - from.x) / (to.y - from.y), first_row, end_row, sign, first});
+  center_sides_.push_back({from, to, (to.x - from.x) / (to.y - from.y), first_row, end_row, sign, first});
   first = static_cast<std::uint32_t>(center_sides_.size() - 1);
 }
 
@@ -258,14 +259,25 @@ bool Rasterizer::work_off_in_band(CoveredSide& side, std::int32_t first_row, std
 
 bool Rasterizer::work_off_in_band(CenterSide& side, std::int32_t first_row, std::int32_t end_row) {
   for (; side.row < std::min(side.end_row, end_row); ++side.row) {
-    // The first column whose centre is not left of the side.
-    const double x = side.x + (side.row + 0.5 - side.y) * side.slope;
-    const double column = std::ceil(std::max(x - 0.5, 0.0));
+    const double column = std::max(first_column(side), 0.0);
     if (column >= width_) continue;
     band_.row(side.row - first_row)
         .add(static_cast<std::size_t>(column), CoverageBand::cell(side.sign * kOne, side.sign * kOne));
   }
   return side.row == side.end_row;
+}
+
+// The first column whose centre is not left of the side in its present row.
+double Rasterizer::first_column(const CenterSide& side) {
+  const double center_y = side.row + 0.5;
+  const double x = side.from.x + (center_y - side.from.y) * side.slope;
+  // How far x may be off by the roundings of what it is made from.
+  const double rounding = 4e-15 * (1.0 + std::fabs(side.from.x) + std::fabs(side.to.x));
+  const double nearest = std::floor(x);
+  // Where x is so near to a centre that it might lie on either side, the side itself is asked; one whose
+  // rounding is a pixel's size ends too far away for that to mean anything.
+  if (std::fabs(x - 0.5 - nearest) > rounding || rounding > 0.25) return std::ceil(x - 0.5);
+  return side_of(side.from, side.to, {nearest + 0.5, center_y}) <= 0 ? nearest : nearest + 1;
 }
 
 }  // namespace contourd

@@ -53,7 +53,7 @@ class Rasterizer {
     std::uint32_t next;     // in the band's list
   };
   struct CenterSide {
-    double x, y;                // its upper end
+    PixelPoint from, to;        // downwards
     double slope;               // columns for each row
     std::int32_t row, end_row;  // whose centre lines it crosses
     std::int32_t sign;
@@ -64,6 +64,7 @@ class Rasterizer {
   void add_cut(PixelPoint from, PixelPoint to);
   void add_covered_within(PixelPoint from, PixelPoint to);
   void add_centers(PixelPoint from, PixelPoint to);
+  [[nodiscard]] static double first_column(const CenterSide& side);
   void paint_band(std::int32_t first_row, FillRule rule);
   template <typename Side>
   void work_off(std::vector<Side>& sides, std::int32_t first_row);

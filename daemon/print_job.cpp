@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/crack_survey.hpp"
 #include "core/placement.hpp"
 
 namespace contourd {
@@ -222,6 +223,20 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
   plan.rest = resin.rest;
 }
 
+// Every layer is cut, before any is exposed: a guess is not to be printed, not even in the last one.
+void refuse_guesses(const ModelToPlace& model, const PrintLayers& layers, const BuildVolume& volume) {
+  const std::vector<Nanometers> heights = middles_of(layers.all());
+  const CrackSurvey survey = survey_cracks(*model.model, heights, to_millimeters(volume.display.pixel_pitch));
+  if (!survey.first_open) return;
+  throw JobRefused(
+      fmt::format("{} is cracked: contours do not close in {} of {} layers, first in layer {} at {:.3f} mm, "
+                  "and the widest gap is "
+                  "{:.3f} mm; mend the model, or print it with \"cracks\": \"repair\" in its ticket",
+                  model.name, survey.open_layers, heights.size(), *survey.first_open + 1,
+                  to_millimeters(heights[static_cast<std::size_t>(*survey.first_open)]).count(),
+                  survey.cracks.widest_gap.count()));
+}
+
 PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   const auto start = SteadyClock::now();
   const JobTicket ticket = ticket_of(files);
@@ -240,6 +255,10 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   plan.job = files.name;
   plan.layers = choose_layers(ticket, printer, models, summary);
   check_arrangement(models, arrangement, volume, summary.layers.thinnest);
+  if (ticket.cracks == CrackPolicy::Refuse) {
+    for (const ModelToPlace& model : models)
+      refuse_guesses(model, plan.layers, volume);
+  }
   const auto indexed = SteadyClock::now();
   plan.engine = std::make_unique<ContourEngine>(stand_on_plate(models, arrangement, volume), volume.display,
                                                 printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off);

@@ -73,6 +73,7 @@ JobTicket read_job(const JsonSection& root) {
     if (adaptive.has("min_um")) ticket.adaptive->thinnest = adaptive.length("min_um");
     if (adaptive.has("max_um")) ticket.adaptive->thickest = adaptive.length("max_um");
   }
+  ticket.cracks = root.text("cracks") == "refuse" ? CrackPolicy::Refuse : CrackPolicy::Repair;
   return ticket;
 }
 

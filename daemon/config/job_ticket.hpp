@@ -25,6 +25,12 @@ struct PlateOffset {
   Millimeters y;
 };
 
+// What is to become of a model whose contours cannot be closed without a guess.
+enum class CrackPolicy {
+  Repair,  // close them all the same, and warn
+  Refuse,  // print nothing
+};
+
 // One model: how it is turned, how large it is and where it lies.
 struct ModelTicket {
   std::string file;  // in the plate's folder; empty: the model that the ticket lies beside
@@ -44,9 +50,10 @@ struct AdaptiveTicket {
 
 // A default-made ticket is what a model without a file gets.
 struct JobTicket {
-  std::optional<std::string> resin;                // profile name; not yet known to exist
-  std::optional<Nanometers> layer_height;          // not yet checked against the resin
-  std::optional<AdaptiveTicket> adaptive;          // never together with layer_height
+  std::optional<std::string> resin;        // profile name; not yet known to exist
+  std::optional<Nanometers> layer_height;  // not yet checked against the resin
+  std::optional<AdaptiveTicket> adaptive;  // never together with layer_height
+  CrackPolicy cracks = CrackPolicy::Repair;
   std::vector<ModelTicket> models{ModelTicket{}};  // exactly one in a model's own ticket
 };
 

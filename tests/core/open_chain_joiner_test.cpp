@@ -125,15 +125,45 @@ TEST_CASE("The nearest ends are joined first") {
   CHECK(after->chain == 2);
 }
 
-TEST_CASE("An end prefers a start to an end unless that is four times as far") {
-  // Chain 0 ends between chain 1's end, 1 mm away, and chain 2's start.
-  const auto next_to_first = [](double distance_of_start) {
-    const JoinedChains result =
-        joined({{{-100, 0}, {0, 0}, 9}, {{0, 300}, {0, 1}}, {{0, -distance_of_start}, {0, -300}}});
-    return result.links.at(1).chain;
+TEST_CASE("A turned chain is walked backwards unless it can be closed the right way round nearby") {
+  // Both begin at the left, 1 mm apart, and end at the right; the other way is as far as they are long.
+  const auto any_reversed = [](double length) {
+    const JoinedChains result = joined({{{0, 0}, {length, 0}, 9}, {{0, 1}, {length, 1}, 3}});
+    CHECK(result.links.front().chain == 0);
+    return std::ranges::any_of(result.links, &JoinedChains::Link::reversed);
   };
-  CHECK(next_to_first(3.9) == 2);
-  CHECK(next_to_first(4.1) == 1);
+  CHECK(any_reversed(8.1));
+  CHECK_FALSE(any_reversed(3.9));
+}
+
+TEST_CASE("Only one end of a chain beside its like is no turned chain") {
+  const JoinedChains result = joined({{{-90, 0}, {0, 0}, 9}, {{0, 90}, {0, 1}, 9}});
+  CHECK(std::ranges::none_of(result.links, &JoinedChains::Link::reversed));
+}
+
+TEST_CASE("An end that lost its start to another gets one by pairing anew") {
+  // Chains of 30 um with gaps of 40 um between them: nearest first closes each on itself and leaves the
+  // contour that they belong to open for 1.4 mm.
+  std::vector<OpenChain> chains{{{1.44, 0}, {0, 0}, 100}};
+  for (int i = 0; i < 20; ++i) {
+    const double x = 0.04 + 0.07 * i;
+    chains.push_back({{x, 0}, {x + 0.03, 0}, 9});
+  }
+  const JoinedChains result = joined(chains);
+  CHECK(result.loops.size() == 1);
+  CHECK(result.widest_gap.count() <= 0.05);
+  CHECK(result.gaps_closed == 21);
+}
+
+TEST_CASE("A short segment among cracks is not closed on itself") {
+  // 20 um long between gaps of 30 um.
+  const JoinedChains result =
+      joined({{{0, 0}, {10, 0}, 9}, {{10.03, 0}, {10.05, 0}}, {{10.08, 0}, {0, 0}, 9}});
+  CHECK(result.loops.size() == 1);
+  CHECK(result.gaps_closed == 2);
+  CHECK(result.open_chains == 0);
+  // Alone, it is.
+  CHECK(joined({{{0, 0}, {0.02, 0}}, {{50, 0}, {50.02, 0}}}).loops.size() == 2);
 }
 
 TEST_CASE("Joins within the tolerance and guesses in one loop make it a repaired one") {
@@ -145,7 +175,7 @@ TEST_CASE("Joins within the tolerance and guesses in one loop make it a repaired
 }
 
 TEST_CASE("Two loops far from each other stay two") {
-  const JoinedChains result = joined({{{0, 0}, {0, 0.01}}, {{50, 0}, {50, 1}}});
+  const JoinedChains result = joined({{{0, 0}, {0, 0.01}, 3}, {{50, 0}, {50, 1}, 3}});
   CHECK(result.loops.size() == 2);
   CHECK(result.open_chains == 1);
   CHECK(std::ranges::count_if(result.loops, [](const auto& loop) { return loop.repaired; }) == 1);
@@ -175,7 +205,7 @@ TEST_CASE("Whatever the chains each becomes part of one loop") {
 TEST_CASE("Too many open chains to weigh them all are closed each on itself") {
   std::vector<OpenChain> chains;
   for (int i = 0; i < 5000; ++i)
-    chains.push_back({{i * 10.0, 0}, {i * 10.0, 5}});
+    chains.push_back({{i * 1000.0, 0}, {i * 1000.0, 500}});
   // A pair that meets counts as one chain.
   chains[1].start = chains[0].end;
   const JoinedChains result = joined(chains);

@@ -174,6 +174,28 @@ TEST_CASE("A centre exactly on a shared side belongs to one of both polygons") {
   }
 }
 
+// The tie rule: a centre on a side belongs to what lies right of it, and one on a level side to what lies
+// below. A row's centre line crosses a side whose ends lie on both sides of it or whose upper end lies on it.
+TEST_CASE("A centre exactly on a vertex or a side falls to the right and below") {
+  CHECK(rc::check([] {
+    constexpr int kWidth = 24, kHeight = 20;
+    std::vector<Polygon> polygons(static_cast<std::size_t>(draw(1, 3)));
+    for (Polygon& polygon : polygons) {
+      polygon.resize(static_cast<std::size_t>(draw(3, 7)));
+      // On corners, centres and the middles of sides of pixels; many sides pass through centres on their way.
+      for (PixelPoint& p : polygon)
+        p = {static_cast<double>(draw(-10, 60)) / 2, static_cast<double>(draw(-10, 50)) / 2};
+    }
+    const Mask mask = painted(kWidth, kHeight, AntiAliasing::Off, polygons);
+    for (int row = 0; row < kHeight; ++row) {
+      for (int column = 0; column < kWidth; ++column) {
+        const int expected = winding_at_center(polygons, column, row) != 0 ? 255 : 0;
+        RC_ASSERT(static_cast<int>(mask.row(row)[static_cast<std::size_t>(column)]) == expected);
+      }
+    }
+  }));
+}
+
 TEST_CASE("With anti-aliasing a pixel's grey is its exactly covered part") {
   CHECK(rc::check([] {
     const Polygon star = draw_star({draw_real(0, 24), draw_real(0, 20)}, 0.5, 20);
@@ -201,6 +223,42 @@ TEST_CASE("Polygons far smaller than a pixel and slivers are covered exactly") {
     const double slope = draw_real(-0.2, 0.2);
     const Polygon sliver{{-1, p.y}, {13, p.y + slope}, {13, p.y + slope + 0.03}, {-1, p.y + 0.02}};
     RC_ASSERT(worst_error(painted(12, 12, AntiAliasing::On, {sliver}), sliver) <= kOneLevel);
+  }));
+}
+
+TEST_CASE("Polygons hundreds of times the display's size are covered exactly") {
+  CHECK(rc::check([] {
+    // Flat shapes too: a display's row may pass under a side for thousands of pixels.
+    const double across = draw_real(1, 5000), along = draw_real(1, 5000);
+    Polygon polygon = draw_star({0, 0}, 0.3, 1);
+    const PixelPoint center{draw_real(-along, along), draw_real(-across, across)};
+    for (PixelPoint& p : polygon)
+      p = {center.x + p.x * along, center.y + p.y * across};
+    RC_ASSERT(worst_error(painted(24, 20, AntiAliasing::On, {polygon}), polygon) <= kOneLevel);
+  }));
+}
+
+TEST_CASE("Slivers of a thousandth of a pixel lose no light and make none") {
+  CHECK(rc::check([] {
+    constexpr int kSide = 200;
+    const PixelPoint a{draw_real(5, 195), draw_real(5, 195)}, b{draw_real(5, 195), draw_real(5, 195)};
+    const double length = std::hypot(b.x - a.x, b.y - a.y);
+    RC_PRE(length > 20);
+    const double width = draw_real(0.001, 0.5);
+    const PixelPoint aside{-(b.y - a.y) / length * width, (b.x - a.x) / length * width};
+    const Polygon sliver{a, b, {b.x + aside.x, b.y + aside.y}, {a.x + aside.x, a.y + aside.y}};
+    const Mask mask = painted(kSide, kSide, AntiAliasing::On, {sliver});
+    // A share below half a level is dark: a pixel may lose or gain that much, and two where the sliver lies
+    // askew.
+    RC_ASSERT(mask.lit_area() <= length * width + 2 * length * 0.5 / 255 + 1);
+    for (int row = 0; row < kSide; ++row) {
+      for (int column = 0; column < kSide; ++column) {
+        const double along = ((column + 0.5 - a.x) * (b.x - a.x) + (row + 0.5 - a.y) * (b.y - a.y)) / length;
+        const double off = ((row + 0.5 - a.y) * (b.x - a.x) - (column + 0.5 - a.x) * (b.y - a.y)) / length;
+        const bool far = along < -1 || along > length + 1 || off < -1 || off > width + 1;
+        RC_ASSERT(!far || mask.row(row)[static_cast<std::size_t>(column)] == 0);
+      }
+    }
   }));
 }
 

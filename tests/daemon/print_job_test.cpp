@@ -1,5 +1,7 @@
 #include "daemon/print_job.hpp"
 
+#include <algorithm>
+
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
 #include "tests/models/models.hpp"
@@ -288,4 +290,31 @@ TEST_CASE("A plate is refused with a sentence that names the model that is wrong
   CHECK(desk.refusal_of(R"({"models": [{"file": "gone.stl"}]})").find("gone.stl") != std::string::npos);
   CHECK(desk.refusal_of(R"({"models": [{"file": "cube.stl", "colour": 1}]})").find("/models/0/colour") !=
         std::string::npos);
+}
+
+TEST_CASE("A cracked model is refused when its ticket says so and named by its first open layer") {
+  Desk desk;
+  models::Facets cracked = models::box({0, 0, 0}, {20, 20, 10});
+  models::Facets upper = models::box({5, 5, 10}, {15, 15, 20});
+  // Without the facets of its front.
+  std::erase_if(upper, [](const Facet& facet) {
+    return std::ranges::all_of(facet.vertices, [](const Vertex& v) { return v.y == 5; });
+  });
+  cracked.insert(cracked.end(), upper.begin(), upper.end());
+  const std::string refuse = R"({"layer_height_um": 100, "cracks": "refuse"})";
+  CHECK(desk.refusal_of(cracked, refuse) ==
+        "the model is cracked: contours do not close in 100 of 200 layers, first in layer 101 at 10.050 "
+        "mm, and "
+        "the widest gap is 10.000 mm; mend the model, or print it with \"cracks\": \"repair\" in its ticket");
+  CHECK(desk.refusal_of(cracked, R"({"layer_height_um": 100, "cracks": "repair"})").empty());
+  CHECK(desk.refusal_of(cracked).empty());
+  CHECK(desk.refusal_of(kCube, refuse).empty());
+}
+
+TEST_CASE("Gaps within a pixel are no reason to refuse a model") {
+  Desk desk;
+  models::Facets cracked = kCube;
+  for (Vertex& v : cracked[4].vertices)
+    v.y -= 0.02F;
+  CHECK(desk.refusal_of(cracked, R"({"cracks": "refuse"})").empty());
 }

@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/sine_cosine.hpp"
+
 namespace contourd::models {
 namespace {
 
@@ -186,10 +188,14 @@ Facets sphere(double radius_mm, int cells) {
 Facets gyroid_sphere(double radius_mm, double period_mm, int cells) {
   constexpr double kHalfWall = 0.75;  // of the gyroid's value, which spans -1.5 to 1.5
   const double k = 2 * std::numbers::pi / period_mm;
+  // The core's own, so that the model is the same on every machine.
+  const auto turn = [=](double mm) { return sine_cosine(360.0 / period_mm * mm); };
   Facets facets = isosurface(
       [=](double x, double y, double z) {
-        const double gyroid = std::sin(k * x) * std::cos(k * y) + std::sin(k * y) * std::cos(k * z) +
-                              std::sin(k * z) * std::cos(k * x);
+        const auto [sx, cx] = turn(x);
+        const auto [sy, cy] = turn(y);
+        const auto [sz, cz] = turn(z);
+        const double gyroid = sx * cy + sy * cz + sz * cx;
         const double shell = std::sqrt(x * x + y * y + z * z) - radius_mm;
         return std::fmax(std::fabs(gyroid) - kHalfWall, k * shell);
       },

@@ -116,6 +116,8 @@ TEST_CASE("a ticket's figures have limits") {
         Complaints{"/scale: 1000.5 is more than the limit, 1000"});
   CHECK(complaints_about(R"({"copies": 0})") == Complaints{"/copies: 0 is less than the least allowed, 1"});
   CHECK(complaints_about(R"({"copies": 101})") == Complaints{"/copies: 101 is more than the limit, 100"});
+  CHECK(complaints_about(R"({"cracks": "refuse"})").empty());
+  CHECK(complaints_about(R"({"cracks": "mend"})").size() == 1);
   CHECK(complaints_about(R"({"copies": 1.5})") == Complaints{"/copies: expected a whole number, found 1.5"});
   CHECK(complaints_about(R"({"position_mm": {"x": 1001}})") ==
         Complaints{"/position_mm/x: 1001 is more than the limit, 1000 mm"});

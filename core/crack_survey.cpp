@@ -1,0 +1,30 @@
+#include "core/crack_survey.hpp"
+
+#include "core/contour_loops.hpp"
+#include "core/slicer.hpp"
+
+namespace contourd {
+
+CrackSurvey survey_cracks(const HeightIndex& model, std::span<const Nanometers> heights,
+                          Millimeters tolerance) {
+  CrackSurvey survey;
+  Section section;
+  ContourLinker linker;
+  Contours contours;
+  std::int32_t layer = 0;
+  for (const Nanometers height : heights) {
+    slice_at(model, model.bounds().min_z + to_millimeters(height).count(), section);
+    if (!section.balanced) {
+      linker.link(section.segments, tolerance, contours);
+      survey.cracks += LayerCracks{contours.gaps_closed, contours.widest_gap, contours.open_chains};
+      if (contours.open_chains > 0) {
+        ++survey.open_layers;
+        if (!survey.first_open) survey.first_open = layer;
+      }
+    }
+    ++layer;
+  }
+  return survey;
+}
+
+}  // namespace contourd

@@ -1,0 +1,223 @@
+// Prints a digest of everything that the core computes for a broad set of models, heights and settings, a
+// line each. Two machines compute the same masks exactly when they print the same bytes (.ci/arm64 compares
+// two).
+#include <algorithm>
+#include <bit>
+#include <cinttypes>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/contour_engine.hpp"
+#include "core/mesh_report.hpp"
+#include "core/placement.hpp"
+#include "core/sine_cosine.hpp"
+#include "core/stl_reader.hpp"
+#include "tests/models/damage.hpp"
+
+namespace contourd {
+namespace {
+
+// FNV-1a, 64 bits.
+class Digest {
+ public:
+  void add(std::uint8_t byte) { state_ = (state_ ^ byte) * 0x100000001B3U; }
+  void add(std::uint64_t word) {
+    for (int shift = 0; shift < 64; shift += 8)
+      add(static_cast<std::uint8_t>(word >> shift));
+  }
+  void add(double number) { add(std::bit_cast<std::uint64_t>(number)); }
+  [[nodiscard]] std::uint64_t value() const { return state_; }
+
+ private:
+  std::uint64_t state_ = 0xCBF29CE484222325U;
+};
+
+std::uint64_t digest_of(const Mask& mask) {
+  Digest digest;
+  for (const std::uint8_t grey : mask.pixels())
+    digest.add(grey);
+  return digest.value();
+}
+
+std::uint64_t digest_of(const Contours& contours) {
+  Digest digest;
+  for (const Point& p : contours.points) {
+    digest.add(p.x);
+    digest.add(p.y);
+  }
+  for (const ContourLoop& loop : contours.loops)
+    digest.add(std::uint64_t{loop.point_count});
+  digest.add(contours.widest_gap.count());
+  return digest.value();
+}
+
+struct Subject {
+  std::string name;
+  models::Facets facets;
+};
+
+models::Facets together(models::Facets a, const models::Facets& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+// Facets anywhere, at the ends of float's range and below its normal numbers too.
+models::Facets soup(std::size_t count, double reach, models::Dice& dice) {
+  models::Facets facets(count);
+  for (Facet& facet : facets) {
+    for (Vertex& v : facet.vertices)
+      v = dice.in_ball(reach);
+  }
+  return facets;
+}
+
+std::vector<Subject> good_models() {
+  models::Facets hollow = models::box({-8, -8, 0}, {8, 8, 12});
+  models::Facets cavity = models::box({-5, -5, 3}, {5.3F, 5.7F, 9});
+  models::invert(cavity);
+  return {{"box", models::box({0.1F, 0.2F, 0.3F}, {12.7F, 9.9F, 7.1F})},
+          {"sliver", models::box({-9, 0.013F, 0}, {9, 0.021F, 15})},
+          {"hollow", together(hollow, cavity)},
+          {"overlap", together(hollow, models::box({-3.3F, -3.3F, 5.5F}, {10.1F, 2.2F, 14.9F}))},
+          {"sphere", models::sphere(7, 14)},
+          {"gyroid", models::gyroid_sphere(8, 5, 24)}};
+}
+
+std::vector<Subject> bad_models() {
+  models::Dice dice(2019);
+  models::Facets shaken = models::gyroid_sphere(8, 5, 20);
+  models::shake_corners(shaken, 0.02, dice);
+  models::Facets holed = models::sphere(7, 14);
+  models::drop_facets(holed, 0.02, dice);
+  models::Facets split = models::gyroid_sphere(8, 5, 18);
+  models::split_sides(split, 0.1, 0.02, dice);
+  models::Facets turned = models::sphere(6, 10);
+  std::swap(turned[7].vertices[0], turned[7].vertices[1]);
+  return {{"shaken", shaken},
+          {"holed", holed},
+          {"split", split},
+          {"turned", turned},
+          {"soup", soup(300, 9, dice)},
+          {"huge", soup(60, 3e38, dice)},
+          {"tiny", soup(60, 1e-41, dice)}};
+}
+
+struct Setting {
+  const char* name;
+  AntiAliasing anti_aliasing;
+  DisplayGeometry display;
+  bool fit = false;
+  bool copies = false;
+};
+
+std::vector<Setting> settings() {
+  constexpr Pixels kWidth{321}, kHeight{217};
+  const DisplayGeometry straight{kWidth, kHeight, Micrometers{101.0}};
+  const DisplayGeometry mirrored{kWidth, kHeight, Micrometers{50.0}, true, true};
+  return {{"grey", AntiAliasing::On, straight},
+          {"1-bit", AntiAliasing::Off, straight},
+          {"grey mirrored copies", AntiAliasing::On, mirrored, false, true},
+          {"grey fit", AntiAliasing::On, straight, true},
+          {"1-bit mirrored fit", AntiAliasing::Off, mirrored, true}};
+}
+
+std::vector<PixelMap> maps_of(const Setting& setting, const Bounds& bounds) {
+  if (setting.fit) return {PixelMap::fit(setting.display, bounds)};
+  const Point center = bounds.center();
+  std::vector<PixelMap> maps{PixelMap::true_scale(setting.display, center)};
+  if (setting.copies) {
+    maps.push_back(PixelMap::true_scale(setting.display, {center.x + 4.567, center.y - 1.234}));
+    maps.push_back(PixelMap::true_scale(setting.display, {center.x - 40, center.y + 3.21}));
+  }
+  return maps;
+}
+
+void print_layers(const std::string& name, const HeightIndex& model, const Setting& setting) {
+  const Bounds& bounds = model.bounds();
+  ContourEngine engine(model, setting.display, setting.anti_aliasing, maps_of(setting, bounds));
+  // The bottom and the middle, where flat faces and vertices are, and heights between.
+  for (const double part : {0.0, 0.07, 0.213, 0.41, 0.5, 0.6401, 0.83, 0.97}) {
+    const double z = bounds.min_z + part * bounds.size_z();
+    std::printf("%s, %s, %.2f: %016" PRIx64 "\n", name.c_str(), setting.name, part,
+                digest_of(engine.mask_at_z(Millimeters{z})));
+  }
+}
+
+void print_contours(const std::string& name, const HeightIndex& model) {
+  Section section;
+  ContourLinker linker;
+  Contours contours;
+  for (const double part : {0.0, 0.1, 0.37, 0.5, 0.77}) {
+    slice_at(model, model.bounds().min_z + part * model.bounds().size_z(), section);
+    linker.link(section.segments, Millimeters{0.05}, contours);
+    std::printf("%s, contours, %.2f: %016" PRIx64 ", %zu loops, %u gaps, %u open\n", name.c_str(), part,
+                digest_of(contours), contours.loops.size(), contours.gaps_closed, contours.open_chains);
+  }
+}
+
+// A model as a file's bytes, read back: the reader is part of what must agree.
+models::Facets read_back(const models::Facets& facets, bool ascii) {
+  if (!ascii) return read_stl(models::to_binary_stl(facets)).facets;
+  const std::string text = models::to_ascii_stl(facets);
+  return read_stl(std::as_bytes(std::span(text))).facets;
+}
+
+void print_subject(const Subject& subject, const Orientation& orientation, const char* turn, bool ascii) {
+  models::Facets facets = read_back(subject.facets, ascii);
+  orient(facets, orientation);
+  const std::string name = subject.name + " " + turn;
+  Digest digest;
+  for (const Facet& facet : facets) {
+    for (const Vertex& v : facet.vertices) {
+      for (const float coordinate : {v.x, v.y, v.z})
+        digest.add(std::uint64_t{std::bit_cast<std::uint32_t>(coordinate)});
+    }
+  }
+  digest.add(inspect_mesh(facets).volume_mm3);
+  std::printf("%s, facets: %016" PRIx64 "\n", name.c_str(), digest.value());
+  const HeightIndex model(std::move(facets));
+  for (const Setting& setting : settings())
+    print_layers(name, model, setting);
+  print_contours(name, model);
+}
+
+void print_sines() {
+  Digest digest;
+  for (int i = -50'000; i <= 50'000; ++i) {
+    const auto [sine, cosine] = sine_cosine(i * 0.0123);
+    digest.add(sine);
+    digest.add(cosine);
+  }
+  std::printf("sines: %016" PRIx64 "\n", digest.value());
+}
+
+void print_everything() {
+  print_sines();
+  const Orientation turned{45, 30, 10.1, Scale(1.0)}, scaled{0, 90, -123.456, Scale(0.777)};
+  for (const auto& subjects : {good_models(), bad_models()}) {
+    for (const Subject& subject : subjects) {
+      print_subject(subject, {}, "as it is", true);
+      // Turned, float's greatest numbers would leave its range.
+      if (subject.name == "huge") continue;
+      print_subject(subject, turned, "turned", false);
+      print_subject(subject, scaled, "scaled", false);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace contourd
+
+int main() {
+  try {
+    contourd::print_everything();
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "mask-digests: %s\n", error.what());
+    return 70;
+  }
+}

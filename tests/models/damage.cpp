@@ -1,0 +1,87 @@
+#include "tests/models/damage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace contourd::models {
+namespace {
+
+Vertex sum(const Vertex& a, const Vertex& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+Vertex middle_of(const Vertex& a, const Vertex& b) {
+  return {(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2};
+}
+
+std::size_t count_of(double share, std::size_t of) {
+  return std::clamp<std::size_t>(static_cast<std::size_t>(share * static_cast<double>(of)), 1, of);
+}
+
+}  // namespace
+
+std::uint64_t Dice::roll() {
+  std::uint64_t bits = state_ += 0x9E3779B97F4A7C15U;
+  bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9U;
+  bits = (bits ^ (bits >> 27)) * 0x94D049BB133111EBU;
+  return bits ^ (bits >> 31);
+}
+
+double Dice::between(double low, double high) {
+  return low + (high - low) * (static_cast<double>(roll() >> 11) * 0x1p-53);
+}
+
+std::size_t Dice::below(std::size_t count) {
+  return static_cast<std::size_t>(roll() % count);
+}
+
+Vertex Dice::in_ball(double radius) {
+  while (true) {
+    const double x = between(-1, 1), y = between(-1, 1), z = between(-1, 1);
+    if (x * x + y * y + z * z > 1) continue;
+    return {static_cast<float>(x * radius), static_cast<float>(y * radius), static_cast<float>(z * radius)};
+  }
+}
+
+void shake_corners(Facets& facets, double reach_mm, Dice& dice) {
+  for (Facet& facet : facets) {
+    for (Vertex& v : facet.vertices)
+      v = sum(v, dice.in_ball(reach_mm));
+  }
+}
+
+void shake_vertices(Facets& facets, double reach_mm, Dice& dice) {
+  std::map<std::tuple<float, float, float>, Vertex> moved;
+  for (Facet& facet : facets) {
+    for (Vertex& v : facet.vertices) {
+      const auto [place, is_new] = moved.try_emplace({v.x, v.y, v.z});
+      if (is_new) place->second = sum(v, dice.in_ball(reach_mm));
+      v = place->second;
+    }
+  }
+}
+
+Facets drop_facets(Facets& facets, double share, Dice& dice) {
+  Facets dropped;
+  for (std::size_t left = facets.empty() ? 0 : count_of(share, facets.size()); left > 0; --left) {
+    std::swap(facets[dice.below(facets.size())], facets.back());
+    dropped.push_back(facets.back());
+    facets.pop_back();
+  }
+  return dropped;
+}
+
+void split_sides(Facets& facets, double share, double reach_mm, Dice& dice) {
+  const std::size_t whole = facets.size();
+  for (std::size_t left = whole == 0 ? 0 : count_of(share, whole); left > 0; --left) {
+    auto& [a, b, c] = facets[dice.below(whole)].vertices;
+    const Vertex middle = sum(middle_of(a, b), dice.in_ball(reach_mm));
+    const Facet other{{middle, b, c}};
+    b = middle;
+    facets.push_back(other);
+  }
+}
+
+}  // namespace contourd::models

@@ -1,0 +1,47 @@
+"""Cracked models under both policies: repaired with warnings, or refused before anything is exposed."""
+
+from harness import NIMBLE_RESIN, Daemon, FolderTest, binary_stl, box, main
+
+
+def without_front(facets, y):
+    return [facet for facet in facets if any(vertex[1] != y for vertex in facet)]
+
+
+# A slab of 1 mm and a tower of 1 mm whose front is missing: 10 + 10 layers of 100 um.
+CRACKED = binary_stl(box((0, 0, 0), (10, 10, 1)) + without_front(box((2, 2, 1), (6, 6, 2)), 2))
+SOUND = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 2, 1), (6, 6, 2)))
+
+
+class Policies(FolderTest):
+    def daemon(self):
+        return Daemon(self, None, NIMBLE_RESIN, False).start()
+
+    def test_a_cracked_model_is_repaired_and_warned_about_unless_its_ticket_refuses_it(self):
+        for job, policy in (("plain", {}), ("marked", {"cracks": "repair"})):
+            with self.subTest(policy=policy):
+                daemon = self.daemon()
+                daemon.drop(job + ".stl", CRACKED, {"layer_height_um": 100, **policy})
+                report = daemon.wait_done(job)
+                self.assertIn("not watertight", " ".join(report["model"]["warnings"]))
+                layers = report["layer_records"]
+                self.assertEqual([layer["open_chains"] for layer in layers], [0] * 10 + [1] * 10)
+                self.assertEqual({layer["widest_gap_mm"] for layer in layers[10:]}, {4.0})
+                # Across the missing front the contour closes straight: the light is that of the sound model.
+                self.assertEqual({round(layer["area_mm2"], 6) for layer in layers[10:]}, {16.0})
+                self.assertIn("layer 11: 1 contours did not close; the widest gap bridged is 4.000 mm", daemon.log())
+                daemon.stop()
+
+    def test_a_ticket_that_refuses_cracks_refuses_the_model_before_its_first_layer(self):
+        daemon = self.daemon()
+        daemon.drop("part.stl", CRACKED, {"layer_height_um": 100, "cracks": "refuse"})
+        reason = daemon.wait_refused("part")
+        self.assert_one_line(reason.encode(), "10 of 20 layers", "layer 11 at 1.050 mm", "widest gap is 4.000 mm")
+        self.assertNotIn("layer 1 of", daemon.log())
+        # The plate is still clear: the next job begins by itself.
+        daemon.drop("sound.stl", SOUND, {"layer_height_um": 100, "cracks": "refuse"})
+        self.assertEqual(daemon.wait_done("sound")["layers"], 20)
+        daemon.stop()
+
+
+if __name__ == "__main__":
+    main()
