@@ -17,7 +17,7 @@ struct Compensation {
 
   // Outwards, for the section at a height above the plate.
   [[nodiscard]] Micrometers offset_at(Nanometers height) const {
-    if (height >= elephant_foot_height) return growth;
+    if (elephant_foot == Micrometers{} || height >= elephant_foot_height) return growth;
     const auto gone = static_cast<double>(std::max(height, Nanometers{0}).count());
     return growth - elephant_foot * (1.0 - gone / static_cast<double>(elephant_foot_height.count()));
   }

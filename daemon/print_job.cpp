@@ -34,6 +34,11 @@ DisplayGeometry display_of(const PrinterConfig& printer) {
           printer.mirror_y};
 }
 
+EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin) {
+  return {display_of(printer), printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off,
+          resin.compensation, printer.tone, printer.lamp};
+}
+
 struct BuildVolume {
   double x_mm, y_mm, z_mm;
 };
@@ -122,6 +127,23 @@ void check_inside(const Bounds& bounds, const std::vector<Point>& centers, const
   }
 }
 
+// A part that fills the display is not refused for some micrometres that it grows by.
+void warn_if_grown_beyond(const Bounds& bounds, const std::vector<Point>& centers, const BuildVolume& volume,
+                          JobSummary& summary) {
+  const double growth_mm = to_millimeters(summary.resin.compensation.growth).count();
+  for (const Point& center : centers) {
+    const double beyond = std::fmax(std::fabs(center.x) + bounds.size_x() / 2 - volume.x_mm / 2,
+                                    std::fabs(center.y) + bounds.size_y() / 2 - volume.y_mm / 2) +
+                          growth_mm;
+    // A micrometre: the rounding of float coordinates.
+    if (growth_mm <= 0 || beyond <= 1e-3) continue;
+    summary.warnings.push_back(fmt::format(
+        "the resin's growth_um moves contours {:.0f} um beyond the display, where they are cut off",
+        beyond * 1000));
+    return;
+  }
+}
+
 std::vector<PixelMap> maps_of(const std::vector<Point>& centers, const Bounds& bounds,
                               const PrinterConfig& printer) {
   std::vector<PixelMap> maps;
@@ -177,18 +199,20 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   summary.rotation_deg = ticket.rotation;
   summary.position = ticket.position;
   summary.copies = ticket.copies;
+  summary.tone = printer.tone;
+  summary.lamp_mask = printer.lamp.has_value();
   const BuildVolume volume = build_volume(printer, summary.resin);
   const Bounds bounds = place(model.facets, ticket, printer, volume, summary);
   const std::vector<Point> centers = arrange_copies(bounds, ticket, volume);
   check_inside(bounds, centers, volume);
+  warn_if_grown_beyond(bounds, centers, volume, summary);
   summary.layers = choose_layers(ticket, summary.resin, printer, bounds);
   HeightIndex index(std::move(model.facets));
   const auto indexed = SteadyClock::now();
   PrintPlan& plan = job.plan;
   plan.job = files.name;
   plan.layers = summary.layers;
-  plan.engine = std::make_unique<ContourEngine>(std::move(index), display_of(printer),
-                                                printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off,
+  plan.engine = std::make_unique<ContourEngine>(std::move(index), engine_settings(printer, summary.resin),
                                                 maps_of(centers, bounds, printer));
   // Computed for its time, and to have the engine's memory grown before the print needs it.
   (void)plan.engine->mask_at(summary.layers.middle_of(0));
@@ -214,6 +238,24 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
 }
 
 }  // namespace
+
+std::string describe_correction(const JobSummary& summary) {
+  const Compensation& c = summary.resin.compensation;
+  std::string text;
+  const auto add = [&text](const std::string& clause) { text += (text.empty() ? "" : ", ") + clause; };
+  if (c.growth != Micrometers{}) {
+    add(fmt::format("contours moved {} by {:g} um", c.growth > Micrometers{} ? "outwards" : "inwards",
+                    std::fabs(c.growth.count())));
+  }
+  if (c.elephant_foot != Micrometers{}) {
+    add(fmt::format("elephant foot of {:g} um over {:g} um of height taken off", c.elephant_foot.count(),
+                    to_millimeters(c.elephant_foot_height).count() * 1000));
+  }
+  if (summary.lamp_mask) add("lamp evened out");
+  if (summary.tone.gamma != 1.0) add(fmt::format("gamma {:g}", summary.tone.gamma));
+  if (summary.tone.threshold != 0) add(fmt::format("grey below {} left dark", summary.tone.threshold));
+  return text;
+}
 
 PreparedJob prepare_job(const JobFiles& files, const PrinterConfig& printer) {
   try {

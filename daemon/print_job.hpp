@@ -38,12 +38,18 @@ struct JobSummary {
   PlateOffset position;
   int copies = 1;
   ResinProfile resin;
+  ToneCurve tone;          // of the printer
+  bool lamp_mask = false;  // whether the printer evens out its lamp
   LayerStack layers;
   Duration reading{};     // the file, to facets
   Duration indexing{};    // placement and height index
   Duration first_mask{};  // from the first facet to the mask of layer 1
   std::vector<std::string> warnings;
 };
+
+// What is done to contours and masks beyond slicing, for a person: "contours moved outwards by 50 um, ...".
+// Empty when nothing is.
+[[nodiscard]] std::string describe_correction(const JobSummary& summary);
 
 struct PreparedJob {
   PrintPlan plan;

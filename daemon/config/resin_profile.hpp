@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/compensation.hpp"
 #include "core/units.hpp"
 #include "hw/clock.hpp"
 
@@ -40,6 +41,7 @@ struct ResinProfile {
   std::variant<FixedExposure, WorkingCurve> exposure;
   int bottom_layers = 0;  // get the bottom exposure
   int fade_layers = 0;    // after those: from the bottom exposure to the normal one
+  Compensation compensation;
   Nanometers lift;
   MillimetersPerSecond lift_speed;
   MillimetersPerSecond retract_speed;

@@ -56,10 +56,10 @@ namespace {
 constexpr Nanometers kLayer{500'000};
 
 // Allocations of a second pass over all layers.
-long allocations_when_warm(models::Facets facets) {
-  const DisplayGeometry display{Pixels{480}, Pixels{480}};
-  ContourEngine engine(HeightIndex(std::move(facets)), display, AntiAliasing::On,
-                       {PixelMap::true_scale(display, {0, 0})});
+long allocations_when_warm(models::Facets facets, EngineSettings settings = {}) {
+  settings.display = {Pixels{480}, Pixels{480}};
+  ContourEngine engine(HeightIndex(std::move(facets)), settings,
+                       {PixelMap::true_scale(settings.display, {0, 0})});
   long during_second = 0;
   for (int pass = 0; pass < 2; ++pass) {
     const long before = allocations;
@@ -89,4 +89,18 @@ TEST_CASE("A warm engine allocates nothing for a cracked model") {
   for (std::size_t i = 0; i < facets.size(); i += 100)
     facets[i] = facets.back();
   CHECK(allocations_when_warm(facets) == 0);
+}
+
+TEST_CASE("A warm engine allocates nothing for compensated masks") {
+  // Two gyroids in one place overlap everywhere.
+  models::Facets facets = models::gyroid_sphere(10, 6, 24);
+  models::Facets other = models::gyroid_sphere(10, 5, 20);
+  facets.insert(facets.end(), other.begin(), other.end());
+  for (const double growth : {-60.0, 60.0}) {
+    EngineSettings settings;
+    settings.compensation = {Micrometers{growth}, Micrometers{100}, Nanometers{5'000'000}};
+    settings.tone = {2.2, 10};
+    settings.lamp.emplace(Pixels{480}, Pixels{480});
+    CHECK(allocations_when_warm(facets, settings) == 0);
+  }
 }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <stdexcept>
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/core/random_contours.hpp"
 #include "tests/core/random_shapes.hpp"
 #include "tests/core/section_fixture.hpp"
 
@@ -20,7 +22,7 @@ const DisplayGeometry kDisplay{Pixels{480}, Pixels{440}, Micrometers{50.0}};
 
 ContourEngine engine_for(models::Facets facets, AntiAliasing anti_aliasing = AntiAliasing::On,
                          Point center = {10, 10}) {
-  return ContourEngine(HeightIndex(std::move(facets)), kDisplay, anti_aliasing,
+  return ContourEngine(HeightIndex(std::move(facets)), {kDisplay, anti_aliasing, {}, {}, {}},
                        {PixelMap::true_scale(kDisplay, center)});
 }
 
@@ -105,7 +107,7 @@ TEST_CASE("A mask has the display's size") {
 
 TEST_CASE("A display without pixels or with too many is refused") {
   const auto engine = [](int width, int height) {
-    return ContourEngine(HeightIndex(), {Pixels{width}, Pixels{height}}, AntiAliasing::On, {});
+    return ContourEngine(HeightIndex(), {.display = {Pixels{width}, Pixels{height}}}, {});
   };
   CHECK_THROWS_AS(engine(0, 100), std::invalid_argument);
   CHECK_THROWS_AS(engine(100, 16385), std::invalid_argument);
@@ -116,7 +118,7 @@ TEST_CASE("Every copy of a model is lit at its own place") {
   const PixelMap left = PixelMap::true_scale(kDisplay, {6, 1}),
                  right = PixelMap::true_scale(kDisplay, {-4, 1});
   const auto mask_with = [&](const std::vector<PixelMap>& copies) {
-    return Mask(ContourEngine(post, kDisplay, AntiAliasing::On, copies).mask_at(Nanometers{1}));
+    return Mask(ContourEngine(post, {.display = kDisplay}, copies).mask_at(Nanometers{1}));
   };
   const Mask both = mask_with({left, right}), one = mask_with({left}), other = mask_with({right});
   CHECK(both.lit_area() == 2 * 40.0 * 40.0);
@@ -130,7 +132,7 @@ TEST_CASE("The copies of a cracked model are lit alike") {
   models::Facets box = models::box({0, 0, 0}, {2, 2, 5});
   box.pop_back();
   const HeightIndex model(box);
-  ContourEngine engine(model, kDisplay, AntiAliasing::On,
+  ContourEngine engine(model, {.display = kDisplay},
                        {PixelMap::true_scale(kDisplay, {6, 1}), PixelMap::true_scale(kDisplay, {-4, 1})});
   CHECK(engine.mask_at(Nanometers{1'000'000}).lit_area() == 2 * 40.0 * 40.0);
 }
@@ -247,4 +249,123 @@ TEST_CASE("An engine knows its model") {
   const ContourEngine engine = engine_for(slab_and_post());
   CHECK(engine.model().facets().size() == 24);
   CHECK(engine.model().bounds().max_z == 10);
+}
+
+namespace {
+
+EngineSettings with_compensation(const Compensation& compensation,
+                                 AntiAliasing anti_aliasing = AntiAliasing::On) {
+  return {.display = kDisplay, .anti_aliasing = anti_aliasing, .compensation = compensation};
+}
+
+ContourEngine engine_with(const EngineSettings& settings, models::Facets facets) {
+  return ContourEngine(HeightIndex(std::move(facets)), settings,
+                       {PixelMap::true_scale(settings.display, {10, 10})});
+}
+
+}  // namespace
+
+TEST_CASE("A part grows and shrinks by its compensation on every side") {
+  for (const double um : {-500.0, -130.0, -10.0, 10.0, 130.0, 500.0}) {
+    CAPTURE(um);
+    const double d = um / 1000;
+    ContourEngine engine = engine_with(with_compensation({.growth = Micrometers{um}}), slab_and_post());
+    const auto exact = [d](double side) {
+      return d < 0 ? (side + 2 * d) * (side + 2 * d) : side * side + 4 * side * d + std::numbers::pi * d * d;
+    };
+    // The chords of four quarter circles, and half a level at each of their and the sides' pixels.
+    const double tolerance =
+        4 * d * d * 0.0005 + 2 * std::numbers::pi * std::fabs(d) * 0.0005 + 2000 * 0.5 / 255 * 0.05 * 0.05;
+    CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), exact(20), tolerance));
+    CHECK(near(area(engine.mask_at(Nanometers{6'000'000})), exact(10), tolerance));
+  }
+}
+
+TEST_CASE("The elephant foot is taken off at the plate and nothing above its height") {
+  const Compensation foot{{}, Micrometers{200}, Nanometers{2'000'000}};
+  ContourEngine engine = engine_with(with_compensation(foot), slab_and_post());
+  CHECK(near(area(engine.mask_at(Nanometers{0})), 19.6 * 19.6, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), 19.8 * 19.8, kRoundingMm2));
+  ContourEngine plain = engine_for(slab_and_post());
+  for (const std::int64_t nm : {2'000'000, 3'000'000, 6'000'000})
+    CHECK(engine.mask_at(Nanometers{nm}) == plain.mask_at(Nanometers{nm}));
+}
+
+TEST_CASE("A compensated 1-bit mask holds the pixels whose centres are within the distance of the part") {
+  models::Facets facets = models::gyroid_sphere(9, 6, 24);
+  models::translate(facets, 10, 10, 0);
+  const Nanometers height{7'300'000};
+  const Contours contours = engine_for(facets).contours_at(height);
+  for (const double um : {-180.0, -60.0, 60.0, 180.0}) {
+    CAPTURE(um);
+    ContourEngine engine =
+        engine_with(with_compensation({.growth = Micrometers{um}}, AntiAliasing::Off), facets);
+    const Mask& mask = engine.mask_at(height);
+    std::int64_t lit = 0, wrong = 0;
+    for (std::int32_t row = 0; row < mask.height().count(); row += 3) {
+      for (std::int32_t column = 0; column < mask.width().count(); column += 3) {
+        const Point center{10 + (column + 0.5 - 240) * 0.05, 10 - (row + 0.5 - 220) * 0.05};
+        const double away = testing::distance_to_sides(contours, center) *
+                            (testing::winding_around(contours, center) != 0 ? -1 : 1);
+        // The chords of arcs, and points within 2^-15 mm that are taken for one.
+        if (std::fabs(away - um / 1000) < 0.0006) continue;
+        const bool is_lit = mask.row(row)[static_cast<std::size_t>(column)] != 0;
+        lit += is_lit;
+        wrong += is_lit != (away < um / 1000);
+      }
+    }
+    CHECK(lit > 100);
+    CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("A compensated grey mask's light is the moved contours' area") {
+  models::Facets facets = models::gyroid_sphere(9, 6, 24);
+  models::translate(facets, 10, 10, 0);
+  const Nanometers height{7'300'000};
+  const Contours contours = engine_for(facets).contours_at(height);
+  for (const double um : {-100.0, 100.0}) {
+    Contours moved;
+    ContourOffset().offset(contours, Millimeters{um / 1000}, moved);
+    const double exact = testing::signed_area(moved);
+    ContourEngine engine = engine_with(with_compensation({.growth = Micrometers{um}}), facets);
+    CHECK(near(area(engine.mask_at(height)), exact, exact * 1e-4));
+  }
+}
+
+TEST_CASE("Every copy of a compensated model is lit alike, mirrored or not") {
+  const HeightIndex post(models::box({0, 0, 0}, {2, 2, 5}));
+  DisplayGeometry mirrored = kDisplay;
+  mirrored.mirror_x = true;
+  EngineSettings settings = with_compensation({.growth = Micrometers{100}});
+  const double one = 4 + 8 * 0.1 + std::numbers::pi * 0.01;
+  ContourEngine engine(post, settings,
+                       {PixelMap::true_scale(kDisplay, {6, 1}), PixelMap::true_scale(mirrored, {6, 1})});
+  // Twice the chords of a circle of 0.1 mm, and half a level at 2 x 180 pixels.
+  CHECK(near(area(engine.mask_at(Nanometers{1})), 2 * one, 2 * 0.63 * 0.0005 + 360 * 0.5 / 255 * 0.0025));
+}
+
+TEST_CASE("The lamp's mask, threshold and gamma are applied to the mask and not to its coverage") {
+  EngineSettings settings = with_compensation({});
+  settings.tone = {2.2, 10};
+  settings.lamp.emplace(kDisplay.width, kDisplay.height);
+  for (std::int32_t y = 0; y < kDisplay.height.count(); ++y)
+    std::ranges::fill(settings.lamp->row(y), static_cast<std::uint8_t>(155 + y % 100));
+  ContourEngine engine = engine_with(settings, ball()), plain = engine_for(ball());
+  for (const std::int64_t nm : {8'000'000, 1'000'000}) {
+    const Mask& mask = engine.mask_at(Nanometers{nm});
+    const Mask& coverage = plain.mask_at(Nanometers{nm});
+    CHECK(engine.coverage() == coverage);
+    Mask expected(kDisplay.width, kDisplay.height);
+    ExposureCorrection(settings.tone, settings.lamp).apply(coverage, expected);
+    CHECK(mask == expected);
+    CHECK(mask != coverage);
+    CHECK(plain.coverage() == coverage);
+  }
+}
+
+TEST_CASE("A lamp's mask of another size than the display is refused") {
+  EngineSettings settings = with_compensation({});
+  settings.lamp.emplace(kDisplay.height, kDisplay.width);
+  CHECK_THROWS_AS(engine_with(settings, ball()), std::invalid_argument);
 }

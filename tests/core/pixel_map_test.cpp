@@ -147,7 +147,8 @@ TEST_CASE("A cube of 20 mm is 400 by 400 lit pixels of 50 um wherever it stands 
       const int from_left = geometry.mirror_x ? 240 - column : column;
       const int from_top = geometry.mirror_y ? 100 - row : row;
       const Point center{(320 - from_left) * 0.05, 20 - (250 - from_top) * 0.05};
-      ContourEngine engine(cube, geometry, anti_aliasing, {PixelMap::true_scale(geometry, center)});
+      ContourEngine engine(cube, {geometry, anti_aliasing, {}, {}, {}},
+                           {PixelMap::true_scale(geometry, center)});
       const Mask& mask = engine.mask_at(Nanometers{draw(0, 19'999'999)});
       RC_ASSERT(mask.lit_pixels() == 400 * 400);
       RC_ASSERT(mask.lit_area() == 400.0 * 400.0);

@@ -37,7 +37,7 @@ class Bench final : public PrintObserver {
     plan.job = "box";
     const double height = to_millimeters(kLayer).count() * count;
     HeightIndex box(models::box({0, 0, 0}, {3, 2, static_cast<float>(height)}));
-    plan.engine = std::make_unique<ContourEngine>(std::move(box), kDisplay, AntiAliasing::On,
+    plan.engine = std::make_unique<ContourEngine>(std::move(box), EngineSettings{.display = kDisplay},
                                                   std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
     plan.layers = {kLayer, count};
     for (int layer = 0; layer < count; ++layer)
