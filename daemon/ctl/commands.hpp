@@ -7,8 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "core/pixel_map.hpp"
-#include "core/rasterizer.hpp"
+#include "core/contour_engine.hpp"
 #include "core/stl_reader.hpp"
 
 namespace contourd::ctl {
@@ -35,16 +34,16 @@ struct SliceOptions {
   std::optional<Millimeters> z;
   std::optional<Nanometers> layer_height;
 
-  DisplayGeometry display;
+  EngineSettings engine;
   bool fit = false;
-  AntiAliasing anti_aliasing = AntiAliasing::On;
+  std::optional<std::filesystem::path> lamp;  // to be read into engine.lamp
 
   std::optional<std::filesystem::path> mask;      // one PNG, with z
   std::optional<std::filesystem::path> masks;     // a folder of PNGs, with layer_height
   std::optional<std::filesystem::path> csv;       // with layer_height
   std::optional<std::filesystem::path> contours;  // a folder of CSVs, with layer_height
 };
-int slice(const SliceOptions& options);
+int slice(SliceOptions options);
 
 struct ClientOptions {
   std::filesystem::path socket;

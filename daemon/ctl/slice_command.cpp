@@ -25,13 +25,28 @@ double ms_between(SteadyClock::time_point from, SteadyClock::time_point to) {
 }
 
 PixelMap map_for(const SliceOptions& options, const Bounds& bounds) {
-  return options.fit ? PixelMap::fit(options.display, bounds)
-                     : PixelMap::true_scale(options.display, bounds.center());
+  return options.fit ? PixelMap::fit(options.engine.display, bounds)
+                     : PixelMap::true_scale(options.engine.display, bounds.center());
 }
 
 ContourEngine engine_for(HeightIndex model, const SliceOptions& options) {
   const PixelMap map = map_for(options, model.bounds());
-  return ContourEngine(std::move(model), options.display, options.anti_aliasing, {map});
+  return ContourEngine(std::move(model), options.engine, {map});
+}
+
+Mask read_lamp(const std::filesystem::path& path, const DisplayGeometry& display) {
+  Mask lamp;
+  try {
+    lamp = read_png(path);
+  } catch (const std::system_error&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw UsageError(fmt::format("--lamp-mask {}: {}", path.string(), error.what()));
+  }
+  if (lamp.width() == display.width && lamp.height() == display.height) return lamp;
+  throw UsageError(fmt::format("--lamp-mask {}: the picture is {}x{} pixels, the display {}x{}",
+                               path.string(), lamp.width().count(), lamp.height().count(),
+                               display.width.count(), display.height.count()));
 }
 
 void write_mask(const std::filesystem::path& path, const Mask& mask) {
@@ -49,9 +64,9 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 void warn_if_larger_than_display(const SliceOptions& options, const Bounds& bounds) {
-  const double pitch_mm = to_millimeters(options.display.pixel_pitch).count();
-  const double width = options.display.width.count() * pitch_mm;
-  const double height = options.display.height.count() * pitch_mm;
+  const double pitch_mm = to_millimeters(options.engine.display.pixel_pitch).count();
+  const double width = options.engine.display.width.count() * pitch_mm;
+  const double height = options.engine.display.height.count() * pitch_mm;
   if (options.fit || (bounds.size_x() <= width && bounds.size_y() <= height)) return;
   fmt::print(
       stderr,
@@ -65,7 +80,7 @@ int slice_at_height(const SliceOptions& options, HeightIndex model) {
   Section section;
   slice_at(model, z, section);
   Contours contours;
-  ContourLinker().link(section.segments, to_millimeters(options.display.pixel_pitch), contours);
+  ContourLinker().link(section.segments, to_millimeters(options.engine.display.pixel_pitch), contours);
   const double area = filled_area_mm2(contours);
   const double perimeter = perimeter_mm(contours);
   if (options.mask) {
@@ -97,7 +112,7 @@ int slice_at_height(const SliceOptions& options, HeightIndex model) {
 std::vector<LayerMeasurement> measure_layers(const SliceOptions& options, const HeightIndex& model,
                                              const LayerStack& layers) {
   const PixelMap map = map_for(options, model.bounds());
-  const Millimeters tolerance = to_millimeters(options.display.pixel_pitch);
+  const Millimeters tolerance = to_millimeters(options.engine.display.pixel_pitch);
   Section section;
   ContourLinker linker;
   Contours contours;
@@ -187,7 +202,8 @@ int slice_layers(const SliceOptions& options, HeightIndex model) {
 
 }  // namespace
 
-int slice(const SliceOptions& options) {
+int slice(SliceOptions options) {
+  if (options.lamp) options.engine.lamp = read_lamp(*options.lamp, options.engine.display);
   HeightIndex model(read_model(options.model).facets);
   return options.z ? slice_at_height(options, std::move(model)) : slice_layers(options, std::move(model));
 }
