@@ -1,6 +1,9 @@
 #include "core/contour_offset.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 namespace contourd {
 namespace {
@@ -10,6 +13,44 @@ constexpr double kNoLength = 1.0 / (1 << 20);
 
 Point moved_by(Point point, double factor, Point vector) {
   return {point.x + factor * vector.x, point.y + factor * vector.y};
+}
+
+// Whether moving a loop inwards leaves nothing of what it encloses: each point has a chord through it along
+// any direction, and none is longer than the loop's extent that way. Fine loops smaller than the distance
+// would cross themselves everywhere.
+bool vanishes(std::span<const Point> points, double distance) {
+  constexpr double kCos = 0.92387953251128674, kSin = 0.38268343236508977, kHalf = 0.70710678118654752;
+  constexpr std::array<Point, 8> kDirections{{{1, 0},
+                                              {kCos, kSin},
+                                              {kHalf, kHalf},
+                                              {kSin, kCos},
+                                              {0, 1},
+                                              {-kSin, kCos},
+                                              {-kHalf, kHalf},
+                                              {-kCos, kSin}}};
+  for (const Point& direction : kDirections) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Point& point : points) {
+      const double at = point.x * direction.x + point.y * direction.y;
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+    if (high - low <= 2 * distance) return true;
+  }
+  return false;
+}
+
+// Positive when it runs counter-clockwise.
+double twice_the_area(std::span<const Point> points) {
+  // Around its first point, where large coordinates cost no digits.
+  const Point origin = points.front();
+  double sum = 0;
+  Point last = points.back();
+  for (const Point& point : points) {
+    sum += (last.x - origin.x) * (point.y - origin.y) - (point.x - origin.x) * (last.y - origin.y);
+    last = point;
+  }
+  return sum;
 }
 
 // To the right of a direction: outwards, since solids lie on the left.
@@ -42,6 +83,8 @@ void ContourOffset::move_loop(std::span<const Point> points) {
   while (corners_.size() > 1 && !far_apart(corners_.back(), corners_.front()))
     corners_.pop_back();
   if (corners_.size() < 3) return;
+  const bool inwards = (twice_the_area(corners_) > 0) == (distance_ < 0);
+  if (inwards && vanishes(corners_, std::fabs(distance_))) return;
   const auto first = static_cast<std::uint32_t>(raw_.points.size());
   Corner corner{corners_.back(), {}, {}, 0, 0};
   const auto turn_to = [&corner](Point next) {

@@ -15,7 +15,7 @@ constexpr double kBeside = 2 * kSame;
 // The shortest side that is looked at after a longer one has shown nothing.
 constexpr double kTelling = 32 * kBeside;
 // Ends of cut loops meet within their rounding.
-constexpr Millimeters kMeet{4 * kSame};
+constexpr Millimeters kMeet{32 * kSame};
 constexpr std::uint32_t kMostRows = 4096;
 
 Point minus(Point a, Point b) {
@@ -209,8 +209,9 @@ int ContourUnion::winding_at(Point point) const {
   int winding = 0;
   for (std::uint32_t i = row_begin_[row]; i < row_end_[row]; ++i) {
     const Side& side = sides_[in_rows_[i]];
+    if (side.low_x > point.x) break;  // the row's sides are in this order
     const bool up = side.from.y <= point.y;
-    if (up == (side.to.y <= point.y) || side.low_x > point.x) continue;
+    if (up == (side.to.y <= point.y)) continue;
     const double beside = cross(minus(side.to, side.from), minus(point, side.from));
     // The sides left of the point: those that run down have it on their left and turn around it once.
     if (up ? beside < 0 : beside > 0) winding += up ? -1 : 1;
@@ -230,7 +231,7 @@ int ContourUnion::direction_at(Point from, Point to, FillRule rule) const {
 int ContourUnion::outline_direction(std::span<const Point> run, FillRule rule) const {
   // Its longest sides are the farthest from what meets it. Where two sides are a wall or a gap too thin to be
   // seen, the next longest knows more.
-  constexpr int kMostLooks = 8;
+  constexpr int kMostLooks = 3;
   double shorter_than2 = std::numeric_limits<double>::infinity();
   for (int look = 0; look < kMostLooks; ++look) {
     std::size_t longest = 0;
