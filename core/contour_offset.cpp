@@ -8,8 +8,8 @@
 namespace contourd {
 namespace {
 
-// Sides shorter than this have no direction to rely on: 2^-20 mm, a nanometre.
-constexpr double kNoLength = 1.0 / (1 << 20);
+// Corners nearer than this are one: short sides would be in the way of each other when they are moved.
+constexpr double kNoLength = ContourOffset::kChordError.count();
 
 Point moved_by(Point point, double factor, Point vector) {
   return {point.x + factor * vector.x, point.y + factor * vector.y};
@@ -65,13 +65,13 @@ double length_of(Point vector) {
 }  // namespace
 
 void ContourOffset::offset(const Contours& contours, Millimeters distance, Contours& moved) {
-  union_.unite(contours, FillRule::NonZero, outline_);
+  union_.unite(contours, FillRule::NonZero, ContourUnion::kFileRounding, outline_);
   distance_ = distance.count();
   raw_.points.clear();
   raw_.loops.clear();
   for (const ContourLoop& loop : outline_.loops)
     move_loop(outline_.points_of(loop));
-  union_.unite(raw_, FillRule::Positive, moved);
+  union_.unite(raw_, FillRule::Positive, ContourUnion::kDoubleRounding, moved);
 }
 
 void ContourOffset::move_loop(std::span<const Point> points) {

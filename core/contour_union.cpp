@@ -7,16 +7,13 @@
 namespace contourd {
 namespace {
 
-// Points nearer than this are the same: 2^-15 mm. Coordinates of a file are floats, up to 128 mm rounded to
-// 2^-17 mm; where a vertex lies on another solid's wall it misses it by about as much.
-constexpr double kSame = 1.0 / 32768;
-// How far beside a run of sides one looks: what lies between is no wall and no gap.
-constexpr double kBeside = 2 * kSame;
-// The shortest side that is looked at after a longer one has shown nothing.
-constexpr double kTelling = 32 * kBeside;
-// Ends of cut loops meet within their rounding.
-constexpr Millimeters kMeet{32 * kSame};
 constexpr std::uint32_t kMostRows = 4096;
+// In roundings. How far beside a run of sides one looks: what lies between is no wall and no gap.
+constexpr double kBeside = 2;
+// The shortest side that is looked at after a longer one has shown nothing.
+constexpr double kTelling = 64;
+// Ends of cut loops that meet.
+constexpr double kMeet = 32;
 
 Point minus(Point a, Point b) {
   return {a.x - b.x, a.y - b.y};
@@ -27,17 +24,14 @@ double dot(Point a, Point b) {
 double cross(Point a, Point b) {
   return a.x * b.y - a.y * b.x;
 }
-bool same(Point a, Point b) {
-  return dot(minus(a, b), minus(a, b)) <= kSame * kSame;
-}
-
 bool filled(int winding, FillRule rule) {
   return rule == FillRule::Positive ? winding > 0 : winding != 0;
 }
 
 }  // namespace
 
-void ContourUnion::unite(const Contours& contours, FillRule rule, Contours& outline) {
+void ContourUnion::unite(const Contours& contours, FillRule rule, Millimeters rounding, Contours& outline) {
+  same_ = rounding.count();
   outline.points.clear();
   outline.loops.clear();
   outline.open_chains = outline.gaps_closed = outline.repaired_loops = 0;
@@ -60,12 +54,17 @@ void ContourUnion::unite(const Contours& contours, FillRule rule, Contours& outl
     }
   }
   if (kept_.empty()) return;
-  linker_.link(kept_, kMeet, linked_);
+  // Runs too short to be told apart leave such gaps.
+  linker_.link(kept_, Millimeters{kMeet * same_}, linked_);
   for (const ContourLoop& loop : linked_.loops) {
     const std::span<const Point> points = linked_.points_of(loop);
     outline.loops.push_back({static_cast<std::uint32_t>(outline.points.size()), loop.point_count});
     outline.points.insert(outline.points.end(), points.begin(), points.end());
   }
+}
+
+bool ContourUnion::same(Point a, Point b) const {
+  return dot(minus(a, b), minus(a, b)) <= same_ * same_;
 }
 
 void ContourUnion::take_sides(const Contours& contours) {
@@ -116,12 +115,12 @@ void ContourUnion::sort_into_rows() {
 
   row_end_.assign(rows_ + std::size_t{1}, 0);
   const auto each_row_of = [this](const Side& side, auto&& call) {
-    const std::uint32_t last = row_of(side.high_y + kSame);
-    for (std::uint32_t row = row_of(side.low_y - kSame); row <= last; ++row)
+    const std::uint32_t last = row_of(side.high_y + same_);
+    for (std::uint32_t row = row_of(side.low_y - same_); row <= last; ++row)
       call(row);
   };
   for (Side& side : sides_) {
-    side.first_row = row_of(side.low_y - kSame);
+    side.first_row = row_of(side.low_y - same_);
     each_row_of(side, [this](std::uint32_t row) { ++row_end_[row]; });
   }
   row_begin_.resize(rows_);
@@ -148,10 +147,10 @@ void ContourUnion::cut_where_sides_meet() {
       const Side& a = sides_[ids[i]];
       for (std::size_t j = i + 1; j < ids.size(); ++j) {
         const Side& b = sides_[ids[j]];
-        if (b.low_x > a.high_x + kSame) break;
+        if (b.low_x > a.high_x + same_) break;
         // Once, though they may share several rows.
         if (row != std::max(a.first_row, b.first_row)) continue;
-        if (b.low_y > a.high_y + kSame || a.low_y > b.high_y + kSame) continue;
+        if (b.low_y > a.high_y + same_ || a.low_y > b.high_y + same_) continue;
         cut_pair(ids[i], ids[j]);
       }
     }
@@ -183,7 +182,7 @@ bool ContourUnion::cut_by_end(std::uint32_t end_of, std::uint32_t other) {
     return true;
   }
   const double length2 = dot(along, along), reach = dot(along, from), beside = cross(along, from);
-  if (reach <= 0 || reach >= length2 || beside * beside > kSame * kSame * length2) return false;
+  if (reach <= 0 || reach >= length2 || beside * beside > same_ * same_ * length2) return false;
   side.cut = true;
   cuts_.push_back({other, reach / length2, side.from});
   return true;
@@ -221,7 +220,7 @@ int ContourUnion::winding_at(Point point) const {
 
 int ContourUnion::direction_at(Point from, Point to, FillRule rule) const {
   const Point along = minus(to, from);
-  const double step = kBeside / std::sqrt(dot(along, along));
+  const double step = kBeside * same_ / std::sqrt(dot(along, along));
   const Point middle{(from.x + to.x) / 2, (from.y + to.y) / 2};
   const bool left = filled(winding_at({middle.x - along.y * step, middle.y + along.x * step}), rule);
   const bool right = filled(winding_at({middle.x + along.y * step, middle.y - along.x * step}), rule);
@@ -243,7 +242,7 @@ int ContourUnion::outline_direction(std::span<const Point> run, FillRule rule) c
       length2 = this2;
       longest = i;
     }
-    if (length2 == 0 || (look > 0 && length2 < kTelling * kTelling)) return 0;
+    if (length2 == 0 || (look > 0 && length2 < kTelling * kTelling * same_ * same_)) return 0;
     if (const int direction = direction_at(run[longest], run[longest + 1], rule)) return direction;
     shorter_than2 = length2;
   }

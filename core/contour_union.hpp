@@ -21,10 +21,16 @@ enum class FillRule { NonZero, Positive };
 // Keeps its working memory between calls: allocates only while contours grow. Not thread-safe.
 class ContourUnion {
  public:
-  // Replaces `outline` by the outline of `contours`; what contours say of gaps is not carried over. Walls
-  // and gaps thinner than some 60 nm, which is the rounding of a file's coordinates, do not show.
+  // How far points of a file's contours lie off: 2^-15 mm. Its coordinates are floats, up to 128 mm rounded
+  // to 2^-17 mm; where a vertex lies on another solid's wall it misses it by about as much.
+  static constexpr Millimeters kFileRounding{1.0 / (1 << 15)};
+  // The same for contours that were computed in doubles.
+  static constexpr Millimeters kDoubleRounding{1.0 / (1 << 24)};
+
+  // Replaces `outline` by the outline of `contours`; what contours say of gaps is not carried over. Points
+  // nearer than the rounding are the same; walls and gaps thinner than twice of it do not show.
   // REQUIRES: two different objects.
-  void unite(const Contours& contours, FillRule rule, Contours& outline);
+  void unite(const Contours& contours, FillRule rule, Millimeters rounding, Contours& outline);
 
  private:
   struct Side {
@@ -44,6 +50,7 @@ class ContourUnion {
     Point point;
   };
 
+  [[nodiscard]] bool same(Point a, Point b) const;
   void take_sides(const Contours& contours);
   void take_loop(std::span<const Point> points);
   void sort_into_rows();
@@ -60,6 +67,7 @@ class ContourUnion {
   void take_runs(const Loop& loop, FillRule rule);
   void take_run(std::span<const Point> run, FillRule rule);
 
+  double same_ = 0;  // mm
   std::vector<Side> sides_;
   std::vector<Loop> loops_;
   std::vector<Cut> cuts_;

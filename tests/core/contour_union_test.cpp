@@ -15,7 +15,7 @@ namespace {
 
 Contours outline_of(const std::vector<Loop>& loops, FillRule rule = FillRule::NonZero) {
   Contours outline;
-  ContourUnion().unite(contours_from(loops), rule, outline);
+  ContourUnion().unite(contours_from(loops), rule, ContourUnion::kFileRounding, outline);
   return outline;
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("An outline fills what its contours fill, counter-clockwise") {
     const Contours contours = contours_from(loops);
     for (const FillRule rule : {FillRule::NonZero, FillRule::Positive}) {
       Contours outline;
-      ContourUnion().unite(contours, rule, outline);
+      ContourUnion().unite(contours, rule, ContourUnion::kFileRounding, outline);
       for (int i = 0; i < 300; ++i) {
         const Point p{draw_real(-21, 21), draw_real(-21, 21)};
         // Within some roundings of a side either answer is right.
