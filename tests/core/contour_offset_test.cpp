@@ -109,6 +109,21 @@ TEST_CASE("A wall thinner than twice the distance vanishes and one thicker stays
   CHECK(std::fabs(signed_area(parted) - 2 * (4.7 * 4.7 + bulge)) < 4 * 0.15 * kChord);
 }
 
+TEST_CASE("A square narrower than twice the distance vanishes however it is turned, as a part or as a hole") {
+  for (int degrees = 0; degrees < 90; ++degrees) {
+    CAPTURE(degrees);
+    Loop square;
+    for (int corner = 0; corner < 4; ++corner) {
+      const double angle = (degrees + 90 * corner) * std::numbers::pi / 180;
+      square.push_back({std::sqrt(0.5) * std::cos(angle), std::sqrt(0.5) * std::sin(angle)});  // side 1
+    }
+    CHECK(moved({square}, -0.51).loops.empty());
+    CHECK(moved({square}, -0.49).loops.size() == 1);
+    CHECK(moved({rectangle(-5, -5, 5, 5), turned(square)}, 0.51).loops.size() == 1);
+    CHECK(moved({rectangle(-5, -5, 5, 5), turned(square)}, 0.49).loops.size() == 2);
+  }
+}
+
 TEST_CASE("A hole grows when the part shrinks and solids that come together become one") {
   CHECK(std::fabs(moved_area({rectangle(0, 0, 10, 10), turned(rectangle(4, 4, 6, 6))}, -0.5) -
                   (81 - (9 - 1 + std::numbers::pi / 4))) < 2 * std::numbers::pi * kChord);
