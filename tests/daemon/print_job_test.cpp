@@ -163,3 +163,16 @@ TEST_CASE("A model that is not watertight or inside out is printed, with a warni
         std::vector<std::string>{"the model is inside out; it is printed all the same"});
   CHECK(job.plan.engine->mask_at(Nanometers{1'000'000}).lit_area() == 160000.0);
 }
+
+TEST_CASE("A part that grows beyond the display is printed with a warning") {
+  Desk desk;
+  const models::Facets wide = models::box({0, 0, 0}, {96, 20, 1});
+  CHECK(desk.prepare(wide).summary.warnings.empty());
+  desk.printer.resin.compensation.growth = Micrometers{80};
+  CHECK(desk.prepare(wide).summary.warnings ==
+        std::vector<std::string>{
+            "the resin's growth_um moves contours 80 um beyond the display, where they are cut off"});
+  CHECK(desk.prepare(kCube).summary.warnings.empty());
+  desk.printer.resin.compensation.growth = Micrometers{-80};
+  CHECK(desk.prepare(wide).summary.warnings.empty());
+}
