@@ -1,6 +1,7 @@
 #include "core/contour_engine.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 namespace contourd {
@@ -24,16 +25,22 @@ void append(const Contours& more, Contours& all) {
 
 }  // namespace
 
-ContourEngine::ContourEngine(std::vector<PlateModel> models, const DisplayGeometry& display,
-                             AntiAliasing anti_aliasing)
+ContourEngine::ContourEngine(std::vector<PlateModel> models, const EngineSettings& settings)
     : models_(std::move(models)),
-      join_tolerance_(to_millimeters(display.pixel_pitch)),
-      rasterizer_(display.width, display.height, anti_aliasing) {}
+      join_tolerance_(to_millimeters(settings.display.pixel_pitch)),
+      compensation_(settings.compensation),
+      correction_(settings.tone, settings.lamp),
+      rasterizer_(settings.display.width, settings.display.height, settings.anti_aliasing) {
+  const Mask& mask = rasterizer_.mask();
+  if (settings.lamp && (settings.lamp->width() != mask.width() || settings.lamp->height() != mask.height())) {
+    throw std::invalid_argument("the lamp's mask is not as large as the display");
+  }
+  if (!correction_.is_none()) corrected_.emplace(mask.width(), mask.height());
+}
 
-ContourEngine::ContourEngine(HeightIndex model, const DisplayGeometry& display, AntiAliasing anti_aliasing,
-                             std::vector<PixelMap> copies)
+ContourEngine::ContourEngine(HeightIndex model, const EngineSettings& settings, std::vector<PixelMap> copies)
     : ContourEngine({PlateModel{std::make_shared<const HeightIndex>(std::move(model)), std::move(copies)}},
-                    display, anti_aliasing) {}
+                    settings) {}
 
 void ContourEngine::begin_section() {
   intersecting_facets_ = 0;
@@ -51,29 +58,42 @@ void ContourEngine::link() {
 }
 
 void ContourEngine::add_to_mask(const PlateModel& plate_model, double z) {
-  slice(*plate_model.model, z);
-  if (!section_.balanced) link();
+  const HeightIndex& model = *plate_model.model;
+  slice(model, z);
+  const auto height = to_nanometers(Millimeters{z - model.bounds().min_z});
+  const Millimeters offset = height ? to_millimeters(compensation_.offset_at(*height)) : Millimeters{};
+  const bool moved = offset != Millimeters{};
+  // Balanced segments close by themselves, in whatever order they come.
+  const bool linked = moved || !section_.balanced;
+  if (linked) link();
+  if (moved) offset_.offset(contours_, offset, moved_);
   for (const PixelMap& copy : plate_model.copies) {
-    // Balanced segments close by themselves, in whatever order they come.
-    if (section_.balanced) {
-      rasterizer_.add_segments(section_.segments, copy);
+    if (linked) {
+      rasterizer_.add_loops(moved ? moved_ : contours_, copy);
     } else {
-      rasterizer_.add_loops(contours_, copy);
+      rasterizer_.add_segments(section_.segments, copy);
     }
   }
+}
+
+const Mask& ContourEngine::paint() {
+  const Mask& coverage = rasterizer_.paint();
+  if (!corrected_) return coverage;
+  correction_.apply(coverage, *corrected_);
+  return *corrected_;
 }
 
 const Mask& ContourEngine::mask_at(Nanometers height) {
   begin_section();
   for (const PlateModel& each : models_)
     add_to_mask(each, z_of(*each.model, height));
-  return rasterizer_.paint();
+  return paint();
 }
 
 const Mask& ContourEngine::mask_at_z(Millimeters z) {
   begin_section();
   add_to_mask(models_.front(), z.count());
-  return rasterizer_.paint();
+  return paint();
 }
 
 const Contours& ContourEngine::contours_at(Nanometers height) {

@@ -6,10 +6,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "core/compensation.hpp"
 #include "core/contour_loops.hpp"
+#include "core/contour_offset.hpp"
+#include "core/exposure_correction.hpp"
 #include "core/height_index.hpp"
 #include "core/layer_cracks.hpp"
 #include "core/mask.hpp"
@@ -25,14 +29,22 @@ struct PlateModel {
   std::vector<PixelMap> copies;
 };
 
+struct EngineSettings {
+  DisplayGeometry display{};
+  AntiAliasing anti_aliasing = AntiAliasing::On;
+  Compensation compensation{};  // in the models' own millimetres
+  ToneCurve tone{};
+  std::optional<Mask> lamp{};  // see ExposureCorrection; as large as the display
+};
+
 class ContourEngine {
  public:
-  // REQUIRES: at least one model.
-  // Throws std::invalid_argument unless the display is 1 to 16384 pixels wide and high.
-  ContourEngine(std::vector<PlateModel> models, const DisplayGeometry& display, AntiAliasing anti_aliasing);
+  // REQUIRES: no null pointers.
+  // Throws std::invalid_argument unless the display is 1 to 16384 pixels wide and high, and the lamp's mask,
+  // if there is one, as large as it.
+  ContourEngine(std::vector<PlateModel> models, const EngineSettings& settings);
   // The same for one model that nobody shares.
-  ContourEngine(HeightIndex model, const DisplayGeometry& display, AntiAliasing anti_aliasing,
-                std::vector<PixelMap> copies);
+  ContourEngine(HeightIndex model, const EngineSettings& settings, std::vector<PixelMap> copies);
 
   [[nodiscard]] std::span<const PlateModel> models() const { return models_; }
   // REQUIRES: one model.
@@ -44,8 +56,12 @@ class ContourEngine {
   // The same at a z of the model's own coordinates. REQUIRES: one model.
   [[nodiscard]] const Mask& mask_at_z(Millimeters z);
 
-  // The contour loops at a height above the plate: those of the first model, then of the second..., each in
-  // its model's own coordinates and once, however many copies there are. Valid until the next call.
+  // What the last mask covers, before threshold, lamp and gamma. Valid until the next one.
+  [[nodiscard]] const Mask& coverage() const { return rasterizer_.mask(); }
+
+  // The contour loops at a height above the plate, without compensation: those of the first model, then of
+  // the second..., each in its model's own coordinates and once, however many copies there are. Valid until
+  // the next call.
   [[nodiscard]] const Contours& contours_at(Nanometers height);
 
   // Facets crossed in the last call of any of these, in all models; copies count once.
@@ -61,16 +77,22 @@ class ContourEngine {
   void slice(const HeightIndex& model, double z);
   void link();
   void add_to_mask(const PlateModel& plate_model, double z);
+  const Mask& paint();
 
   std::vector<PlateModel> models_;
   Millimeters join_tolerance_;
+  Compensation compensation_;
+  ExposureCorrection correction_;
   std::uint32_t intersecting_facets_ = 0;
   LayerCracks cracks_;
   Section section_;
   ContourLinker linker_;
-  Contours contours_;        // of one model
+  Contours contours_;  // of one model
+  ContourOffset offset_;
+  Contours moved_;           // the same, compensated
   Contours plate_contours_;  // of all
   Rasterizer rasterizer_;
+  std::optional<Mask> corrected_;  // where there is something to correct
 };
 
 }  // namespace contourd

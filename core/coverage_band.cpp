@@ -15,12 +15,11 @@ constexpr std::size_t kChunk = kBlock * kBlock;
 constexpr std::size_t kBandCells = std::size_t{1} << 15;
 constexpr std::size_t kFewestRows = 2;
 
-template <FillRule rule>
 std::uint8_t grey_of(std::uint32_t winding) {
   constexpr std::uint32_t one = CoverageBand::kOne;
   const auto sign =
       static_cast<std::uint32_t>(static_cast<std::int32_t>(winding) >> 31);  // all ones when negative
-  const std::uint32_t magnitude = rule == FillRule::NonZero ? (winding ^ sign) - sign : winding & ~sign;
+  const std::uint32_t magnitude = (winding ^ sign) - sign;
   return static_cast<std::uint8_t>((std::min(magnitude, one) * 255U + one / 2) >> CoverageBand::kOneBits);
 }
 
@@ -78,15 +77,6 @@ CoverageBand::CoverageBand(std::int32_t width)
   line_.resize(stride_ + kBlock + 1);
 }
 
-void CoverageBand::paint(std::int32_t row, FillRule rule, std::span<std::uint8_t> pixels, RowBlocks state) {
-  const auto line = static_cast<std::size_t>(row);
-  if (rule == FillRule::NonZero) {
-    paint_row<FillRule::NonZero>(line, pixels, state);
-  } else {
-    paint_row<FillRule::Positive>(line, pixels, state);
-  }
-}
-
 // A bit for each block of the chunk that is in use; none is after that.
 std::uint64_t CoverageBand::take_used(std::size_t row, std::size_t chunk) {
   std::uint8_t* const bytes = used_.data() + (row * chunks_ + chunk) * kBlock;
@@ -125,24 +115,23 @@ std::size_t CoverageBand::take_columns(std::size_t row, std::size_t chunk, std::
 
 // Paints the blocks of these columns into line_, and forgets their cells; gives the winding number at the
 // end.
-template <FillRule rule>
 std::uint32_t CoverageBand::paint_columns(std::size_t row, std::span<const std::uint16_t> columns,
                                           std::uint32_t winding) {
   std::uint64_t* const cells = cells_.data() + row * stride_;
   for (const std::uint16_t column : columns) {
     const std::uint64_t cell = std::exchange(cells[column], 0U);
     const auto share = static_cast<std::uint32_t>(cell);
-    line_[column] = grey_of<rule>(winding + share);
+    line_[column] = grey_of(winding + share);
     // The share's sign has borrowed from the cover's half.
     winding += static_cast<std::uint32_t>(cell >> 32) + (share >> 31);
     // All that follow in this block, as far as no later column paints over them.
-    std::memset(line_.data() + column + 1, grey_of<rule>(winding), kBlock);
+    std::memset(line_.data() + column + 1, grey_of(winding), kBlock);
   }
   return winding;
 }
 
-template <FillRule rule>
-void CoverageBand::paint_row(std::size_t row, std::span<std::uint8_t> pixels, RowBlocks state) {
+void CoverageBand::paint(std::int32_t row_number, std::span<std::uint8_t> pixels, RowBlocks state) {
+  const auto row = static_cast<std::size_t>(row_number);
   const std::size_t pixel_blocks = (pixels.size() + kBlock - 1) / kBlock;
   std::uint32_t winding = 0;
   for (std::size_t chunk = 0; chunk < chunks_; ++chunk) {
@@ -151,8 +140,8 @@ void CoverageBand::paint_row(std::size_t row, std::span<std::uint8_t> pixels, Ro
     const std::size_t end = std::min(pixel_blocks - first_block, kBlock);
     const std::uint64_t used = take_used(row, chunk);
     ChunkState blocks{state.dark[chunk] & ~used, state.full[chunk] & ~used};
-    std::uint8_t grey = grey_of<rule>(winding);
-    winding = paint_columns<rule>(row, std::span(columns_).first(take_columns(row, chunk, used)), winding);
+    std::uint8_t grey = grey_of(winding);
+    winding = paint_columns(row, std::span(columns_).first(take_columns(row, chunk, used)), winding);
     std::size_t next = 0;
     const auto fill_up_to = [&](std::size_t block) {
       const std::uint64_t to_write = blocks.make(bits_between(next, block), grey);

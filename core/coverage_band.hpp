@@ -15,12 +15,6 @@
 
 namespace contourd {
 
-enum class FillRule {
-  NonZero,   // inside where the winding number is not 0: solids unite, however they are wound
-  Positive,  // inside where it is above 0 (rows counted downwards: loops that are counter-clockwise on the
-             // plate)
-};
-
 // What the blocks of one mask row hold at present, a bit a block, 64 blocks a word: all 0, or all 255.
 struct RowBlocks {
   std::span<std::uint64_t> dark, full;
@@ -79,16 +73,13 @@ class CoverageBand {
   // REQUIRES: 0 <= row < rows().
   [[nodiscard]] Row row(std::int32_t row) { return {*this, static_cast<std::size_t>(row)}; }
 
-  // Paints what was added to a row, and forgets it. `pixels` is the whole mask row, which already is as
-  // `blocks` says; only blocks that change are written.
-  void paint(std::int32_t row, FillRule rule, std::span<std::uint8_t> pixels, RowBlocks blocks);
+  // Paints what was added to a row by the non-zero rule, and forgets it. `pixels` is the whole mask row,
+  // which already is as `blocks` says; only blocks that change are written.
+  void paint(std::int32_t row, std::span<std::uint8_t> pixels, RowBlocks blocks);
 
  private:
-  template <FillRule rule>
-  void paint_row(std::size_t row, std::span<std::uint8_t> pixels, RowBlocks state);
   [[nodiscard]] std::uint64_t take_used(std::size_t row, std::size_t chunk);
   [[nodiscard]] std::size_t take_columns(std::size_t row, std::size_t chunk, std::uint64_t used);
-  template <FillRule rule>
   [[nodiscard]] std::uint32_t paint_columns(std::size_t row, std::span<const std::uint16_t> columns,
                                             std::uint32_t winding);
 

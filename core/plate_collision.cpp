@@ -51,8 +51,8 @@ class Window {
     // The point of the model that lies on the window's centre.
     const Point middle = placed.model->bounds().center(), center = center_mm();
     const Point on_center{middle.x - placed.center.x + center.x, middle.y - placed.center.y + center.y};
-    return ContourEngine({PlateModel{placed.model, {PixelMap::true_scale(geometry_, on_center)}}}, geometry_,
-                         AntiAliasing::On);
+    return ContourEngine({PlateModel{placed.model, {PixelMap::true_scale(geometry_, on_center)}}},
+                         {geometry_, AntiAliasing::On});
   }
 
   // A pixel's middle, from the plate's centre.

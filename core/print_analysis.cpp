@@ -53,8 +53,8 @@ std::optional<PrintFindings> analyze_print(
   Nanometers bottom{};
   for (std::int32_t layer = 0; const Nanometers thickness : thicknesses) {
     if (stop.stop_requested()) return std::nullopt;
-    const Mask& mask = engine.mask_at(bottom + thickness / 2);
-    analysis.add_layer(mask, {thickness, layer_duration(layer), engine.cracks()});
+    (void)engine.mask_at(bottom + thickness / 2);
+    analysis.add_layer(engine.coverage(), {thickness, layer_duration(layer), engine.cracks()});
     bottom += thickness;
     ++layer;
   }

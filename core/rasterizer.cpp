@@ -197,27 +197,27 @@ void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
   first = static_cast<std::uint32_t>(center_sides_.size() - 1);
 }
 
-const Mask& Rasterizer::paint(FillRule rule) {
+const Mask& Rasterizer::paint() {
   for (std::int32_t first_row = 0; first_row < height_; first_row += band_.rows()) {
     std::uint8_t& lit = band_lit_[static_cast<std::size_t>(first_row >> band_bits_)];
     const bool has_sides = first_side_at(first_row) != kNone;
     if (!has_sides && lit == 0) continue;
     lit = has_sides;
-    paint_band(first_row, rule);
+    paint_band(first_row);
   }
   covered_sides_.clear();
   center_sides_.clear();
   return mask_;
 }
 
-void Rasterizer::paint_band(std::int32_t first_row, FillRule rule) {
+void Rasterizer::paint_band(std::int32_t first_row) {
   work_off(covered_sides_, first_row);
   work_off(center_sides_, first_row);
   const std::size_t chunks = band_.chunks();
   const std::int32_t end_row = std::min(first_row + band_.rows(), height_);
   for (std::int32_t row = first_row; row < end_row; ++row) {
     const std::size_t at = static_cast<std::size_t>(row) * chunks;
-    band_.paint(row - first_row, rule, mask_.row(row),
+    band_.paint(row - first_row, mask_.row(row),
                 {std::span(dark_).subspan(at, chunks), std::span(full_).subspan(at, chunks)});
   }
 }

@@ -40,7 +40,9 @@ class Rasterizer {
   void add_loops(const Contours& contours, const PixelMap& map);
 
   // Paints all polygons added since the last call, over the former picture. Valid until the next call.
-  const Mask& paint(FillRule rule = FillRule::NonZero);
+  const Mask& paint();
+  // The last one painted; dark before that.
+  [[nodiscard]] const Mask& mask() const { return mask_; }
 
  private:
   // What of a side is still to be worked off, from the top down.
@@ -65,7 +67,7 @@ class Rasterizer {
   void add_covered_within(PixelPoint from, PixelPoint to);
   void add_centers(PixelPoint from, PixelPoint to);
   [[nodiscard]] static double first_column(const CenterSide& side);
-  void paint_band(std::int32_t first_row, FillRule rule);
+  void paint_band(std::int32_t first_row);
   template <typename Side>
   void work_off(std::vector<Side>& sides, std::int32_t first_row);
   // Whether the side ends there.

@@ -42,6 +42,12 @@ JobTicket ticket_of(const JobFiles& files) {
   return files.ticket ? load_job_ticket(*files.ticket) : JobTicket{};
 }
 
+EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin,
+                               const BuildVolume& volume) {
+  return {volume.display, printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off, resin.compensation,
+          printer.tone, printer.lamp};
+}
+
 std::vector<LoadedModel> read_models(const JobFiles& files, const JobTicket& ticket) {
   std::vector<LoadedModel> models;
   for (const ModelTicket& model : ticket.models) {
@@ -116,6 +122,28 @@ ModelToPlace make_ready(LoadedModel& model, const JobFiles& files, const BuildVo
       files.plate ? ticket.position : ticket.position.value_or(PlateOffset{});
   return {model.name, std::make_shared<const HeightIndex>(std::move(model.stl.facets)), position,
           ticket.copies};
+}
+
+// A part that fills the display is not refused for some micrometres that it grows by.
+void warn_if_grown_beyond(const std::vector<ModelToPlace>& models, const Arrangement& arrangement,
+                          const BuildVolume& volume, JobSummary& summary) {
+  const double growth_mm = to_millimeters(summary.resin.compensation.growth).count();
+  const double pitch_mm = to_millimeters(volume.display.pixel_pitch).count();
+  double beyond = 0;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const Bounds& bounds = models[i].model->bounds();
+    for (const Point& center : arrangement[i]) {
+      const double reach_x = std::fabs(center.x) + bounds.size_x() / 2;
+      const double reach_y = std::fabs(center.y) + bounds.size_y() / 2;
+      beyond = std::max({beyond, reach_x + growth_mm - volume.display.width.count() * pitch_mm / 2,
+                         reach_y + growth_mm - volume.display.height.count() * pitch_mm / 2});
+    }
+  }
+  // A micrometre: the rounding of float coordinates.
+  if (growth_mm <= 0 || beyond <= 1e-3) return;
+  summary.warnings.push_back(
+      fmt::format("the resin's growth_um moves contours {:.0f} um beyond the display, where they are cut off",
+                  beyond * 1000));
 }
 
 std::vector<PlateModel> stand_on_plate(const std::vector<ModelToPlace>& models,
@@ -246,6 +274,8 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   summary.resin = ticket.resin ? find_resin(printer, *ticket.resin) : printer.resin;
   std::vector<LoadedModel> loaded = read_models(files, ticket);
   const auto read = SteadyClock::now();
+  summary.tone = printer.tone;
+  summary.lamp_mask = printer.lamp.has_value();
   const BuildVolume volume = build_volume(printer, summary.resin);
   std::vector<ModelToPlace> models;
   for (LoadedModel& model : loaded)
@@ -255,13 +285,14 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   plan.job = files.name;
   plan.layers = choose_layers(ticket, printer, models, summary);
   check_arrangement(models, arrangement, volume, summary.layers.thinnest);
+  warn_if_grown_beyond(models, arrangement, volume, summary);
   if (ticket.cracks == CrackPolicy::Refuse) {
     for (const ModelToPlace& model : models)
       refuse_guesses(model, plan.layers, volume);
   }
   const auto indexed = SteadyClock::now();
-  plan.engine = std::make_unique<ContourEngine>(stand_on_plate(models, arrangement, volume), volume.display,
-                                                printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off);
+  plan.engine = std::make_unique<ContourEngine>(stand_on_plate(models, arrangement, volume),
+                                                engine_settings(printer, summary.resin, volume));
   // Computed for its time, and to have the engine's memory grown before the print needs it.
   const std::optional<Nanometers> first = plan.layers.thickness_at(Nanometers{});
   if (first) (void)plan.engine->mask_at(*first / 2);
@@ -284,6 +315,24 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
 }
 
 }  // namespace
+
+std::string describe_correction(const JobSummary& summary) {
+  const Compensation& c = summary.resin.compensation;
+  std::string text;
+  const auto add = [&text](const std::string& clause) { text += (text.empty() ? "" : ", ") + clause; };
+  if (c.growth != Micrometers{}) {
+    add(fmt::format("contours moved {} by {:g} um", c.growth > Micrometers{} ? "outwards" : "inwards",
+                    std::fabs(c.growth.count())));
+  }
+  if (c.elephant_foot != Micrometers{}) {
+    add(fmt::format("elephant foot of {:g} um over {:g} um of height taken off", c.elephant_foot.count(),
+                    to_millimeters(c.elephant_foot_height).count() * 1000));
+  }
+  if (summary.lamp_mask) add("lamp evened out");
+  if (summary.tone.gamma != 1.0) add(fmt::format("gamma {:g}", summary.tone.gamma));
+  if (summary.tone.threshold != 0) add(fmt::format("grey below {} left dark", summary.tone.threshold));
+  return text;
+}
 
 PreparedJob prepare_job(const JobFiles& files, const PrinterConfig& printer) {
   try {

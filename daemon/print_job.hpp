@@ -50,12 +50,18 @@ struct JobSummary {
   bool plate = false;
   double height_mm = 0;  // of the highest model
   ResinProfile resin;
+  ToneCurve tone;          // of the printer
+  bool lamp_mask = false;  // whether the printer evens out its lamp
   LayerSummary layers;
   Duration reading{};     // the files, to facets
   Duration indexing{};    // placement and height index
   Duration first_mask{};  // from the first facet to the mask of layer 1
   std::vector<std::string> warnings;
 };
+
+// What is done to contours and masks beyond slicing, for a person: "contours moved outwards by 50 um, ...".
+// Empty when nothing is.
+[[nodiscard]] std::string describe_correction(const JobSummary& summary);
 
 struct PreparedJob {
   PrintPlan plan;

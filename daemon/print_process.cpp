@@ -250,7 +250,7 @@ void PrintProcess::show_mask() {
   const auto start = std::chrono::steady_clock::now();
   const Mask& mask = plan_->engine->mask_at(record_.mask_height);
   record_.mask_time = std::chrono::steady_clock::now() - start;
-  record_.area_mm2 = mask.lit_area() * plan_->pixel_area_mm2;
+  record_.area_mm2 = plan_->engine->coverage().lit_area() * plan_->pixel_area_mm2;
   expect_within(kPresentDeadline, "the display to show the mask");
   machine_.display().show(mask, while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
                             if (!at) return fail("the display was lost");

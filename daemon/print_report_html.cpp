@@ -66,6 +66,8 @@ std::string facts(const PrintReport& report) {
                               s.resin.lift_speed.count(), s.resin.retract_speed.count()));
   rows += row("Waits",
               fmt::format("{:g} ms before the light, {:g} ms after", ms(s.resin.settle), ms(s.resin.rest)));
+  const std::string correction = describe_correction(s);
+  if (!correction.empty()) rows += row("Compensation", correction);
   if (!report.layers.empty()) {
     rows += row("Exposure",
                 fmt::format("{:.0f} ms first, {:.0f} ms last", ms(report.layers.front().exposure_asked),

@@ -120,7 +120,13 @@ std::string report_as_json(const PrintReport& report) {
                       {"settle_ms", ms(summary.resin.settle)},
                       {"rest_ms", ms(summary.resin.rest)},
                       {"bottom_layers", summary.resin.bottom_layers},
-                      {"fade_layers", summary.resin.fade_layers}};
+                      {"fade_layers", summary.resin.fade_layers},
+                      {"growth_um", summary.resin.compensation.growth.count()},
+                      {"elephant_foot_um", summary.resin.compensation.elephant_foot.count()},
+                      {"elephant_foot_height_um", mm(summary.resin.compensation.elephant_foot_height) * 1000},
+                      {"lamp_mask", summary.lamp_mask},
+                      {"gamma", summary.tone.gamma},
+                      {"threshold", summary.tone.threshold}};
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = report.layers.size();
   json["reading_ms"] = ms(summary.reading);

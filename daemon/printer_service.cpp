@@ -303,6 +303,9 @@ void PrinterService::prepared(std::variant<PreparedJob, std::string> result) {
                         content_of(summary), summary.layers.count, thickness_of(summary.layers),
                         milliseconds(active_->prepared->first_mask_at - active_->turn_came)),
             job_fields(name));
+  if (const std::string correction = describe_correction(summary); !correction.empty()) {
+    log_.info("compensation", fmt::format("{}: {}", printable(name), correction), job_fields(name));
+  }
   for (const std::string& warning : summary.warnings) {
     log_.warning("model", fmt::format("{}: {}", printable(name), warning), job_fields(name));
   }

@@ -2,10 +2,13 @@
 
 #include <png.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <stdexcept>
+#include <string>
 #include <system_error>
 
 namespace contourd {
@@ -57,7 +60,82 @@ class PngWriter {
   png_infop info_ = nullptr;
 };
 
+// libpng's read structs, released together.
+class PngReader {
+ public:
+  explicit PngReader(std::span<const char> bytes)
+      : left_(bytes), png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, refuse, ignore)) {
+    if (png_ == nullptr) throw std::bad_alloc();
+    info_ = png_create_info_struct(png_);
+  }
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+  ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
+
+  Mask decode() {
+    png_set_read_fn(png_, this, take);
+    png_read_info(png_, info_);
+    if (png_get_color_type(png_, info_) != PNG_COLOR_TYPE_GRAY || png_get_bit_depth(png_, info_) != 8 ||
+        png_get_valid(png_, info_, PNG_INFO_tRNS) != 0) {
+      throw std::runtime_error("the picture is not 8-bit grey without transparency");
+    }
+    const png_uint_32 width = png_get_image_width(png_, info_), height = png_get_image_height(png_, info_);
+    constexpr png_uint_32 kLargestSide = 16384;
+    if (width > kLargestSide || height > kLargestSide) {
+      throw std::runtime_error("the picture is " + std::to_string(width) + "x" + std::to_string(height) +
+                               " pixels; the limit is 16384 a side");
+    }
+    Mask mask(Pixels{static_cast<std::int32_t>(width)}, Pixels{static_cast<std::int32_t>(height)});
+    for (int passes = png_set_interlace_handling(png_); passes > 0; --passes) {
+      for (std::int32_t y = 0; y < mask.height().count(); ++y)
+        png_read_row(png_, mask.row(y).data(), nullptr);
+    }
+    png_read_end(png_, nullptr);
+    return mask;
+  }
+
+ private:
+  [[noreturn]] static void refuse(png_structp, png_const_charp why) {
+    throw std::runtime_error(std::string("the picture cannot be read: ") + why);
+  }
+  static void ignore(png_structp, png_const_charp) {}  // a warning: the pixels are there
+  static void take(png_structp png, png_bytep data, std::size_t size) {
+    std::span<const char>& left = static_cast<PngReader*>(png_get_io_ptr(png))->left_;
+    if (size > left.size()) png_error(png, "it ends too early");
+    std::copy_n(left.begin(), size, data);
+    left = left.subspan(size);
+  }
+
+  std::span<const char> left_;
+  png_structp png_;
+  png_infop info_ = nullptr;
+};
+
 }  // namespace
+
+Mask read_png(const std::filesystem::path& path) {
+  const auto cannot_read = [&path](int error) {
+    return std::system_error(error, std::generic_category(), "cannot read " + path.string());
+  };
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw std::runtime_error("it is not a regular file");  // a pipe would be waited for
+  }
+  std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
+  if (!file) throw cannot_read(errno);
+  std::vector<char> bytes;
+  char block[65536];
+  while (const std::size_t count = std::fread(block, 1, sizeof block, file.get()))
+    bytes.insert(bytes.end(), block, block + count);
+  if (std::ferror(file.get()) != 0) throw cannot_read(errno);
+  constexpr std::size_t kSignature = 8;
+  if (bytes.size() < kSignature ||
+      png_sig_cmp(reinterpret_cast<png_const_bytep>(bytes.data()), 0, kSignature) != 0) {
+    throw std::runtime_error("the file is not a PNG file");
+  }
+  return PngReader(bytes).decode();
+}
 
 std::vector<std::uint8_t> encode_png(const Mask& mask) {
   return PngWriter().encode(mask);

@@ -1,4 +1,4 @@
-// Writes masks as PNG files (8-bit grey). Thread-safe (no shared state).
+// Masks as PNG files (8-bit grey), written and read. Thread-safe (no shared state).
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,11 @@ namespace contourd {
 // Blocks. Throws std::system_error when the file cannot be written; a regular file half written is
 // removed.
 void write_png(const std::filesystem::path& path, const Mask& mask);
+
+// Reads one. Blocks. Throws std::system_error when the file cannot be read, and std::runtime_error, whose
+// what() is one clause without the path, when it is no PNG of 8-bit grey without transparency, is damaged, or
+// has a side longer than a mask's.
+[[nodiscard]] Mask read_png(const std::filesystem::path& path);
 
 // The same PNG in memory.
 [[nodiscard]] std::vector<std::uint8_t> encode_png(const Mask& mask);

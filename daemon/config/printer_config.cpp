@@ -10,6 +10,7 @@
 #include "daemon/config/json_document.hpp"
 #include "daemon/config/json_schema.hpp"
 #include "daemon/config/json_section.hpp"
+#include "hw/png_file.hpp"
 
 namespace contourd {
 namespace {
@@ -104,6 +105,31 @@ std::optional<ResinProfile> load_default_resin(JsonDocument& printer, const fs::
   }
 }
 
+// The lamp's mask. What is wrong with it goes to the printer's file.
+std::optional<Mask> load_lamp(JsonDocument& printer, const fs::path& folder) {
+  const auto name = printer.sound_text("/display/lamp_mask");
+  if (!name) return std::nullopt;
+  const fs::path file = resolved(folder, *name);
+  const auto refuse = [&](const std::string& why) {
+    printer.add_violation("/display/lamp_mask", file.string() + ": " + why);
+  };
+  const auto width = printer.sound_number("/display/width_px"),
+             height = printer.sound_number("/display/height_px");
+  try {
+    Mask lamp = read_png(file);
+    if (!width || !height || (lamp.width().count() == *width && lamp.height().count() == *height))
+      return lamp;
+    refuse("the picture is " + std::to_string(lamp.width().count()) + "x" +
+           std::to_string(lamp.height().count()) + " pixels, the display " +
+           std::to_string(std::llround(*width)) + "x" + std::to_string(std::llround(*height)));
+  } catch (const std::system_error& error) {
+    refuse(error.code().message());
+  } catch (const std::runtime_error& error) {
+    refuse(error.what());
+  }
+  return std::nullopt;
+}
+
 SimulatedAxisConfig::Switch read_limit_switch(const std::string& word) {
   if (word == "stuck_open") return SimulatedAxisConfig::Switch::StuckOpen;
   if (word == "stuck_closed") return SimulatedAxisConfig::Switch::StuckClosed;
@@ -139,7 +165,8 @@ SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& f
   return config;
 }
 
-PrinterConfig read_printer(const JsonSection& root, const fs::path& folder, ResinProfile resin) {
+PrinterConfig read_printer(const JsonSection& root, const fs::path& folder, ResinProfile resin,
+                           std::optional<Mask> lamp) {
   const JsonSection display = root.section("display");
   constexpr std::uintmax_t bytes_per_mb = 1'000'000;
   return {
@@ -158,6 +185,8 @@ PrinterConfig read_printer(const JsonSection& root, const fs::path& folder, Resi
       .mirror_x = display.boolean("mirror_x"),
       .mirror_y = display.boolean("mirror_y"),
       .anti_aliasing = display.boolean("anti_aliasing"),
+      .tone = {.gamma = display.number("gamma"), .threshold = display.integer<std::uint8_t>("threshold")},
+      .lamp = std::move(lamp),
       .irradiance_mw_cm2 = root.section("projector").number("irradiance_mw_cm2"),
       .pace = root.section("simulation").text("pace") == "fast" ? Pace::Fast : Pace::Realtime,
       .simulated = read_simulated(root, folder),
@@ -173,11 +202,12 @@ PrinterConfig load_printer_config(const fs::path& path) {
   check_rules(document, folder);
   std::vector<Violation> resin_violations;
   std::optional<ResinProfile> resin = load_default_resin(document, folder, resin_violations);
+  std::optional<Mask> lamp = load_lamp(document, folder);
 
   std::vector<Violation> violations = document.violations();
   violations.insert(violations.end(), resin_violations.begin(), resin_violations.end());
   if (!violations.empty()) throw ConfigError(std::move(violations));
-  return read_printer(JsonSection(document), folder, std::move(resin).value());
+  return read_printer(JsonSection(document), folder, std::move(resin).value(), std::move(lamp));
 }
 
 ResinProfile find_resin(const PrinterConfig& printer, std::string_view name) {

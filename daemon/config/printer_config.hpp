@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "core/exposure_correction.hpp"
 #include "core/units.hpp"
 #include "daemon/config/config_error.hpp"
 #include "daemon/config/resin_profile.hpp"
@@ -38,6 +40,8 @@ struct PrinterConfig {
   bool mirror_x = false;
   bool mirror_y = false;
   bool anti_aliasing = true;
+  ToneCurve tone;
+  std::optional<Mask> lamp;  // as large as the display
 
   double irradiance_mw_cm2 = 0.0;  // of a white pixel, on the film
 

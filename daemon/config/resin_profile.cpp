@@ -73,6 +73,12 @@ void check_rules(JsonDocument& document, const ResinMachine& machine) {
     document.add_violation("/fade_layers",
                            plain(*fade) + " layers to fade, but bottom_layers is 0: from what?");
   }
+  const auto foot = document.sound_number("/elephant_foot_um");
+  const auto foot_height = document.sound_number("/elephant_foot_height_um");
+  if (foot && foot_height && (*foot > 0) != (*foot_height > 0)) {
+    document.add_violation("/elephant_foot_um", plain(*foot) + " um, but elephant_foot_height_um is " +
+                                                    plain(*foot_height) + ": both are 0 or neither is");
+  }
   const auto lift = document.sound_number("/lift_mm");
   if (lift && machine.travel && *lift >= to_millimeters(*machine.travel).count()) {
     document.add_violation("/lift_mm", plain(*lift) + " is not less than the printer's travel, " +
@@ -107,6 +113,9 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .shrinkage_factors = read_shrinkage(profile),
       .bottom_layers = profile.integer<int>("bottom_layers"),
       .fade_layers = profile.integer<int>("fade_layers"),
+      .compensation = {.growth = Micrometers{profile.number("growth_um")},
+                       .elephant_foot = Micrometers{profile.number("elephant_foot_um")},
+                       .elephant_foot_height = profile.length("elephant_foot_height_um")},
       .lift = profile.length("lift_mm"),
       .lift_speed = MillimetersPerSecond{profile.number("lift_speed_mm_s")},
       .retract_speed = MillimetersPerSecond{profile.number("retract_speed_mm_s")},

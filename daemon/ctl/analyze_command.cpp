@@ -62,9 +62,9 @@ Subject subject_alone(const AnalyzeOptions& options) {
     subject.model.warnings.emplace_back(
         "the model is larger than the display: what lies outside is not counted");
   }
-  subject.engine =
-      std::make_unique<ContourEngine>(std::move(index), options.display, options.anti_aliasing,
-                                      std::vector{PixelMap::true_scale(options.display, bounds.center())});
+  subject.engine = std::make_unique<ContourEngine>(
+      std::move(index), EngineSettings{options.display, options.anti_aliasing},
+      std::vector{PixelMap::true_scale(options.display, bounds.center())});
   return subject;
 }
 

@@ -8,8 +8,7 @@
 #include <string>
 
 #include "core/adaptive_layers.hpp"
-#include "core/pixel_map.hpp"
-#include "core/rasterizer.hpp"
+#include "core/contour_engine.hpp"
 #include "core/stl_reader.hpp"
 
 namespace contourd::ctl {
@@ -38,16 +37,16 @@ struct SliceOptions {
   std::optional<Nanometers> layer_height;
   std::optional<AdaptiveLayers> adaptive;
 
-  DisplayGeometry display;
+  EngineSettings engine;
   bool fit = false;
-  AntiAliasing anti_aliasing = AntiAliasing::On;
+  std::optional<std::filesystem::path> lamp;  // to be read into engine.lamp
 
   std::optional<std::filesystem::path> mask;      // one PNG, with z
   std::optional<std::filesystem::path> masks;     // a folder of PNGs, with layers
   std::optional<std::filesystem::path> csv;       // with layers
   std::optional<std::filesystem::path> contours;  // a folder of CSVs, with layers
 };
-int slice(const SliceOptions& options);
+int slice(SliceOptions options);
 
 struct AnalyzeOptions {
   std::filesystem::path model;

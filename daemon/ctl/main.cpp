@@ -34,6 +34,9 @@ struct SliceWords {
   DisplayWords display;
   std::string anti_aliasing = "on";
   std::string mask, masks, csv, contours;
+  double grow_um = 0, elephant_foot_um = 0, elephant_foot_height_um = 0, gamma = 1;
+  int threshold = 0;
+  std::string lamp_mask;
 };
 
 struct AnalyzeWords {
@@ -60,6 +63,39 @@ DisplayGeometry parse_display(const DisplayWords& words) {
   display.height = Pixels{height};
   display.pixel_pitch = Micrometers{words.pixel_pitch_um};
   return display;
+}
+
+// What is done to masks beyond slicing, as a resin's and a printer's profiles have it.
+void parse_corrections(EngineSettings& engine, const SliceWords& words) {
+  const auto check = [](const char* name, double value, double least, double most) {
+    // Not the other way round: nan is none of the two.
+    if (!(value >= least && value <= most))
+      throw UsageError(fmt::format("{} {}: expected {} to {}", name, value, least, most));
+  };
+  check("--grow-um", words.grow_um, -500, 500);
+  check("--elephant-foot-um", words.elephant_foot_um, 0, 500);
+  check("--elephant-foot-height-um", words.elephant_foot_height_um, 0, 10000);
+  check("--gamma", words.gamma, 0.1, 10);
+  check("--threshold", words.threshold, 0, 255);
+  const auto foot_height = to_nanometers(to_millimeters(Micrometers{words.elephant_foot_height_um}));
+  engine.compensation = {Micrometers{words.grow_um}, Micrometers{words.elephant_foot_um},
+                         foot_height.value_or(Nanometers{})};
+  engine.tone = {words.gamma, static_cast<std::uint8_t>(words.threshold)};
+  if ((words.elephant_foot_um > 0) != (words.elephant_foot_height_um > 0))
+    throw UsageError("--elephant-foot-um and --elephant-foot-height-um go together");
+}
+
+void check_corrections_go_with_masks(const SliceOptions& options) {
+  const bool moves = options.engine.compensation != Compensation{};
+  const bool corrects = moves || options.engine.tone != ToneCurve{} || options.lamp;
+  if (corrects && !options.mask && !options.masks) {
+    throw UsageError(
+        "--grow-um, --elephant-foot-um, --lamp-mask, --gamma and --threshold change masks: they go with "
+        "--mask "
+        "or --masks");
+  }
+  // Micrometres of the part are not those of the picture then.
+  if (moves && options.fit) throw UsageError("--grow-um and --elephant-foot-um do not go with --fit");
 }
 
 void set_if_given(std::optional<std::filesystem::path>& path, const std::string& word) {
@@ -89,8 +125,10 @@ AdaptiveLayers parse_adaptive(const SliceWords& words) {
 }
 
 SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
-  options.display = parse_display(words.display);
-  options.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
+  options.engine.display = parse_display(words.display);
+  options.engine.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
+  parse_corrections(options.engine, words);
+  set_if_given(options.lamp, words.lamp_mask);
   set_if_given(options.mask, words.mask);
   set_if_given(options.masks, words.masks);
   set_if_given(options.csv, words.csv);
@@ -105,11 +143,13 @@ SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
     if (options.masks || options.csv || options.contours) {
       throw UsageError("--masks, --csv and --contours go with --layer-height-um or --cusp-um");
     }
+    check_corrections_go_with_masks(options);
     return options;
   }
   if (options.mask) throw UsageError("--mask goes with --z");
   if (words.layer_height_um) options.layer_height = parse_um("--layer-height-um", *words.layer_height_um, 1);
   if (words.cusp_um) options.adaptive = parse_adaptive(words);
+  check_corrections_go_with_masks(options);
   return options;
 }
 
@@ -188,6 +228,13 @@ class CommandLine {
     add("--pixel-pitch-um", words_.display.pixel_pitch_um, "Side of a pixel on the plate, um");
     add("--aa", words_.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")
         ->check(CLI::IsMember({"on", "off"}));
+    add("--grow-um", words_.grow_um, "Move the masks' contours outwards, um; negative inwards");
+    add("--elephant-foot-um", words_.elephant_foot_um, "Move them inwards at the model's bottom, um");
+    add("--elephant-foot-height-um", words_.elephant_foot_height_um, "Height over which that fades, um");
+    add("--lamp-mask", words_.lamp_mask,
+        "Multiply the masks by this PNG file, 8-bit grey, 255 leaves as it is");
+    add("--gamma", words_.gamma, "Gamma of the projector, which the masks undo");
+    add("--threshold", words_.threshold, "Leave grey below this dark");
     command->add_flag("--fit", slice_.fit, "Fit the model to the display instead of true scale");
     command->add_flag("--json", slice_.json, "Print JSON");
   }

@@ -27,13 +27,28 @@ double ms_between(SteadyClock::time_point from, SteadyClock::time_point to) {
 }
 
 PixelMap map_for(const SliceOptions& options, const Bounds& bounds) {
-  return options.fit ? PixelMap::fit(options.display, bounds)
-                     : PixelMap::true_scale(options.display, bounds.center());
+  return options.fit ? PixelMap::fit(options.engine.display, bounds)
+                     : PixelMap::true_scale(options.engine.display, bounds.center());
 }
 
 ContourEngine engine_for(std::shared_ptr<const HeightIndex> model, const SliceOptions& options) {
   const PixelMap map = map_for(options, model->bounds());
-  return ContourEngine({PlateModel{std::move(model), {map}}}, options.display, options.anti_aliasing);
+  return ContourEngine({PlateModel{std::move(model), {map}}}, options.engine);
+}
+
+Mask read_lamp(const std::filesystem::path& path, const DisplayGeometry& display) {
+  Mask lamp;
+  try {
+    lamp = read_png(path);
+  } catch (const std::system_error&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw UsageError(fmt::format("--lamp-mask {}: {}", path.string(), error.what()));
+  }
+  if (lamp.width() == display.width && lamp.height() == display.height) return lamp;
+  throw UsageError(fmt::format("--lamp-mask {}: the picture is {}x{} pixels, the display {}x{}",
+                               path.string(), lamp.width().count(), lamp.height().count(),
+                               display.width.count(), display.height.count()));
 }
 
 void write_mask(const std::filesystem::path& path, const Mask& mask) {
@@ -51,9 +66,9 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 void warn_if_larger_than_display(const SliceOptions& options, const Bounds& bounds) {
-  const double pitch_mm = to_millimeters(options.display.pixel_pitch).count();
-  const double width = options.display.width.count() * pitch_mm;
-  const double height = options.display.height.count() * pitch_mm;
+  const double pitch_mm = to_millimeters(options.engine.display.pixel_pitch).count();
+  const double width = options.engine.display.width.count() * pitch_mm;
+  const double height = options.engine.display.height.count() * pitch_mm;
   if (options.fit || (bounds.size_x() <= width && bounds.size_y() <= height)) return;
   fmt::print(
       stderr,
@@ -67,7 +82,7 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
   Section section;
   slice_at(*model, z, section);
   Contours contours;
-  ContourLinker().link(section.segments, to_millimeters(options.display.pixel_pitch), contours);
+  ContourLinker().link(section.segments, to_millimeters(options.engine.display.pixel_pitch), contours);
   const double area = filled_area_mm2(contours);
   const double perimeter = perimeter_mm(contours);
   if (options.mask) {
@@ -121,7 +136,7 @@ std::vector<Nanometers> layer_middles(const SliceOptions& options,
 std::vector<LayerMeasurement> measure_layers(const SliceOptions& options, const HeightIndex& model,
                                              std::span<const Nanometers> layers) {
   const PixelMap map = map_for(options, model.bounds());
-  const Millimeters tolerance = to_millimeters(options.display.pixel_pitch);
+  const Millimeters tolerance = to_millimeters(options.engine.display.pixel_pitch);
   Section section;
   ContourLinker linker;
   Contours contours;
@@ -181,7 +196,8 @@ int slice_layers(const SliceOptions& options, const std::shared_ptr<const Height
 
 }  // namespace
 
-int slice(const SliceOptions& options) {
+int slice(SliceOptions options) {
+  if (options.lamp) options.engine.lamp = read_lamp(*options.lamp, options.engine.display);
   const auto model = std::make_shared<const HeightIndex>(read_model(options.model).facets);
   return options.z ? slice_at_height(options, model) : slice_layers(options, model);
 }

@@ -53,7 +53,7 @@ ContourEngine fitted_engine(const std::filesystem::path& model, Pixels width, Pi
   const DisplayGeometry display{width, height};
   HeightIndex index(read_stl_file(model).facets);
   const PixelMap map = PixelMap::fit(display, index.bounds());
-  return ContourEngine(std::move(index), display, AntiAliasing::On, {map});
+  return ContourEngine(std::move(index), EngineSettings{display, AntiAliasing::On}, {map});
 }
 
 std::vector<Millimeters> random_heights(const Bounds& bounds, int count) {

@@ -10,7 +10,7 @@ namespace {
 const DisplayGeometry kDisplay{Pixels{1920}, Pixels{1080}, Micrometers{25}};
 
 ContourEngine engine_for(models::Facets facets, Point center) {
-  return ContourEngine(HeightIndex(std::move(facets)), kDisplay, AntiAliasing::On,
+  return ContourEngine(HeightIndex(std::move(facets)), EngineSettings{kDisplay, AntiAliasing::On},
                        {PixelMap::true_scale(kDisplay, center)});
 }
 

@@ -21,7 +21,7 @@ double megabytes(const std::filesystem::path& file) {
 void first_mask(HeightIndex model) {
   const double middle = model.bounds().min_z + model.bounds().size_z() / 2;
   const PixelMap map = PixelMap::fit(kDisplay, model.bounds());
-  ContourEngine engine(std::move(model), kDisplay, AntiAliasing::On, {map});
+  ContourEngine engine(std::move(model), EngineSettings{kDisplay, AntiAliasing::On}, {map});
   (void)engine.mask_at_z(Millimeters{middle});
 }
 

@@ -22,7 +22,7 @@ Row masks_in_memory(const Bench& bench, const std::filesystem::path& file) {
     HeightIndex model(read_stl_file(file).facets);
     const PixelMap map = PixelMap::true_scale(kDisplay, model.bounds().center());
     const LayerStack layers = layers_for(Millimeters{model.bounds().size_z()}, kLayer).value();
-    ContourEngine engine(std::move(model), kDisplay, AntiAliasing::On, {map});
+    ContourEngine engine(std::move(model), EngineSettings{kDisplay, AntiAliasing::On}, {map});
     const std::int32_t step = bench.quick ? 300 : 1;
     masks = 0;
     for (std::int32_t layer = 0; layer < layers.count; layer += step, ++masks)

@@ -49,7 +49,7 @@ void check_area_equals_ours(const models::Facets& facets, float z) {
   const DisplayGeometry display{Pixels{kWidth}, Pixels{kHeight}};
   HeightIndex index(facets);
   const PixelMap map = PixelMap::fit(display, index.bounds());
-  ContourEngine engine(std::move(index), display, AntiAliasing::On, {map});
+  ContourEngine engine(std::move(index), EngineSettings{display, AntiAliasing::On}, {map});
   const double ours = engine.mask_at_z(Millimeters{z}).lit_area();
 
   // Each of its points lost less than a pixel in x and in y, so the outline has moved by less than a pixel's

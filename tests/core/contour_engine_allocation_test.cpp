@@ -59,12 +59,11 @@ namespace {
 constexpr Nanometers kLayer{500'000};
 
 // Allocations of a second pass over all layers.
-long allocations_when_warm(models::Facets facets) {
-  const DisplayGeometry display{Pixels{480}, Pixels{480}};
+long allocations_when_warm(models::Facets facets, EngineSettings settings = {}) {
+  settings.display = {Pixels{480}, Pixels{480}};
   const auto model = std::make_shared<const HeightIndex>(std::move(facets));
-  const PixelMap map = PixelMap::true_scale(display, {0, 0});
-  ContourEngine engine(std::vector<PlateModel>{{model, {map}}, {model, {map, map}}}, display,
-                       AntiAliasing::On);
+  const PixelMap map = PixelMap::true_scale(settings.display, {0, 0});
+  ContourEngine engine(std::vector<PlateModel>{{model, {map}}, {model, {map, map}}}, settings);
   long during_second = 0;
   for (int pass = 0; pass < 2; ++pass) {
     const long before = allocations;
@@ -98,8 +97,8 @@ TEST_CASE("A warm engine allocates nothing for a cracked model") {
 
 TEST_CASE("Finding islands allocates nothing when warm") {
   const DisplayGeometry display{Pixels{480}, Pixels{480}};
-  ContourEngine engine(HeightIndex(models::gyroid_sphere(10, 6, 24)), display, AntiAliasing::On,
-                       {PixelMap::true_scale(display, {0, 0})});
+  ContourEngine engine(HeightIndex(models::gyroid_sphere(10, 6, 24)),
+                       EngineSettings{display, AntiAliasing::On}, {PixelMap::true_scale(display, {0, 0})});
   // Runs alternate between two layers, as in an analysis: both must have seen the largest.
   MaskRuns layer, beneath;
   IslandFinder finder;
@@ -114,4 +113,18 @@ TEST_CASE("Finding islands allocates nothing when warm") {
     during_last = allocations - before;
   }
   CHECK(during_last == 0);
+}
+
+TEST_CASE("A warm engine allocates nothing for compensated masks") {
+  // Two gyroids in one place overlap everywhere.
+  models::Facets facets = models::gyroid_sphere(10, 6, 24);
+  models::Facets other = models::gyroid_sphere(10, 5, 20);
+  facets.insert(facets.end(), other.begin(), other.end());
+  for (const double growth : {-60.0, 60.0}) {
+    EngineSettings settings;
+    settings.compensation = {Micrometers{growth}, Micrometers{100}, Nanometers{5'000'000}};
+    settings.tone = {2.2, 10};
+    settings.lamp.emplace(Pixels{480}, Pixels{480});
+    CHECK(allocations_when_warm(facets, settings) == 0);
+  }
 }

@@ -20,7 +20,8 @@ const DisplayGeometry kDisplay{Pixels{440}, Pixels{420}, Micrometers{50.0}};
 constexpr AntiAliasing kBoth[] = {AntiAliasing::On, AntiAliasing::Off};
 
 ContourEngine engine_for(const Facets& facets, AntiAliasing mode) {
-  return ContourEngine(HeightIndex(facets), kDisplay, mode, {PixelMap::true_scale(kDisplay, {0, 0})});
+  return ContourEngine(HeightIndex(facets), EngineSettings{kDisplay, mode},
+                       {PixelMap::true_scale(kDisplay, {0, 0})});
 }
 
 // Whether both have the same masks at heights all over the first, its vertices' own among them.
@@ -105,7 +106,7 @@ TEST_CASE("A cube of 20 mm is 400 pixels wide wherever it stands on the grid's l
     const int column = static_cast<int>(dice.below(600)), row = static_cast<int>(dice.below(500));
     const Point center{10 - (column + 200 - 500) * 0.05, 10 + (row + 200 - 450) * 0.05};
     for (const AntiAliasing mode : kBoth) {
-      ContourEngine engine(HeightIndex(models::box({0, 0, 0}, {20, 20, 20})), display, mode,
+      ContourEngine engine(HeightIndex(models::box({0, 0, 0}, {20, 20, 20})), EngineSettings{display, mode},
                            {PixelMap::true_scale(display, center)});
       const Mask& mask = engine.mask_at_z(Millimeters{7});
       CAPTURE(column, row);
@@ -145,7 +146,7 @@ TEST_CASE("The smallest and the largest display are filled") {
   const Facets box = models::box({-500, -500, 0}, {500, 500, 1});
   for (const int side : {1, 16384}) {
     const DisplayGeometry display{Pixels{side}, Pixels{side}, Micrometers{50.0}};
-    ContourEngine engine(HeightIndex(box), display, AntiAliasing::Off,
+    ContourEngine engine(HeightIndex(box), EngineSettings{display, AntiAliasing::Off},
                          {PixelMap::true_scale(display, {0, 0})});
     CHECK(engine.mask_at_z(Millimeters{0.5}).lit_pixels() == std::int64_t{side} * side);
   }

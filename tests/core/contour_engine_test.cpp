@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <numbers>
 #include <stdexcept>
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/core/random_contours.hpp"
 #include "tests/core/random_shapes.hpp"
 #include "tests/core/section_fixture.hpp"
 
@@ -21,7 +23,7 @@ const DisplayGeometry kDisplay{Pixels{480}, Pixels{440}, Micrometers{50.0}};
 
 ContourEngine engine_for(models::Facets facets, AntiAliasing anti_aliasing = AntiAliasing::On,
                          Point center = {10, 10}) {
-  return ContourEngine(HeightIndex(std::move(facets)), kDisplay, anti_aliasing,
+  return ContourEngine(HeightIndex(std::move(facets)), {kDisplay, anti_aliasing, {}, {}, {}},
                        {PixelMap::true_scale(kDisplay, center)});
 }
 
@@ -106,7 +108,7 @@ TEST_CASE("A mask has the display's size") {
 
 TEST_CASE("A display without pixels or with too many is refused") {
   const auto engine = [](int width, int height) {
-    return ContourEngine(HeightIndex(), {Pixels{width}, Pixels{height}}, AntiAliasing::On, {});
+    return ContourEngine(HeightIndex(), {.display = {Pixels{width}, Pixels{height}}}, {});
   };
   CHECK_THROWS_AS(engine(0, 100), std::invalid_argument);
   CHECK_THROWS_AS(engine(100, 16385), std::invalid_argument);
@@ -117,7 +119,7 @@ TEST_CASE("Every copy of a model is lit at its own place") {
   const PixelMap left = PixelMap::true_scale(kDisplay, {6, 1}),
                  right = PixelMap::true_scale(kDisplay, {-4, 1});
   const auto mask_with = [&](const std::vector<PixelMap>& copies) {
-    return Mask(ContourEngine(post, kDisplay, AntiAliasing::On, copies).mask_at(Nanometers{1}));
+    return Mask(ContourEngine(post, {.display = kDisplay}, copies).mask_at(Nanometers{1}));
   };
   const Mask both = mask_with({left, right}), one = mask_with({left}), other = mask_with({right});
   CHECK(both.lit_area() == 2 * 40.0 * 40.0);
@@ -131,7 +133,7 @@ TEST_CASE("The copies of a cracked model are lit alike") {
   models::Facets box = models::box({0, 0, 0}, {2, 2, 5});
   box.pop_back();
   const HeightIndex model(box);
-  ContourEngine engine(model, kDisplay, AntiAliasing::On,
+  ContourEngine engine(model, {.display = kDisplay},
                        {PixelMap::true_scale(kDisplay, {6, 1}), PixelMap::true_scale(kDisplay, {-4, 1})});
   CHECK(engine.mask_at(Nanometers{1'000'000}).lit_area() == 2 * 40.0 * 40.0);
 }
@@ -141,7 +143,7 @@ TEST_CASE("Two models on a plate are lit together and each stands on it") {
   const auto sunk = std::make_shared<const HeightIndex>(models::box({0, 0, -90}, {2, 2, -88}));
   ContourEngine engine(
       {{low, {PixelMap::true_scale(kDisplay, {6, 1})}}, {sunk, {PixelMap::true_scale(kDisplay, {-4, 1})}}},
-      kDisplay, AntiAliasing::On);
+      {kDisplay, AntiAliasing::On});
   CHECK(engine.mask_at(Nanometers{1'000'000}).lit_area() == 2 * 40.0 * 40.0);
   CHECK(engine.intersecting_facets() == 16);
   CHECK(engine.mask_at(Nanometers{3'000'000}).lit_area() == 40.0 * 40.0);
@@ -295,13 +297,23 @@ std::vector<PlateModel> slab_and_ball() {
            {PixelMap::true_scale(kDisplay, {91, 100}), PixelMap::true_scale(kDisplay, {100, 93})}}};
 }
 
+EngineSettings with_compensation(const Compensation& compensation,
+                                 AntiAliasing anti_aliasing = AntiAliasing::On) {
+  return {.display = kDisplay, .anti_aliasing = anti_aliasing, .compensation = compensation};
+}
+
+ContourEngine engine_with(const EngineSettings& settings, models::Facets facets) {
+  return ContourEngine(HeightIndex(std::move(facets)), settings,
+                       {PixelMap::true_scale(settings.display, {10, 10})});
+}
+
 }  // namespace
 
 TEST_CASE("Several models all stand on the plate and their masks unite") {
   const std::vector<PlateModel> models = slab_and_ball();
   for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
-    ContourEngine both(models, kDisplay, mode);
-    ContourEngine slab({models[0]}, kDisplay, mode), balls({models[1]}, kDisplay, mode);
+    ContourEngine both(models, {kDisplay, mode});
+    ContourEngine slab({models[0]}, {kDisplay, mode}), balls({models[1]}, {kDisplay, mode});
     bool overlap_seen = false, second_seen = false;
     for (std::int64_t um = 0; um < 11'000; um += 250) {
       const Nanometers height{um * 1000};
@@ -324,7 +336,7 @@ TEST_CASE("Several models all stand on the plate and their masks unite") {
 }
 
 TEST_CASE("The contours of several models follow each other, each in its own coordinates") {
-  ContourEngine engine(slab_and_ball(), kDisplay, AntiAliasing::On);
+  ContourEngine engine(slab_and_ball(), {kDisplay, AntiAliasing::On});
   CHECK(engine.models().size() == 2);
   const Contours& both = engine.contours_at(Nanometers{3'000'000});
   REQUIRE(both.loops.size() == 2);
@@ -334,7 +346,7 @@ TEST_CASE("The contours of several models follow each other, each in its own coo
   for (const Point& point : both.points_of(both.loops[1]))
     CHECK((point.x >= 97 && point.y >= 97));
   const std::uint32_t facets = engine.intersecting_facets();
-  ContourEngine slab({slab_and_ball()[0]}, kDisplay, AntiAliasing::On);
+  ContourEngine slab({slab_and_ball()[0]}, {kDisplay, AntiAliasing::On});
   (void)slab.contours_at(Nanometers{3'000'000});
   CHECK(slab.intersecting_facets() == 8);
   CHECK(facets > 8);
@@ -348,7 +360,7 @@ TEST_CASE("The gaps of several models are counted together") {
   const PixelMap map = PixelMap::true_scale(kDisplay, {10, 10});
   const auto chains_at = [&](const std::vector<PlateModel>& models) {
     std::vector<std::uint32_t> chains;
-    ContourEngine engine(models, kDisplay, AntiAliasing::On);
+    ContourEngine engine(models, {kDisplay, AntiAliasing::On});
     for (std::int64_t um = 500; um < 10'000; um += 500)
       chains.push_back(engine.contours_at(Nanometers{um * 1000}).open_chains);
     return chains;
@@ -360,7 +372,112 @@ TEST_CASE("The gaps of several models are counted together") {
 }
 
 TEST_CASE("A plate without models is dark") {
-  ContourEngine engine({}, kDisplay, AntiAliasing::On);
+  ContourEngine engine({}, {kDisplay, AntiAliasing::On});
   CHECK(engine.mask_at(Nanometers{0}).lit_pixels() == 0);
   CHECK(engine.contours_at(Nanometers{0}).loops.empty());
+}
+
+TEST_CASE("A part grows and shrinks by its compensation on every side") {
+  for (const double um : {-500.0, -130.0, -10.0, 10.0, 130.0, 500.0}) {
+    CAPTURE(um);
+    const double d = um / 1000;
+    ContourEngine engine = engine_with(with_compensation({.growth = Micrometers{um}}), slab_and_post());
+    const auto exact = [d](double side) {
+      return d < 0 ? (side + 2 * d) * (side + 2 * d) : side * side + 4 * side * d + std::numbers::pi * d * d;
+    };
+    // The chords of four quarter circles, and half a level at each of their and the sides' pixels.
+    const double tolerance =
+        4 * d * d * 0.0005 + 2 * std::numbers::pi * std::fabs(d) * 0.0005 + 2000 * 0.5 / 255 * 0.05 * 0.05;
+    CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), exact(20), tolerance));
+    CHECK(near(area(engine.mask_at(Nanometers{6'000'000})), exact(10), tolerance));
+  }
+}
+
+TEST_CASE("The elephant foot is taken off at the plate and nothing above its height") {
+  const Compensation foot{{}, Micrometers{200}, Nanometers{2'000'000}};
+  ContourEngine engine = engine_with(with_compensation(foot), slab_and_post());
+  CHECK(near(area(engine.mask_at(Nanometers{0})), 19.6 * 19.6, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), 19.8 * 19.8, kRoundingMm2));
+  ContourEngine plain = engine_for(slab_and_post());
+  for (const std::int64_t nm : {2'000'000, 3'000'000, 6'000'000})
+    CHECK(engine.mask_at(Nanometers{nm}) == plain.mask_at(Nanometers{nm}));
+}
+
+TEST_CASE("A compensated 1-bit mask holds the pixels whose centres are within the distance of the part") {
+  models::Facets facets = models::gyroid_sphere(9, 6, 24);
+  models::translate(facets, 10, 10, 0);
+  const Nanometers height{7'300'000};
+  const Contours contours = engine_for(facets).contours_at(height);
+  for (const double um : {-180.0, -60.0, 60.0, 180.0}) {
+    CAPTURE(um);
+    ContourEngine engine =
+        engine_with(with_compensation({.growth = Micrometers{um}}, AntiAliasing::Off), facets);
+    const Mask& mask = engine.mask_at(height);
+    std::int64_t lit = 0, wrong = 0;
+    for (std::int32_t row = 0; row < mask.height().count(); row += 3) {
+      for (std::int32_t column = 0; column < mask.width().count(); column += 3) {
+        const Point center{10 + (column + 0.5 - 240) * 0.05, 10 - (row + 0.5 - 220) * 0.05};
+        const double away = testing::distance_to_sides(contours, center) *
+                            (testing::winding_around(contours, center) != 0 ? -1 : 1);
+        // The chords of arcs, and points within 2^-15 mm that are taken for one.
+        if (std::fabs(away - um / 1000) < 0.0006) continue;
+        const bool is_lit = mask.row(row)[static_cast<std::size_t>(column)] != 0;
+        lit += is_lit;
+        wrong += is_lit != (away < um / 1000);
+      }
+    }
+    CHECK(lit > 100);
+    CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("A compensated grey mask's light is the moved contours' area") {
+  models::Facets facets = models::gyroid_sphere(9, 6, 24);
+  models::translate(facets, 10, 10, 0);
+  const Nanometers height{7'300'000};
+  const Contours contours = engine_for(facets).contours_at(height);
+  for (const double um : {-100.0, 100.0}) {
+    Contours moved;
+    ContourOffset().offset(contours, Millimeters{um / 1000}, moved);
+    const double exact = testing::signed_area(moved);
+    ContourEngine engine = engine_with(with_compensation({.growth = Micrometers{um}}), facets);
+    CHECK(near(area(engine.mask_at(height)), exact, exact * 1e-4));
+  }
+}
+
+TEST_CASE("Every copy of a compensated model is lit alike, mirrored or not") {
+  const HeightIndex post(models::box({0, 0, 0}, {2, 2, 5}));
+  DisplayGeometry mirrored = kDisplay;
+  mirrored.mirror_x = true;
+  EngineSettings settings = with_compensation({.growth = Micrometers{100}});
+  const double one = 4 + 8 * 0.1 + std::numbers::pi * 0.01;
+  ContourEngine engine(post, settings,
+                       {PixelMap::true_scale(kDisplay, {6, 1}), PixelMap::true_scale(mirrored, {6, 1})});
+  // Twice the chords of a circle of 0.1 mm, and half a level at 2 x 180 pixels.
+  CHECK(near(area(engine.mask_at(Nanometers{1})), 2 * one, 2 * 0.63 * 0.0005 + 360 * 0.5 / 255 * 0.0025));
+}
+
+TEST_CASE("The lamp's mask, threshold and gamma are applied to the mask and not to its coverage") {
+  EngineSettings settings = with_compensation({});
+  settings.tone = {2.2, 10};
+  settings.lamp.emplace(kDisplay.width, kDisplay.height);
+  for (std::int32_t y = 0; y < kDisplay.height.count(); ++y)
+    std::ranges::fill(settings.lamp->row(y), static_cast<std::uint8_t>(155 + y % 100));
+  ContourEngine engine = engine_with(settings, ball()), plain = engine_for(ball());
+  for (const std::int64_t nm : {8'000'000, 1'000'000}) {
+    const Mask& mask = engine.mask_at(Nanometers{nm});
+    const Mask& coverage = plain.mask_at(Nanometers{nm});
+    CHECK(engine.coverage() == coverage);
+    Mask expected(kDisplay.width, kDisplay.height);
+    ExposureCorrection(settings.tone, settings.lamp).apply(coverage, expected);
+    CHECK(mask == expected);
+    CHECK(mask != coverage);
+    CHECK(plain.coverage() == coverage);
+  }
+}
+
+TEST_CASE("A lamp's mask of another size than the display is refused") {
+  EngineSettings settings = with_compensation({});
+  settings.lamp.emplace(kDisplay.height, kDisplay.width);
+  CHECK_THROWS_AS(engine_with(settings, ball()), std::invalid_argument);
 }

@@ -210,7 +210,7 @@ struct Layer {
 };
 
 Layer layer_of(const HeightIndex& model, const PixelMap& map, double z) {
-  ContourEngine engine(model, kDisplay, AntiAliasing::On, {map});
+  ContourEngine engine(model, {kDisplay, AntiAliasing::On}, {map});
   Layer layer{engine.mask_at_z(Millimeters{z}), {}};
   Section section;
   slice_at(model, z, section);

@@ -129,7 +129,7 @@ TEST_CASE("The area is the mask's lit area") {
   for (const auto& [facets, name] :
        {std::pair{models::sphere(10, 16), "sphere"}, std::pair{models::gyroid_sphere(10, 5, 24), "gyroid"}}) {
     const HeightIndex model(facets);
-    ContourEngine engine(model, display, AntiAliasing::On, {PixelMap::true_scale(display, {0, 0})});
+    ContourEngine engine(model, {.display = display}, {PixelMap::true_scale(display, {0, 0})});
     for (const std::int64_t height_nm : {1'234'567, 7'777'777, 10'000'000, 18'000'001}) {
       CAPTURE(name, height_nm);
       const double lit_mm2 = engine.mask_at(Nanometers{height_nm}).lit_area() * 0.05 * 0.05;

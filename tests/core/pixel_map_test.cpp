@@ -148,7 +148,7 @@ TEST_CASE("A cube of 20 mm is 400 by 400 lit pixels of 50 um wherever it stands 
       const int from_left = geometry.mirror_x ? 240 - column : column;
       const int from_top = geometry.mirror_y ? 100 - row : row;
       const Point center{(320 - from_left) * 0.05, 20 - (250 - from_top) * 0.05};
-      ContourEngine engine(cube, geometry, anti_aliasing, {PixelMap::true_scale(geometry, center)});
+      ContourEngine engine(cube, {geometry, anti_aliasing}, {PixelMap::true_scale(geometry, center)});
       const Mask& mask = engine.mask_at(Nanometers{draw(0, 19'999'999)});
       RC_ASSERT(mask.lit_pixels() == 400 * 400);
       RC_ASSERT(mask.lit_area() == 400.0 * 400.0);
@@ -185,7 +185,7 @@ TEST_CASE("Factors in X and Y change a cube's pixels to the pixel, wherever it s
         const int from_top = geometry.mirror_y ? 500 - f.rows - row : row;
         const Point center{cube.bounds().min_x + (320 - from_left) * 0.05,
                            cube.bounds().max_y - (250 - from_top) * 0.05};
-        ContourEngine engine(cube, geometry, anti_aliasing, {PixelMap::true_scale(geometry, center)});
+        ContourEngine engine(cube, {geometry, anti_aliasing}, {PixelMap::true_scale(geometry, center)});
         const Mask& mask = engine.mask_at(Nanometers{draw(0, 19'999'999)});
         RC_ASSERT(mask.lit_pixels() == std::int64_t{f.columns} * f.rows);
         for (int y = row; y < row + f.rows; ++y) {

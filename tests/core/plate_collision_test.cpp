@@ -72,7 +72,7 @@ TEST_CASE("A collision is what the masks of both alone say, wherever they stand"
           {PlateModel{
               model.model,
               {PixelMap::true_scale(kDisplay, {middle.x - model.center.x, middle.y - model.center.y})}}},
-          kDisplay, AntiAliasing::On);
+          EngineSettings{kDisplay, AntiAliasing::On});
     };
     ContourEngine one = engine_for(a), other = engine_for(b);
     std::int64_t lowest_um = -1;

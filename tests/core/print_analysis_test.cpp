@@ -21,7 +21,7 @@ const DisplayGeometry kDisplay{Pixels{480}, Pixels{440}, Micrometers{50.0}};
 
 // The model's plate centre is its point (0, 0).
 ContourEngine engine_for(models::Facets facets, const DisplayGeometry& display = kDisplay) {
-  return ContourEngine(HeightIndex(std::move(facets)), display, AntiAliasing::On,
+  return ContourEngine(HeightIndex(std::move(facets)), EngineSettings{display, AntiAliasing::On},
                        {PixelMap::true_scale(display, {0, 0})});
 }
 

@@ -15,8 +15,8 @@ const DisplayGeometry kDisplay{Pixels{64}, Pixels{48}, Micrometers{100.0}};
 
 AnalysisTask task(std::int32_t layers) {
   AnalysisTask task;
-  task.engine = std::make_unique<ContourEngine>(HeightIndex(models::box({0, 0, 0}, {3, 2, 1})), kDisplay,
-                                                AntiAliasing::On,
+  task.engine = std::make_unique<ContourEngine>(HeightIndex(models::box({0, 0, 0}, {3, 2, 1})),
+                                                EngineSettings{kDisplay, AntiAliasing::On},
                                                 std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
   task.display = kDisplay;
   task.layers.assign(static_cast<std::size_t>(layers), Nanometers{100'000});

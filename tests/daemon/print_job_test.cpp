@@ -318,3 +318,16 @@ TEST_CASE("Gaps within a pixel are no reason to refuse a model") {
     v.y -= 0.02F;
   CHECK(desk.refusal_of(cracked, R"({"cracks": "refuse"})").empty());
 }
+
+TEST_CASE("A part that grows beyond the display is printed with a warning") {
+  Desk desk;
+  const models::Facets wide = models::box({0, 0, 0}, {96, 20, 1});
+  CHECK(desk.prepare(wide).summary.warnings.empty());
+  desk.printer.resin.compensation.growth = Micrometers{80};
+  CHECK(desk.prepare(wide).summary.warnings ==
+        std::vector<std::string>{
+            "the resin's growth_um moves contours 80 um beyond the display, where they are cut off"});
+  CHECK(desk.prepare(kCube).summary.warnings.empty());
+  desk.printer.resin.compensation.growth = Micrometers{-80};
+  CHECK(desk.prepare(wide).summary.warnings.empty());
+}

@@ -38,7 +38,7 @@ class Bench final : public PrintObserver {
     plan.job = "box";
     const double height = to_millimeters(kLayer).count() * count;
     HeightIndex box(models::box({0, 0, 0}, {3, 2, static_cast<float>(height)}));
-    plan.engine = std::make_unique<ContourEngine>(std::move(box), kDisplay, AntiAliasing::On,
+    plan.engine = std::make_unique<ContourEngine>(std::move(box), EngineSettings{.display = kDisplay},
                                                   std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
     plan.layers = PrintLayers(LayerStack{kLayer, count});
     plan.expected_layers = plan.layers.all();
@@ -153,7 +153,8 @@ TEST_CASE("Layers of different thickness lie upon each other, each with the ligh
   // A cone's point up: slopes of 45 degrees on a block.
   auto model = std::make_shared<const HeightIndex>(models::cone(2, 2, 64));
   plan.engine = std::make_unique<ContourEngine>(
-      std::vector{PlateModel{model, {PixelMap::true_scale(kDisplay, {0, 0})}}}, kDisplay, AntiAliasing::On);
+      std::vector{PlateModel{model, {PixelMap::true_scale(kDisplay, {0, 0})}}},
+      EngineSettings{kDisplay, AntiAliasing::On});
   plan.layers =
       PrintLayers(std::vector{model, std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 3}))},
                   {Nanometers{20'000}, Nanometers{100'000}, Nanometers{35'000}});

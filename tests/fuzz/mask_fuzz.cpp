@@ -28,8 +28,9 @@ std::vector<PixelMap> maps_of(const MaskSettings& settings, const Bounds& bounds
 
 ContourEngine engine_for(const MaskInput& input, models::Facets facets, const Bounds& bounds) {
   const bool grey = (input.settings.flags & kGrey) != 0;
-  return ContourEngine(HeightIndex(std::move(facets)), display_of(input.settings),
-                       grey ? AntiAliasing::On : AntiAliasing::Off, maps_of(input.settings, bounds));
+  return ContourEngine(HeightIndex(std::move(facets)),
+                       {display_of(input.settings), grey ? AntiAliasing::On : AntiAliasing::Off},
+                       maps_of(input.settings, bounds));
 }
 
 // The pixels that a model's outline may touch, on one axis.

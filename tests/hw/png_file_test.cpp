@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -185,4 +186,125 @@ TEST_CASE("What stands in the way of a file is not removed") {
   std::filesystem::create_directory(path);
   CHECK(code_of_writing(path, Mask(Pixels{4}, Pixels{4})) == std::errc::is_a_directory);
   CHECK(std::filesystem::is_directory(path));
+}
+
+namespace {
+
+// Any picture that libpng can write, from bytes in its own order.
+std::string png_of(png_uint_32 format, png_uint_32 width, png_uint_32 height) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = width;
+  image.height = height;
+  image.format = format;
+  const std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(image), 100);
+  png_alloc_size_t size = 0;
+  REQUIRE(png_image_write_to_memory(&image, nullptr, &size, 0, pixels.data(), 0, nullptr) != 0);
+  std::string bytes(size, '\0');
+  REQUIRE(png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr) != 0);
+  return bytes;
+}
+
+std::string complaint_of_reading(const std::string& bytes) {
+  const testing::TemporaryFolder folder;
+  try {
+    (void)read_png(folder.write("lamp.png", bytes));
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+Mask ramp() {
+  Mask mask(Pixels{37}, Pixels{29});
+  for (std::int32_t y = 0; y < 29; ++y) {
+    for (std::size_t x = 0; x < 37; ++x)
+      mask.row(y)[x] = static_cast<std::uint8_t>(7 * x + 31 * static_cast<std::size_t>(y));
+  }
+  return mask;
+}
+
+void write_interlaced(const std::filesystem::path& path, Mask mask) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  REQUIRE(file != nullptr);
+  png_init_io(png, file);
+  png_set_IHDR(png, info, 37, 29, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_ADAM7, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  std::vector<png_bytep> rows;
+  for (std::int32_t y = 0; y < 29; ++y)
+    rows.push_back(mask.row(y).data());
+  png_write_image(png, rows.data());
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  std::fclose(file);
+}
+
+std::string text_of(const std::vector<std::uint8_t>& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+TEST_CASE("A mask written and read is the same") {
+  CHECK(rc::check([] {
+    const testing::TemporaryFolder folder;
+    const Mask mask = draw_mask(70);
+    write_png(folder.path() / "mask.png", mask);
+    RC_ASSERT(read_png(folder.path() / "mask.png") == mask);
+  }));
+}
+
+TEST_CASE("An interlaced picture is read like any other") {
+  const testing::TemporaryFolder folder;
+  write_interlaced(folder.path() / "lamp.png", ramp());
+  CHECK(read_png(folder.path() / "lamp.png") == ramp());
+}
+
+TEST_CASE("A picture that is not 8-bit grey is refused") {
+  for (const png_uint_32 format : {PNG_FORMAT_RGB, PNG_FORMAT_RGBA, PNG_FORMAT_GA, PNG_FORMAT_LINEAR_Y}) {
+    CHECK(complaint_of_reading(png_of(format, 3, 2)) == "the picture is not 8-bit grey without transparency");
+  }
+  CHECK(complaint_of_reading(png_of(PNG_FORMAT_GRAY, 3, 2)).empty());
+}
+
+TEST_CASE("A file that is no PNG, or is damaged, or ends early is refused") {
+  CHECK(complaint_of_reading("") == "the file is not a PNG file");
+  CHECK(complaint_of_reading("GIF89a, truly") == "the file is not a PNG file");
+  const std::string whole = text_of(encode_png(Mask(Pixels{40}, Pixels{30})));
+  CHECK(complaint_of_reading(whole).empty());
+  for (std::size_t size = 8; size < whole.size(); ++size)
+    CHECK(complaint_of_reading(whole.substr(0, size)).starts_with("the picture cannot be read: "));
+  std::string damaged = whole;
+  damaged[damaged.size() - 20] = static_cast<char>(damaged[damaged.size() - 20] ^ 1);
+  CHECK(complaint_of_reading(damaged).starts_with("the picture cannot be read: "));
+}
+
+TEST_CASE("A picture larger than any mask is refused before its pixels are read") {
+  std::string bytes = text_of(encode_png(Mask(Pixels{1}, Pixels{1})));
+  // The width of 16385 and the header's checksum for it.
+  bytes.replace(16, 4, std::string("\0\0\x40\x01", 4));
+  std::uint32_t crc = ~0U;
+  for (std::size_t i = 12; i < 29; ++i) {
+    crc ^= static_cast<std::uint8_t>(bytes[i]);
+    for (int bit = 0; bit < 8; ++bit)
+      crc = crc >> 1 ^ (crc & 1 ? 0xEDB88320U : 0);
+  }
+  crc = ~crc;
+  for (int i = 0; i < 4; ++i)
+    bytes[static_cast<std::size_t>(29 + i)] = static_cast<char>(crc >> (24 - 8 * i));
+  CHECK(complaint_of_reading(bytes) == "the picture is 16385x1 pixels; the limit is 16384 a side");
+}
+
+TEST_CASE("A picture that is not there, or is no file, is an error that says so") {
+  const testing::TemporaryFolder folder;
+  CHECK_THROWS_AS(read_png(folder.path() / "none.png"), std::system_error);
+  try {
+    (void)read_png(folder.path());
+    FAIL("a folder was read");
+  } catch (const std::runtime_error& error) {
+    CHECK(std::string(error.what()) == "it is not a regular file");
+  }
 }

@@ -64,6 +64,25 @@ class Masks(PrintTest):
         report = self.printed(data, config={"display": {"anti_aliasing": False}})
         self.assert_same_as_contourctl(data, report, "--aa", "off")
 
+    def test_compensation_and_correction_are_the_same_as_well_and_in_the_report(self):
+        data = binary_stl(wedge(10, 5, 1) + box((20, 0, 0), (22, 9, 1)))
+        self.write("model.stl", data)
+        contourctl("slice", self.path("model.stl"), "--z", "0.5", "--mask", self.path("lamp.png"))
+        resin = {**source_json("resins", "standard.json"), "growth_um": 40, "elephant_foot_um": 120,
+                 "elephant_foot_height_um": 600}  # fmt: skip
+        report = self.printed(data, config={"display": {"lamp_mask": "lamp.png", "gamma": 1.8, "threshold": 20}},
+                              resin=resin)  # fmt: skip
+        self.assert_same_as_contourctl(data, report, "--grow-um", "40", "--elephant-foot-um", "120",
+                                       "--elephant-foot-height-um", "600", "--lamp-mask", self.path("lamp.png"),
+                                       "--gamma", "1.8", "--threshold", "20")  # fmt: skip
+        settings = report["settings"]
+        self.assertEqual((settings["growth_um"], settings["elephant_foot_um"], settings["elephant_foot_height_um"]),
+                         (40, 120, 600))  # fmt: skip
+        self.assertEqual((settings["lamp_mask"], settings["gamma"], settings["threshold"]), (True, 1.8, 20))
+        with open(self.path("spool", "done", "part.report.html"), encoding="utf-8") as file:
+            self.assertIn("contours moved outwards by 40 um, elephant foot of 120 um over 600 um of height taken off, "
+                          "lamp evened out, gamma 1.8, grey below 20 left dark", file.read())  # fmt: skip
+
     def test_the_report_s_area_is_the_masks_area(self):
         report = self.printed(binary_stl(wedge(20, 10.013, 2)))
         pictures = list(self.masks("part").values())

@@ -185,6 +185,28 @@ TEST_CASE("bottom layers are exposed no shorter than others, and a fade has some
         Complaints{"/working_curve/overcure_um: 151 is more than working_curve/bottom_overcure_um, 150"});
 }
 
+TEST_CASE("a resin's compensation arrives with its units and is none by default") {
+  json resin = shipped("resins/standard.json");
+  CHECK(load(resin).compensation == Compensation{});
+  resin["growth_um"] = -12.5;
+  resin["elephant_foot_um"] = 80;
+  resin["elephant_foot_height_um"] = 400;
+  CHECK(load(resin).compensation == Compensation{Micrometers{-12.5}, Micrometers{80}, Nanometers{400'000}});
+  resin["growth_um"] = -500.5;
+  CHECK(complaints_about(resin) == Complaints{"/growth_um: -500.5 is less than the least allowed, -500 um"});
+}
+
+TEST_CASE("an elephant foot has a depth and a height or neither") {
+  json resin = shipped("resins/standard.json");
+  resin["elephant_foot_um"] = 80;
+  CHECK(complaints_about(resin) ==
+        Complaints{"/elephant_foot_um: 80 um, but elephant_foot_height_um is 0: both are 0 or neither is"});
+  resin["elephant_foot_um"] = 0;
+  resin["elephant_foot_height_um"] = 300;
+  CHECK(complaints_about(resin) ==
+        Complaints{"/elephant_foot_um: 0 um, but elephant_foot_height_um is 300: both are 0 or neither is"});
+}
+
 TEST_CASE("rules and schema are reported together") {
   json resin = shipped("resins/standard.json");
   resin["layer_height_um"] = 110;
