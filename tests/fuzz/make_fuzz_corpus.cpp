@@ -66,6 +66,8 @@ void write_mask_inputs(const fs::path& folder) {
   const fuzz::MaskSettings grey{99, 79, fuzz::kGrey, 30'000, 50, 1};
   const fuzz::MaskSettings one_bit{99, 79, fuzz::kMirrorX | fuzz::kCopies, 40'000, 100, 2};
   const fuzz::MaskSettings one_pixel{0, 0, fuzz::kGrey | fuzz::kFit, 10'000, 50, 0};
+  const fuzz::MaskSettings grown{99, 79, fuzz::kGrey | 12U << 8U, 30'000, 50, 1};
+  const fuzz::MaskSettings shrunk{99, 79, 250U << 8U, 30'000, 50, 1};
   const fuzz::MaskSettings long_one{16383,  2, fuzz::kGrey | fuzz::kLongDisplay | fuzz::kMirrorY,
                                     60'000, 5, 0};
   const std::pair<const char*, models::Facets> shapes[] = {{"box", models::box({0, 0, 0}, {1, 2, 3})},
@@ -74,7 +76,7 @@ void write_mask_inputs(const fs::path& folder) {
                                                            {"extremes", extremes()}};
   for (const auto& [name, facets] : shapes) {
     int number = 0;
-    for (const fuzz::MaskSettings& settings : {grey, one_bit, one_pixel, long_one}) {
+    for (const fuzz::MaskSettings& settings : {grey, one_bit, one_pixel, grown, shrunk, long_one}) {
       write(folder / (std::string(name) + std::to_string(number++)), fuzz::to_bytes({settings, facets}));
     }
   }

@@ -29,7 +29,9 @@ std::vector<PixelMap> maps_of(const MaskSettings& settings, const Bounds& bounds
 ContourEngine engine_for(const MaskInput& input, models::Facets facets, const Bounds& bounds) {
   const bool grey = (input.settings.flags & kGrey) != 0;
   return ContourEngine(HeightIndex(std::move(facets)),
-                       {display_of(input.settings), grey ? AntiAliasing::On : AntiAliasing::Off},
+                       {.display = display_of(input.settings),
+                        .anti_aliasing = grey ? AntiAliasing::On : AntiAliasing::Off,
+                        .compensation = compensation_of(input.settings)},
                        maps_of(input.settings, bounds));
 }
 
@@ -49,11 +51,12 @@ struct Outline {
   Extent columns, rows;
 };
 
-std::vector<Outline> outlines_of(const std::vector<PixelMap>& maps, const Bounds& bounds) {
+std::vector<Outline> outlines_of(const MaskSettings& settings, const Bounds& bounds) {
   std::vector<Outline> outlines;
-  for (const PixelMap& map : maps) {
-    const PixelPoint a = map.to_pixels({bounds.min_x, bounds.min_y});
-    const PixelPoint b = map.to_pixels({bounds.max_x, bounds.max_y});
+  const double growth = std::max(to_millimeters(compensation_of(settings).growth).count(), 0.0);
+  for (const PixelMap& map : maps_of(settings, bounds)) {
+    const PixelPoint a = map.to_pixels({bounds.min_x - growth, bounds.min_y - growth});
+    const PixelPoint b = map.to_pixels({bounds.max_x + growth, bounds.max_y + growth});
     outlines.push_back({Extent(a.x, b.x), Extent(a.y, b.y)});
   }
   return outlines;
@@ -85,7 +88,7 @@ void check(const MaskInput& input) {
   models::invert(doubled);
   doubled.insert(doubled.end(), input.facets.begin(), input.facets.end());
   ContourEngine nothing = engine_for(input, doubled, bounds);
-  const std::vector<Outline> outlines = outlines_of(maps_of(input.settings, bounds), bounds);
+  const std::vector<Outline> outlines = outlines_of(input.settings, bounds);
   for (const double z : heights) {
     const Mask mask = engine.mask_at_z(Millimeters{z});
     demand_no_spill(mask, outlines);

@@ -17,7 +17,7 @@ namespace contourd::fuzz {
 // The first bytes; the facets follow, 36 bytes each, as they lie in memory.
 struct MaskSettings {
   std::uint16_t width, height;  // of the display; see display_of()
-  std::uint16_t flags;          // bits of kFit and so on
+  std::uint16_t flags;          // bits of kFit and so on; the upper 8 bits: growth, see compensation_of()
   std::uint16_t height_part;    // of the model's height, in 65536ths
   float pitch_um;
   float z;  // a height of its own, in the model's coordinates
@@ -66,6 +66,11 @@ inline DisplayGeometry display_of(const MaskSettings& settings) {
           Pixels{1 + settings.height % (is_long ? 4 : 100)},
           Micrometers{sane ? static_cast<double>(settings.pitch_um) : 50.0}, (settings.flags & kMirrorX) != 0,
           (settings.flags & kMirrorY) != 0};
+}
+
+// The upper byte of the flags as a signed number of 10 um.
+inline Compensation compensation_of(const MaskSettings& settings) {
+  return {.growth = Micrometers{static_cast<std::int8_t>(settings.flags >> 8) * 10.0}};
 }
 
 }  // namespace contourd::fuzz
