@@ -54,14 +54,6 @@ struct ChunkState {
   }
 };
 
-void copy_block(const std::uint8_t* from, std::span<std::uint8_t> to) {
-  if (to.size() >= kBlock) {
-    std::memcpy(to.data(), from, kBlock);
-  } else {
-    std::memcpy(to.data(), from, to.size());
-  }
-}
-
 }  // namespace
 
 CoverageBand::CoverageBand(std::int32_t width)
@@ -74,7 +66,6 @@ CoverageBand::CoverageBand(std::int32_t width)
   touched_.assign(rows * blocks_, 0);
   used_.assign(rows * chunks_ * kBlock, 0);
   columns_.resize(kChunk + 4);
-  line_.resize(stride_ + kBlock + 1);
 }
 
 // A bit for each block of the chunk that is in use; none is after that.
@@ -94,7 +85,7 @@ std::uint64_t CoverageBand::take_used(std::size_t row, std::size_t chunk) {
 
 // The columns that hold something in the blocks of `used`, and each such block's first. Few branches: how
 // many columns a block has cannot be foreseen, and a wrong guess costs more than handling four.
-std::size_t CoverageBand::take_columns(std::size_t row, std::size_t chunk, std::uint64_t used) {
+inline std::size_t CoverageBand::take_columns(std::size_t row, std::size_t chunk, std::uint64_t used) {
   std::size_t count = 0;
   for (; used != 0; used &= used - 1) {
     const std::size_t block = chunk * kBlock + static_cast<std::size_t>(std::countr_zero(used));
@@ -113,19 +104,35 @@ std::size_t CoverageBand::take_columns(std::size_t row, std::size_t chunk, std::
   return count;
 }
 
-// Paints the blocks of these columns into line_, and forgets their cells; gives the winding number at the
-// end.
-std::uint32_t CoverageBand::paint_columns(std::size_t row, std::span<const std::uint16_t> columns,
-                                          std::uint32_t winding) {
+// Paints these columns, and after each what follows it, up to the end of its block at least; forgets their
+// cells. Gives the winding number at the end.
+inline std::uint32_t CoverageBand::paint_columns(std::size_t row, std::span<const std::uint16_t> columns,
+                                                 std::uint32_t winding, std::span<std::uint8_t> pixels) {
   std::uint64_t* const cells = cells_.data() + row * stride_;
-  for (const std::uint16_t column : columns) {
+  const std::size_t width = pixels.size();
+  // Gives the grey of the column itself.
+  const auto take = [cells, &winding](std::size_t column) {
     const std::uint64_t cell = std::exchange(cells[column], 0U);
     const auto share = static_cast<std::uint32_t>(cell);
-    line_[column] = grey_of(winding + share);
+    const std::uint8_t grey = grey_of(winding + share);
     // The share's sign has borrowed from the cover's half.
     winding += static_cast<std::uint32_t>(cell >> 32) + (share >> 31);
-    // All that follow in this block, as far as no later column paints over them.
-    std::memset(line_.data() + column + 1, grey_of(winding), kBlock);
+    return grey;
+  };
+  // Always a block's length: what lies beyond the block has the same grey, up to the next column, which
+  // paints over it.
+  std::size_t i = 0;
+  for (; i < columns.size() && columns[i] + kBlock < width; ++i) {
+    std::uint8_t* const pixel = pixels.data() + columns[i];
+    *pixel = take(columns[i]);
+    std::memset(pixel + 1, grey_of(winding), kBlock);
+  }
+  for (; i < columns.size(); ++i) {
+    const std::size_t column = columns[i];
+    const std::uint8_t grey = take(column);
+    if (column >= width) continue;
+    pixels[column] = grey;
+    std::memset(pixels.data() + column + 1, grey_of(winding), width - column - 1);
   }
   return winding;
 }
@@ -136,26 +143,22 @@ void CoverageBand::paint(std::int32_t row_number, std::span<std::uint8_t> pixels
   std::uint32_t winding = 0;
   for (std::size_t chunk = 0; chunk < chunks_; ++chunk) {
     const std::size_t first_block = chunk * kBlock;
-    // Of this chunk; the last may hold a block without pixels.
-    const std::size_t end = std::min(pixel_blocks - first_block, kBlock);
     const std::uint64_t used = take_used(row, chunk);
+    const std::uint8_t first_grey = grey_of(winding);
+    winding = paint_columns(row, std::span(columns_).first(take_columns(row, chunk, used)), winding, pixels);
     ChunkState blocks{state.dark[chunk] & ~used, state.full[chunk] & ~used};
-    std::uint8_t grey = grey_of(winding);
-    winding = paint_columns(row, std::span(columns_).first(take_columns(row, chunk, used)), winding);
-    std::size_t next = 0;
-    const auto fill_up_to = [&](std::size_t block) {
-      const std::uint64_t to_write = blocks.make(bits_between(next, block), grey);
+    // The runs of blocks between those in use. The last chunk may hold a block without pixels.
+    const std::uint64_t unused = ~used & bits_between(0, std::min(pixel_blocks - first_block, kBlock));
+    for (std::uint64_t rest = unused; rest != 0;) {
+      const auto first = static_cast<std::size_t>(std::countr_zero(rest));
+      const std::uint64_t run =
+          bits_between(first, first + static_cast<std::size_t>(std::countr_one(rest >> first)));
+      // The last column before the run has painted its first pixel.
+      const std::uint8_t grey = first == 0 ? first_grey : pixels[(first_block + first) * kBlock];
+      const std::uint64_t to_write = blocks.make(run, grey);
       if (to_write != 0) fill_blocks(to_write, grey, chunk, pixels);
-    };
-    for (std::uint64_t rest = used & bits_between(0, end); rest != 0; rest &= rest - 1) {
-      const auto block = static_cast<std::size_t>(std::countr_zero(rest));
-      if (block > next) fill_up_to(block);
-      const std::size_t begin = (first_block + block) * kBlock;
-      copy_block(line_.data() + begin, pixels.subspan(begin));
-      grey = line_[begin + kBlock];  // where no used block follows, what the last column left there
-      next = block + 1;
+      rest &= ~run;
     }
-    if (next < end) fill_up_to(end);
     state.dark[chunk] = blocks.dark;
     state.full[chunk] = blocks.full;
   }

@@ -81,7 +81,7 @@ class CoverageBand {
   [[nodiscard]] std::uint64_t take_used(std::size_t row, std::size_t chunk);
   [[nodiscard]] std::size_t take_columns(std::size_t row, std::size_t chunk, std::uint64_t used);
   [[nodiscard]] std::uint32_t paint_columns(std::size_t row, std::span<const std::uint16_t> columns,
-                                            std::uint32_t winding);
+                                            std::uint32_t winding, std::span<std::uint8_t> pixels);
 
   // Cells a row: the display's columns, and one more that takes what lies on its right edge, up to whole
   // blocks.
@@ -92,9 +92,7 @@ class CoverageBand {
   std::vector<std::uint64_t> cells_;
   std::vector<std::uint64_t> touched_;  // a bit a column
   std::vector<std::uint8_t> used_;      // a byte a block, 0 or 1, whole chunks a row
-  // While a row is painted: columns in use, and its pixels.
-  std::vector<std::uint16_t> columns_;
-  std::vector<std::uint8_t> line_;
+  std::vector<std::uint16_t> columns_;  // in use, while a chunk is painted
 };
 
 }  // namespace contourd

@@ -197,6 +197,30 @@ void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
   first = static_cast<std::uint32_t>(center_sides_.size() - 1);
 }
 
+inline bool Rasterizer::work_off_in_band(CoveredSide& side, std::int32_t first_row, std::int32_t end_row) {
+  const std::int32_t end_y = std::min(side.end_y, end_row << kOneBits);
+  std::int64_t x = side.x;
+  const double steepness = side.steepness;
+  const std::int32_t sign = side.sign;
+  CoverageBand::Row row = band_.row((side.y >> kOneBits) - first_row);
+  for (std::int32_t y = side.y; y < end_y; row.step()) {
+    const std::int32_t next_y = std::min((y | (kOne - 1)) + 1, end_y);
+    const std::int32_t cover = next_y - y;
+    std::int64_t next_x = x + side.slope;
+    if (next_y == side.end_y) {
+      next_x = side.end_x;
+    } else if (cover != kOne) {
+      next_x = x + ((side.slope * cover) >> kOneBits);
+    }
+    add_piece(row, std::min(x, next_x), std::max(x, next_x), cover, steepness, sign);
+    x = next_x;
+    y = next_y;
+  }
+  side.x = x;
+  side.y = end_y;
+  return end_y == side.end_y;
+}
+
 const Mask& Rasterizer::paint() {
   for (std::int32_t first_row = 0; first_row < height_; first_row += band_.rows()) {
     std::uint8_t& lit = band_lit_[static_cast<std::size_t>(first_row >> band_bits_)];
@@ -233,28 +257,6 @@ void Rasterizer::work_off(std::vector<Side>& sides, std::int32_t first_row) {
     if (!work_off_in_band(side, first_row, end_row)) side.next = std::exchange(first_side_at(end_row), i);
     i = next;
   }
-}
-
-bool Rasterizer::work_off_in_band(CoveredSide& side, std::int32_t first_row, std::int32_t end_row) {
-  const std::int32_t end_y = std::min(side.end_y, end_row << kOneBits);
-  std::int64_t x = side.x;
-  CoverageBand::Row row = band_.row((side.y >> kOneBits) - first_row);
-  for (std::int32_t y = side.y; y < end_y; row.step()) {
-    const std::int32_t next_y = std::min((y | (kOne - 1)) + 1, end_y);
-    const std::int32_t cover = next_y - y;
-    std::int64_t next_x = x + side.slope;
-    if (next_y == side.end_y) {
-      next_x = side.end_x;
-    } else if (cover != kOne) {
-      next_x = x + ((side.slope * cover) >> kOneBits);
-    }
-    add_piece(row, std::min(x, next_x), std::max(x, next_x), cover, side.steepness, side.sign);
-    x = next_x;
-    y = next_y;
-  }
-  side.x = x;
-  side.y = end_y;
-  return end_y == side.end_y;
 }
 
 bool Rasterizer::work_off_in_band(CenterSide& side, std::int32_t first_row, std::int32_t end_row) {
