@@ -6,12 +6,15 @@
 #include <vector>
 
 #include "core/mask.hpp"
+#include "core/mask_png.hpp"
 
 namespace contourd {
 
 // Blocks. Throws std::system_error when the file cannot be written; a regular file half written is
 // removed.
 void write_png(const std::filesystem::path& path, const Mask& mask);
+// The same with an encoder whose memory serves for many files.
+void write_png(const std::filesystem::path& path, const Mask& mask, MaskPngEncoder& encoder);
 
 // Reads one. Blocks. Throws std::system_error when the file cannot be read, and std::runtime_error, whose
 // what() is one clause without the path, when it is no PNG of 8-bit grey without transparency, is damaged, or

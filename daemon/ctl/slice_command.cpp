@@ -12,6 +12,7 @@
 #include "core/stl_reader.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/mask_files.hpp"
 #include "daemon/ctl/slice_files.hpp"
 #include "daemon/ctl/statistics_text.hpp"
 #include "hw/png_file.hpp"
@@ -49,14 +50,6 @@ Mask read_lamp(const std::filesystem::path& path, const DisplayGeometry& display
   throw UsageError(fmt::format("--lamp-mask {}: the picture is {}x{} pixels, the display {}x{}",
                                path.string(), lamp.width().count(), lamp.height().count(),
                                display.width.count(), display.height.count()));
-}
-
-void write_mask(const std::filesystem::path& path, const Mask& mask) {
-  try {
-    write_png(path, mask);
-  } catch (const std::system_error& error) {
-    throw OutputError(error.what());
-  }
 }
 
 void make_folder(const std::filesystem::path& folder) {
@@ -187,9 +180,7 @@ int slice_layers(const SliceOptions& options, const std::shared_ptr<const Height
   }
   if (options.masks) {
     warn_if_larger_than_display(options, model->bounds());
-    ContourEngine engine = engine_for(model, options);
-    for (std::size_t i = 0; i < layers.size(); ++i)
-      write_mask(*options.masks / fmt::format("{:04}.png", i + 1), engine.mask_at(layers[i]));
+    write_masks(*options.masks, layers, [&] { return engine_for(model, options); });
   }
   return kOk;
 }

@@ -126,7 +126,7 @@ TEST_CASE("A full-size mask of long runs is packed a hundredfold") {
 }
 
 TEST_CASE("A mask without pixels is refused") {
-  CHECK_THROWS_AS(encode_png(Mask()), std::runtime_error);
+  CHECK_THROWS_AS(encode_png(Mask()), std::invalid_argument);
 }
 
 TEST_CASE("A file that cannot be written is a system error that names it") {

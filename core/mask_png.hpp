@@ -1,0 +1,30 @@
+// Masks as PNG pictures (ISO/IEC 15948), 8-bit grey, straight from their runs of equal pixels. A row equal to
+// the one above it is stored as no difference (filter Up), any other as it is (filter None).
+//
+// Ours because a general compressor looks at every byte: see the README's figures.
+// Deterministic. Not thread-safe. Keeps its memory between calls: allocates only while pictures grow.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/mask.hpp"
+#include "core/run_deflater.hpp"
+
+namespace contourd {
+
+class MaskPngEncoder {
+ public:
+  // The whole file's bytes, at most 9/8 of the pixels' and 200 more. Valid until the next call.
+  // Throws std::invalid_argument for a mask without pixels.
+  [[nodiscard]] std::span<const std::uint8_t> encode(const Mask& mask);
+
+ private:
+  void deflate_rows(const Mask& mask);
+
+  RunDeflater deflater_;
+  std::vector<std::uint8_t> bytes_;
+};
+
+}  // namespace contourd
