@@ -4,7 +4,8 @@
 // The model's height H is cut into 2^k cells on each level k. A facet lies on the deepest level whose cells
 // are at least as high as the facet, in the cell that holds its lowest vertex. A plane in cell c of a level
 // can then only cross facets of cells c-1 and c of that level: on average 2.7 candidates for each facet that
-// it crosses, and two short contiguous runs a level. Facets lie in that order in memory.
+// it crosses, and two short contiguous runs a level. What stands in those runs is a facet's number and
+// heights; the facets themselves keep their order.
 //
 // Immutable once built: any number of threads may query it.
 #pragma once

@@ -5,12 +5,13 @@
 // vertex at exactly z_slice is below. A facet with one or two vertices above is crossed through exactly two
 // sides; any other is not.
 //
-//   case  the thesis's definition                     here
-//   I     a side lies in the plane                    crossed at that side's ends if the third vertex is
-//   above, else not II    through one vertex and the opposite side    crossed; one of the two points is that
-//   vertex III   through two sides                           crossed IV    no intersection not crossed V
-//   touches in one vertex                       not crossed, or a segment of no length, which is dropped VI
-//   parallel, in the plane                      not crossed
+//   case  by the thesis                           here
+//   I     a side lies in the plane                crossed at its ends if the third vertex is above, else not
+//   II    through a vertex and the opposite side  crossed; one of the two points is that vertex
+//   III   through two sides                       crossed
+//   IV    no intersection                         not crossed
+//   V     touches in one vertex                   not crossed, or a segment of no length, which is dropped
+//   VI    parallel, in the plane                  not crossed
 //
 // The result is the section just above z_slice, so a plane in a flat face gives the face's solid side once.
 #pragma once

@@ -41,8 +41,8 @@ struct ResinProfile {
   Nanometers layer_height_max;
   std::variant<FixedExposure, WorkingCurve> exposure;
   Scale shrinkage_factors;  // that make good the resin's shrinkage, along the plate's axes
-  int bottom_layers = 0;  // get the bottom exposure
-  int fade_layers = 0;    // after those: from the bottom exposure to the normal one
+  int bottom_layers = 0;    // get the bottom exposure
+  int fade_layers = 0;      // after those: from the bottom exposure to the normal one
   Compensation compensation;
   Nanometers lift;
   MillimetersPerSecond lift_speed;

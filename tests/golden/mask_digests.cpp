@@ -138,7 +138,8 @@ std::vector<PixelMap> maps_of(const Setting& setting, const Bounds& bounds) {
 
 void print_layers(const std::string& name, const HeightIndex& model, const Setting& setting) {
   const Bounds& bounds = model.bounds();
-  ContourEngine engine(model, EngineSettings{setting.display, setting.anti_aliasing}, maps_of(setting, bounds));
+  ContourEngine engine(model, EngineSettings{setting.display, setting.anti_aliasing},
+                       maps_of(setting, bounds));
   // The bottom and the middle, where flat faces and vertices are, and heights between.
   for (const double part : {0.0, 0.07, 0.213, 0.41, 0.5, 0.6401, 0.83, 0.97}) {
     const double z = bounds.min_z + part * bounds.size_z();

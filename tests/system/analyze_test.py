@@ -114,7 +114,7 @@ class WithPrinter(AnalyzeTest):
         path = self.write("large.stl", binary_stl(cube(100)))
         result = contourctl("analyze", path, "--printer", self.CONFIG)
         self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
-        self.assert_one_line(result.stderr, path, "beyond the display")
+        self.assert_one_line(result.stderr, path, "over the left edge", "of the build area")
 
     def test_a_wrong_configuration_or_ticket_is_told(self):
         model = self.write("cube.stl", binary_stl(cube(10)))
