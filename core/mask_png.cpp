@@ -77,32 +77,25 @@ void write_header(std::uint8_t* at, const Mask& mask) {
   close_chunk(at + kSignature, "IHDR", kHeader);
 }
 
-constexpr std::size_t kWord = sizeof(std::uint64_t);
-
-std::uint64_t word_at(const std::uint8_t* pixels) {
-  std::uint64_t word;
-  std::memcpy(&word, pixels, kWord);
-  return word;
-}
-
 // The first pixel after `at` that differs from it, or `width`.
 std::size_t end_of_run(const std::uint8_t* pixels, std::size_t at, std::size_t width) {
   const std::uint8_t grey = pixels[at++];
   if (at == width || pixels[at] != grey) return at;
-  const std::uint64_t same = grey * 0x0101010101010101U;
-  constexpr std::size_t kBlock = 8 * kWord;
+  constexpr std::size_t kBlock = 64;  // a few vectors: compilers compare them whole
   for (; at + kBlock <= width; at += kBlock) {
-    std::uint64_t difference = 0;
-    for (std::size_t i = 0; i < kBlock; i += kWord)
-      difference |= word_at(pixels + at + i) ^ same;
+    std::uint8_t difference = 0;
+    for (std::size_t i = 0; i < kBlock; ++i)
+      difference |= pixels[at + i] ^ grey;
     if (difference != 0) break;
   }
-  for (; at + kWord <= width; at += kWord) {
-    const std::uint64_t difference = word_at(pixels + at) ^ same;
+  const std::uint64_t same = grey * 0x0101010101010101U;
+  for (std::uint64_t eight; at + sizeof eight <= width; at += sizeof eight) {
+    std::memcpy(&eight, pixels + at, sizeof eight);
+    const std::uint64_t difference = eight ^ same;
     if (difference == 0) continue;
-    const bool little = std::endian::native == std::endian::little;
-    return at +
-           static_cast<std::size_t>(little ? std::countr_zero(difference) : std::countl_zero(difference)) / 8;
+    const int equal_bits = std::endian::native == std::endian::little ? std::countr_zero(difference)
+                                                                      : std::countl_zero(difference);
+    return at + static_cast<std::size_t>(equal_bits) / 8;
   }
   while (at < width && pixels[at] == grey)
     ++at;

@@ -1,7 +1,9 @@
 // Masks as PNG pictures (ISO/IEC 15948), 8-bit grey, straight from their runs of equal pixels. A row equal to
 // the one above it is stored as no difference (filter Up), any other as it is (filter None).
 //
-// Ours because a general compressor looks at every byte: see the README's figures.
+// Ours because a general compressor looks at every byte: on masks 1920x1080 of a liver, libpng at its fastest
+// level takes some twenty times as long (5 ms of CPU a mask; this 0.25 ms), and its files are twice as large.
+//
 // Deterministic. Not thread-safe. Keeps its memory between calls: allocates only while pictures grow.
 #pragma once
 

@@ -388,6 +388,18 @@ class Masks(FolderTest):
                 if not os.path.lexists(full):
                     os.symlink("/dev/full", full)
 
+    def test_of_several_masks_that_cannot_be_written_the_lowest_is_named(self):
+        model = self.write("model.stl", binary_stl(cube(20)))
+        for name in ("0004.png", "0005.png", "0006.png", "0017.png"):
+            os.makedirs(self.path("masks", name))
+        for _ in range(3):
+            result = contourctl("slice", model, "--layer-height-um", "10", "--masks", self.path("masks"))
+            self.assertEqual(result.returncode, CANNOT_CREATE, result)
+            self.assert_one_line(result.stderr, self.path("masks", "0004.png"))
+            written = os.listdir(self.path("masks"))
+            self.assertTrue({"0001.png", "0002.png", "0003.png"}.issubset(written), written)
+            self.assertNotIn("2000.png", written)
+
     def test_a_write_that_fails_removes_nothing_that_was_there(self):
         model = self.write("model.stl", binary_stl(cube(20)))
         full = self.path("full")
