@@ -9,9 +9,11 @@ namespace {
 // ln(x) for 1/256 <= x <= 1, to 1e-15: halved out of x, then 2 artanh((x - 1) / (x + 1)).
 double natural_log(double x) {
   constexpr double kLn2 = 0.693147180559945309417;
-  double halvings = 0;
-  for (; x < 0.5; x *= 2)
+  int halvings = 0;
+  while (x < 0.5) {
+    x *= 2;
     ++halvings;
+  }
   const double y = (x - 1) / (x + 1), y2 = y * y;  // at most 1/9
   double sum = 0;
   for (int n = 41; n > 0; n -= 2)
@@ -22,8 +24,10 @@ double natural_log(double x) {
 // e^x for x <= 0: (e^(x/2^k))^(2^k), the inner one by its series.
 double exponential(double x) {
   int squarings = 0;
-  for (; x < -0.125; x /= 2)
+  while (x < -0.125) {
+    x /= 2;
     ++squarings;
+  }
   double sum = 1;
   for (int n = 14; n > 0; --n)
     sum = 1 + x * sum / n;

@@ -58,8 +58,9 @@ class Window {
   // A pixel's middle, from the plate's centre.
   [[nodiscard]] Point place_of(std::size_t pixel) const {
     const auto width = static_cast<std::size_t>(geometry_.width.count());
-    return {(left_ + static_cast<double>(pixel % width) + 0.5 - middle_x_) / pixels_per_mm_,
-            (middle_y_ - top_ - static_cast<double>(pixel / width) - 0.5) / pixels_per_mm_};
+    const std::size_t column = pixel % width, row = pixel / width;
+    return {(left_ + static_cast<double>(column) + 0.5 - middle_x_) / pixels_per_mm_,
+            (middle_y_ - top_ - static_cast<double>(row) - 0.5) / pixels_per_mm_};
   }
 
  private:
