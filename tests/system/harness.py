@@ -138,6 +138,8 @@ def _paeth(a, b, c):
 def _unfilter(kind, line, above):
     if kind == 0:
         return line
+    if kind == 2 and not any(line):
+        return above
     out = bytearray(line)
     for i, value in enumerate(line):
         left = out[i - 1] if i else 0
