@@ -1,6 +1,5 @@
 #include "core/contour_engine.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -17,10 +16,8 @@ void append(const Contours& more, Contours& all) {
   all.points.insert(all.points.end(), more.points.begin(), more.points.end());
   for (const ContourLoop& loop : more.loops)
     all.loops.push_back({first_point + loop.first_point, loop.point_count});
-  all.open_chains += more.open_chains;
-  all.gaps_closed += more.gaps_closed;
+  all.cracks += more.cracks;
   all.repaired_loops += more.repaired_loops;
-  all.widest_gap = std::max(all.widest_gap, more.widest_gap);
 }
 
 }  // namespace
@@ -54,7 +51,7 @@ void ContourEngine::slice(const HeightIndex& model, double z) {
 
 void ContourEngine::link() {
   linker_.link(section_.segments, join_tolerance_, contours_);
-  cracks_ += LayerCracks{contours_.gaps_closed, contours_.widest_gap, contours_.open_chains};
+  cracks_ += contours_.cracks;
 }
 
 void ContourEngine::add_to_mask(const PlateModel& plate_model, double z) {
@@ -100,8 +97,8 @@ const Contours& ContourEngine::contours_at(Nanometers height) {
   begin_section();
   plate_contours_.points.clear();
   plate_contours_.loops.clear();
-  plate_contours_.open_chains = plate_contours_.gaps_closed = plate_contours_.repaired_loops = 0;
-  plate_contours_.widest_gap = Millimeters{};
+  plate_contours_.cracks = LayerCracks{};
+  plate_contours_.repaired_loops = 0;
   for (const PlateModel& each : models_) {
     slice(*each.model, z_of(*each.model, height));
     link();

@@ -38,8 +38,8 @@ double perimeter_mm(const Contours& contours) {
 void ContourLinker::link(std::span<const Segment> segments, Millimeters tolerance, Contours& contours) {
   contours.points.clear();
   contours.loops.clear();
-  contours.open_chains = contours.gaps_closed = contours.repaired_loops = 0;
-  contours.widest_gap = Millimeters{};
+  contours.cracks = LayerCracks{};
+  contours.repaired_loops = 0;
   if (link_simple(segments, contours)) return;
   contours.points.clear();
   contours.loops.clear();
@@ -212,9 +212,7 @@ void ContourLinker::join_chains(Millimeters tolerance, Contours& contours) {
     joiner_.add(points[0], points[chain.point_count - 1], chain.point_count);
   }
   const JoinedChains& joined = joiner_.join();
-  contours.open_chains = joined.open_chains;
-  contours.gaps_closed = joined.gaps_closed;
-  contours.widest_gap = joined.widest_gap;
+  contours.cracks = joined.cracks;
   for (const JoinedChains::Loop& loop : joined.loops) {
     const auto first = static_cast<std::uint32_t>(contours.points.size());
     for (std::uint32_t i = 0; i < loop.count; ++i) {

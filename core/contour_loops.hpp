@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "core/layer_cracks.hpp"
 #include "core/open_chain_joiner.hpp"
 #include "core/slicer.hpp"
 #include "core/units.hpp"
@@ -27,13 +28,8 @@ struct Contours {
   // Outer loops run counter-clockwise, holes clockwise (seen from above), when the facets are wound as STL
   // demands.
   std::vector<ContourLoop> loops;
-  // Chains that no join within the tolerance could close. They were closed all the same (each is part of a
-  // loop), so that nothing can spill, but what they enclose is a guess.
-  std::uint32_t open_chains = 0;
-  // Ends that missed each other by more than nothing and less than the tolerance, and were joined.
-  std::uint32_t gaps_closed = 0;
-  // The widest distance bridged by any join, a closed open chain's included.
-  Millimeters widest_gap{};
+  LayerCracks cracks;                // what it took to close them
+  std::uint32_t repaired_loops = 0;  // loops with a closed open chain in them
 
   [[nodiscard]] std::span<const Point> points_of(const ContourLoop& loop) const {
     return std::span(points).subspan(loop.first_point, loop.point_count);
@@ -43,7 +39,6 @@ struct Contours {
     const auto all = static_cast<std::uint32_t>(loops.size());
     return all > repaired_loops ? all - repaired_loops : 0;
   }
-  std::uint32_t repaired_loops = 0;  // loops with a closed open chain in them
 };
 
 // Length of all loops' sides, in millimetres.

@@ -34,8 +34,8 @@ void ContourUnion::unite(const Contours& contours, FillRule rule, Millimeters ro
   same_ = rounding.count();
   outline.points.clear();
   outline.loops.clear();
-  outline.open_chains = outline.gaps_closed = outline.repaired_loops = 0;
-  outline.widest_gap = Millimeters{};
+  outline.cracks = LayerCracks{};
+  outline.repaired_loops = 0;
   take_sides(contours);
   if (sides_.empty()) return;
   sort_into_rows();

@@ -16,8 +16,8 @@ CrackSurvey survey_cracks(const HeightIndex& model, std::span<const Nanometers> 
     slice_at(model, model.bounds().min_z + to_millimeters(height).count(), section);
     if (!section.balanced) {
       linker.link(section.segments, tolerance, contours);
-      survey.cracks += LayerCracks{contours.gaps_closed, contours.widest_gap, contours.open_chains};
-      if (contours.open_chains > 0) {
+      survey.cracks += contours.cracks;
+      if (contours.cracks.open_chains > 0) {
         ++survey.open_layers;
         if (!survey.first_open) survey.first_open = layer;
       }

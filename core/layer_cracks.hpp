@@ -13,7 +13,8 @@ struct LayerCracks {
   std::uint32_t gaps_closed = 0;
   // The widest distance bridged, a closed open chain's included.
   Millimeters widest_gap{};
-  // Chains that no join within the tolerance could close: what they enclose is a guess.
+  // Chains that no join within the tolerance could close. They were closed all the same (each is part of a
+  // loop), so that nothing can spill, but what they enclose is a guess.
   std::uint32_t open_chains = 0;
 
   bool operator==(const LayerCracks&) const = default;

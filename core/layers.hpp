@@ -21,9 +21,6 @@ struct LayerStack {
   [[nodiscard]] Nanometers middle_of(std::int32_t layer) const {
     return Nanometers{thickness.count() * layer + thickness.count() / 2};
   }
-  [[nodiscard]] Nanometers top_of(std::int32_t layer) const {
-    return Nanometers{thickness.count() * (layer + std::int64_t{1})};
-  }
 };
 
 // As many layers as it takes to reach the model's top; a rest below a hundredth of a layer is rounding noise

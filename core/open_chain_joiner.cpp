@@ -279,17 +279,17 @@ void OpenChainJoiner::collect_loops() {
 }
 
 void OpenChainJoiner::report() {
-  joined_.gaps_closed = joined_.open_chains = 0;
-  joined_.widest_gap = Millimeters{};
+  LayerCracks& cracks = joined_.cracks;
+  cracks = LayerCracks{};
   for (std::uint32_t end = 0; end < ends_.size(); ++end) {
     if (partner_[end] < end) continue;
     const double gap = gap_between(end, partner_[end]);
     if (gap > tolerance_mm_) {
-      ++joined_.open_chains;
+      ++cracks.open_chains;
     } else if (gap > 0.0) {
-      ++joined_.gaps_closed;
+      ++cracks.gaps_closed;
     }
-    joined_.widest_gap = std::max(joined_.widest_gap, Millimeters{gap});
+    cracks.widest_gap = std::max(cracks.widest_gap, Millimeters{gap});
   }
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/facet.hpp"
+#include "core/layer_cracks.hpp"
 #include "core/nearby_ends.hpp"
 #include "core/units.hpp"
 
@@ -28,9 +29,7 @@ struct JoinedChains {
   };
   std::vector<Link> links;
   std::vector<Loop> loops;
-  std::uint32_t open_chains = 0;  // joins wider than the tolerance: so many chains they left open
-  std::uint32_t gaps_closed = 0;  // joins within the tolerance over more than nothing
-  Millimeters widest_gap{};
+  LayerCracks cracks;
 };
 
 // Keeps its working memory between calls: allocates only while the chains grow in number.

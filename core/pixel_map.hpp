@@ -19,6 +19,10 @@ struct DisplayGeometry {
   Micrometers pixel_pitch{50.0};  // side of a pixel's image on the plate
   bool mirror_x = false;          // left and right exchanged (a mirror in the light's path)
   bool mirror_y = false;          // top and bottom exchanged
+
+  // Of its picture on the plate.
+  [[nodiscard]] double width_mm() const { return width.count() * to_millimeters(pixel_pitch).count(); }
+  [[nodiscard]] double height_mm() const { return height.count() * to_millimeters(pixel_pitch).count(); }
 };
 
 // A pixel point's place on the plate: millimetres from the plate's centre, seen from above, mirrors undone.

@@ -31,8 +31,8 @@ struct BuildVolume {
   DisplayGeometry display;  // its pixels are the plate
   double height_mm = 0;
 
-  [[nodiscard]] double width_mm() const { return display.width.count() * pitch_mm(); }
-  [[nodiscard]] double depth_mm() const { return display.height.count() * pitch_mm(); }
+  [[nodiscard]] double width_mm() const { return display.width_mm(); }
+  [[nodiscard]] double depth_mm() const { return display.height_mm(); }
   [[nodiscard]] double pitch_mm() const { return to_millimeters(display.pixel_pitch).count(); }
 };
 

@@ -128,15 +128,14 @@ ModelToPlace make_ready(LoadedModel& model, const JobFiles& files, const BuildVo
 void warn_if_grown_beyond(const std::vector<ModelToPlace>& models, const Arrangement& arrangement,
                           const BuildVolume& volume, JobSummary& summary) {
   const double growth_mm = to_millimeters(summary.resin.compensation.growth).count();
-  const double pitch_mm = to_millimeters(volume.display.pixel_pitch).count();
   double beyond = 0;
   for (std::size_t i = 0; i < models.size(); ++i) {
     const Bounds& bounds = models[i].model->bounds();
     for (const Point& center : arrangement[i]) {
       const double reach_x = std::fabs(center.x) + bounds.size_x() / 2;
       const double reach_y = std::fabs(center.y) + bounds.size_y() / 2;
-      beyond = std::max({beyond, reach_x + growth_mm - volume.display.width.count() * pitch_mm / 2,
-                         reach_y + growth_mm - volume.display.height.count() * pitch_mm / 2});
+      beyond = std::max(
+          {beyond, reach_x + growth_mm - volume.width_mm() / 2, reach_y + growth_mm - volume.depth_mm() / 2});
     }
   }
   // A micrometre: the rounding of float coordinates.
@@ -258,8 +257,8 @@ void refuse_guesses(const ModelToPlace& model, const PrintLayers& layers, const 
   if (!survey.first_open) return;
   throw JobRefused(
       fmt::format("{} is cracked: contours do not close in {} of {} layers, first in layer {} at {:.3f} mm, "
-                  "and the widest gap is "
-                  "{:.3f} mm; mend the model, or print it with \"cracks\": \"repair\" in its ticket",
+                  "and the widest gap is {:.3f} mm; mend the model, or print it with \"cracks\": \"repair\" "
+                  "in its ticket",
                   model.name, survey.open_layers, heights.size(), *survey.first_open + 1,
                   to_millimeters(heights[static_cast<std::size_t>(*survey.first_open)]).count(),
                   survey.cracks.widest_gap.count()));

@@ -263,9 +263,7 @@ void PrintProcess::record_layer() {
   const Contours& contours = plan_->engine->contours_at(record_.mask_height);
   record_.intersecting_facets = plan_->engine->intersecting_facets();
   record_.loops = static_cast<std::uint32_t>(contours.loops.size());
-  record_.open_chains = contours.open_chains;
-  record_.gaps_closed = contours.gaps_closed;
-  record_.widest_gap = contours.widest_gap;
+  record_.cracks = contours.cracks;
   observer_.layer_done(record_);
 }
 

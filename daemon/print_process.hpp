@@ -55,9 +55,7 @@ struct LayerRecord {
   double area_mm2 = 0;   // exposed
   std::uint32_t intersecting_facets = 0;
   std::uint32_t loops = 0;
-  std::uint32_t open_chains = 0;
-  std::uint32_t gaps_closed = 0;
-  Millimeters widest_gap{};
+  LayerCracks cracks;
   TimePoint shown_at{};  // vblank at which the mask was on the screen
 };
 

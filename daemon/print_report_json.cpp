@@ -91,9 +91,9 @@ Json layer_json(const LayerRecord& layer) {
           {"area_mm2", layer.area_mm2},
           {"intersecting_facets", layer.intersecting_facets},
           {"loops", layer.loops},
-          {"open_chains", layer.open_chains},
-          {"gaps_closed", layer.gaps_closed},
-          {"widest_gap_mm", layer.widest_gap.count()}};
+          {"open_chains", layer.cracks.open_chains},
+          {"gaps_closed", layer.cracks.gaps_closed},
+          {"widest_gap_mm", layer.cracks.widest_gap.count()}};
 }
 
 }  // namespace

@@ -386,10 +386,10 @@ void PrinterService::layer_done(const LayerRecord& layer) {
                   layer.layer + 1, count, to_millimeters(layer.plate_height).count(), layer.area_mm2,
                   layer.loops, milliseconds(layer.mask_time), milliseconds(layer.exposure_measured)),
       fields);
-  if (layer.open_chains > 0) {
+  if (layer.cracks.open_chains > 0) {
     log_.warning("gaps",
                  fmt::format("layer {}: {} contours did not close; the widest gap bridged is {:.3f} mm",
-                             layer.layer + 1, layer.open_chains, layer.widest_gap.count()),
+                             layer.layer + 1, layer.cracks.open_chains, layer.cracks.widest_gap.count()),
                  fields);
   }
   if (layer.area_mm2 == 0 && layer.layer + 1 < count) {

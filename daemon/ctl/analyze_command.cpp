@@ -46,19 +46,12 @@ Subject subject_alone(const AnalyzeOptions& options) {
   subject.model.warnings = std::move(model.warnings);
   HeightIndex index(std::move(model.facets));
   const Bounds bounds = index.bounds();
-  const std::optional<LayerStack> layers = layers_for(Millimeters{bounds.size_z()}, options.layer_height);
-  if (!layers) {
-    throw UsageError(fmt::format("a model {:.6g} mm high has more layers of that height than can be counted",
-                                 bounds.size_z()));
-  }
-  subject.model.layers = PrintLayers(*layers).all();
+  subject.model.layers = uniform_layers(Millimeters{bounds.size_z()}, options.layer_height).all();
   subject.model.display = options.display;
   subject.model.size_x_mm = bounds.size_x();
   subject.model.size_y_mm = bounds.size_y();
   subject.model.size_z_mm = bounds.size_z();
-  const double pitch_mm = to_millimeters(options.display.pixel_pitch).count();
-  if (bounds.size_x() > options.display.width.count() * pitch_mm ||
-      bounds.size_y() > options.display.height.count() * pitch_mm) {
+  if (bounds.size_x() > options.display.width_mm() || bounds.size_y() > options.display.height_mm()) {
     subject.model.warnings.emplace_back(
         "the model is larger than the display: what lies outside is not counted");
   }

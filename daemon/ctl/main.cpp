@@ -91,8 +91,7 @@ void check_corrections_go_with_masks(const SliceOptions& options) {
   if (corrects && !options.mask && !options.masks) {
     throw UsageError(
         "--grow-um, --elephant-foot-um, --lamp-mask, --gamma and --threshold change masks: they go with "
-        "--mask "
-        "or --masks");
+        "--mask or --masks");
   }
   // Micrometres of the part are not those of the picture then.
   if (moves && options.fit) throw UsageError("--grow-um and --elephant-foot-um do not go with --fit");
@@ -217,9 +216,10 @@ class CommandLine {
     };
     add("--z", words_.z_mm, "Height of the cut, mm, in the file's coordinates");
     add("--layer-height-um", words_.layer_height_um, "Layer height, um");
-    add("--cusp-um", words_.cusp_um, "Adaptive layers: how far a layer's edge may stand off the surface, um");
-    add("--min-layer-um", words_.min_layer_um, "Thinnest adaptive layer, um");
-    add("--max-layer-um", words_.max_layer_um, "Thickest adaptive layer, um");
+    CLI::Option* cusp = add("--cusp-um", words_.cusp_um,
+                            "Adaptive layers: how far a layer's edge may stand off the surface, um");
+    add("--min-layer-um", words_.min_layer_um, "Thinnest adaptive layer, um")->needs(cusp);
+    add("--max-layer-um", words_.max_layer_um, "Thickest adaptive layer, um")->needs(cusp);
     add("--mask", words_.mask, "Write the mask at --z to this PNG file");
     add("--masks", words_.masks, "Write one PNG file a layer to this folder: 0001.png ...");
     add("--csv", words_.csv, "Write each layer's measurements to this file, and FILE-summary.csv");

@@ -59,9 +59,7 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 void warn_if_larger_than_display(const SliceOptions& options, const Bounds& bounds) {
-  const double pitch_mm = to_millimeters(options.engine.display.pixel_pitch).count();
-  const double width = options.engine.display.width.count() * pitch_mm;
-  const double height = options.engine.display.height.count() * pitch_mm;
+  const double width = options.engine.display.width_mm(), height = options.engine.display.height_mm();
   if (options.fit || (bounds.size_x() <= width && bounds.size_y() <= height)) return;
   fmt::print(
       stderr,
@@ -87,9 +85,9 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
                     {"intersecting_facets", section.intersecting_facets},
                     {"segments", section.segments.size()},
                     {"contours", contours.closed_loops()},
-                    {"open_chains", contours.open_chains},
-                    {"gaps_closed", contours.gaps_closed},
-                    {"widest_gap_mm", contours.widest_gap.count()},
+                    {"open_chains", contours.cracks.open_chains},
+                    {"gaps_closed", contours.cracks.gaps_closed},
+                    {"widest_gap_mm", contours.cracks.widest_gap.count()},
                     {"area_mm2", area},
                     {"perimeter_mm", perimeter}};
     fmt::print("{}\n", json.dump(2));
@@ -97,8 +95,8 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
   }
   fmt::print("z            {:.6g} mm\nsegments     {}\ncontours     {}\n", z, section.segments.size(),
              contours.closed_loops());
-  fmt::print("open chains  {}\ngaps closed  {}, the widest {:.6g} mm\n", contours.open_chains,
-             contours.gaps_closed, contours.widest_gap.count());
+  fmt::print("open chains  {}\ngaps closed  {}, the widest {:.6g} mm\n", contours.cracks.open_chains,
+             contours.cracks.gaps_closed, contours.cracks.widest_gap.count());
   fmt::print("area         {:.6g} mm2\nperimeter    {:.6g} mm\n", area, perimeter);
   return kOk;
 }
@@ -106,23 +104,10 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
 // Where each layer is cut, above the model's lowest point: at its middle.
 std::vector<Nanometers> layer_middles(const SliceOptions& options,
                                       const std::shared_ptr<const HeightIndex>& model) {
-  const Millimeters height{model->bounds().size_z()};
-  PrintLayers layers;
-  if (options.adaptive) {
-    layers = PrintLayers({model}, *options.adaptive);
-  } else if (const auto stack = layers_for(height, *options.layer_height)) {
-    layers = PrintLayers(*stack);
-  } else {
-    throw UsageError(fmt::format("a model {:.6g} mm high has more layers of that height than can be counted",
-                                 height.count()));
-  }
-  std::vector<Nanometers> middles;
-  Nanometers bottom{};
-  while (const std::optional<Nanometers> thickness = layers.thickness_at(bottom)) {
-    middles.push_back(bottom + *thickness / 2);
-    bottom += *thickness;
-  }
-  return middles;
+  const PrintLayers layers =
+      options.adaptive ? PrintLayers({model}, *options.adaptive)
+                       : uniform_layers(Millimeters{model->bounds().size_z()}, *options.layer_height);
+  return middles_of(layers.all());
 }
 
 // The thesis's loop of section 3.5: slice, then join, each timed.

@@ -19,7 +19,7 @@ Contours contours_at(const models::Facets& facets, double z, std::size_t expecte
   CHECK(section.segments.size() == expected_segments);
   Contours contours;
   ContourLinker().link(section.segments, Millimeters{0}, contours);
-  CHECK(contours.open_chains == 0);
+  CHECK(contours.cracks.open_chains == 0);
   return contours;
 }
 

@@ -362,7 +362,7 @@ TEST_CASE("The gaps of several models are counted together") {
     std::vector<std::uint32_t> chains;
     ContourEngine engine(models, {kDisplay, AntiAliasing::On});
     for (std::int64_t um = 500; um < 10'000; um += 500)
-      chains.push_back(engine.contours_at(Nanometers{um * 1000}).open_chains);
+      chains.push_back(engine.contours_at(Nanometers{um * 1000}).cracks.open_chains);
     return chains;
   };
   const auto one = chains_at({{model, {map}}}), two = chains_at({{model, {map}}, {model, {map}}});

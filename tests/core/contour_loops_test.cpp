@@ -71,10 +71,10 @@ std::multiset<Side> sides_of(const std::vector<Segment>& segments) {
 
 // A section without any fault in it.
 void check_clean(const Contours& contours) {
-  CHECK(contours.open_chains == 0);
-  CHECK(contours.gaps_closed == 0);
+  CHECK(contours.cracks.open_chains == 0);
+  CHECK(contours.cracks.gaps_closed == 0);
   CHECK(contours.repaired_loops == 0);
-  CHECK(contours.widest_gap == Millimeters{0});
+  CHECK(contours.cracks.widest_gap == Millimeters{0});
   CHECK(contours.closed_loops() == contours.loops.size());
 }
 
@@ -188,10 +188,10 @@ TEST_CASE("A T-junction on a slanted edge is closed where the rounded points mis
     CAPTURE(z);
     const Contours contours = contours_of(facets, z);
     CHECK(contours.loops.size() == 1);
-    CHECK(contours.open_chains == 0);
+    CHECK(contours.cracks.open_chains == 0);
     CHECK(contours.repaired_loops == 0);
     // A float's rounding at 10 mm is 1e-6 mm.
-    CHECK(contours.widest_gap < Millimeters{2e-6});
+    CHECK(contours.cracks.widest_gap < Millimeters{2e-6});
   }
 }
 
@@ -203,12 +203,12 @@ TEST_CASE("A missing facet leaves one open chain that is closed and reported") {
   facets.erase(front);
   const Contours contours = contours_of(facets, 5);
   CHECK(contours.loops.size() == 1);
-  CHECK(contours.open_chains == 1);
+  CHECK(contours.cracks.open_chains == 1);
   CHECK(contours.repaired_loops == 1);
   CHECK(contours.closed_loops() == 0);
-  CHECK(contours.gaps_closed == 0);
+  CHECK(contours.cracks.gaps_closed == 0);
   // The front's diagonal halves it.
-  CHECK(near(contours.widest_gap.count(), 5, kRoundingMm2));
+  CHECK(near(contours.cracks.widest_gap.count(), 5, kRoundingMm2));
   CHECK(near(signed_area(contours), 100, kRoundingMm2));
 }
 
@@ -219,7 +219,7 @@ TEST_CASE("A whole part beside a broken one is not called repaired") {
   });
   const Contours contours = contours_of(together(broken, models::box({0, 0, 0}, {10, 10, 10})), 5);
   CHECK(contours.loops.size() == 2);
-  CHECK(contours.open_chains == 1);
+  CHECK(contours.cracks.open_chains == 1);
   CHECK(contours.repaired_loops == 1);
   CHECK(contours.closed_loops() == 1);
   CHECK(near(signed_area(contours), 200, kRoundingMm2));
@@ -228,22 +228,22 @@ TEST_CASE("A whole part beside a broken one is not called repaired") {
 TEST_CASE("A crack of a micrometre is two gaps that close within a pixel") {
   const Contours contours = contours_of(cracked_box(0.001F), 5);
   CHECK(contours.loops.size() == 1);
-  CHECK(contours.open_chains == 0);
+  CHECK(contours.cracks.open_chains == 0);
   CHECK(contours.repaired_loops == 0);
   CHECK(contours.closed_loops() == 1);
-  CHECK(contours.gaps_closed == 2);
+  CHECK(contours.cracks.gaps_closed == 2);
   // Half a micrometre at half the height; 1e-6 mm for the float's rounding.
-  CHECK(near(contours.widest_gap.count(), 0.0005, 1e-6));
+  CHECK(near(contours.cracks.widest_gap.count(), 0.0005, 1e-6));
   CHECK(near(signed_area(contours), 100.005, 1e-5));
 }
 
 TEST_CASE("A crack wider than the tolerance is closed but reported as a guess") {
   const Contours contours = contours_of(cracked_box(0.2F), 5);
   CHECK(contours.loops.size() == 1);
-  CHECK(contours.open_chains == 2);
+  CHECK(contours.cracks.open_chains == 2);
   CHECK(contours.repaired_loops == 1);
-  CHECK(contours.gaps_closed == 0);
-  CHECK(near(contours.widest_gap.count(), 0.1, 1e-6));
+  CHECK(contours.cracks.gaps_closed == 0);
+  CHECK(near(contours.cracks.widest_gap.count(), 0.1, 1e-6));
   CHECK(near(signed_area(contours), 101, 1e-5));
 }
 
@@ -255,7 +255,7 @@ TEST_CASE("A turned facet changes nothing but the report") {
     std::swap(facets[i].vertices[0], facets[i].vertices[1]);
     const Contours contours = contours_of(facets, 5);
     CHECK(contours.loops.size() == 1);
-    CHECK(contours.open_chains == 0);
+    CHECK(contours.cracks.open_chains == 0);
     CHECK(near(signed_area(contours), 100, kRoundingMm2));
   }
 }
@@ -284,8 +284,8 @@ TEST_CASE("A closed mesh's loops are its segments and nothing else") {
     Section section;
     slice_at(model, testing::draw_real(model.bounds().min_z, model.bounds().max_z), section);
     const Contours contours = linked(section.segments);
-    RC_ASSERT(contours.open_chains == 0U);
-    RC_ASSERT(contours.gaps_closed == 0U);
+    RC_ASSERT(contours.cracks.open_chains == 0U);
+    RC_ASSERT(contours.cracks.gaps_closed == 0U);
     RC_ASSERT(loops_share_out_the_points(contours));
     RC_ASSERT(sides_of(contours) == sides_of(section.segments));
     RC_ASSERT(section.segments.empty() || signed_area(contours) > 0.0);
@@ -322,7 +322,7 @@ TEST_CASE("A soup of open segments becomes closed loops through all their points
     const Contours contours = linked(segments);
     CHECK(loops_share_out_the_points(contours));
     CHECK(contours.points.size() == 2 * count);
-    CHECK(contours.open_chains > 0);
+    CHECK(contours.cracks.open_chains > 0);
     std::set<std::pair<double, double>> points;
     for (const Point& p : contours.points)
       points.insert({p.x, p.y});
@@ -349,7 +349,7 @@ TEST_CASE("A soup of segments between few points becomes closed loops") {
     for (const auto& [from, to] : sides_of(contours)) {
       if (from != to && !given.contains({from, to}) && !given.contains({to, from})) ++strange;
     }
-    RC_ASSERT(strange == 0U || contours.open_chains > 0U);
+    RC_ASSERT(strange == 0U || contours.cracks.open_chains > 0U);
   }));
 }
 
@@ -365,7 +365,7 @@ TEST_CASE("A linker keeps nothing of the section before") {
   ContourLinker linker;
   Contours contours;
   linker.link(testing::section_of({models::box({0, 0, 0}, {1, 1, 1})[4]}, 0.5).segments, kPixel, contours);
-  CHECK(contours.open_chains == 1);
+  CHECK(contours.cracks.open_chains == 1);
   linker.link(testing::section_of(models::box({0, 0, 0}, {10, 10, 10}), 5).segments, kPixel, contours);
   CHECK(contours.loops.size() == 1);
   check_clean(contours);

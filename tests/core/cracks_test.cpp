@@ -285,7 +285,7 @@ TEST_CASE("A damaged ball's and box's masks differ from the intact ones only whe
         Dice dice(seed + 100);
         at_some_heights(patient, 5, dice,
                         [&](const Difference& difference, const Layer&, const Layer& layer, double z) {
-                          CAPTURE(whole.size(), damage.name, seed, z, layer.contours.open_chains);
+                          CAPTURE(whole.size(), damage.name, seed, z, layer.contours.cracks.open_chains);
                           CHECK(difference.pixels == 0);
                         });
       }
@@ -303,12 +303,12 @@ TEST_CASE("A damaged gyroid's masks hardly differ from the intact ones but where
       Dice dice(seed + 100);
       at_some_heights(patient, 5, dice,
                       [&](const Difference& difference, const Layer& intact, const Layer& layer, double z) {
-                        CAPTURE(damage.name, seed, z, layer.contours.open_chains,
-                                layer.contours.widest_gap.count());
+                        CAPTURE(damage.name, seed, z, layer.contours.cracks.open_chains,
+                                layer.contours.cracks.widest_gap.count());
                         // A gap closed with the wrong neighbour costs what lies between them, and no row runs
                         // on.
                         CHECK(difference.pixels <= 0.01 * intact.mask.lit_area());
-                        CHECK(difference.longest_run <= layer.contours.widest_gap.count() / 0.05 + 2);
+                        CHECK(difference.longest_run <= layer.contours.cracks.widest_gap.count() / 0.05 + 2);
                       });
     }
   }
@@ -324,9 +324,9 @@ TEST_CASE("Vertices that move in all their facets alike leave nothing to mend") 
                       [&](const Difference& difference, const Layer&, const Layer& layer, double z) {
                         CAPTURE(whole.size(), seed, z);
                         CHECK(difference.pixels == 0);
-                        CHECK(layer.contours.gaps_closed == 0);
-                        CHECK(layer.contours.open_chains == 0);
-                        CHECK(layer.contours.widest_gap == Millimeters{0});
+                        CHECK(layer.contours.cracks.gaps_closed == 0);
+                        CHECK(layer.contours.cracks.open_chains == 0);
+                        CHECK(layer.contours.cracks.widest_gap == Millimeters{0});
                       });
     }
   }
@@ -345,9 +345,9 @@ TEST_CASE("The report counts the holes that lost facets leave and measures the w
         if (!holes.apart || holes.count == 0) continue;
         const Contours contours = layer_of(HeightIndex(patient.broken), map_for(whole), z).contours;
         CAPTURE(whole.size(), seed, z);
-        CHECK(contours.open_chains + contours.gaps_closed == holes.count);
-        CHECK((contours.open_chains == 0) == (holes.widest <= 0.05));
-        CHECK(contours.widest_gap.count() == testing::Approx(holes.widest).epsilon(1e-9));
+        CHECK(contours.cracks.open_chains + contours.cracks.gaps_closed == holes.count);
+        CHECK((contours.cracks.open_chains == 0) == (holes.widest <= 0.05));
+        CHECK(contours.cracks.widest_gap.count() == testing::Approx(holes.widest).epsilon(1e-9));
         ++seen;
       }
     }
@@ -363,8 +363,8 @@ TEST_CASE("The report counts a gap for every cracked side of a box and knows how
     at_some_heights(patient, 5, dice, [&](const Difference&, const Layer&, const Layer& layer, double) {
       // A crack at every side that the plane crosses; some are closed together with a segment that is
       // shorter.
-      CHECK(layer.contours.gaps_closed > 100);
-      CHECK(layer.contours.widest_gap.count() > 0.01);
+      CHECK(layer.contours.cracks.gaps_closed > 100);
+      CHECK(layer.contours.cracks.widest_gap.count() > 0.01);
     });
   }
 }
@@ -375,11 +375,11 @@ TEST_CASE("A side split at its middle leaves gaps of a rounding and nothing open
     const Patient patient = patient_of(whole, kDamages[2], 7);
     Dice dice(7);
     at_some_heights(patient, 10, dice, [&](const Difference&, const Layer&, const Layer& layer, double) {
-      CHECK(layer.contours.open_chains == 0);
+      CHECK(layer.contours.cracks.open_chains == 0);
       // Half a unit in a float's 24 bits at 8 mm is 0.5 nm; on a side that rises by a hundredth of its
       // length, a hundred times that.
-      CHECK(layer.contours.widest_gap.count() < 1e-4);
-      gaps += layer.contours.gaps_closed;
+      CHECK(layer.contours.cracks.widest_gap.count() < 1e-4);
+      gaps += layer.contours.cracks.gaps_closed;
     });
   }
   CHECK(gaps > 100);
@@ -403,9 +403,10 @@ TEST_CASE("Models from life, damaged, spill nothing") {
       at_some_heights(
           patient, 4, dice,
           [&](const Difference& difference, const Layer& intact, const Layer& layer, double z) {
-            CAPTURE(name, damage.name, z, layer.contours.open_chains, layer.contours.widest_gap.count());
+            CAPTURE(name, damage.name, z, layer.contours.cracks.open_chains,
+                    layer.contours.cracks.widest_gap.count());
             // A hole of millimetres among cracks everywhere may be closed with another wall's ends.
-            const double widest_pixels = layer.contours.widest_gap.count() / 0.05;
+            const double widest_pixels = layer.contours.cracks.widest_gap.count() / 0.05;
             CHECK(difference.pixels <= 0.01 * intact.mask.lit_area() + widest_pixels * widest_pixels);
             CHECK(difference.longest_run <= widest_pixels + 2);
           });

@@ -1,6 +1,7 @@
 #include "core/layers.hpp"
 
 #include <limits>
+#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/core/random_shapes.hpp"
@@ -48,14 +49,17 @@ TEST_CASE("More layers than a print can have are none at all") {
 TEST_CASE("Each layer is cut at its middle") {
   const LayerStack layers{Nanometers{25'000}, 1000};
   CHECK(layers.middle_of(0) == Nanometers{12'500});
-  CHECK(layers.top_of(0) == Nanometers{25'000});
   CHECK(layers.middle_of(7) == Nanometers{187'500});
-  CHECK(layers.top_of(7) == Nanometers{200'000});
 }
 
-TEST_CASE("The highest layers a print can have do not overflow") {
+TEST_CASE("Layers of any thickness lie on each other, each cut at its middle") {
+  const std::vector<Nanometers> thicknesses{Nanometers{100'000}, Nanometers{30'000}, Nanometers{50'000}};
+  CHECK(middles_of(thicknesses) == std::vector{Nanometers{50'000}, Nanometers{115'000}, Nanometers{155'000}});
+  CHECK(middles_of({}).empty());
+}
+
+TEST_CASE("The highest layer a print can have do not overflow") {
   const LayerStack layers{Nanometers{1'000'000}, std::numeric_limits<std::int32_t>::max()};
-  CHECK(layers.top_of(layers.count - 1) == Nanometers{2'147'483'647'000'000});
   CHECK(layers.middle_of(layers.count - 1) == Nanometers{2'147'483'646'500'000});
 }
 
@@ -67,7 +71,8 @@ TEST_CASE("The layers cover the model and none lies above it") {
     // A hundredth of a layer may be left out; 1 nm for the rounding of that hundredth.
     const std::int64_t noise_nm = thickness.count() / 100 + 1;
     RC_ASSERT(layers.count >= 0);
-    RC_ASSERT(layers.count == 0 || layers.top_of(layers.count - 1).count() + noise_nm >= height.count());
-    RC_ASSERT(layers.count == 0 || layers.top_of(layers.count - 1) - thickness < height);
+    const Nanometers top = thickness * layers.count;
+    RC_ASSERT(layers.count == 0 || top.count() + noise_nm >= height.count());
+    RC_ASSERT(layers.count == 0 || top - thickness < height);
   }));
 }

@@ -55,16 +55,16 @@ TEST_CASE("No chains are no loops") {
   const JoinedChains result = joined({});
   CHECK(result.loops.empty());
   CHECK(result.links.empty());
-  CHECK(result.open_chains == 0);
+  CHECK(result.cracks.open_chains == 0);
 }
 
 TEST_CASE("A chain whose ends nearly meet is one sound loop") {
   const JoinedChains result = joined({{{0, 0}, {0.001, 0}}});
   REQUIRE(result.loops.size() == 1);
   CHECK_FALSE(result.loops[0].repaired);
-  CHECK(result.open_chains == 0);
-  CHECK(result.gaps_closed == 1);
-  CHECK(result.widest_gap == Millimeters{0.001});
+  CHECK(result.cracks.open_chains == 0);
+  CHECK(result.cracks.gaps_closed == 1);
+  CHECK(result.cracks.widest_gap == Millimeters{0.001});
   CHECK_FALSE(result.links[0].reversed);
 }
 
@@ -72,14 +72,14 @@ TEST_CASE("A chain whose ends are too far apart is closed as a guess") {
   const JoinedChains result = joined({{{0, 0}, {3, 4}}});
   REQUIRE(result.loops.size() == 1);
   CHECK(result.loops[0].repaired);
-  CHECK(result.open_chains == 1);
-  CHECK(result.gaps_closed == 0);
-  CHECK(result.widest_gap == Millimeters{5});
+  CHECK(result.cracks.open_chains == 1);
+  CHECK(result.cracks.gaps_closed == 0);
+  CHECK(result.cracks.widest_gap == Millimeters{5});
 }
 
 TEST_CASE("A gap of just the tolerance is closed and one just above it is a guess") {
-  CHECK(joined({{{0, 0}, {0.05, 0}}}).open_chains == 0);
-  CHECK(joined({{{0, 0}, {std::nextafter(0.05, 1.0), 0}}}).open_chains == 1);
+  CHECK(joined({{{0, 0}, {0.05, 0}}}).cracks.open_chains == 0);
+  CHECK(joined({{{0, 0}, {std::nextafter(0.05, 1.0), 0}}}).cracks.open_chains == 1);
 }
 
 TEST_CASE("Chains follow each other head to tail") {
@@ -87,8 +87,8 @@ TEST_CASE("Chains follow each other head to tail") {
       joined({{{0, 0}, {10, 0}}, {{10, 10}, {0, 10}}, {{0, 10.001}, {0, 0.002}}, {{10, 0.003}, {10, 9.999}}});
   REQUIRE(result.loops.size() == 1);
   CHECK(result.loops[0].count == 4);
-  CHECK(result.gaps_closed == 4);
-  CHECK(result.open_chains == 0);
+  CHECK(result.cracks.gaps_closed == 4);
+  CHECK(result.cracks.open_chains == 0);
   std::vector<std::uint32_t> order;
   for (const JoinedChains::Link& link : result.links) {
     CHECK_FALSE(link.reversed);
@@ -100,9 +100,9 @@ TEST_CASE("Chains follow each other head to tail") {
 TEST_CASE("Ends in the very same point are no gap") {
   const JoinedChains result = joined({{{0, 0}, {10, 0}}, {{0, 0}, {10, 0}}});
   CHECK(result.loops.size() == 1);
-  CHECK(result.gaps_closed == 0);
-  CHECK(result.open_chains == 0);
-  CHECK(result.widest_gap == Millimeters{0});
+  CHECK(result.cracks.gaps_closed == 0);
+  CHECK(result.cracks.open_chains == 0);
+  CHECK(result.cracks.widest_gap == Millimeters{0});
 }
 
 TEST_CASE("Of chains that disagree the heaviest gives the loop its direction") {
@@ -151,8 +151,8 @@ TEST_CASE("An end that lost its start to another gets one by pairing anew") {
   }
   const JoinedChains result = joined(chains);
   CHECK(result.loops.size() == 1);
-  CHECK(result.widest_gap.count() <= 0.05);
-  CHECK(result.gaps_closed == 21);
+  CHECK(result.cracks.widest_gap.count() <= 0.05);
+  CHECK(result.cracks.gaps_closed == 21);
 }
 
 TEST_CASE("A short segment among cracks is not closed on itself") {
@@ -160,8 +160,8 @@ TEST_CASE("A short segment among cracks is not closed on itself") {
   const JoinedChains result =
       joined({{{0, 0}, {10, 0}, 9}, {{10.03, 0}, {10.05, 0}}, {{10.08, 0}, {0, 0}, 9}});
   CHECK(result.loops.size() == 1);
-  CHECK(result.gaps_closed == 2);
-  CHECK(result.open_chains == 0);
+  CHECK(result.cracks.gaps_closed == 2);
+  CHECK(result.cracks.open_chains == 0);
   // Alone, it is.
   CHECK(joined({{{0, 0}, {0.02, 0}}, {{50, 0}, {50.02, 0}}}).loops.size() == 2);
 }
@@ -170,21 +170,21 @@ TEST_CASE("Joins within the tolerance and guesses in one loop make it a repaired
   const JoinedChains result = joined({{{0, 0}, {10, 0}}, {{10, 0.01}, {10, 10}}});
   REQUIRE(result.loops.size() == 1);
   CHECK(result.loops[0].repaired);
-  CHECK(result.gaps_closed == 1);
-  CHECK(result.open_chains == 1);
+  CHECK(result.cracks.gaps_closed == 1);
+  CHECK(result.cracks.open_chains == 1);
 }
 
 TEST_CASE("Two loops far from each other stay two") {
   const JoinedChains result = joined({{{0, 0}, {0, 0.01}, 3}, {{50, 0}, {50, 1}, 3}});
   CHECK(result.loops.size() == 2);
-  CHECK(result.open_chains == 1);
+  CHECK(result.cracks.open_chains == 1);
   CHECK(std::ranges::count_if(result.loops, [](const auto& loop) { return loop.repaired; }) == 1);
 }
 
 TEST_CASE("A tolerance of nothing joins only what meets") {
   const JoinedChains result = joined({{{0, 0}, {10, 0}}, {{10, 0}, {20, 0}}}, Millimeters{0});
-  CHECK(result.open_chains == 1);
-  CHECK(result.gaps_closed == 0);
+  CHECK(result.cracks.open_chains == 1);
+  CHECK(result.cracks.gaps_closed == 0);
 }
 
 TEST_CASE("Whatever the chains each becomes part of one loop") {
@@ -193,12 +193,12 @@ TEST_CASE("Whatever the chains each becomes part of one loop") {
     const std::vector<OpenChain> chains = draw_chains(40, reach);
     const JoinedChains result = joined(chains);
     RC_ASSERT(every_chain_once(result, chains.size()));
-    RC_ASSERT(result.open_chains <= chains.size());
+    RC_ASSERT(result.cracks.open_chains <= chains.size());
     const bool any_repaired =
         std::ranges::any_of(result.loops, [](const auto& loop) { return loop.repaired; });
-    RC_ASSERT(any_repaired == (result.open_chains > 0));
+    RC_ASSERT(any_repaired == (result.cracks.open_chains > 0));
     // No join is wider than the chains lie apart.
-    RC_ASSERT(result.widest_gap.count() <= std::hypot(reach, reach));
+    RC_ASSERT(result.cracks.widest_gap.count() <= std::hypot(reach, reach));
   }));
 }
 
@@ -211,7 +211,7 @@ TEST_CASE("Too many open chains to weigh them all are closed each on itself") {
   const JoinedChains result = joined(chains);
   CHECK(every_chain_once(result, chains.size()));
   CHECK(result.loops.size() == 4999);
-  CHECK(result.open_chains == 4999);
+  CHECK(result.cracks.open_chains == 4999);
   CHECK(std::ranges::all_of(result.loops, [](const auto& loop) { return loop.repaired; }));
 }
 
@@ -219,11 +219,11 @@ TEST_CASE("Thousands of chains that all end in one point are joined without weig
   std::vector<OpenChain> chains(30'000, OpenChain{{1, 1}, {1, 1}});
   const JoinedChains result = joined(chains);
   CHECK(every_chain_once(result, chains.size()));
-  CHECK(result.widest_gap == Millimeters{0});
+  CHECK(result.cracks.widest_gap == Millimeters{0});
 }
 
 TEST_CASE("Coordinates far larger than the tolerance are joined all the same") {
   const JoinedChains result = joined({{{1e17, 1e17}, {3e17, 1e17}}, {{3e17, 1e17}, {1e17, 1e17}}});
   CHECK(result.loops.size() == 1);
-  CHECK(result.open_chains == 0);
+  CHECK(result.cracks.open_chains == 0);
 }

@@ -51,7 +51,7 @@ std::uint64_t digest_of(const Contours& contours) {
   }
   for (const ContourLoop& loop : contours.loops)
     digest.add(std::uint64_t{loop.point_count});
-  digest.add(contours.widest_gap.count());
+  digest.add(contours.cracks.widest_gap.count());
   return digest.value();
 }
 
@@ -156,7 +156,8 @@ void print_contours(const std::string& name, const HeightIndex& model) {
     slice_at(model, model.bounds().min_z + part * model.bounds().size_z(), section);
     linker.link(section.segments, Millimeters{0.05}, contours);
     std::printf("%s, contours, %.2f: %016" PRIx64 ", %zu loops, %u gaps, %u open\n", name.c_str(), part,
-                digest_of(contours), contours.loops.size(), contours.gaps_closed, contours.open_chains);
+                digest_of(contours), contours.loops.size(), contours.cracks.gaps_closed,
+                contours.cracks.open_chains);
   }
 }
 
