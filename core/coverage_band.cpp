@@ -15,6 +15,8 @@ constexpr std::size_t kChunk = kBlock * kBlock;
 constexpr std::size_t kBandCells = std::size_t{1} << 15;
 constexpr std::size_t kFewestRows = 2;
 
+static_assert(std::endian::native == std::endian::little, "take_used() reads eight bytes as one word");
+
 std::uint8_t grey_of(std::uint32_t winding) {
   constexpr std::uint32_t one = CoverageBand::kOne;
   const auto sign =

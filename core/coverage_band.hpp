@@ -3,8 +3,8 @@
 //
 // A pixel's cell has two sums: by how much the sides that pass the pixel change the winding number, averaged
 // over this pixel (`share`), and for all pixels right of it (`cover`). One sum along the row gives every
-// pixel's winding. Of each block of 64 pixels one word tells which cells are in use, and of each 64 blocks
-// one word tells which have any, so that painting visits only what a side has touched. Not thread-safe;
+// pixel's winding. Of each block of 64 pixels one word tells which cells are in use, and one byte whether
+// any is, so that painting visits only what a side has touched. Not thread-safe;
 // allocates in its constructor only.
 #pragma once
 

@@ -25,13 +25,14 @@ HeightRange heights_of(const Facet& facet) {
 // the model, which keeps the digits of small models far from (0, 0, 0).
 double six_volumes_of(std::span<const Facet> facets) {
   if (facets.empty()) return 0;
-  const Vertex origin = facets[0].vertices[0];
+  // In double: a difference of floats would be rounded, or overflow.
+  const double x = facets[0].vertices[0].x, y = facets[0].vertices[0].y, z = facets[0].vertices[0].z;
   double sum = 0;
   for (const Facet& facet : facets) {
     const auto& [a, b, c] = facet.vertices;
-    const double ax = a.x - origin.x, ay = a.y - origin.y, az = a.z - origin.z;
-    const double bx = b.x - origin.x, by = b.y - origin.y, bz = b.z - origin.z;
-    const double cx = c.x - origin.x, cy = c.y - origin.y, cz = c.z - origin.z;
+    const double ax = a.x - x, ay = a.y - y, az = a.z - z;
+    const double bx = b.x - x, by = b.y - y, bz = b.z - z;
+    const double cx = c.x - x, cy = c.y - y, cz = c.z - z;
     sum += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
   }
   return sum;
