@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "hw/mask_display.hpp"
@@ -10,6 +12,16 @@
 #include "hw/z_axis.hpp"
 
 namespace contourd {
+
+// Something that happened to the machine and that nobody asked it for.
+struct Disturbance {
+  enum class Kind {
+    Interruption,  // the lid was opened, the display unplugged: a print may go on when that has been seen to
+    Fault,         // the emergency stop was pressed, steps were lost: the print is over
+  };
+  Kind kind = Kind::Fault;
+  std::string what;  // one sentence, with the line, connector or port
+};
 
 class Machine {
  public:
@@ -22,6 +34,10 @@ class Machine {
   [[nodiscard]] virtual ZAxis& z_axis() = 0;
   [[nodiscard]] virtual MaskDisplay& display() = 0;
   [[nodiscard]] virtual Projector& projector() = 0;
+
+  // `call` runs from the event loop for every disturbance from now on. The machine has done what cannot wait
+  // by then (after an emergency stop the motor is still), the light is the caller's to turn off.
+  virtual void on_disturbance(std::function<void(const Disturbance&)> call) = 0;
 
   // A print of this name begins. Returns the folder in which the machine keeps what it shows, where it keeps
   // that. Throws std::filesystem::filesystem_error when that folder cannot be made.

@@ -53,6 +53,7 @@ class SimulatedPrinter final : public Machine {
   [[nodiscard]] ZAxis& z_axis() override;
   [[nodiscard]] MaskDisplay& display() override;
   [[nodiscard]] Projector& projector() override;
+  void on_disturbance(std::function<void(const Disturbance&)>) override {}  // nothing disturbs it
   std::optional<std::filesystem::path> begin_job(std::string_view name) override;
 
   // What a person looking at the machine would see.

@@ -359,6 +359,7 @@ class DeafMachine final : public Machine {
   [[nodiscard]] ZAxis& z_axis() override { return axis; }
   [[nodiscard]] MaskDisplay& display() override { return rest_.display(); }
   [[nodiscard]] Projector& projector() override { return rest_.projector(); }
+  void on_disturbance(std::function<void(const Disturbance&)>) override {}
   std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
 
   DeafAxis axis;

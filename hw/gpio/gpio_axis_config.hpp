@@ -1,0 +1,54 @@
+// What a stepped Z axis is made of, as its owner describes it. Value types.
+#pragma once
+
+#include <optional>
+
+#include "core/units.hpp"
+#include "hw/clock.hpp"
+#include "hw/gpio/gpio_line_config.hpp"
+
+namespace contourd {
+
+struct GpioInputConfig {
+  GpioLineConfig line;  // active is: switch closed, stop pressed, lid open
+  LineBias bias = LineBias::AsIs;
+  Duration debounce{std::chrono::milliseconds{5}};  // a level counts when it has lasted this long
+};
+
+struct EncoderConfig {
+  GpioLineConfig a, b;
+  LineBias bias = LineBias::AsIs;
+  double counts_per_mm = 0;      // quadrature counts: four a line of the scale
+  bool reversed = false;         // counts down as the plate rises
+  Nanometers tolerance{50'000};  // a difference from the steps up to this is no difference
+
+  enum class Policy { Fault, Correct };
+  Policy policy = Policy::Fault;  // what a difference beyond it is: a fault, or made good by further steps
+};
+
+struct GpioAxisConfig {
+  Nanometers travel{160'000'000};  // highest height of a move
+  double microsteps_per_mm = 800.0;
+  MillimetersPerSecond homing_speed{5.0};
+  MillimetersPerSecond top_speed{10.0};  // of any move
+  MillimetersPerSecondSquared acceleration{25.0};
+  std::optional<double> jerk_mm_s3;  // S-curve; a trapezoid without it
+  Nanometers backlash{0};            // moves downwards go this much too far and come back up
+  Nanometers switch_height{
+      0};  // height of the plate where the limit switch closes, by the homing's second pass
+  bool homes_upwards = false;  // the limit switch is at the top
+
+  GpioLineConfig step, direction;  // direction active: the plate rises
+  std::optional<GpioLineConfig> enable;
+  Duration pulse_width{2'000};      // of the step line's active level, at least; its pause likewise
+  Duration direction_setup{5'000};  // from a change of direction to the next step, at least
+
+  GpioInputConfig limit_switch;
+  std::optional<GpioInputConfig> second_switch;  // at the other end: reached in a move it is a fault
+  std::optional<EncoderConfig> encoder;
+  std::optional<GpioInputConfig> emergency_stop, lid;
+
+  int realtime_priority = 50;  // SCHED_FIFO; refused by the system, the axis works and says so
+};
+
+}  // namespace contourd
