@@ -1,6 +1,8 @@
 #include "daemon/config/projector_table.hpp"
 
+#include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -22,179 +24,208 @@ constexpr std::array<std::pair<const char*, ReplyMeaning>, 5> kReplies{{
     {"refused", ReplyMeaning::Refused},  // last: it may be what is none of the others
 }};
 
+constexpr std::array kCommands{"power_on",   "power_off", "light_on",  "light_off",
+                               "brightness", "power",     "lamp_hours"};
+
 // What is sent, and where a number goes into it.
 struct Message {
   std::string bytes;
   std::optional<std::size_t> number_at;
 };
 
-// A document that fits its schema, being read; what is wrong beyond the schema becomes a violation of it.
-class TableReader {
- public:
-  TableReader(JsonDocument& document, const JsonSection& root)
-      : document_(document),
-        root_(root),
-        checksum_(root.text("checksum") == "none" ? Checksum::None : Checksum::SumAfterFirst) {}
-
-  [[nodiscard]] ProjectorTable read();
-
- private:
-  [[nodiscard]] ProjectorCommand command(const JsonSection& commands, const std::string& key);
-  [[nodiscard]] std::optional<ProjectorCommand> optional_command(const JsonSection& commands,
-                                                                 const std::string& key);
-  [[nodiscard]] std::optional<BrightnessCommand> brightness(const JsonSection& commands);
-  [[nodiscard]] Message message(const JsonSection& command, const std::string& place);
-  [[nodiscard]] std::vector<ExpectedReply> replies(const JsonSection& command, const std::string& place);
-  [[nodiscard]] std::vector<UnaskedLine> unasked();
-  template <typename Parse>
-  auto parsed(const std::string& place, const Parse& parse) -> std::optional<decltype(parse())>;
-  void expect_values(const ReplyPattern& pattern, bool is_value, const std::string& place);
-
-  JsonDocument& document_;
-  const JsonSection& root_;
-  Checksum checksum_;
-};
-
-// Nothing, and a violation, when it cannot be parsed.
-template <typename Parse>
-auto TableReader::parsed(const std::string& place, const Parse& parse) -> std::optional<decltype(parse())> {
-  try {
-    return parse();
-  } catch (const std::invalid_argument& error) {
-    document_.add_violation(place, error.what());
-    return std::nullopt;
-  }
+[[nodiscard]] Checksum checksum_of_table(const std::string& name) {
+  return name == "sum_after_first" ? Checksum::SumAfterFirst : Checksum::None;
 }
 
-Message TableReader::message(const JsonSection& command, const std::string& place) {
-  Message message;
-  if (command.has("hex")) {
-    const std::string hex = command.text("hex");
-    const auto bytes =
-        parsed(place + "/hex", [&] { return parse_hex_message(hex, checksum_, message.number_at); });
-    message.bytes = bytes.value_or("");
-    return message;
-  }
-  message.bytes = command.text("text");
+Message parse_text(std::string text, const std::string& line_end) {
+  Message message{std::move(text), std::nullopt};
   const std::size_t at = message.bytes.find("{}");
   if (at != std::string::npos) {
     message.number_at = at;
     message.bytes.erase(at, 2);
   }
-  message.bytes += root_.text("line_end");
+  message.bytes += line_end;
   return message;
 }
 
-void TableReader::expect_values(const ReplyPattern& pattern, bool is_value, const std::string& place) {
-  if (is_value && pattern.values() != 1) {
-    document_.add_violation(place,
-                            pattern.is_of_bytes()
-                                ? "no byte of it is the value's: write (..) for each that is"
-                                : "it has " + std::to_string(pattern.values()) +
-                                      " groups; the value's digits need one, others are written (?:...)");
-  }
-  if (!is_value && pattern.values() != 0)
-    document_.add_violation(place, pattern.is_of_bytes()
-                                       ? "no value is expected here: write .. for any byte"
-                                       : "no value is expected here: write groups as (?:...)");
+Message parse_hex(const std::string& hex, Checksum checksum) {
+  Message message;
+  message.bytes = parse_hex_message(hex, checksum, message.number_at);
+  return message;
 }
 
-std::vector<ExpectedReply> TableReader::replies(const JsonSection& command, const std::string& place) {
-  const bool of_bytes = command.has("hex");
-  std::vector<ExpectedReply> replies;
-  for (const auto& [key, meaning] : kReplies) {
-    if (!command.has(key)) continue;
-    const std::string here = child_pointer(place, key);
-    const std::string text = command.text(key);
-    auto pattern = parsed(here, [&] {
-      return of_bytes ? ReplyPattern::of_bytes(text, checksum_) : ReplyPattern::of_line(text);
-    });
-    if (!pattern) continue;
-    expect_values(*pattern, meaning == ReplyMeaning::Value, here);
-    replies.push_back({meaning, *std::move(pattern)});
+ReplyPattern parse_reply(const std::string& text, bool of_bytes, Checksum checksum) {
+  return of_bytes ? ReplyPattern::of_bytes(text, checksum) : ReplyPattern::of_line(text);
+}
+
+// --- The rules beyond the schema, for what is sound of a document ---
+
+// What `parse` returns; nothing, and a violation, when it throws.
+template <typename Parse>
+auto checked(JsonDocument& document, const std::string& place, const Parse& parse)
+    -> std::optional<decltype(parse())> {
+  try {
+    return parse();
+  } catch (const std::invalid_argument& error) {
+    document.add_violation(place, error.what());
+    return std::nullopt;
   }
-  return replies;
+}
+
+std::string wrong_values(const ReplyPattern& pattern, bool is_value) {
+  if (!is_value && pattern.values() != 0)
+    return pattern.is_of_bytes() ? "no value is expected here: write .. for any byte"
+                                 : "no value is expected here: write groups as (?:...)";
+  if (!is_value || pattern.values() == 1) return {};
+  if (pattern.is_of_bytes()) return "no byte of it is the value's: write (..) for each that is";
+  return "it has " + std::to_string(pattern.values()) +
+         " groups; the value's digits need one, others are written (?:...)";
+}
+
+void check_reply(JsonDocument& document, const std::string& place, bool of_bytes, bool is_value) {
+  const auto text = document.sound_text(place);
+  const auto checksum = document.sound_text("/checksum");
+  if (!text || !checksum) return;
+  const auto pattern =
+      checked(document, place, [&] { return parse_reply(*text, of_bytes, checksum_of_table(*checksum)); });
+  if (!pattern) return;
+  const std::string wrong = wrong_values(*pattern, is_value);
+  if (!wrong.empty()) document.add_violation(place, wrong);
+}
+
+void check_number(JsonDocument& document, const std::string& place, const Message& message) {
+  const bool is_brightness = place == "/commands/brightness";
+  if (message.number_at && !is_brightness)
+    document.add_violation(place, "only the brightness has a number, {}, to put in");
+  if (!message.number_at && is_brightness)
+    document.add_violation(place, "there is no {} in it, where the number goes");
+}
+
+void check_command(JsonDocument& document, const std::string& place) {
+  const auto hex = document.sound_text(place + "/hex"), text = document.sound_text(place + "/text");
+  const auto checksum = document.sound_text("/checksum");
+  if (hex && checksum) {
+    const auto message =
+        checked(document, place + "/hex", [&] { return parse_hex(*hex, checksum_of_table(*checksum)); });
+    if (message) check_number(document, place, *message);
+  } else if (text) {
+    check_number(document, place, parse_text(*text, ""));
+  }
+  if (hex.has_value() == text.has_value()) return;  // what kind its replies are nobody knows
+  for (const auto& [key, meaning] : kReplies)
+    check_reply(document, child_pointer(place, key), hex.has_value(), meaning == ReplyMeaning::Value);
+}
+
+void check_brightness(JsonDocument& document) {
+  const std::string place = "/commands/brightness";
+  const auto least = document.sound_number(place + "/minimum"),
+             most = document.sound_number(place + "/maximum");
+  const auto plain = [](double whole) { return std::to_string(static_cast<std::int64_t>(whole)); };
+  if (least && most && *least > *most)
+    document.add_violation(place + "/minimum", plain(*least) + " is more than maximum, " + plain(*most));
+  if (most && *most > 255 && document.sound_text(place + "/hex"))
+    document.add_violation(place + "/maximum", plain(*most) + " does not fit in one byte");
+}
+
+void check_light(JsonDocument& document) {
+  const auto has = [&](const char* key) {
+    return document.value().contains(nlohmann::json::json_pointer(std::string("/commands/") + key));
+  };
+  for (const auto& [one, other] : {std::pair{"light_on", "light_off"}, std::pair{"light_off", "light_on"}}) {
+    if (has(one) && !has(other))
+      document.add_violation(std::string("/commands/") + one,
+                             std::string("it needs ") + other + " beside it");
+  }
+}
+
+void check_rules(JsonDocument& document) {
+  for (const char* key : kCommands)
+    check_command(document, std::string("/commands/") + key);
+  check_brightness(document);
+  check_light(document);
+  const nlohmann::json::json_pointer unasked("/unasked");
+  const std::size_t lines = document.value().contains(unasked) ? document.value().at(unasked).size() : 0;
+  for (std::size_t i = 0; i < lines; ++i)
+    check_reply(document, "/unasked/" + std::to_string(i) + "/line", false, false);
+}
+
+// --- Reading a document that is sound ---
+
+class TableReader {
+ public:
+  explicit TableReader(JsonSection root)
+      : root_(std::move(root)),
+        commands_(root_.section("commands")),
+        checksum_(checksum_of_table(root_.text("checksum"))) {}
+
+  [[nodiscard]] ProjectorTable read() const;
+
+ private:
+  [[nodiscard]] Message message(const JsonSection& section) const;
+  [[nodiscard]] ProjectorCommand command(const std::string& key) const;
+  [[nodiscard]] std::optional<ProjectorCommand> optional_command(const std::string& key) const;
+  [[nodiscard]] std::optional<BrightnessCommand> brightness() const;
+  [[nodiscard]] std::vector<UnaskedLine> unasked() const;
+
+  const JsonSection root_;
+  const JsonSection commands_;
+  const Checksum checksum_;
+};
+
+Message TableReader::message(const JsonSection& section) const {
+  if (section.has("hex")) return parse_hex(section.text("hex"), checksum_);
+  return parse_text(section.text("text"), root_.text("line_end"));
 }
 
 // "light off" for "light_off".
 std::string spoken(std::string key) {
-  for (char& c : key) {
-    if (c == '_') c = ' ';
-  }
+  std::replace(key.begin(), key.end(), '_', ' ');
   return key;
 }
 
-ProjectorCommand TableReader::command(const JsonSection& commands, const std::string& key) {
-  const JsonSection section = commands.section(key);
-  const std::string place = "/commands/" + key;
-  Message sent = message(section, place);
-  if (sent.number_at) document_.add_violation(place, "only the brightness has a number, {}, to put in");
-  return {.name = spoken(key),
-          .bytes = std::move(sent.bytes),
-          .timeout = (section.has("timeout_ms") ? section : root_).duration("timeout_ms"),
-          .replies = replies(section, place)};
-}
-
-std::optional<ProjectorCommand> TableReader::optional_command(const JsonSection& commands,
-                                                              const std::string& key) {
-  if (!commands.has(key)) return std::nullopt;
-  return command(commands, key);
-}
-
-std::optional<BrightnessCommand> TableReader::brightness(const JsonSection& commands) {
-  if (!commands.has("brightness")) return std::nullopt;
-  const JsonSection section = commands.section("brightness");
-  const std::string place = "/commands/brightness";
-  Message sent = message(section, place);
-  BrightnessCommand brightness;
-  brightness.as_byte = section.has("hex");
-  if (!sent.number_at && !sent.bytes.empty())
-    document_.add_violation(place, "there is no {} in it, where the number goes");
-  brightness.number_at = sent.number_at.value_or(0);
-  brightness.checksum = brightness.as_byte ? checksum_ : Checksum::None;
-  brightness.least = section.integer<std::int32_t>("minimum");
-  brightness.most = section.integer<std::int32_t>("maximum");
-  if (brightness.least > brightness.most)
-    document_.add_violation(place + "/minimum", std::to_string(brightness.least) + " is more than maximum, " +
-                                                    std::to_string(brightness.most));
-  if (brightness.as_byte && brightness.most > 255)
-    document_.add_violation(place + "/maximum",
-                            std::to_string(brightness.most) + " does not fit in one byte");
-  brightness.command = {.name = "brightness",
-                        .bytes = std::move(sent.bytes),
-                        .timeout = (section.has("timeout_ms") ? section : root_).duration("timeout_ms"),
-                        .replies = replies(section, place)};
-  return brightness;
-}
-
-std::vector<UnaskedLine> TableReader::unasked() {
-  constexpr std::array<std::pair<const char*, UnaskedLine::Kind>, 4> kinds{{
-      {"nothing", UnaskedLine::Kind::Nothing},
-      {"off", UnaskedLine::Kind::Off},
-      {"interruption", UnaskedLine::Kind::Interruption},
-      {"fault", UnaskedLine::Kind::Fault},
-  }};
-  std::vector<UnaskedLine> lines;
-  for (const JsonSection& section : root_.sections("unasked")) {
-    const std::string place = "/unasked/" + std::to_string(lines.size()) + "/line";
-    const std::string expression = section.text("line");
-    const auto pattern = parsed(place, [&] { return ReplyPattern::of_line(expression); });
-    UnaskedLine line{pattern.value_or(ReplyPattern()), section.text("means"), UnaskedLine::Kind::Nothing};
-    for (const auto& [name, kind] : kinds) {
-      if (section.text("is") == name) line.kind = kind;
-    }
-    lines.push_back(std::move(line));
+ProjectorCommand TableReader::command(const std::string& key) const {
+  const JsonSection section = commands_.section(key);
+  ProjectorCommand command{.name = spoken(key),
+                           .bytes = message(section).bytes,
+                           .timeout = (section.has("timeout_ms") ? section : root_).duration("timeout_ms"),
+                           .replies = {}};
+  for (const auto& [reply, meaning] : kReplies) {
+    if (section.has(reply))
+      command.replies.push_back({meaning, parse_reply(section.text(reply), section.has("hex"), checksum_)});
   }
+  return command;
+}
+
+std::optional<ProjectorCommand> TableReader::optional_command(const std::string& key) const {
+  if (!commands_.has(key)) return std::nullopt;
+  return command(key);
+}
+
+std::optional<BrightnessCommand> TableReader::brightness() const {
+  if (!commands_.has("brightness")) return std::nullopt;
+  const JsonSection section = commands_.section("brightness");
+  const bool as_byte = section.has("hex");
+  return BrightnessCommand{.command = command("brightness"),
+                           .number_at = message(section).number_at.value(),
+                           .as_byte = as_byte,
+                           .checksum = as_byte ? checksum_ : Checksum::None,
+                           .least = section.integer<std::int32_t>("minimum"),
+                           .most = section.integer<std::int32_t>("maximum")};
+}
+
+std::vector<UnaskedLine> TableReader::unasked() const {
+  const std::map<std::string, UnaskedLine::Kind> kinds{{"nothing", UnaskedLine::Kind::Nothing},
+                                                       {"off", UnaskedLine::Kind::Off},
+                                                       {"interruption", UnaskedLine::Kind::Interruption},
+                                                       {"fault", UnaskedLine::Kind::Fault}};
+  std::vector<UnaskedLine> lines;
+  for (const JsonSection& section : root_.sections("unasked"))
+    lines.push_back(
+        {ReplyPattern::of_line(section.text("line")), section.text("means"), kinds.at(section.text("is"))});
   return lines;
 }
 
-ProjectorTable TableReader::read() {
-  const JsonSection commands = root_.section("commands");
-  for (const auto& [one, other] : {std::pair{"light_on", "light_off"}, std::pair{"light_off", "light_on"}}) {
-    if (commands.has(one) && !commands.has(other))
-      document_.add_violation(std::string("/commands/") + one,
-                              std::string("it needs ") + other + " beside it");
-  }
+ProjectorTable TableReader::read() const {
   return {
       .name = root_.text("brand"),
       .baud = root_.integer<int>("baud"),
@@ -203,13 +234,13 @@ ProjectorTable TableReader::read() {
       .gap = root_.duration("gap_ms"),
       .warm_up = root_.duration("warm_up_s"),
       .cool_down = root_.duration("cool_down_s"),
-      .power_on = command(commands, "power_on"),
-      .power_off = command(commands, "power_off"),
-      .light_on = optional_command(commands, "light_on"),
-      .light_off = optional_command(commands, "light_off"),
-      .brightness = brightness(commands),
-      .power = optional_command(commands, "power"),
-      .lamp_hours = optional_command(commands, "lamp_hours"),
+      .power_on = command("power_on"),
+      .power_off = command("power_off"),
+      .light_on = optional_command("light_on"),
+      .light_off = optional_command("light_off"),
+      .brightness = brightness(),
+      .power = optional_command("power"),
+      .lamp_hours = optional_command("lamp_hours"),
       .unasked = unasked(),
   };
 }
@@ -219,11 +250,9 @@ ProjectorTable TableReader::read() {
 ProjectorTable load_projector_table(const std::filesystem::path& path) {
   JsonDocument document = JsonDocument::from_file(path);
   projector_schema().check(document);
+  check_rules(document);
   document.throw_if_violated();
-  const JsonSection root(document);
-  ProjectorTable table = TableReader(document, root).read();
-  document.throw_if_violated();
-  return table;
+  return TableReader(JsonSection(document)).read();
 }
 
 }  // namespace contourd
