@@ -109,6 +109,7 @@ class DrmDisplay::Implementation {
     if (problem_) {
       const std::string before = *problem_;
       look_again();
+      if (!problem_) return tell(Disturbance::Kind::Recovery, "the display is back: " + description());
       // Back, but of no use: another sentence than that it is away.
       if (problem_ && *problem_ != before) lose(*problem_);
       return;
@@ -143,9 +144,13 @@ class DrmDisplay::Implementation {
   void lose(const std::string& why) {
     problem_ = why;
     const Presented waiting = std::exchange(waiting_, nullptr);
-    if (on_disturbance_) on_disturbance_({Disturbance::Kind::Interruption, why});
+    tell(Disturbance::Kind::Interruption, why);
     if (problem_ && output_) output_->turn_off();
     if (waiting) waiting(std::nullopt);
+  }
+
+  void tell(Disturbance::Kind kind, const std::string& what) {
+    if (on_disturbance_) on_disturbance_({kind, what});
   }
 
   // For a show() or black() that must not call back from within itself.
