@@ -6,8 +6,9 @@ namespace contourd {
 
 EnclosedVolume enclosed_volume(std::span<const Facet> facets, const Bounds& bounds) {
   if (facets.empty()) return {};
-  // In double: a difference of floats would be rounded, or overflow.
-  const double x = facets[0].vertices[0].x, y = facets[0].vertices[0].y, z = facets[0].vertices[0].z;
+  // All in double: differences of floats would be rounded, or overflow.
+  const auto [x, y] = bounds.center();
+  const double z = (bounds.min_z + bounds.max_z) / 2;
   double six_volumes = 0;
   // Twice the facets' areas as vectors: they add up to nothing when the facets close. From a point that is d
   // away the volume would be another by d times a third of this area.
