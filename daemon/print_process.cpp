@@ -133,7 +133,7 @@ void PrintProcess::perform(PrintEffect effect) {
       expect_within(kWarmUpDeadline, "the projector's lamp to be warm");
       return machine_.projector().power_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
         if (reply == ProjectorReply::Ok) return handle(PrintEvent::ProjectorReady);
-        fail(fmt::format("power on: {}", describe(reply)));
+        fail(fmt::format("power on: {}", machine_.projector().last_problem()));
       }));
     case PrintEffect::PowerOff:
       return machine_.projector().power_off();
@@ -149,7 +149,7 @@ void PrintProcess::perform(PrintEffect effect) {
       expect_within(kProjectorDeadline, "the projector to turn the light on");
       return machine_.projector().light_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
         if (reply == ProjectorReply::Ok) return handle(PrintEvent::LightIsOn);
-        fail(fmt::format("light on: {}", describe(reply)));
+        fail(fmt::format("light on: {}", machine_.projector().last_problem()));
       }));
     case PrintEffect::TimeExposure:
       light_on_at_ = clock_.now();

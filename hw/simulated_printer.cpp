@@ -79,7 +79,10 @@ class SimulatedPrinter::Lamp final : public Projector {
 
   void light_on(Done done) override {
     if (!powered_) {
-      reply_ = clock_.call_after(config_.reply, [done = std::move(done)] { done(ProjectorReply::Refused); });
+      reply_ = clock_.call_after(config_.reply, [this, done = std::move(done)] {
+        failed_ = ProjectorReply::Refused;
+        done(failed_);
+      });
       return;
     }
     reply(
@@ -96,16 +99,32 @@ class SimulatedPrinter::Lamp final : public Projector {
     powered_ = false;
   }
 
+  void ask_status(StatusDone done) override {
+    reply(
+        config_.reply, [] {},
+        [this, done = std::move(done)](ProjectorReply reply) {
+          done(reply == ProjectorReply::Ok ? ProjectorStatus{reply, {}, powered_, {}}
+                                           : ProjectorStatus{reply, last_problem(), {}, {}});
+        });
+  }
+
+  [[nodiscard]] std::string last_problem() const override { return std::string(describe(failed_)); }
+
   [[nodiscard]] bool is_on() const { return light_; }
 
  private:
   void reply(Duration delay, const std::function<void()>& effect, Done done) {
     ++commands_;
     const bool silent = config_.silent_after_commands && commands_ > *config_.silent_after_commands;
-    reply_ = clock_.call_after(silent ? config_.timeout : delay, [=, done = std::move(done)] {
-      if (!silent) effect();
-      done(silent ? ProjectorReply::NoAnswer : ProjectorReply::Ok);
-    });
+    reply_ =
+        clock_.call_after(silent ? config_.timeout : delay, [this, effect, silent, done = std::move(done)] {
+          if (!silent) {
+            effect();
+            return done(ProjectorReply::Ok);
+          }
+          failed_ = ProjectorReply::NoAnswer;
+          done(failed_);
+        });
   }
 
   Clock& clock_;
@@ -113,6 +132,7 @@ class SimulatedPrinter::Lamp final : public Projector {
   bool powered_ = false;
   bool light_ = false;
   int commands_ = 0;
+  ProjectorReply failed_ = ProjectorReply::Ok;  // the last that was not Ok
   std::unique_ptr<Timer> reply_;
 };
 
