@@ -13,8 +13,8 @@
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
-#include "daemon/file_descriptor.hpp"
 #include "daemon/readable.hpp"
+#include "hw/file_descriptor.hpp"
 
 namespace contourd::ctl {
 namespace {
