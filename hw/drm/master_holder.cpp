@@ -61,8 +61,9 @@ std::optional<std::string> master_among(std::string_view clients) {
     const std::vector<std::string> columns{std::istream_iterator<std::string>(words), {}};
     std::string command;
     for (std::size_t i = 0; i + 2 < columns.size(); ++i) {
-      if (i > 0 && is_number(columns[i]) && is_number(columns[i + 1])) {
-        if (columns[i + 2] == "y") return process_text(command, columns[i]);
+      const std::string& master = columns[i + 2];
+      if (i > 0 && is_number(columns[i]) && is_number(columns[i + 1]) && (master == "y" || master == "n")) {
+        if (master == "y") return process_text(command, columns[i]);
         break;
       }
       command += (i == 0 ? "" : " ") + columns[i];

@@ -68,8 +68,14 @@ void Output::relight(const DrmDisplayConfig& config) {
 }
 
 void Output::turn_off() noexcept {
-  if (crtc_) crtc_->turn_off();
+  if (!crtc_ || crtc_->turn_off() != 0) blacken_masks();
   now_on_screen(*black_);  // as dark as that
+}
+
+// For when the kernel refuses: what may be on the screen is blackened where it is.
+void Output::blacken_masks() noexcept {
+  for (const auto& mask : masks_)
+    mask->writer().blacken();
 }
 
 // A flip that was waiting is no longer of interest: its event will bear an old serial.
@@ -122,9 +128,7 @@ void Output::black_now() noexcept {
   if (coming == black_.get() || !crtc_) return;
   if (!flip_ && show(*black_) == 0) return;
   if (crtc_->show(*black_) == 0) return now_on_screen(*black_);
-  // The kernel refuses. What is left is to blacken what may be on the screen in place.
-  for (const auto& mask : masks_)
-    mask->writer().blacken();
+  blacken_masks();
 }
 
 Output::Events Output::read_events() noexcept {

@@ -54,7 +54,7 @@ class Output {
   // Sets the mode anew, black, after the display was unplugged or another program had the card. Throws
   // HardwareError.
   void relight(const DrmDisplayConfig& config);
-  // No signal; relight() ends it.
+  // No signal, until relight(); black in place where the kernel refuses (this process is not DRM master).
   void turn_off() noexcept;
 
  private:
@@ -66,6 +66,7 @@ class Output {
   void set_mode(const Connector& connector, const DrmDisplayConfig& config);
   [[nodiscard]] Framebuffer& writable_mask() noexcept;
   [[nodiscard]] int show(const Framebuffer& picture) noexcept;
+  void blacken_masks() noexcept;
   void now_on_screen(const Framebuffer& picture) noexcept;
   void finish_flip(std::uint64_t serial, TimePoint when, Events& events) noexcept;
 

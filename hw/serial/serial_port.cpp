@@ -46,7 +46,7 @@ std::optional<std::string> other_user_of(const fs::path& device) {
       if (fs::read_symlink(fd->path(), gone) != device) continue;
       std::string command;
       std::getline(std::ifstream(process->path() / "comm"), command);
-      return command + " (process " + id + ")";
+      return command.append(" (process ").append(id).append(")");
     }
   }
   return std::nullopt;

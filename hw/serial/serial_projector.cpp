@@ -129,7 +129,9 @@ void SerialProjector::timed_out() {
   const ReplyReader::RequestId id = current_->id;
   take(reader_.end_line(clock_.now()));
   if (!current_ || current_->id != id) return;
-  if (current_->sent <= table_.retries) return send();
+  // Once it is known that light off is not heard, it must not keep power off waiting.
+  const bool hopeless = dark_reported_ && current_->command == light_off_command();
+  if (current_->sent <= table_.retries && !hopeless) return send();
   fail_current();
 }
 
@@ -143,9 +145,11 @@ std::string SerialProjector::no_answer(const Request& request) const {
   const std::string tried = std::to_string(request.sent) + (request.sent == 1 ? " try" : " tries");
   const std::string what = "\"" + request.command->name + "\" in " + tried + " of " +
                            std::to_string(request.command->timeout / 1ms) + " ms";
-  if (reader_.unexplained().empty()) return called() + " did not answer " + what;
+  const std::string baud = std::to_string(table_.baud);
+  if (reader_.unexplained().empty())
+    return called() + " did not answer " + what + ": is it connected, and set to " + baud + " baud?";
   return called() + " answered " + what + " with what is no reply of its kind, " +
-         readable_bytes(reader_.unexplained()) + ": is its baud rate " + std::to_string(table_.baud) +
+         readable_bytes(reader_.unexplained()) + ": is its baud rate " + baud +
          ", and is it the projector of the table \"" + table_.name + "\"?";
 }
 
@@ -159,6 +163,7 @@ void SerialProjector::finish(const Answer& answer) {
 
 void SerialProjector::lose(const std::string& why) {
   lost_ = true;
+  if (current_) timer_ = clock_.call_after(Duration{0}, [this] { fail_current(); });
   report(Disturbance::Kind::Fault, why + (light_may_be_on_ ? "; the projector's light may be on" : ""));
 }
 
@@ -300,8 +305,8 @@ void SerialProjector::darkened(const Answer& answer) {
   const auto when_dark = std::exchange(when_dark_, nullptr);
   if (answer.reply == ProjectorReply::Ok) {
     dark_wanted_ = light_may_be_on_ = dark_reported_ = false;
-  } else if (!light_may_be_on_) {
-    dark_wanted_ = false;  // off, or asleep: nobody asked it for light
+  } else if (!light_may_be_on_ || lost_) {
+    dark_wanted_ = false;  // nobody asked it for light; or the loss was reported, with the light
   } else {
     keep_trying();
   }
@@ -316,7 +321,7 @@ void SerialProjector::keep_trying() {
   // No light on behind a light off that failed.
   std::erase_if(queue_, [this](const Request& request) { return request.command != &table_.power_off; });
   if (!std::exchange(dark_reported_, true))
-    report(Disturbance::Kind::Fault, problem_ + "; its light may be on");
+    report(Disturbance::Kind::Fault, "the light may be on: " + problem_);
 }
 
 // --- Status ---

@@ -399,6 +399,25 @@ TEST_CASE("A machine made safe is dark and black and still whatever it was doing
   CHECK(bench.printer.screen_is_black());
 }
 
+TEST_CASE("the simulated projector says whether it is on, and what its last failure was") {
+  SimulatedPrinterConfig config = small_display();
+  config.projector.silent_after_commands = 2;
+  Bench bench(config);
+  std::optional<ProjectorStatus> status;
+  const auto ask = [&] {
+    bench.printer.projector().ask_status([&](const ProjectorStatus& s) { status = s; });
+    bench.run();
+    REQUIRE(status);
+  };
+  ask();
+  CHECK(status->powered == false);
+  bench.power_on();
+  ask();
+  CHECK(status->reply == ProjectorReply::NoAnswer);
+  CHECK(status->problem == "the projector does not answer");
+  CHECK_FALSE(status->powered);
+}
+
 TEST_CASE("A printer may be destroyed while everything is under way") {
   VirtualClock clock;
   {

@@ -179,8 +179,9 @@ TEST_CASE(
   REQUIRE(bench.disturbances.size() == 1);
   CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
   CHECK(bench.disturbances[0].what ==
-        "the projector at /dev/ttyUSB7 did not answer \"light off\" in 3 tries of 1000 ms; its light may be "
-        "on");
+        "the light may be on: the projector at /dev/ttyUSB7 did not answer \"light off\" in 3 tries of 1000 "
+        "ms: is it "
+        "connected, and set to 9600 baud?");
   bench.pass(60s);
   CHECK(bench.channel.sent.size() > 15);
   for (const std::string& message : bench.channel.messages())
@@ -223,7 +224,9 @@ TEST_CASE("light on that is not confirmed is followed by light off") {
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::NoAnswer);
   CHECK(bench.projector.last_problem() ==
-        "the projector at /dev/ttyUSB7 did not answer \"light on\" in 3 tries of 1000 ms");
+        "the projector at /dev/ttyUSB7 did not answer \"light on\" in 3 tries of 1000 ms: is it connected, "
+        "and set to 9600 "
+        "baud?");
   bench.pass(3s);
   CHECK_FALSE(bench.light);
 }
@@ -247,7 +250,9 @@ TEST_CASE("a silent projector is asked again as often as its table says, then gi
   CHECK(bench.channel.messages() ==
         Messages{"~00124 1\r", "~00124 1\r", "~00124 1\r", "~0000 1\r", "~0000 1\r", "~0000 1\r"});
   CHECK(bench.projector.last_problem() ==
-        "the projector at /dev/ttyUSB7 did not answer \"power on\" in 3 tries of 1000 ms");
+        "the projector at /dev/ttyUSB7 did not answer \"power on\" in 3 tries of 1000 ms: is it connected, "
+        "and set to 9600 "
+        "baud?");
 }
 
 TEST_CASE("a projector that is deaf to questions while it is off is turned on all the same") {
@@ -371,6 +376,24 @@ TEST_CASE("power off follows a light off that is never confirmed, and ends the l
   CHECK(bench.channel.sent.empty());  // off is dark
 }
 
+TEST_CASE("power off comes soon once it is known that light off is not heard") {
+  Bench bench;
+  bench.power_on();
+  bench.light_on();
+  bench.fall_silent();
+  bench.projector.light_off();
+  bench.pass(10s);
+  REQUIRE(bench.disturbances.size() == 1);
+  bench.channel.sent.clear();
+  const TimePoint asked = bench.clock.now();
+  bench.projector.power_off();
+  bench.pass(10s);
+  REQUIRE(bench.channel.sent.size() > 2);
+  CHECK(bench.channel.sent[0].message == "~0002 1\r");
+  CHECK(bench.channel.sent[1].message == "~0000 0\r");
+  CHECK(bench.channel.sent[1].at - asked < 1200ms);  // one try of light off
+}
+
 TEST_CASE("light off does not call back a power off that waits") {
   Bench bench;
   bench.power_on();
@@ -422,7 +445,15 @@ TEST_CASE("a serial line that is lost is a fault, and every command is answered 
   Bench bench;
   bench.power_on();
   bench.light_on();
+  bench.pass(1s);
+  bench.start_light_on();
+  const TimePoint unplugged = bench.clock.now();
   bench.channel.unplug();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::NoAnswer);
+  CHECK(bench.answered_at == unplugged);
+  bench.projector.light_off();
+  bench.pass(60s);
   REQUIRE(bench.disturbances.size() == 1);
   CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
   CHECK(bench.disturbances[0].what ==
@@ -455,7 +486,10 @@ TEST_CASE("a projector's status is whether it is on and its lamp's hours, and as
   bench.fall_silent();
   ask();
   CHECK(status->reply == ProjectorReply::NoAnswer);
-  CHECK(status->problem == "the projector at /dev/ttyUSB7 did not answer \"power\" in 3 tries of 1000 ms");
+  CHECK(status->problem ==
+        "the projector at /dev/ttyUSB7 did not answer \"power\" in 3 tries of 1000 ms: is it connected, and "
+        "set to 9600 "
+        "baud?");
 }
 
 TEST_CASE("a projector's brightness is set when it is warm and dark") {
