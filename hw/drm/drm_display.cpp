@@ -121,7 +121,9 @@ class DrmDisplay::Implementation {
     if (problem_) {
       const std::string before = *problem_;
       look_again();
-      if (problem_ && *problem_ != before) lose(*problem_);
+      if (!problem_) return tell_recovery();
+      // Back, but of no use: another sentence than that it is away.
+      if (*problem_ != before) lose(*problem_);
       return;
     }
     const Connector now = output_->connector();
@@ -132,7 +134,9 @@ class DrmDisplay::Implementation {
     if (!has_mode) {
       lose(output_->name() + " no longer has its mode " + describe(output_->mode()) +
            "; modes: " + describe(now.modes));
-      return look_again();  // another display may have the like
+      look_again();  // another display may have the like
+      if (!problem_) tell_recovery();
+      return;
     }
     if (!output_->card().is_master()) lose_to(EACCES);
   }
@@ -156,10 +160,16 @@ class DrmDisplay::Implementation {
   void lose(const std::string& why) {
     problem_ = why;
     const Presented waiting = std::exchange(waiting_, nullptr);
-    if (on_disturbance_) on_disturbance_({Disturbance::Kind::Interruption, why});
+    tell(Disturbance::Kind::Interruption, why);
     if (problem_ && output_) output_->turn_off();
     if (waiting) waiting(std::nullopt);
   }
+
+  void tell(Disturbance::Kind kind, const std::string& what) {
+    if (on_disturbance_) on_disturbance_({kind, what});
+  }
+
+  void tell_recovery() { tell(Disturbance::Kind::Recovery, "the display is back: " + description()); }
 
   // For a show() or black() that must not call back from within itself.
   void deny_later() { ::eventfd_write(wake_.get(), 1); }
