@@ -9,6 +9,12 @@ BED = Path(os.environ.get("CONTOURD_VM", SOURCE / "build" / "vm"))
 VM = SOURCE / "tests" / "vm"
 
 
+def host_root():
+    """The root image of the Debian that this machine runs, which its programs fit."""
+    release = dict(line.split("=", 1) for line in Path("/etc/os-release").read_text().splitlines() if "=" in line)
+    return BED / f"root-{release['VERSION_CODENAME']}.ext4"
+
+
 @dataclass(frozen=True)
 class Architecture:
     name: str

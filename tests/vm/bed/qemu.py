@@ -9,6 +9,7 @@ import subprocess
 import tarfile
 import tempfile
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 from bed.architecture import BED
@@ -29,8 +30,19 @@ def _common(arch, initramfs, memory_mb, options=""):
     ]  # fmt: skip
 
 
-def _drive(path, name="disk"):
-    return ["-drive", f"file={path},format=raw,if=none,id={name},cache=writeback", "-device", f"virtio-blk-pci,drive={name}"]
+def _drive(path, kind="raw"):
+    return ["-drive", f"file={path},format={kind},if=none,id=disk,cache=writeback", "-device", "virtio-blk-pci,drive=disk"]
+
+
+@contextmanager
+def disk_over(image):
+    """A disk that holds what the image does, and takes changes that the image is kept from, as long as the context
+    lasts. It outlives the machine that it is in, as a disk does a power cut."""
+    with tempfile.TemporaryDirectory(prefix="disk.", dir=BED) as folder:
+        disk = Path(folder, "disk.qcow2")
+        command = ["qemu-img", "create", "-q", "-f", "qcow2", "-b", str(image), "-F", "raw", str(disk)]
+        subprocess.run(command, check=True)
+        yield disk
 
 
 class Results:
@@ -97,7 +109,7 @@ class Machine:
         self._folder = tempfile.TemporaryDirectory(prefix="run.", dir=BED)
         folder = Path(self._folder.name)
         self.console = folder / "console"
-        command = _common(arch, initramfs, memory_mb, options) + (_drive(disk) if disk else []) + [
+        command = _common(arch, initramfs, memory_mb, options) + (_drive(disk, "qcow2") if disk else []) + [
             "-accel", "tcg", "-smp", str(cpus), "-serial", f"file:{self.console}",
             "-qmp", f"unix:{folder}/qmp,server=on,wait=off", "-device", "virtio-serial-pci",
             "-chardev", f"socket,id=ctl,path={folder}/ctl,server=on,wait=off", "-device", "virtserialport,chardev=ctl,name=ctl",

@@ -19,7 +19,7 @@ _tests = []
 class VmTest:
     name: str
     tier: str
-    root_images: bool
+    other_debian: bool
     alone: bool
     call: Callable
 
@@ -28,12 +28,12 @@ class VmTest:
         return " ".join(self.call.__doc__.split())
 
 
-def vm_test(tier, name=None, root_images=False, alone=False):
+def vm_test(tier, name=None, other_debian=False, alone=False):
     """Makes a test of a function: tier "quick" (then it is in "full" too) or "full". One that says `alone` measures
     real time and runs when nothing else does."""
 
     def register(call):
-        _tests.append(VmTest(name or call.__name__.replace("_", "-"), tier, root_images, alone, call))
+        _tests.append(VmTest(name or call.__name__.replace("_", "-"), tier, other_debian, alone, call))
         return call
 
     return register

@@ -2,8 +2,8 @@
 // asked.
 //   fake-projector TTY BAUD LOG [--delay-ms N] [--silent-after N] [--garble] REQUEST=>REPLY...
 // Requests end in a carriage return; in REQUEST and REPLY \r, \n and \xHH stand for bytes. A request that it
-// does not know it does not answer. A line of LOG is CLOCK_MONOTONIC's nanoseconds and the request. Runs
-// until it is killed.
+// does not know it does not answer; with several REPLYs to one, they come in turn, the last one from then on.
+// A line of LOG is CLOCK_MONOTONIC's nanoseconds and the request. Runs until it is killed.
 #include <fcntl.h>
 #include <termios.h>
 #include <time.h>
@@ -12,13 +12,15 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <map>
 #include <string>
 
 namespace {
 
 struct Behaviour {
-  std::map<std::string, std::string> replies;  // by request, its carriage return included
+  // By request, its carriage return included: each is given once, in turn, and the last one from then on.
+  std::map<std::string, std::deque<std::string>> replies;
   long delay_ms = 0;
   long silent_after = -1;  // answers; -1: never
   bool garble = false;
@@ -67,19 +69,20 @@ void sleep_ms(long ms) {
   ::nanosleep(&duration, nullptr);
 }
 
-void answer(int line, const Behaviour& behaviour, const std::string& request, long asked) {
+void answer(int line, Behaviour& behaviour, const std::string& request, long asked) {
   const auto reply = behaviour.replies.find(request);
   if (reply == behaviour.replies.end()) return;
   if (behaviour.silent_after >= 0 && asked >= behaviour.silent_after) return;
   sleep_ms(behaviour.delay_ms);
-  std::string bytes = reply->second;
+  std::string bytes = reply->second.front();
+  if (reply->second.size() > 1) reply->second.pop_front();
   if (behaviour.garble)
     for (char& byte : bytes)
       byte = static_cast<char>(byte ^ 0x55);
   if (::write(line, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) std::perror("write");
 }
 
-void serve(int line, std::FILE* log, const Behaviour& behaviour) {
+void serve(int line, std::FILE* log, Behaviour& behaviour) {
   std::string request;
   long asked = 0;
   for (char byte = 0; ::read(line, &byte, 1) == 1;) {
@@ -120,7 +123,7 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "no => in %s\n", option.c_str());
         return 64;
       }
-      behaviour.replies[unescape(option.substr(0, end))] = unescape(option.substr(end + 2));
+      behaviour.replies[unescape(option.substr(0, end))].push_back(unescape(option.substr(end + 2)));
     }
   }
   std::FILE* const log = std::fopen(argv[3], "w");

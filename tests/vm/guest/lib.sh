@@ -1,3 +1,4 @@
+# shellcheck shell=dash
 # What scenarios share. Sourced by /scenario, in the guest.
 
 PLANT=/sys/kernel/debug/zplant
@@ -30,8 +31,8 @@ start_daemon() {
 }
 
 stop_daemon() {
-  kill -TERM $DAEMON
-  wait $DAEMON
+  kill -TERM "$DAEMON"
+  wait "$DAEMON"
 }
 
 print_model() {
@@ -50,3 +51,21 @@ keep_logs() {
   mkdir -p /out/spool
   cp -r $SPOOL/done $SPOOL/failed $SPOOL/incoming $SPOOL/printing /out/spool/
 }
+
+# The printer's devices: load_devices [PARAMETER OF ZPLANT...]. The plate stands 2.5 mm above the switch.
+load_devices() {
+  insmod /mod/zplant.ko start_pos=2000 "$@"
+  insmod /mod/zproj.ko
+  insmod /mod/zserial.ko
+}
+
+light_is_on() { grep -q '^light 1$' $PLANT/state; }
+light_is_off() { grep -q '^light 0$' $PLANT/state; }
+lit_pictures() { awk '$3 == "FLIP" && $6 > 0 { n++ } END { print n + 0 }' $SCREEN/log; }
+
+# In the exposure of layer N, counted from 1: its mask is on the screen and the light on.
+exposing() { [ "$(lit_pictures)" -ge "$1" ] && light_is_on; }
+# Layer N has had its exposure.
+exposed() { [ "$(lit_pictures)" -ge "$1" ] && light_is_off; }
+state_is() { contourctl status --json | grep -q "\"state\": *\"$1\""; }
+now_ns() { awk '{ printf "%d\n", $1 * 1e9 }' /proc/uptime; }

@@ -27,6 +27,7 @@ module_param(label, charp, 0444);
 #define P(name, def) static int name = def; module_param(name, int, 0444)
 P(ngpio, 54);            /* as bcm2835, so the real pin numbers can be used */
 P(step, 17); P(dir, 27); P(en, 22); P(limit, 23);
+P(light, 24);             /* plain, but told in state */
 P(en_low, 1);            /* ENABLE is active low (A4988, DRV8825, TMC) */
 P(limit_low, 1);         /* switch pulls the line low when pressed */
 P(dir_up, 1);            /* level of DIR that counts the position up */
@@ -281,8 +282,8 @@ static int state_show(struct seq_file *s, void *u)
 	raw_spin_lock_irqsave(&z.lk, fl);
 	c = z;
 	raw_spin_unlock_irqrestore(&z.lk, fl);
-	seq_printf(s, "pos %lld\nmin %lld\nmax %lld\npressed %d\nenabled %d\nlimit_level %d\n",
-		   c.pos, c.pmin, c.pmax, c.pressed, test_bit(en, c.lvl) != !!en_low, test_bit(limit, c.lvl));
+	seq_printf(s, "pos %lld\nmin %lld\nmax %lld\npressed %d\nenabled %d\nlimit_level %d\nlight %d\ncount %lld\n",
+		   c.pos, c.pmin, c.pmax, c.pressed, test_bit(en, c.lvl) != !!en_low, test_bit(limit, c.lvl), test_bit(light, c.lvl), c.count);
 	seq_printf(s, "steps %llu\nmoved %llu\nlost_disabled %llu\nlost_stop %llu\nlost_rate %llu\n",
 		   c.nstep, c.nmoved, c.lost_dis, c.lost_stop, c.lost_rate);
 	seq_printf(s, "short_high %llu\nshort_low %llu\ndir_setup %llu\nmin_period_ns %lld\n",
@@ -340,7 +341,7 @@ static int __init zinit(void)
 	struct gpio_irq_chip *g = &z.gc.irq;
 	int r;
 
-	if (ngpio > MAXL || step >= ngpio || dir >= ngpio || en >= ngpio || limit >= ngpio ||
+	if (ngpio > MAXL || step >= ngpio || light >= ngpio || dir >= ngpio || en >= ngpio || limit >= ngpio ||
 	    limit2 >= ngpio || enc_a >= ngpio || enc_b >= ngpio || enc_den <= 0 || abs(enc_num) > enc_den)
 		return -EINVAL;
 	raw_spin_lock_init(&z.lk);
