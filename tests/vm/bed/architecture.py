@@ -9,10 +9,14 @@ BED = Path(os.environ.get("CONTOURD_VM", SOURCE / "build" / "vm"))
 VM = SOURCE / "tests" / "vm"
 
 
-def host_root():
-    """The root image of the Debian that this machine runs, which its programs fit."""
+def host_debian():
+    """The name of the Debian that this machine runs, such as "bookworm"."""
     release = dict(line.split("=", 1) for line in Path("/etc/os-release").read_text().splitlines() if "=" in line)
-    return BED / f"root-{release['VERSION_CODENAME']}.ext4"
+    return release["VERSION_CODENAME"]
+
+
+def root_image(debian=None):
+    return BED / f"root-{debian or host_debian()}.ext4"
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from bed import models
-from bed.architecture import AMD64, BED, SOURCE, VM
+from bed.architecture import AMD64, BED, SOURCE, VM, host_debian
 from bed.edge_log import Lines
 from bed.initramfs import Initramfs
 
@@ -32,7 +32,20 @@ def printer_guest(arch, config, model_height_mm=0.2, resin=None):
     return guest
 
 
-def systemd_guest(config, resin=None, our_modules=(), install=None):
+@contextmanager
+def _installed(debian):
+    """The folder in which contourd is installed as it was built on that Debian, or on this one."""
+    if debian and debian != host_debian():
+        yield BED / f"contourd-{debian}"
+        return
+    with tempfile.TemporaryDirectory(dir=BED) as folder:
+        environment = {**os.environ, "DESTDIR": folder}
+        command = ["cmake", "--install", str(SOURCE / "build"), "--prefix", "/usr"]
+        subprocess.run(command, check=True, capture_output=True, env=environment)
+        yield folder
+
+
+def systemd_guest(config, resin=None, our_modules=(), debian=None):
     """What a guest with a root image boots from: it brings the installed contourd along, as a package would put it
     there, with a printer's configuration. `our_modules` are lines such as "zplant bounce_us=300"."""
     guest = Initramfs(AMD64)
@@ -41,11 +54,7 @@ def systemd_guest(config, resin=None, our_modules=(), install=None):
     loads = [line.split(" ", 1) for line in our_modules]
     guest.add_text("/etc/our_modules", "".join(f"{name}.ko {' '.join(parameters)}\n" for name, *parameters in loads))
     guest.add_file("/init", VM / "guest" / "init-root", mode=0o755)
-    with tempfile.TemporaryDirectory(dir=BED) as folder:
-        subprocess.run(
-            ["cmake", "--install", str(install or SOURCE / "build"), "--prefix", "/usr"],
-            check=True, capture_output=True, env={**os.environ, "DESTDIR": folder},
-        )  # fmt: skip
+    with _installed(debian) as folder:
         # /lib is a link to /usr/lib in the image.
         if Path(folder, "lib").exists():
             guest.add_folder("/install/usr/lib", Path(folder, "lib"))
@@ -53,6 +62,7 @@ def systemd_guest(config, resin=None, our_modules=(), install=None):
             guest.add_folder(f"/install/{part}", Path(folder, part))
     guest.add_text("/install/etc/contourd/contourd.json", json.dumps(config, indent=1))
     guest.add_text("/install/etc/contourd/resins/standard.json", resin_profile(resin))
+    guest.add_file("/install/root/lib.sh", VM / "guest" / "lib.sh")
     guest.add_file("/install/usr/local/bin/fake-projector", AMD64.program("fake-projector"))
     return guest
 

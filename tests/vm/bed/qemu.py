@@ -4,6 +4,7 @@ Always by QEMU's emulator (TCG); every run has a limit."""
 import io
 import json
 import os
+import signal
 import socket
 import subprocess
 import tarfile
@@ -118,7 +119,7 @@ class Machine:
         self._output = open(folder / "qemu", "w")
         self._process = subprocess.Popen(
             ["timeout", "-k", "5", str(limit_s), *command], stdin=subprocess.DEVNULL, stdout=self._output,
-            stderr=subprocess.STDOUT, start_new_session=True,
+            stderr=subprocess.STDOUT,
         )  # fmt: skip
         try:
             self._control = self._connect(folder / "ctl")
@@ -210,9 +211,13 @@ class Machine:
 
     def kill(self):
         """As a power cut does."""
-        if self._process.poll() is None:
-            # QEMU below timeout and nice, in a process group of their own.
-            os.killpg(self._process.pid, 9)
-        self._process.wait()
+        # QEMU is the child of timeout, which ends with it: then QEMU is gone for sure, and its disk is free.
+        while self._process.poll() is None:
+            for child in Path(f"/proc/{self._process.pid}/task/{self._process.pid}/children").read_text().split():
+                os.kill(int(child), signal.SIGKILL)
+            try:
+                self._process.wait(0.1)
+            except subprocess.TimeoutExpired:
+                pass
         self._output.close()
         self._folder.cleanup()

@@ -40,6 +40,16 @@ print_model() {
   mv $SPOOL/incoming/.part $SPOOL/incoming/part.stl
 }
 
+# A print takes minutes, and asking often costs the emulator more than the print does.
+wait_for_print() {
+  left=900
+  until print_is_over; do
+    left=$((left - 1))
+    [ $left -gt 0 ] || fail "waited in vain for the end of the print"
+    sleep 1
+  done
+}
+
 print_is_over() {
   [ -e $SPOOL/done/part.stl ] || [ -e $SPOOL/failed/part.stl ]
 }
@@ -66,6 +76,6 @@ lit_pictures() { awk '$3 == "FLIP" && $6 > 0 { n++ } END { print n + 0 }' $SCREE
 # In the exposure of layer N, counted from 1: its mask is on the screen and the light on.
 exposing() { [ "$(lit_pictures)" -ge "$1" ] && light_is_on; }
 # Layer N has had its exposure.
-exposed() { [ "$(lit_pictures)" -ge "$1" ] && light_is_off; }
+exposed() { [ "$(lit_pictures)" -ge "$1" ] && [ "$(awk '{ lit = $6 } END { print lit }' $SCREEN/log)" = 0 ]; }
 state_is() { contourctl status --json | grep -q "\"state\": *\"$1\""; }
 now_ns() { awk '{ printf "%d\n", $1 * 1e9 }' /proc/uptime; }

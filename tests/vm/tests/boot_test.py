@@ -15,7 +15,7 @@ for device in /dev/gpiochip0 /dev/dri/card0 /dev/ttyZ0 /dev/ttyZ1; do
 done
 start_daemon
 print_model
-wait_for 600 "the end of the print" print_is_over
+wait_for_print
 keep_logs
 stop_daemon || fail "the daemon ended with $?"
 """

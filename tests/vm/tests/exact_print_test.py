@@ -29,7 +29,7 @@ insmod /mod/zserial.ko
 fake-projector /dev/ttyZ1 9600 /out/projector {guests.ACER} &
 start_daemon
 print_model
-wait_for 900 "the end of the print" print_is_over
+wait_for_print
 keep_logs
 stop_daemon || fail "the daemon ended with $?"
 """

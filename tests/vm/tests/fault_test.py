@@ -23,7 +23,7 @@ _SCENARIO = """\
 start_daemon
 print_model
 {during}
-wait_for 600 "the end of the print" print_is_over
+wait_for_print
 sleep 1
 keep_logs
 stop_daemon || fail "the daemon ended with $?"
@@ -313,7 +313,7 @@ cp $PLANT/state /out/after
 rm /run/contourd/control.sock
 start_daemon
 now_ns >/out/restarted
-wait_for 60 "the job's end" print_is_over
+wait_for_print
 sleep 1
 keep_logs
 stop_daemon
