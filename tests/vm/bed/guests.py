@@ -85,6 +85,9 @@ def simulated_config(**changes):
     config = json.loads((SOURCE / "config" / "contourd.json").read_text())
     config.pop("$schema")
     config["projector"]["warm_up_s"] = 1
+    # A short axis: homing and parking take no time that a test would have to wait.
+    config["z_axis"]["travel_mm"] = 10
+    config["simulation"]["start_height_mm"] = 2.5
     config["wait_for_plate_cleared"] = False
     config["min_free_disk_mb"] = 0
     return {**config, **changes}
@@ -100,9 +103,7 @@ def real_config(**changes):
     config = simulated_config()
     config.pop("simulation")
     config["hardware"] = "real"
-    # The axis is short, so that the way to the parking height is.
     config["z_axis"] |= {
-        "travel_mm": 10,
         "top_speed_mm_s": 10,
         "step": _line(LINES.step),
         "direction": _line(LINES.direction),
