@@ -1,168 +1,106 @@
 #include "core/coverage_band.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
-#include <utility>
 
 namespace contourd {
 namespace {
 
 constexpr std::size_t kBlock = CoverageBand::kBlock;
-constexpr std::size_t kChunk = kBlock * kBlock;
+constexpr std::size_t kChunkBlocks = 64;
+constexpr std::size_t kChunk = kBlock * kChunkBlocks;
 
-// Cells of one band: 256 KB, a quarter of a Cortex-A72's second cache.
+// Cells of one band: 128 KB, an eighth of a Cortex-A72's second cache.
 constexpr std::size_t kBandCells = std::size_t{1} << 15;
 constexpr std::size_t kFewestRows = 2;
 
 static_assert(std::endian::native == std::endian::little, "take_used() reads eight bytes as one word");
 
-std::uint8_t grey_of(std::uint32_t winding) {
-  constexpr std::uint32_t one = CoverageBand::kOne;
-  const auto sign =
-      static_cast<std::uint32_t>(static_cast<std::int32_t>(winding) >> 31);  // all ones when negative
-  const std::uint32_t magnitude = (winding ^ sign) - sign;
-  return static_cast<std::uint8_t>((std::min(magnitude, one) * 255U + one / 2) >> CoverageBand::kOneBits);
+// As many ones, from bit 0 on.
+std::uint64_t first_bits(std::size_t count) {
+  return count < 64 ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
 }
 
-// Ones from bit `from` up to, not including, bit `to`.
-std::uint64_t bits_between(std::size_t from, std::size_t to) {
-  const std::uint64_t below_to = to < 64 ? (std::uint64_t{1} << to) - 1 : ~std::uint64_t{0};
-  return from < 64 ? below_to & (~std::uint64_t{0} << from) : 0;
+using Block = std::array<std::uint8_t, kBlock>;
+
+// Copies a block to its place in a row, whose last may have fewer pixels, or none.
+inline void put_block(const Block& block, std::span<std::uint8_t> pixels, std::size_t begin) {
+  if (begin + kBlock <= pixels.size()) {
+    std::memcpy(pixels.data() + begin, block.data(), kBlock);
+  } else if (begin < pixels.size()) {
+    std::memcpy(pixels.data() + begin, block.data(), pixels.size() - begin);
+  }
 }
 
 // Makes the given blocks of a chunk one grey value.
-void fill_blocks(std::uint64_t blocks, std::uint8_t grey, std::size_t chunk, std::span<std::uint8_t> pixels) {
-  while (blocks != 0) {
-    // Runs of neighbours at once.
-    const auto first = static_cast<std::size_t>(std::countr_zero(blocks));
-    const auto count = static_cast<std::size_t>(std::countr_one(blocks >> first));
-    const std::size_t begin = chunk * kChunk + first * kBlock;
-    std::memset(pixels.data() + begin, grey, std::min(count * kBlock, pixels.size() - begin));
-    blocks &= ~bits_between(first, first + count);
-  }
+void fill_blocks(std::uint64_t blocks, std::uint8_t grey, std::span<std::uint8_t> pixels) {
+  Block block;
+  block.fill(grey);
+  for (; blocks != 0; blocks &= blocks - 1)
+    put_block(block, pixels, static_cast<std::size_t>(std::countr_zero(blocks)) * kBlock);
 }
-
-// One chunk's state while its row is painted.
-struct ChunkState {
-  std::uint64_t dark, full;
-
-  // Gives those of the blocks that are not so already.
-  std::uint64_t make(std::uint64_t blocks, std::uint8_t grey) {
-    const std::uint64_t to_write = grey == 0 ? blocks & ~dark : grey == 255 ? blocks & ~full : blocks;
-    dark = grey == 0 ? dark | blocks : dark & ~blocks;
-    full = grey == 255 ? full | blocks : full & ~blocks;
-    return to_write;
-  }
-};
 
 }  // namespace
 
 CoverageBand::CoverageBand(std::int32_t width)
-    : stride_((static_cast<std::size_t>(width) + 1 + kBlock - 1) / kBlock * kBlock),
+    : stride_((static_cast<std::size_t>(width) + 3 + kBlock - 1) / kBlock * kBlock),
       blocks_(stride_ / kBlock),
-      chunks_((blocks_ + kBlock - 1) / kBlock),
+      chunks_((blocks_ + kChunkBlocks - 1) / kChunkBlocks),
       rows_(static_cast<std::int32_t>(std::bit_floor(std::max(kFewestRows, kBandCells / stride_)))) {
   const auto rows = static_cast<std::size_t>(rows_);
   cells_.assign(rows * stride_, 0);
-  touched_.assign(rows * blocks_, 0);
-  used_.assign(rows * chunks_ * kBlock, 0);
-  columns_.resize(kChunk + 4);
+  used_.assign(rows * used_stride(), 0);
 }
 
 // A bit for each block of the chunk that is in use; none is after that.
-std::uint64_t CoverageBand::take_used(std::size_t row, std::size_t chunk) {
-  std::uint8_t* const bytes = used_.data() + (row * chunks_ + chunk) * kBlock;
+inline std::uint64_t CoverageBand::take_used(std::size_t row, std::size_t chunk) {
+  std::uint8_t* const bytes = used_.data() + row * used_stride() + chunk * kChunkBlocks;
   std::uint64_t used = 0;
-  const std::size_t blocks = std::min(blocks_ - chunk * kBlock, kBlock);
-  for (std::size_t i = 0; i < blocks; i += 8) {
+  for (std::size_t i = 0; i < kChunkBlocks; i += 8) {
     std::uint64_t eight = 0;
     std::memcpy(&eight, bytes + i, sizeof eight);
     // Byte k's lowest bit comes to lie in bit 56 + k of the product, without any carry.
     used |= (eight * 0x0102040810204080U >> 56) << i;
   }
-  if (used != 0) std::memset(bytes, 0, kBlock);
+  std::memset(bytes, 0, kChunkBlocks);
   return used;
 }
 
-// The columns that hold something in the blocks of `used`, and each such block's first. Few branches: how
-// many columns a block has cannot be foreseen, and a wrong guess costs more than handling four.
-inline std::size_t CoverageBand::take_columns(std::size_t row, std::size_t chunk, std::uint64_t used) {
-  std::size_t count = 0;
-  for (; used != 0; used &= used - 1) {
-    const std::size_t block = chunk * kBlock + static_cast<std::size_t>(std::countr_zero(used));
-    std::uint64_t bits = std::exchange(touched_[row * blocks_ + block], 0) | 1;
-    for (int i = 0; i < 4; ++i) {
-      columns_[count] =
-          static_cast<std::uint16_t>(block * kBlock + static_cast<std::size_t>(std::countr_zero(bits)));
-      count += bits != 0;
-      bits &= bits - 1;
-    }
-    for (; bits != 0; bits &= bits - 1) {
-      columns_[count++] =
-          static_cast<std::uint16_t>(block * kBlock + static_cast<std::size_t>(std::countr_zero(bits)));
-    }
-  }
-  return count;
-}
-
-// Paints these columns, and after each what follows it, up to the end of its block at least; forgets their
-// cells. Gives the winding number at the end.
-inline std::uint32_t CoverageBand::paint_columns(std::size_t row, std::span<const std::uint16_t> columns,
-                                                 std::uint32_t winding, std::span<std::uint8_t> pixels) {
-  std::uint64_t* const cells = cells_.data() + row * stride_;
-  const std::size_t width = pixels.size();
-  // Gives the grey of the column itself.
-  const auto take = [cells, &winding](std::size_t column) {
-    const std::uint64_t cell = std::exchange(cells[column], 0U);
-    const auto share = static_cast<std::uint32_t>(cell);
-    const std::uint8_t grey = grey_of(winding + share);
-    // The share's sign has borrowed from the cover's half.
-    winding += static_cast<std::uint32_t>(cell >> 32) + (share >> 31);
-    return grey;
-  };
-  // Always a block's length: what lies beyond the block has the same grey, up to the next column, which
-  // paints over it.
-  std::size_t i = 0;
-  for (; i < columns.size() && columns[i] + kBlock < width; ++i) {
-    std::uint8_t* const pixel = pixels.data() + columns[i];
-    *pixel = take(columns[i]);
-    std::memset(pixel + 1, grey_of(winding), kBlock);
-  }
-  for (; i < columns.size(); ++i) {
-    const std::size_t column = columns[i];
-    const std::uint8_t grey = take(column);
-    if (column >= width) continue;
-    pixels[column] = grey;
-    std::memset(pixels.data() + column + 1, grey_of(winding), width - column - 1);
-  }
-  return winding;
-}
-
-void CoverageBand::paint(std::int32_t row_number, std::span<std::uint8_t> pixels, RowBlocks state) {
+void CoverageBand::paint(std::int32_t row_number, std::span<std::uint8_t> row_pixels, RowBlocks state) {
   const auto row = static_cast<std::size_t>(row_number);
-  const std::size_t pixel_blocks = (pixels.size() + kBlock - 1) / kBlock;
   std::uint32_t winding = 0;
+  std::uint8_t grey = 0;  // of that winding number
+  Block block;
   for (std::size_t chunk = 0; chunk < chunks_; ++chunk) {
-    const std::size_t first_block = chunk * kBlock;
+    // The last chunk may hold cells without pixels.
+    const auto pixels = row_pixels.subspan(std::min(chunk * kChunk, row_pixels.size()));
+    const std::uint64_t blocks = first_bits((pixels.size() + kBlock - 1) / kBlock);
     const std::uint64_t used = take_used(row, chunk);
-    const std::uint8_t first_grey = grey_of(winding);
-    winding = paint_columns(row, std::span(columns_).first(take_columns(row, chunk, used)), winding, pixels);
-    ChunkState blocks{state.dark[chunk] & ~used, state.full[chunk] & ~used};
-    // The runs of blocks between those in use. The last chunk may hold a block without pixels.
-    const std::uint64_t unused = ~used & bits_between(0, std::min(pixel_blocks - first_block, kBlock));
-    for (std::uint64_t rest = unused; rest != 0;) {
-      const auto first = static_cast<std::size_t>(std::countr_zero(rest));
-      const std::uint64_t run =
-          bits_between(first, first + static_cast<std::size_t>(std::countr_one(rest >> first)));
-      // The last column before the run has painted its first pixel.
-      const std::uint8_t grey = first == 0 ? first_grey : pixels[(first_block + first) * kBlock];
-      const std::uint64_t to_write = blocks.make(run, grey);
-      if (to_write != 0) fill_blocks(to_write, grey, chunk, pixels);
-      rest &= ~run;
+    std::uint32_t* const cells = cells_.data() + row * stride_ + chunk * kChunk;
+    // What blocks that are not in use must hold: they go on as the block left of them ends.
+    std::uint64_t dark = 0, full = 0;
+    const auto hold = [&](std::uint64_t gap) {
+      dark |= grey == 0 ? gap : 0;
+      full |= grey == 255 ? gap : 0;
+      if (grey != 0 && grey != 255) fill_blocks(gap, grey, pixels);
+    };
+    std::uint64_t done = 0;  // blocks from the left
+    for (std::uint64_t rest = used; rest != 0; rest &= rest - 1) {
+      const std::uint64_t lowest = rest & (0 - rest);
+      hold((lowest - 1) & ~done);
+      done = lowest | (lowest - 1);
+      const std::size_t begin = static_cast<std::size_t>(std::countr_zero(rest)) * kBlock;
+      winding = paint_block(cells + begin, winding, block.data());
+      put_block(block, pixels, begin);
+      grey = block.back();
     }
-    state.dark[chunk] = blocks.dark;
-    state.full[chunk] = blocks.full;
+    hold(blocks & ~done);
+    fill_blocks(dark & ~state.dark[chunk], 0, pixels);
+    fill_blocks(full & ~state.full[chunk], 255, pixels);
+    state.dark[chunk] = dark;
+    state.full[chunk] = full;
   }
 }
 

@@ -1,10 +1,9 @@
-// The rows that the rasterizer works on at a time: what its sides add to each pixel, and the painting of it.
-// Small enough to stay in the cache, whatever the display's size.
+// The rows that the rasterizer works on at a time: what its sides change in the winding number along each
+// row, and the painting of it. Small enough to stay in the cache, whatever the display's size.
 //
-// A pixel's cell has two sums: by how much the sides that pass the pixel change the winding number, averaged
-// over this pixel (`share`), and for all pixels right of it (`cover`). One sum along the row gives every
-// pixel's winding. Of each block of 64 pixels one word tells which cells are in use, and one byte whether
-// any is, so that painting visits only what a side has touched. Not thread-safe;
+// A pixel's cell has the difference between its winding number, averaged over the pixel, and that of the
+// pixel left of it. One sum along the row gives every pixel's winding. One byte a block of 16 pixels tells
+// whether any of its cells is in use, so that painting visits only what a side has touched. Not thread-safe;
 // allocates in its constructor only.
 #pragma once
 
@@ -12,6 +11,8 @@
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "core/block_painter.hpp"
 
 namespace contourd {
 
@@ -22,10 +23,10 @@ struct RowBlocks {
 
 class CoverageBand {
  public:
-  // The winding number one in the units of the sums: up to 65,535 polygons may overlap in a pixel.
-  static constexpr int kOneBits = 15;
+  // The winding number one in the units of the cells: up to 65,535 polygons may overlap in a pixel.
+  static constexpr int kOneBits = kWindingBits;
   static constexpr std::int32_t kOne = 1 << kOneBits;
-  static constexpr std::size_t kBlock = 64;  // pixels
+  static constexpr std::size_t kBlock = kBlockPixels;
 
   explicit CoverageBand(std::int32_t width);
 
@@ -34,41 +35,40 @@ class CoverageBand {
   // Words in each span of RowBlocks.
   [[nodiscard]] std::size_t chunks() const { return chunks_; }
 
-  // Both sums in one word, so that they are added at once.
-  [[nodiscard]] static constexpr std::uint64_t cell(std::int32_t cover, std::int32_t share) {
-    return (static_cast<std::uint64_t>(cover) << 32) +
-           static_cast<std::uint64_t>(static_cast<std::int64_t>(share));
-  }
-
-  // A row's cells, to be added to. Valid as long as the band.
+  // A row's cells, to be added to. Valid as long as the band. Unsigned: they wrap instead of overflowing when
+  // more polygons overlap than they can hold.
   class Row {
    public:
-    // REQUIRES: 0 <= column <= width. Unsigned: wraps instead of overflowing when more polygons overlap than
-    // the sums can hold.
-    void add(std::size_t column, std::uint64_t cell) const {
-      cells_[column] += cell;
-      touched_[column / kBlock] |= std::uint64_t{1} << column % kBlock;
+    // From this column on the winding number is that much higher. REQUIRES: 0 <= column < width + 3.
+    void add(std::size_t column, std::int32_t change) const {
+      cells_[column] += static_cast<std::uint32_t>(change);
       used_[column / kBlock] = 1;
+    }
+    // The same for a column and the two right of it. REQUIRES: 0 <= column <= width.
+    void add(std::size_t column, std::int32_t first, std::int32_t second, std::int32_t third) const {
+      cells_[column] += static_cast<std::uint32_t>(first);
+      cells_[column + 1] += static_cast<std::uint32_t>(second);
+      cells_[column + 2] += static_cast<std::uint32_t>(third);
+      used_[column / kBlock] = 1;
+      used_[(column + 2) / kBlock] = 1;
     }
     // To the row below. REQUIRES: there is one, or nothing is added any more.
     void step() {
-      cells_ += band_->stride_;
-      touched_ += band_->blocks_;
-      used_ += band_->chunks_ * kBlock;
+      cells_ += stride_;
+      used_ += used_stride_;
     }
 
    private:
     friend class CoverageBand;
     Row(CoverageBand& band, std::size_t row)
-        : band_(&band),
-          cells_(band.cells_.data() + row * band.stride_),
-          touched_(band.touched_.data() + row * band.blocks_),
-          used_(band.used_.data() + row * band.chunks_ * kBlock) {}
+        : cells_(band.cells_.data() + row * band.stride_),
+          used_(band.used_.data() + row * band.used_stride()),
+          stride_(band.stride_),
+          used_stride_(band.used_stride()) {}
 
-    const CoverageBand* band_;
-    std::uint64_t* cells_;
-    std::uint64_t* touched_;
+    std::uint32_t* cells_;
     std::uint8_t* used_;
+    std::size_t stride_, used_stride_;
   };
   // REQUIRES: 0 <= row < rows().
   [[nodiscard]] Row row(std::int32_t row) { return {*this, static_cast<std::size_t>(row)}; }
@@ -78,21 +78,16 @@ class CoverageBand {
   void paint(std::int32_t row, std::span<std::uint8_t> pixels, RowBlocks blocks);
 
  private:
+  [[nodiscard]] std::size_t used_stride() const { return chunks_ * 64; }
   [[nodiscard]] std::uint64_t take_used(std::size_t row, std::size_t chunk);
-  [[nodiscard]] std::size_t take_columns(std::size_t row, std::size_t chunk, std::uint64_t used);
-  [[nodiscard]] std::uint32_t paint_columns(std::size_t row, std::span<const std::uint16_t> columns,
-                                            std::uint32_t winding, std::span<std::uint8_t> pixels);
 
-  // Cells a row: the display's columns, and one more that takes what lies on its right edge, up to whole
-  // blocks.
+  // Cells a row: the display's columns, and three more for what lies on its right edge, up to whole blocks.
   std::size_t stride_;
   std::size_t blocks_;  // a row
   std::size_t chunks_;  // 64 blocks each, a row
   std::int32_t rows_;
-  std::vector<std::uint64_t> cells_;
-  std::vector<std::uint64_t> touched_;  // a bit a column
-  std::vector<std::uint8_t> used_;      // a byte a block, 0 or 1, whole chunks a row
-  std::vector<std::uint16_t> columns_;  // in use, while a chunk is painted
+  std::vector<std::uint32_t> cells_;
+  std::vector<std::uint8_t> used_;  // a byte a block, 0 or 1, whole chunks a row
 };
 
 }  // namespace contourd

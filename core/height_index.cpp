@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/enclosed_volume.hpp"
+
 namespace contourd {
 namespace {
 
@@ -19,23 +21,6 @@ struct HeightRange {
 HeightRange heights_of(const Facet& facet) {
   const auto& v = facet.vertices;
   return {std::min({v[0].z, v[1].z, v[2].z}), std::max({v[0].z, v[1].z, v[2].z})};
-}
-
-// Six times the volume that the facets enclose: negative when they face inwards. Tetrahedra from a point of
-// the model, which keeps the digits of small models far from (0, 0, 0).
-double six_volumes_of(std::span<const Facet> facets) {
-  if (facets.empty()) return 0;
-  // In double: a difference of floats would be rounded, or overflow.
-  const double x = facets[0].vertices[0].x, y = facets[0].vertices[0].y, z = facets[0].vertices[0].z;
-  double sum = 0;
-  for (const Facet& facet : facets) {
-    const auto& [a, b, c] = facet.vertices;
-    const double ax = a.x - x, ay = a.y - y, az = a.z - z;
-    const double bx = b.x - x, by = b.y - y, bz = b.z - z;
-    const double cx = c.x - x, cy = c.y - y, cz = c.z - z;
-    sum += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
-  }
-  return sum;
 }
 
 // A facet must be shorter than its cell by this factor, so that the rounding in cell_of() (a few units in the
@@ -55,7 +40,8 @@ std::size_t halvings_above(double part) {
 
 HeightIndex::HeightIndex(std::vector<Facet> facets)
     : facets_(std::move(facets)), bounds_(bounds_of(facets_)) {
-  if (six_volumes_of(facets_) < 0) turn_outwards();
+  const EnclosedVolume volume = enclosed_volume(facets_, bounds_);
+  if (volume.mm3 < -volume.uncertainty_mm3) turn_outwards();
   make_levels();
   sort_into_cells();
 }

@@ -31,7 +31,8 @@ class HeightIndex {
   // All facets, flat ones included, in the order given.
   [[nodiscard]] std::span<const Facet> facets() const { return facets_; }
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
-  // Whether the model was inside out, so that its facets had to be turned.
+  // Whether the model was inside out, so that its facets had to be turned: what they enclose is negative,
+  // also if their gaps are taken into account.
   [[nodiscard]] bool turned_outwards() const { return turned_outwards_; }
 
   // A facet by its number in facets(), and between which heights it lies.

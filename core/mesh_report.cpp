@@ -7,6 +7,8 @@
 #include <tuple>
 #include <vector>
 
+#include "core/enclosed_volume.hpp"
+
 namespace contourd {
 namespace {
 
@@ -54,16 +56,6 @@ double twice_area(const Facet& facet) {
   const double uz = static_cast<double>(b.z) - a.z, vx = static_cast<double>(c.x) - a.x;
   const double vy = static_cast<double>(c.y) - a.y, vz = static_cast<double>(c.z) - a.z;
   return std::hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
-}
-
-// Of the tetrahedron from `origin` to the facet, times six. An origin amid the model keeps the digits of
-// small models far from (0, 0, 0).
-double six_volumes(const Facet& facet, const std::array<double, 3>& origin) {
-  const auto [a, b, c] = facet.vertices;
-  const double ax = a.x - origin[0], ay = a.y - origin[1], az = a.z - origin[2];
-  const double bx = b.x - origin[0], by = b.y - origin[1], bz = b.z - origin[2];
-  const double cx = c.x - origin[0], cy = c.y - origin[1], cz = c.z - origin[2];
-  return ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
 }
 
 struct Edge {
@@ -114,14 +106,9 @@ MeshReport inspect_mesh(std::span<const Facet> facets) {
   MeshReport report;
   report.facets = facets.size();
   report.bounds = bounds_of(facets);
-  const Point middle = report.bounds.center();
-  const std::array<double, 3> origin{middle.x, middle.y, (report.bounds.min_z + report.bounds.max_z) / 2};
-  double volumes = 0;
-  for (const Facet& facet : facets) {
-    volumes += six_volumes(facet, origin);
-    report.zero_area_facets += twice_area(facet) == 0.0;
-  }
-  report.volume_mm3 = volumes / 6;
+  report.volume_mm3 = enclosed_volume(facets, report.bounds).mm3;
+  report.zero_area_facets = static_cast<std::uint64_t>(std::count_if(
+      facets.begin(), facets.end(), [](const Facet& facet) { return twice_area(facet) == 0.0; }));
   const std::vector<Corners> corners = number_vertices(facets);
   report.degenerate_facets =
       static_cast<std::uint64_t>(std::count_if(corners.begin(), corners.end(), is_degenerate));

@@ -14,32 +14,20 @@ constexpr std::int32_t kOne = CoverageBand::kOne;
 constexpr int kOneBits = CoverageBand::kOneBits;
 constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
-// Columns as whole numbers of 2^-32: the display's 16384 take 46 bits.
-constexpr int kColumnBits = 32;
-constexpr double kColumn = 4294967296.0;
-constexpr std::int64_t kFraction = (std::int64_t{1} << kColumnBits) - 1;
-
 // The least width for which steepness is told apart, in columns: keeps it a number for upright sides.
 constexpr double kLeastWidth = 1e-6;
-
-std::int64_t fixed_column(double x) {
-  return static_cast<std::int64_t>(x * kColumn);
-}
 
 std::int32_t rounded(double positive) {
   return static_cast<std::int32_t>(positive + 0.5);
 }
 
-// What a piece of the side has passed of its cover, held to that: the column's bounds are rounded.
-std::int32_t part_of(std::int32_t cover, double passed) {
-  return rounded(std::min(passed, static_cast<double>(cover)));
-}
-
-// The share of a pixel that lies right of a side which passes `cover` units of its height between two columns
-// whose fractions add up to `fractions` (in 2^-32): the mean of both distances to the pixel's right edge.
-std::int32_t share_right_of(std::int32_t cover, std::int64_t fractions) {
-  constexpr std::int64_t kHalf = std::int64_t{1} << kColumnBits;
-  return cover - static_cast<std::int32_t>((cover * fractions + kHalf) >> (kColumnBits + 1));
+// To the nearest whole number, halves to the even one, so that what two sides with opposite directions add is
+// opposite too. REQUIRES: within the range of the result. The sum has no bits below one; its last 32 are the
+// number's.
+std::int32_t rounded_evenly(double number) {
+  constexpr double kBitsBelowOne = 6755399441055744.0;  // 1.5 * 2^52
+  return static_cast<std::int32_t>(
+      static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(number + kBitsBelowOne)));
 }
 
 // A point of the side at the given x, or y, held between its ends.
@@ -52,37 +40,49 @@ double x_at(const PixelPoint& from, const PixelPoint& to, double y) {
   return std::clamp(x, std::min(from.x, to.x), std::max(from.x, to.x));
 }
 
-// A piece of a side within one row: `cover` units of its height between the columns left and right (2^-32),
-// where it rises by `steepness` a column. Each pixel that it crosses takes its part of the cover; the parts
-// are differences of rounded sums and so add up.
-void add_piece(const CoverageBand::Row& row, std::int64_t left, std::int64_t right, std::int32_t cover,
-               double steepness, std::int32_t sign) {
-  const auto add = [&](std::int64_t column, std::int32_t part, std::int64_t fractions) {
-    const std::uint64_t cell = CoverageBand::cell(part, share_right_of(part, fractions));
-    row.add(static_cast<std::size_t>(column), sign < 0 ? 0 - cell : cell);
-  };
-  std::int64_t column = left >> kColumnBits;
-  const std::int64_t last = right >> kColumnBits;
-  const std::int64_t fraction = left & kFraction;
-  if (last - column <= 1) {
-    // One pixel or two, without a branch: which of them cannot be foreseen. The second part may be nothing.
-    const double in_first = static_cast<double>(kFraction + 1 - fraction) / kColumn;
-    const std::int32_t first_part = part_of(cover, steepness * in_first);
-    const std::int32_t part = column == last ? cover : first_part;
-    add(column, part, fraction + (column == last ? right & kFraction : kFraction + 1));
-    add(last, cover - part, right & kFraction);
-    return;
-  }
-  double passed = steepness * (static_cast<double>(kFraction + 1 - fraction) / kColumn);
-  std::int32_t sum = part_of(cover, passed);
-  add(column, sum, fraction + kFraction + 1);
+// A piece of a side within one row, between two of its columns.
+struct Piece {
+  double left, right;
+  std::int32_t cover;     // units of its height; negative when the side runs upwards
+  double half_steepness;  // units of height for each column, halved, with the sign of the cover
+};
+
+// What lies right of the piece has its cover. Of a pixel that it crosses the part right of it counts: the
+// mean of what the piece has passed at the pixel's left and right edge, or where it begins or ends within the
+// pixel, a triangle.
+void add_long_piece(const CoverageBand::Row& row, const Piece& piece) {
+  auto column = static_cast<std::int32_t>(piece.left);
+  const auto last = static_cast<std::int32_t>(piece.right);
+  const double in_first = column + 1.0 - piece.left;
+  const double in_last = piece.right - last;
+  std::int32_t winding = rounded_evenly(piece.half_steepness * in_first * in_first);
+  row.add(static_cast<std::size_t>(column), winding);
   while (++column < last) {
-    passed += steepness;
-    const std::int32_t next_sum = part_of(cover, passed);
-    add(column, next_sum - sum, kFraction + 1);
-    sum = next_sum;
+    const std::int32_t next = rounded_evenly(2 * piece.half_steepness * (column + 0.5 - piece.left));
+    row.add(static_cast<std::size_t>(column), next - winding);
+    winding = next;
   }
-  add(last, cover - sum, right & kFraction);
+  const std::int32_t in_the_last = rounded_evenly(piece.cover - piece.half_steepness * in_last * in_last);
+  row.add(static_cast<std::size_t>(last), in_the_last - winding, piece.cover - in_the_last, 0);
+}
+
+void add_piece(const CoverageBand::Row& row, const Piece& piece) {
+  const auto column = static_cast<std::int32_t>(piece.left);
+  const auto last = static_cast<std::int32_t>(piece.right);
+  if (last - column > 1) return add_long_piece(row, piece);
+  // One pixel or two: both are worked out and one taken, since which it is cannot be foreseen.
+  const std::int32_t one = -static_cast<std::int32_t>(column == last);  // a mask
+  const auto chosen = [one](std::int32_t if_one, std::int32_t if_two) {
+    return if_two ^ ((if_one ^ if_two) & one);
+  };
+  const double edge = column + 1.0;
+  const double in_first = edge - piece.left;
+  const double in_second = piece.right - edge;
+  const std::int32_t first = chosen(rounded_evenly(0.5 * piece.cover * (in_first - in_second)),
+                                    rounded_evenly(piece.half_steepness * in_first * in_first));
+  const std::int32_t second =
+      chosen(piece.cover, rounded_evenly(piece.cover - piece.half_steepness * in_second * in_second));
+  row.add(static_cast<std::size_t>(column), first, second - first, piece.cover - second);
 }
 
 }  // namespace
@@ -165,19 +165,15 @@ void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to) {
   const std::int32_t from_y = rounded(from.y * kOne);
   const std::int32_t to_y = rounded(to.y * kOne);
   if (from_y == to_y) return;
-  const std::int64_t from_x = fixed_column(from.x);
-  const std::int64_t to_x = fixed_column(to.x);
   // Numbers are chosen, not branches: which way a side runs cannot be foreseen.
   const bool down = from_y < to_y;
-  const std::int32_t top = down ? from_y : to_y;
-  const std::int64_t width = down ? to_x - from_x : from_x - to_x;
-  const double height = std::abs(to_y - from_y);
-  const double columns = static_cast<double>(width) / kColumn;
-  std::uint32_t& first = first_side_at(top >> kOneBits);
-  covered_sides_.push_back({down ? from_x : to_x, down ? to_x : from_x,
-                            static_cast<std::int64_t>(static_cast<double>(width) * kOne / height),
-                            height / std::max(std::fabs(columns), kLeastWidth), top, down ? to_y : from_y,
-                            down ? 1 : -1, first});
+  const std::int32_t sign = down ? 1 : -1;
+  const double height = to_y - from_y;
+  const double width = to.x - from.x;
+  std::uint32_t& first = first_side_at((down ? from_y : to_y) >> kOneBits);
+  covered_sides_.push_back({down ? from.x : to.x, width / height,
+                            0.5 * height / std::max(std::fabs(width), kLeastWidth), down ? from_y : to_y,
+                            down ? to_y : from_y, sign, first});
   first = static_cast<std::uint32_t>(covered_sides_.size() - 1);
 }
 
@@ -198,27 +194,21 @@ void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
 }
 
 inline bool Rasterizer::work_off_in_band(CoveredSide& side, std::int32_t first_row, std::int32_t end_row) {
-  const std::int32_t end_y = std::min(side.end_y, end_row << kOneBits);
-  std::int64_t x = side.x;
-  const double steepness = side.steepness;
-  const std::int32_t sign = side.sign;
-  CoverageBand::Row row = band_.row((side.y >> kOneBits) - first_row);
-  for (std::int32_t y = side.y; y < end_y; row.step()) {
+  const CoveredSide s = side;
+  const std::int32_t end_y = std::min(s.end_y, end_row << kOneBits);
+  CoverageBand::Row row = band_.row((s.y >> kOneBits) - first_row);
+  double x = s.x;
+  for (std::int32_t y = s.y; y < end_y; row.step()) {
     const std::int32_t next_y = std::min((y | (kOne - 1)) + 1, end_y);
     const std::int32_t cover = next_y - y;
-    std::int64_t next_x = x + side.slope;
-    if (next_y == side.end_y) {
-      next_x = side.end_x;
-    } else if (cover != kOne) {
-      next_x = x + ((side.slope * cover) >> kOneBits);
-    }
-    add_piece(row, std::min(x, next_x), std::max(x, next_x), cover, steepness, sign);
+    const double next_x = x + s.slope * cover;
+    add_piece(row, {std::min(x, next_x), std::max(x, next_x), cover * s.sign, s.half_steepness});
     x = next_x;
     y = next_y;
   }
   side.x = x;
   side.y = end_y;
-  return end_y == side.end_y;
+  return end_y == s.end_y;
 }
 
 const Mask& Rasterizer::paint() {
@@ -263,8 +253,7 @@ bool Rasterizer::work_off_in_band(CenterSide& side, std::int32_t first_row, std:
   for (; side.row < std::min(side.end_row, end_row); ++side.row) {
     const double column = std::max(first_column(side), 0.0);
     if (column >= width_) continue;
-    band_.row(side.row - first_row)
-        .add(static_cast<std::size_t>(column), CoverageBand::cell(side.sign * kOne, side.sign * kOne));
+    band_.row(side.row - first_row).add(static_cast<std::size_t>(column), side.sign * kOne);
   }
   return side.row == side.end_row;
 }

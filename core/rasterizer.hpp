@@ -47,9 +47,9 @@ class Rasterizer {
  private:
   // What of a side is still to be worked off, from the top down.
   struct CoveredSide {
-    std::int64_t x, end_x;  // columns, in 2^-32
-    std::int64_t slope;     // the same for each row
-    double steepness;       // units of height for each column, positive
+    double x;               // column at y
+    double slope;           // columns for each unit of height
+    double half_steepness;  // units of height for each column, halved; negative when it runs upwards
     std::int32_t y, end_y;  // rows, in units of 1 / CoverageBand::kOne
     std::int32_t sign;      // +1 when it runs downwards
     std::uint32_t next;     // in the band's list

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <system_error>
 
-#include "daemon/file_descriptor.hpp"
+#include "hw/file_descriptor.hpp"
 
 namespace contourd {
 namespace {

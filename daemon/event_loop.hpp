@@ -10,8 +10,8 @@
 #include <mutex>
 #include <vector>
 
-#include "daemon/file_descriptor.hpp"
 #include "hw/clock.hpp"
+#include "hw/file_descriptor.hpp"
 
 namespace contourd {
 

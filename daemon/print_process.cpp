@@ -56,6 +56,7 @@ void PrintProcess::start(PrintPlan plan) {
   layer_ = 0;
   pause_wanted_ = resume_wanted_ = canceled_ = false;
   failure_.clear();
+  interruption_.clear();
   begin_layer(Nanometers{});
   left_after_.assign(plan_->expected_layers.size() + 1, Duration{0});
   for (std::size_t i = plan_->expected_layers.size(); i-- > 0;) {
@@ -70,17 +71,41 @@ void PrintProcess::begin_layer(Nanometers bottom) {
   if (!thickness) throw std::logic_error("a print has no layer on top of its last");
   bottom_ = bottom;
   thickness_ = *thickness;
+  layer_exposed_ = false;
+  record_ = LayerRecord{};
+  record_.layer = layer_;
+  record_.bottom = bottom_;
+  record_.thickness = thickness_;
+  record_.exposure_asked = plan_->exposure(layer_, thickness_);
 }
 
 void PrintProcess::pause() {
   resume_wanted_ = false;
-  pause_wanted_ = state_ != PrintState::Paused && state_ != PrintState::Raising;
+  pause_wanted_ = state_ != PrintState::Paused && state_ != PrintState::Raising && state_ != PrintState::Held;
 }
 
 void PrintProcess::resume() {
   pause_wanted_ = false;
   resume_wanted_ = state_ == PrintState::Raising;
-  if (state_ == PrintState::Paused) handle(PrintEvent::Resumed);
+  interruption_.clear();
+  if (state_ == PrintState::Held) return handle(PrintEvent::Resumed);
+  if (state_ == PrintState::Paused) handle(next_due());
+}
+
+void PrintProcess::interrupt(const std::string& what) {
+  if (state_ == PrintState::Idle) return;
+  // All the light was given, and only the timer's call is still to come.
+  if (light_on_at_ && clock_.now() - *light_on_at_ >= record_.exposure_asked - record_.exposure_measured)
+    handle(PrintEvent::WaitOver);
+  const bool news = interruption_.find(what) == std::string::npos;
+  if (news) interruption_ += (interruption_.empty() ? "" : "; ") + what;
+  resume_wanted_ = false;
+  const bool goes_up_already = state_ == PrintState::Raising || state_ == PrintState::Paused;
+  const bool goes_on = state_ != PrintState::Halting && state_ != PrintState::Parking;
+  pause_wanted_ = goes_on && !goes_up_already;
+  handle(PrintEvent::Interrupted);
+  if (state_ == PrintState::Held) pause_wanted_ = false;
+  if (news && state_ != PrintState::Idle) observer_.interrupted(what);
 }
 
 void PrintProcess::cancel() {
@@ -98,10 +123,12 @@ void PrintProcess::fail(const std::string& reason) {
 void PrintProcess::handle(PrintEvent event) {
   const PrintTransition* transition = find_transition(state_, event);
   if (transition == nullptr) return;
-  ++states_entered_;
-  wait_.reset();
-  deadline_.reset();
-  state_ = transition->to;
+  if (transition->to != state_) {
+    ++states_entered_;
+    wait_.reset();
+    deadline_.reset();
+    state_ = transition->to;
+  }
   try {
     for (const PrintEffect effect : transition->done())
       perform(effect);
@@ -113,15 +140,14 @@ void PrintProcess::handle(PrintEvent event) {
     fail(error.what());
   }
   if (state_ == PrintState::Idle && plan_) finish();
-  if (state_ == PrintState::Paused && std::exchange(resume_wanted_, false)) handle(PrintEvent::Resumed);
+  if (state_ == PrintState::Paused && std::exchange(resume_wanted_, false)) handle(next_due());
 }
 
 void PrintProcess::perform(PrintEffect effect) {
   switch (effect) {
     case PrintEffect::LightOff:
       machine_.projector().light_off();
-      record_.exposure_measured = clock_.now() - light_on_at_;
-      return;
+      return count_exposure();
     case PrintEffect::BlackNow:
       return machine_.display().black_now();
     case PrintEffect::AbortAxis:
@@ -133,7 +159,7 @@ void PrintProcess::perform(PrintEffect effect) {
       expect_within(kWarmUpDeadline, "the projector's lamp to be warm");
       return machine_.projector().power_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
         if (reply == ProjectorReply::Ok) return handle(PrintEvent::ProjectorReady);
-        fail(fmt::format("power on: {}", describe(reply)));
+        fail(fmt::format("power on: {}", machine_.projector().last_problem()));
       }));
     case PrintEffect::PowerOff:
       return machine_.projector().power_off();
@@ -149,17 +175,18 @@ void PrintProcess::perform(PrintEffect effect) {
       expect_within(kProjectorDeadline, "the projector to turn the light on");
       return machine_.projector().light_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
         if (reply == ProjectorReply::Ok) return handle(PrintEvent::LightIsOn);
-        fail(fmt::format("light on: {}", describe(reply)));
+        fail(fmt::format("light on: {}", machine_.projector().last_problem()));
       }));
     case PrintEffect::TimeExposure:
       light_on_at_ = clock_.now();
-      return wait(record_.exposure_asked);
+      ++record_.exposure_parts;
+      return wait(record_.exposure_asked - record_.exposure_measured);
     case PrintEffect::ShowBlack:
       expect_within(kPresentDeadline, "the display to show black");
       return machine_.display().black(
           while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
             if (at) return handle(PrintEvent::ScreenBlack);
-            fail("the display was lost while going black");
+            display_lost();
           }));
     case PrintEffect::RecordLayer:
       return record_layer();
@@ -191,7 +218,7 @@ std::function<void(Answer)> PrintProcess::while_in_state(
 
 void PrintProcess::wait(Duration duration) {
   // From light on where light is on: the exposure does not pay for what was done in between.
-  const TimePoint start = state_ == PrintState::Exposing ? light_on_at_ : clock_.now();
+  const TimePoint start = light_on_at_.value_or(clock_.now());
   wait_ = clock_.call_at(start + duration, [this] { handle(PrintEvent::WaitOver); });
 }
 
@@ -223,37 +250,51 @@ void PrintProcess::move_to(Nanometers target, MillimetersPerSecond speed) {
   const Nanometers distance = target - current_height();
   expect_within(machine_.z_axis().move_duration(distance, speed) * 11 / 10 + kMotionGrace, "a move to end");
   machine_.z_axis().move_to(target, speed, [this, move_state = state_](MoveResult result) {
-    // A cancelled move ends in Halting, which the state it began in has become.
-    if (state_ == move_state || state_ == PrintState::Halting) after_move(result);
+    // A move that is stopped ends in Halting or Braking, which the state it began in has become.
+    const bool stopping = state_ == PrintState::Halting || state_ == PrintState::Braking;
+    if (state_ == move_state || stopping) after_move(result);
   });
 }
 
 void PrintProcess::after_move(MoveResult result) {
-  const bool halted = state_ == PrintState::Halting && result == MoveResult::Stopped;
-  if (result != MoveResult::Reached && !halted)
+  const bool stopping = state_ == PrintState::Halting || state_ == PrintState::Braking;
+  if (result != MoveResult::Reached && !(stopping && result == MoveResult::Stopped))
     return fail(fmt::format("the plate did not arrive: {}", describe(result)));
   if (state_ != PrintState::Lifting) return handle(PrintEvent::MoveEnded);
-  if (on_last_layer()) return handle(PrintEvent::LayersDone);
-  handle(pause_wanted_ ? PrintEvent::PauseDue : PrintEvent::LayerDue);
+  const PrintEvent due = next_due();
+  const bool nothing_to_pause = due == PrintEvent::LayersDone && interruption_.empty();
+  handle(pause_wanted_ && !nothing_to_pause ? PrintEvent::PauseDue : due);
+}
+
+PrintEvent PrintProcess::next_due() const {
+  if (!layer_exposed_) return PrintEvent::LayerUnfinished;
+  return on_last_layer() ? PrintEvent::LayersDone : PrintEvent::LayerDue;
+}
+
+// The machine may have told why before, and in more words.
+void PrintProcess::display_lost() {
+  interrupt(interruption_.empty() ? "the display was lost" : interruption_);
+}
+
+// What the light that has just gone off has given.
+void PrintProcess::count_exposure() {
+  if (!light_on_at_) return;
+  record_.exposure_measured += clock_.now() - *light_on_at_;
+  light_on_at_.reset();
 }
 
 void PrintProcess::show_mask() {
   // The mask belongs to the height that the plate has, not to the one it was meant to have. The new layer
   // lies below the plate's height, and is cut at its middle.
-  record_ = LayerRecord{};
-  record_.layer = layer_;
   record_.plate_height = current_height();
-  record_.bottom = bottom_;
-  record_.thickness = thickness_;
   record_.mask_height = record_.plate_height - thickness_ / 2;
-  record_.exposure_asked = plan_->exposure(layer_, thickness_);
   const auto start = std::chrono::steady_clock::now();
   const Mask& mask = plan_->engine->mask_at(record_.mask_height);
   record_.mask_time = std::chrono::steady_clock::now() - start;
   record_.area_mm2 = plan_->engine->coverage().lit_area() * plan_->pixel_area_mm2;
   expect_within(kPresentDeadline, "the display to show the mask");
   machine_.display().show(mask, while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
-                            if (!at) return fail("the display was lost");
+                            if (!at) return display_lost();
                             record_.shown_at = *at;
                             handle(PrintEvent::MaskShown);
                           }));
@@ -264,6 +305,7 @@ void PrintProcess::record_layer() {
   record_.intersecting_facets = plan_->engine->intersecting_facets();
   record_.loops = static_cast<std::uint32_t>(contours.loops.size());
   record_.cracks = contours.cracks;
+  layer_exposed_ = true;
   observer_.layer_done(record_);
 }
 
@@ -277,8 +319,8 @@ void PrintProcess::finish() {
 }
 
 Duration PrintProcess::time_left() const {
-  // From Darkening on, the layer under way has had its light.
-  const bool exposed = state_ >= PrintState::Darkening;
+  // In Darkening, the layer under way has had its light already.
+  const bool exposed = layer_exposed_ || state_ == PrintState::Darkening;
   const std::size_t index = static_cast<std::size_t>(layer_) + (exposed ? 1 : 0);
   return left_after_[std::min(index, left_after_.size() - 1)];
 }

@@ -50,7 +50,8 @@ struct LayerRecord {
   Nanometers plate_height{};  // where the axis said the plate was when the mask was computed
   Nanometers mask_height{};   // at which the model was cut: half a layer below
   Duration exposure_asked{};
-  Duration exposure_measured{};  // from the projector's word that the light is on to light off
+  Duration exposure_measured{};  // from the projector's word that the light is on to light off, all parts
+  int exposure_parts = 0;        // more than one when the exposure was interrupted and went on later
   Duration mask_time{};  // processor time from the height to the mask (real time, also when simulated)
   double area_mm2 = 0;   // exposed
   std::uint32_t intersecting_facets = 0;
@@ -72,6 +73,8 @@ class PrintObserver {
 
   virtual void state_changed(PrintState state) = 0;
   virtual void layer_done(const LayerRecord& layer) = 0;
+  // The light is off and the layer, as layer() has it, waits to be gone on with; `what` says why.
+  virtual void interrupted(const std::string& what) = 0;
   // The print is over: the light is off and the process idle. `reason` says why it failed.
   virtual void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) = 0;
 };
@@ -90,7 +93,12 @@ class PrintProcess {
 
   // Pause after the layer under way, or no longer.
   void pause();
+  // Also after an interruption: the layer under way then gets the light that it still lacks. REQUIRES:
+  // nothing keeps the machine from printing.
   void resume();
+  // Light off at once; the plate goes up, and the print waits for resume(). `what` says why, in one sentence.
+  // Does nothing while Idle.
+  void interrupt(const std::string& what);
   // Ends the print: light off at once, plate to its parking height.
   void cancel();
   // Ends the print at once and leaves the plate where it is.
@@ -98,6 +106,8 @@ class PrintProcess {
 
   [[nodiscard]] PrintState state() const { return state_; }
   [[nodiscard]] bool pause_pending() const { return pause_wanted_; }
+  // What interrupted the print, until it is resumed; empty when nothing did.
+  [[nodiscard]] const std::string& interruption() const { return interruption_; }
   // The layer under way, from 0. REQUIRES: not Idle.
   [[nodiscard]] std::int32_t layer() const { return layer_; }
   // Its top above the plate, and how thick it is. REQUIRES: not Idle.
@@ -125,6 +135,9 @@ class PrintProcess {
   void after_move(MoveResult result);
   [[nodiscard]] Nanometers current_height() const;
   void begin_layer(Nanometers bottom);
+  void count_exposure();
+  void display_lost();
+  [[nodiscard]] PrintEvent next_due() const;
 
   Machine& machine_;
   Clock& clock_;
@@ -138,9 +151,11 @@ class PrintProcess {
   bool resume_wanted_ = false;  // while the plate still rises for a pause
   bool canceled_ = false;
   std::string failure_;
-  LayerRecord record_;
-  TimePoint light_on_at_{};
-  std::vector<Duration> left_after_;  // by expected layer: how long the layers behind it take
+  std::string interruption_;
+  LayerRecord record_;                    // of the layer under way
+  bool layer_exposed_ = false;            // it has had all its light, and is recorded
+  std::optional<TimePoint> light_on_at_;  // while it is on
+  std::vector<Duration> left_after_;      // by expected layer: how long the layers behind it take
   std::unique_ptr<Timer> wait_;
   std::unique_ptr<Timer> deadline_;
 };

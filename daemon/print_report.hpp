@@ -19,8 +19,9 @@ struct PrintReport {
   PrintOutcome outcome = PrintOutcome::Failed;
   std::string reason;  // why it failed
   JobSummary summary;
-  std::optional<PrintFindings> findings;  // nothing when the print ended before its analysis
-  std::vector<LayerRecord> layers;        // those that were exposed
+  std::optional<PrintFindings> findings;   // nothing when the print ended before its analysis
+  std::vector<LayerRecord> layers;         // those that were exposed
+  std::vector<std::string> interruptions;  // "layer 7: the lid was opened", in their order
   std::chrono::system_clock::time_point started,
       ended;                                   // for people; durations come from the monotonic clock
   Duration print_time{};                       // by the machine's clock

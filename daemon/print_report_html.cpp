@@ -78,6 +78,8 @@ std::string facts(const PrintReport& report) {
     }
     rows += row("Measured against asked", fmt::format("at most {:.2f} ms off", ms(worst)));
   }
+  for (const std::string& interruption : report.interruptions)
+    rows += row("Interrupted", interruption);
   rows += row("First mask", fmt::format("{:.1f} ms after its turn came", ms(report.first_mask_after)));
   Duration slowest{0}, sum{0};
   for (const LayerRecord& layer : report.layers) {

@@ -86,6 +86,7 @@ Json layer_json(const LayerRecord& layer) {
           {"mask_height_mm", mm(layer.mask_height)},
           {"exposure_asked_ms", ms(layer.exposure_asked)},
           {"exposure_measured_ms", ms(layer.exposure_measured)},
+          {"exposure_parts", layer.exposure_parts},
           {"shown_at_s", ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
           {"mask_ms", ms(layer.mask_time)},
           {"area_mm2", layer.area_mm2},
@@ -129,6 +130,7 @@ std::string report_as_json(const PrintReport& report) {
                       {"threshold", summary.tone.threshold}};
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = report.layers.size();
+  json["interruptions"] = report.interruptions;
   json["reading_ms"] = ms(summary.reading);
   json["indexing_ms"] = ms(summary.indexing);
   json["first_mask_ms"] = ms(summary.first_mask);

@@ -32,6 +32,17 @@ constexpr PrintTransition cancel_moving(S from) {
   return row(from, E::Canceled, S::Halting, F::LightOff, F::BlackNow, F::StopAxis);
 }
 
+// Interrupted at a layer: the plate is peeled off and goes up, so that one can look; the layer is not
+// forgotten.
+constexpr PrintTransition interruption_at_rest(S from) {
+  return row(from, E::Interrupted, S::Lifting, F::LightOff, F::BlackNow, F::Lift);
+}
+
+// Interrupted where nothing more need be done than what is under way.
+constexpr PrintTransition interruption_unmoved(S in) {
+  return row(in, E::Interrupted, in, F::LightOff, F::BlackNow);
+}
+
 constexpr auto kTable = std::to_array<PrintTransition>({
     row(S::Idle, E::Started, S::WarmingUp, F::LightOff, F::BlackNow, F::PowerOn),
     row(S::WarmingUp, E::ProjectorReady, S::Homing, F::Home),
@@ -48,17 +59,44 @@ constexpr auto kTable = std::to_array<PrintTransition>({
 
     row(S::Lifting, E::PauseDue, S::Raising, F::RaiseForALook),
     row(S::Raising, E::MoveEnded, S::Paused),
-    row(S::Paused, E::Resumed, S::Lowering, F::NextLayer, F::LowerToLayer),
+    row(S::Paused, E::LayerDue, S::Lowering, F::NextLayer, F::LowerToLayer),
+
+    row(S::Lifting, E::LayerUnfinished, S::Lowering, F::LowerToLayer),
+    row(S::Paused, E::LayerUnfinished, S::Lowering, F::LowerToLayer),
 
     row(S::Lifting, E::LayersDone, S::Parking, F::Park),
+    row(S::Paused, E::LayersDone, S::Parking, F::Park),
     row(S::Parking, E::MoveEnded, S::Idle, F::LightOff, F::PowerOff, F::Finish),
+
+    // Before the first layer there is nothing to peel off, and while homing no height to go to.
+    row(S::WarmingUp, E::Interrupted, S::Held, F::LightOff, F::BlackNow),
+    row(S::Homing, E::Interrupted, S::Held, F::LightOff, F::BlackNow, F::AbortAxis),
+    row(S::Held, E::Resumed, S::WarmingUp, F::LightOff, F::BlackNow, F::PowerOn),
+    row(S::Lowering, E::Interrupted, S::Braking, F::LightOff, F::BlackNow, F::StopAxis),
+    row(S::Braking, E::MoveEnded, S::Lifting, F::Lift),
+    interruption_at_rest(S::Settling),
+    interruption_at_rest(S::Showing),
+    interruption_at_rest(S::Igniting),
+    interruption_at_rest(S::Exposing),
+    // The layer has had its light.
+    row(S::Darkening, E::Interrupted, S::Lifting, F::LightOff, F::BlackNow, F::RecordLayer, F::Lift),
+    interruption_at_rest(S::Resting),
+    interruption_unmoved(S::Lifting),
+    interruption_unmoved(S::Raising),
+    interruption_unmoved(S::Paused),
+    interruption_unmoved(S::Held),
+    interruption_unmoved(S::Braking),
+    interruption_unmoved(S::Halting),
+    interruption_unmoved(S::Parking),
 
     // While homing the plate's position is unknown: it can only be left where it is.
     row(S::WarmingUp, E::Canceled, S::Idle, F::LightOff, F::BlackNow, F::PowerOff, F::Finish),
     row(S::Homing, E::Canceled, S::Idle, F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::Finish),
+    row(S::Held, E::Canceled, S::Idle, F::LightOff, F::BlackNow, F::PowerOff, F::Finish),
     cancel_moving(S::Lowering),
     cancel_moving(S::Lifting),
     cancel_moving(S::Raising),
+    cancel_moving(S::Braking),
     row(S::Halting, E::MoveEnded, S::Parking, F::Park),
     cancel_at_rest(S::Settling),
     cancel_at_rest(S::Showing),
@@ -80,6 +118,8 @@ constexpr auto kTable = std::to_array<PrintTransition>({
     failure(S::Lifting),
     failure(S::Raising),
     failure(S::Paused),
+    failure(S::Held),
+    failure(S::Braking),
     failure(S::Halting),
     failure(S::Parking),
 });
@@ -124,6 +164,10 @@ std::string_view name_of(PrintState state) {
       return "raising";
     case S::Paused:
       return "paused";
+    case S::Held:
+      return "held";
+    case S::Braking:
+      return "braking";
     case S::Halting:
       return "halting";
     case S::Parking:
@@ -152,10 +196,14 @@ std::string_view name_of(PrintEvent event) {
       return "screen black";
     case E::LayerDue:
       return "layer due";
+    case E::LayerUnfinished:
+      return "layer unfinished";
     case E::PauseDue:
       return "pause due";
     case E::LayersDone:
       return "layers done";
+    case E::Interrupted:
+      return "interrupted";
     case E::Resumed:
       return "resumed";
     case E::Canceled:

@@ -10,7 +10,6 @@
 
 namespace contourd {
 
-// In the order of a print: what comes after Exposing comes after it in every layer.
 enum class PrintState {
   Idle,
   WarmingUp,  // the lamp
@@ -25,6 +24,8 @@ enum class PrintState {
   Lifting,    // peel and lift
   Raising,    // for a look at the part
   Paused,
+  Held,     // interrupted before the first layer, where the plate's position may be unknown
+  Braking,  // an interrupted print's move, to a standstill
   Halting,  // a cancelled print's move, to a standstill
   Parking,  // the plate goes up to its parking height; then the print is over
 };
@@ -38,10 +39,12 @@ enum class PrintEvent {
   MaskShown,
   LightIsOn,
   ScreenBlack,
-  LayerDue,    // lifted, and another layer is to come
-  PauseDue,    // lifted, and the owner asked for a pause
-  LayersDone,  // lifted after the last layer
-  Resumed,
+  LayerDue,         // lifted or resumed, and another layer is to come
+  LayerUnfinished,  // lifted or resumed, and the layer has not had all its light
+  PauseDue,         // lifted, and the owner asked for a pause or something interrupted the print
+  LayersDone,       // lifted or resumed after the last layer
+  Interrupted,      // the lid was opened, the display lost: dark, up, and wait for the owner
+  Resumed,          // before the first layer
   Canceled,
   Failed,  // a device failed, did not answer in time, or an effect threw
 };
@@ -81,7 +84,7 @@ struct PrintTransition {
   [[nodiscard]] std::span<const PrintEffect> done() const { return std::span(effects).first(effect_count); }
 };
 
-// All rows.
+// All rows. One that stays in its state only adds its effects: what the state waits for stays awaited.
 [[nodiscard]] std::span<const PrintTransition> print_transitions();
 
 // The row for an event in a state; nothing when the event means nothing there.

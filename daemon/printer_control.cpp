@@ -42,9 +42,13 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
           {"resume",
            [this] {
              require_print("resume");
-             const bool pausing = process_.state() == PrintState::Raising || process_.pause_pending();
-             if (process_.state() != PrintState::Paused && !pausing) {
+             const PrintState state = process_.state();
+             const bool pausing = state == PrintState::Raising || process_.pause_pending();
+             if (state != PrintState::Paused && state != PrintState::Held && !pausing) {
                throw ControlRefusal("the print is not paused");
+             }
+             if (const std::string hindrance = machine_.hindrance(); !hindrance.empty()) {
+               throw ControlRefusal("the print cannot go on: " + hindrance);
              }
              process_.resume();
              return status();
@@ -92,6 +96,7 @@ PrinterService::Json PrinterService::job_json() const {
   job["elapsed_s"] = seconds(clock_.now() - active_->started);
   job["time_left_s"] = seconds(process_.time_left());
   job["pause_pending"] = process_.pause_pending();
+  job["interruption"] = process_.interruption().empty() ? Json() : Json(process_.interruption());
   return job;
 }
 
@@ -107,6 +112,8 @@ PrinterService::Json PrinterService::status() const {
   status["incomplete"] = std::move(incomplete);
   status["plate"] = plate_occupant_ ? "occupied" : "clear";
   status["plate_job"] = plate_occupant_ ? Json(*plate_occupant_) : Json();
+  const std::string hindrance = machine_.hindrance();
+  status["hindrance"] = hindrance.empty() ? Json() : Json(hindrance);
   status["waiting_for"] = waiting_for_.empty() ? Json() : Json(waiting_for_);
   status["last"] = ended_.empty() ? Json() : ended_json(ended_.back());
   return status;

@@ -101,6 +101,9 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       worker_(loop) {}
 
 void PrinterService::start() {
+  machine_.on_disturbance([this](const Disturbance& disturbance) { disturbed(disturbance); });
+  if (const std::string hindrance = machine_.hindrance(); !hindrance.empty())
+    log_.error("machine", fmt::format("the printer cannot print: {}", printable(hindrance)));
   plate_occupant_ = spool_.plate_occupant();
   file_interrupted_prints();
   control_ = std::make_unique<ControlServer>(loop_, config_.control_socket, methods());
@@ -130,6 +133,26 @@ void PrinterService::give_back_unbegun() {
                job_fields(name));
   }
   active_.reset();
+}
+
+void PrinterService::disturbed(const Disturbance& disturbance) {
+  const bool printing = process_.state() != PrintState::Idle;
+  switch (disturbance.kind) {
+    case Disturbance::Kind::Fault:
+      process_.fail(disturbance.what);
+      break;
+    case Disturbance::Kind::Interruption:
+      process_.interrupt(disturbance.what);
+      break;
+    case Disturbance::Kind::Recovery:
+      break;
+  }
+  const bool bad = disturbance.kind != Disturbance::Kind::Recovery;
+  // What happens to a print is told with the print.
+  if (!bad || !printing)
+    log_.write(bad ? LogLevel::Warning : LogLevel::Info, "machine", printable(disturbance.what));
+  notify("machine", ControlServer::Delivery::Lossy);
+  pump_soon();
 }
 
 void PrinterService::file_interrupted_prints() {
@@ -184,6 +207,7 @@ void PrinterService::pump_soon() {
 }
 
 std::string PrinterService::reason_to_wait() const {
+  if (std::string hindrance = machine_.hindrance(); !hindrance.empty()) return hindrance;
   if (config_.wait_for_plate_cleared && plate_occupant_) {
     return fmt::format("the plate holds {}; say \"contourctl plate-cleared\" when it is clear",
                        *plate_occupant_);
@@ -337,6 +361,8 @@ void PrinterService::start_print() {
   active_->started_at = std::chrono::system_clock::now();
   start_analysis();
   process_.start(std::move(active_->prepared->plan));
+  // It may have come while the model was read.
+  if (const std::string hindrance = machine_.hindrance(); !hindrance.empty()) process_.interrupt(hindrance);
 }
 
 void PrinterService::start_analysis() {
@@ -410,6 +436,20 @@ void PrinterService::layer_done(const LayerRecord& layer) {
   notify("layer", ControlServer::Delivery::Lossy);
 }
 
+void PrinterService::interrupted(const std::string& what) {
+  const std::string name = active_->files.name;
+  const std::string place = fmt::format("layer {}", process_.layer() + 1);
+  active_->interruptions.push_back(fmt::format("{}: {}", place, what));
+  LogFields fields = job_fields(name);
+  fields.emplace_back("LAYER", std::to_string(process_.layer() + 1));
+  log_.warning(
+      "disturbed",
+      fmt::format("{}: {}: {}; the light is off; \"contourctl resume\" goes on with what the layer lacks",
+                  printable(name), place, printable(what)),
+      fields);
+  supervisor_.status(fmt::format("Interrupted at {} of {}: {}", place, printable(name), printable(what)));
+}
+
 void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) {
   const std::string name = active_->files.name;
   PrintReport report = make_report(outcome, reason, plan);
@@ -450,6 +490,7 @@ PrintReport PrinterService::make_report(PrintOutcome outcome, const std::string&
   report.reason = reason;
   report.summary = active_->prepared->summary;
   report.layers = active_->layers;
+  report.interruptions = active_->interruptions;
   report.started = active_->started_at;
   report.ended = std::chrono::system_clock::now();
   report.print_time = clock_.now() - active_->started;

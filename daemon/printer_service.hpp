@@ -49,6 +49,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
     TimePoint turn_came;                  // when it arrived, or its waiting ended; CLOCK_MONOTONIC
     std::optional<PreparedJob> prepared;  // nothing while it is being prepared; its plan moves to the process
     std::vector<LayerRecord> layers;
+    std::vector<std::string> interruptions;
     TimePoint started;  // machine's clock
     std::chrono::system_clock::time_point started_at;
     std::optional<std::filesystem::path> masks;
@@ -67,8 +68,11 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void plate_waits(const std::string& file, const std::vector<std::string>& missing) override;
   void state_changed(PrintState state) override;
   void layer_done(const LayerRecord& layer) override;
+  void interrupted(const std::string& what) override;
   void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) override;
 
+  // Something happened to the machine.
+  void disturbed(const Disturbance& disturbance);
   void file_interrupted_prints();
   void give_back_unbegun();
   // Does what is due: starts the next job, or has a waiting one checked. Never from inside the print process.

@@ -11,6 +11,12 @@ std::string_view describe(HomingResult result) {
       return "the limit switch did not trigger after the full travel";
     case HomingResult::StillClosed:
       return "the limit switch is still closed after backing off";
+    case HomingResult::WrongSwitch:
+      return "the switch at the other end closed: the motor may turn the wrong way round";
+    case HomingResult::NoMovement:
+      return "the encoder does not follow the motor";
+    case HomingResult::Fault:
+      return "a fault ended homing";
     case HomingResult::Stopped:
       return "homing was stopped";
   }
@@ -27,6 +33,8 @@ std::string_view describe(MoveResult result) {
       return "the target lies outside the travel";
     case MoveResult::NotHomed:
       return "the position is unknown, home first";
+    case MoveResult::Fault:
+      return "a fault ended the move";
   }
   return "unknown";
 }

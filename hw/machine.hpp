@@ -18,6 +18,7 @@ struct Disturbance {
   enum class Kind {
     Interruption,  // the lid was opened, the display unplugged: a print may go on when that has been seen to
     Fault,         // the emergency stop was pressed, steps were lost: the print is over
+    Recovery,      // what was in the way no longer is: the lid is closed, the display plugged in again
   };
   Kind kind = Kind::Fault;
   std::string what;  // one sentence, with the line, connector or port
@@ -38,6 +39,10 @@ class Machine {
   // `call` runs from the event loop for every disturbance from now on. The machine has done what cannot wait
   // by then (after an emergency stop the motor is still), the light is the caller's to turn off.
   virtual void on_disturbance(std::function<void(const Disturbance&)> call) = 0;
+
+  // What keeps it from printing at this moment, a sentence each, joined by "; ": a device that is not there,
+  // an open lid, a pressed emergency stop. Empty when it can print.
+  [[nodiscard]] virtual std::string hindrance() const = 0;
 
   // A print of this name begins. Returns the folder in which the machine keeps what it shows, where it keeps
   // that. Throws std::filesystem::filesystem_error when that folder cannot be made.

@@ -1,21 +1,21 @@
-// A straight move's course over time: accelerate, cruise, decelerate (trapezoid; a triangle when it is too
-// short to reach full speed). Pure value, thread-safe.
-//
-// With acceleration a, top speed v and distance d: the ramps take v/a and v^2/(2a) each; when v^2/a > d, the
-// top speed is sqrt(d a).
+// A straight move's course over time: accelerate, cruise, decelerate; a trapezoid, or an S-curve where a jerk
+// limit is given, and without the cruise when it is too short to reach full speed. Pure value, thread-safe.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/units.hpp"
 #include "hw/clock.hpp"
+#include "hw/motion_curve.hpp"
 
 namespace contourd {
 
 class MotionProfile {
  public:
-  // A move over `distance` (its sign is the direction). REQUIRES: speed > 0, acceleration > 0.
-  MotionProfile(Nanometers distance, MillimetersPerSecond speed, MillimetersPerSecondSquared acceleration);
+  // A move over `distance` (its sign is the direction). REQUIRES: speed, acceleration and jerk > 0.
+  MotionProfile(Nanometers distance, MillimetersPerSecond speed, MillimetersPerSecondSquared acceleration,
+                std::optional<double> jerk_mm_s3 = std::nullopt);
 
   [[nodiscard]] Duration duration() const;
 
@@ -27,12 +27,8 @@ class MotionProfile {
   void stop_at(Duration elapsed);
 
  private:
-  double distance_mm_;
   double sign_;
-  double top_mm_s_;
-  double acceleration_mm_s2_;
-  double ramp_s_;
-  double cruise_s_;  // at full speed
+  MotionCurve curve_;  // in millimetres
 };
 
 }  // namespace contourd

@@ -1,7 +1,10 @@
 // The projector's power and light. Not thread-safe: calls and callbacks happen on the event loop's thread.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <optional>
+#include <string>
 #include <string_view>
 
 namespace contourd {
@@ -12,6 +15,14 @@ enum class ProjectorReply {
   NoAnswer,  // it did not answer in time, retries included
 };
 [[nodiscard]] std::string_view describe(ProjectorReply reply);
+
+// What a projector says of itself.
+struct ProjectorStatus {
+  ProjectorReply reply = ProjectorReply::Ok;  // to the first question that went wrong, if one did
+  std::string problem;                        // that, in a sentence
+  std::optional<bool> powered;                // nothing where it cannot be asked
+  std::optional<std::int64_t> lamp_hours;     // the same
+};
 
 class Projector {
  public:
@@ -33,6 +44,13 @@ class Projector {
 
   // Light off and power off. The lamp may cool down for a while by itself.
   virtual void power_off() noexcept = 0;
+
+  // Asks the projector what it can be asked, and changes nothing. Returns at once. light_off() drops `done`.
+  using StatusDone = std::function<void(const ProjectorStatus&)>;
+  virtual void ask_status(StatusDone done) = 0;
+
+  // The last reply that was not Ok, in a sentence with the port and what came back.
+  [[nodiscard]] virtual std::string last_problem() const = 0;
 };
 
 }  // namespace contourd

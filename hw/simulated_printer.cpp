@@ -12,20 +12,31 @@ namespace contourd {
 // A screen that keeps what it showed as files 0001.png, 0002.png, ...
 class SimulatedPrinter::Screen final : public MaskDisplay {
  public:
-  Screen(Clock& clock, const SimulatedDisplayConfig& config) : clock_(clock), config_(config) {}
+  // `unplugged` is called when its configuration says that it is unplugged now.
+  Screen(Clock& clock, const SimulatedDisplayConfig& config, std::function<void()> unplugged)
+      : clock_(clock), config_(config), unplugged_(std::move(unplugged)) {}
 
   [[nodiscard]] Pixels width() const override { return config_.width; }
   [[nodiscard]] Pixels height() const override { return config_.height; }
 
   void show(const Mask& mask, Presented done) override {
+    const bool unplugged_now = config_.lost_after_frames && frames_++ == *config_.lost_after_frames;
+    if (unplugged_now || !connected_) return lose(std::move(done));
     ++masks_shown_;
-    const bool lost = config_.lost_after_frames && masks_shown_ > *config_.lost_after_frames;
-    if (lost) return present(true, std::nullopt, std::move(done));
     if (folder_) write_png(*folder_ / file_name(masks_shown_), mask);
     present(false, next_refresh(), std::move(done));
   }
 
-  void black(Presented done) override { present(true, next_refresh(), std::move(done)); }
+  void black(Presented done) override {
+    if (!connected_) return lose(std::move(done));
+    present(true, next_refresh(), std::move(done));
+  }
+
+  void connect(bool connected) {
+    connected_ = connected;
+    if (!connected) black_ = true;
+  }
+  [[nodiscard]] bool connected() const { return connected_; }
 
   void black_now() noexcept override {
     black_ = true;
@@ -52,15 +63,27 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
     return TimePoint{(since_start / config_.frame + 1) * config_.frame};
   }
 
-  void present(bool black, std::optional<TimePoint> at, Presented done) {
-    refresh_ = clock_.call_at(at.value_or(clock_.now()), [this, black, at, done = std::move(done)] {
-      black_ = black;
-      done(at);
+  void present(bool black, TimePoint at, Presented done) {
+    refresh_ = clock_.call_at(at, [this, black, at, done = std::move(done)] {
+      black_ = black || !connected_;
+      done(connected_ ? std::optional(at) : std::nullopt);
+    });
+  }
+
+  void lose(Presented done) {
+    refresh_ = clock_.call_after(Duration{0}, [this, done = std::move(done)] {
+      black_ = true;
+      if (connected_) unplugged_();
+      // black_now() in answer to that has dropped what waited.
+      if (refresh_) done(std::nullopt);
     });
   }
 
   Clock& clock_;
   SimulatedDisplayConfig config_;
+  std::function<void()> unplugged_;
+  bool connected_ = true;
+  int frames_ = 0;  // asked for, in all jobs
   std::optional<std::filesystem::path> folder_;
   int masks_shown_ = 0;
   bool black_ = true;
@@ -69,7 +92,9 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
 
 class SimulatedPrinter::Lamp final : public Projector {
  public:
-  Lamp(Clock& clock, const SimulatedProjectorConfig& config) : clock_(clock), config_(config) {}
+  // `switched` is called when the light has gone on (true) or off.
+  Lamp(Clock& clock, const SimulatedProjectorConfig& config, std::function<void(bool)> switched)
+      : clock_(clock), config_(config), switched_(std::move(switched)) {}
 
   void power_on(Done done) override {
     reply(
@@ -79,15 +104,23 @@ class SimulatedPrinter::Lamp final : public Projector {
 
   void light_on(Done done) override {
     if (!powered_) {
-      reply_ = clock_.call_after(config_.reply, [done = std::move(done)] { done(ProjectorReply::Refused); });
+      reply_ = clock_.call_after(config_.reply, [this, done = std::move(done)] {
+        failed_ = ProjectorReply::Refused;
+        done(failed_);
+      });
       return;
     }
     reply(
-        config_.reply, [this] { light_ = true; }, std::move(done));
+        config_.reply,
+        [this] {
+          light_ = true;
+          switched_(true);
+        },
+        std::move(done));
   }
 
   void light_off() noexcept override {
-    light_ = false;
+    if (std::exchange(light_, false)) switched_(false);
     reply_.reset();
   }
 
@@ -96,30 +129,51 @@ class SimulatedPrinter::Lamp final : public Projector {
     powered_ = false;
   }
 
+  void ask_status(StatusDone done) override {
+    reply(
+        config_.reply, [] {},
+        [this, done = std::move(done)](ProjectorReply reply) {
+          done(reply == ProjectorReply::Ok ? ProjectorStatus{reply, {}, powered_, {}}
+                                           : ProjectorStatus{reply, last_problem(), {}, {}});
+        });
+  }
+
+  [[nodiscard]] std::string last_problem() const override { return std::string(describe(failed_)); }
+
   [[nodiscard]] bool is_on() const { return light_; }
 
  private:
   void reply(Duration delay, const std::function<void()>& effect, Done done) {
     ++commands_;
     const bool silent = config_.silent_after_commands && commands_ > *config_.silent_after_commands;
-    reply_ = clock_.call_after(silent ? config_.timeout : delay, [=, done = std::move(done)] {
-      if (!silent) effect();
-      done(silent ? ProjectorReply::NoAnswer : ProjectorReply::Ok);
-    });
+    reply_ =
+        clock_.call_after(silent ? config_.timeout : delay, [this, effect, silent, done = std::move(done)] {
+          if (!silent) {
+            effect();
+            return done(ProjectorReply::Ok);
+          }
+          failed_ = ProjectorReply::NoAnswer;
+          done(failed_);
+        });
   }
 
   Clock& clock_;
   SimulatedProjectorConfig config_;
+  std::function<void(bool)> switched_;
   bool powered_ = false;
   bool light_ = false;
   int commands_ = 0;
+  ProjectorReply failed_ = ProjectorReply::Ok;  // the last that was not Ok
   std::unique_ptr<Timer> reply_;
 };
 
 SimulatedPrinter::SimulatedPrinter(Clock& clock, const SimulatedPrinterConfig& config)
-    : axis_(std::make_unique<SimulatedAxis>(clock, config.axis)),
-      screen_(std::make_unique<Screen>(clock, config.display)),
-      lamp_(std::make_unique<Lamp>(clock, config.projector)) {}
+    : clock_(clock),
+      config_(config),
+      light_until_lid_opens_(config.lid_opened_after_light),
+      axis_(std::make_unique<SimulatedAxis>(clock, config.axis)),
+      screen_(std::make_unique<Screen>(clock, config.display, [this] { unplug_display(); })),
+      lamp_(std::make_unique<Lamp>(clock, config.projector, [this](bool on) { light_switched(on); })) {}
 
 SimulatedPrinter::~SimulatedPrinter() = default;
 
@@ -131,6 +185,61 @@ MaskDisplay& SimulatedPrinter::display() {
 }
 Projector& SimulatedPrinter::projector() {
   return *lamp_;
+}
+
+void SimulatedPrinter::on_disturbance(std::function<void(const Disturbance&)> call) {
+  disturbed_ = std::move(call);
+}
+
+void SimulatedPrinter::disturb(Disturbance::Kind kind, const std::string& what) {
+  if (disturbed_) disturbed_({kind, what});
+}
+
+std::string SimulatedPrinter::hindrance() const {
+  const std::string lid = lid_open_ ? "the lid is open" : "";
+  if (screen_->connected()) return lid;
+  return lid + (lid.empty() ? "" : "; ") + "the display is unplugged";
+}
+
+void SimulatedPrinter::open_lid() {
+  lid_open_ = true;
+  disturb(Disturbance::Kind::Interruption, "the lid was opened");
+}
+
+void SimulatedPrinter::close_lid() {
+  lid_open_ = false;
+  disturb(Disturbance::Kind::Recovery, "the lid was closed");
+}
+
+void SimulatedPrinter::unplug_display() {
+  screen_->connect(false);
+  if (config_.display.back_after)
+    plug_ = clock_.call_after(*config_.display.back_after, [this] { plug_display(); });
+  disturb(Disturbance::Kind::Interruption, "the display was unplugged");
+}
+
+void SimulatedPrinter::plug_display() {
+  screen_->connect(true);
+  disturb(Disturbance::Kind::Recovery, "the display was plugged in again");
+}
+
+void SimulatedPrinter::press_emergency_stop() {
+  axis_->abort();
+  disturb(Disturbance::Kind::Fault, "the emergency stop was pressed");
+}
+
+void SimulatedPrinter::light_switched(bool on) {
+  if (!light_until_lid_opens_) return;
+  if (!on) {
+    *light_until_lid_opens_ -= clock_.now() - light_on_at_;
+    return lid_.reset();
+  }
+  light_on_at_ = clock_.now();
+  lid_ = clock_.call_after(*light_until_lid_opens_, [this] {
+    light_until_lid_opens_.reset();
+    lid_ = clock_.call_after(config_.lid_open_for, [this] { close_lid(); });
+    open_lid();
+  });
 }
 
 std::optional<std::filesystem::path> SimulatedPrinter::begin_job(std::string_view name) {

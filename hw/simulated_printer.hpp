@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "hw/machine.hpp"
@@ -28,7 +29,8 @@ struct SimulatedDisplayConfig {
   Pixels height{1080};
   Duration frame{16'666'667};  // one refresh: a mask is on the screen at the next multiple of it
   std::optional<std::filesystem::path> masks;  // each job's masks go to a folder of its own in here
-  std::optional<int> lost_after_frames;        // the display is unplugged after that many masks
+  std::optional<int> lost_after_frames;        // it is unplugged, once, after that many masks
+  std::optional<Duration> back_after;          // and plugged in again this much later
 };
 
 struct SimulatedProjectorConfig {
@@ -42,6 +44,8 @@ struct SimulatedPrinterConfig {
   SimulatedAxisConfig axis;
   SimulatedDisplayConfig display;
   SimulatedProjectorConfig projector;
+  std::optional<Duration> lid_opened_after_light;  // once, when the light has been on for that long in all
+  Duration lid_open_for{std::chrono::seconds{10}};
 };
 
 class SimulatedPrinter final : public Machine {
@@ -53,8 +57,16 @@ class SimulatedPrinter final : public Machine {
   [[nodiscard]] ZAxis& z_axis() override;
   [[nodiscard]] MaskDisplay& display() override;
   [[nodiscard]] Projector& projector() override;
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}  // nothing disturbs it
+  void on_disturbance(std::function<void(const Disturbance&)> call) override;
+  [[nodiscard]] std::string hindrance() const override;
   std::optional<std::filesystem::path> begin_job(std::string_view name) override;
+
+  // What a person does to the machine. Each disturbs it from within the call.
+  void open_lid();
+  void close_lid();
+  void unplug_display();
+  void plug_display();
+  void press_emergency_stop();  // it is let go again at once
 
   // What a person looking at the machine would see.
   [[nodiscard]] bool light_is_on() const;
@@ -65,6 +77,17 @@ class SimulatedPrinter final : public Machine {
  private:
   class Screen;
   class Lamp;
+
+  void disturb(Disturbance::Kind kind, const std::string& what);
+  void light_switched(bool on);
+
+  Clock& clock_;
+  SimulatedPrinterConfig config_;
+  std::function<void(const Disturbance&)> disturbed_;
+  bool lid_open_ = false;
+  std::optional<Duration> light_until_lid_opens_;
+  TimePoint light_on_at_{};
+  std::unique_ptr<Timer> lid_, plug_;
   std::unique_ptr<ZAxis> axis_;
   std::unique_ptr<Screen> screen_;
   std::unique_ptr<Lamp> lamp_;

@@ -15,6 +15,9 @@ enum class HomingResult {
   Homed,
   NoTrigger,    // the switch never closed over the whole travel
   StillClosed,  // the switch stayed closed after backing off
+  WrongSwitch,  // the switch at the other end closed
+  NoMovement,   // the encoder does not follow the motor
+  Fault,        // the machine is disturbed (emergency stop, a line that cannot be set)
   Stopped,      // stop() came first
 };
 [[nodiscard]] std::string_view describe(HomingResult result);
@@ -24,6 +27,7 @@ enum class MoveResult {
   Stopped,        // stop() came first; the position is still known
   OutsideTravel,  // the target lies beyond the soft limits; nothing moved
   NotHomed,       // the position is unknown; nothing moved
+  Fault,          // the machine is disturbed, its disturbance says how; the position is unknown
 };
 [[nodiscard]] std::string_view describe(MoveResult result);
 

@@ -84,7 +84,8 @@ void fill_defaults(const json& schema, json& value) {
   }
 }
 
-// Recursion is bounded by the schema's depth.
+// References in what is referred to are resolved too, so that they must not go round in a circle. Recursion
+// is bounded by the schema's depth.
 void resolve_references(json& schema, std::string_view file, const json& other) {
   if (schema.is_object() && schema.contains("$ref")) {
     const std::string& reference = schema["$ref"].get_ref<const std::string&>();
@@ -92,7 +93,7 @@ void resolve_references(json& schema, std::string_view file, const json& other) 
     if (hash == std::string::npos || reference.substr(0, hash) != file)
       throw std::runtime_error("a schema refers to " + reference + ", which is not in " + std::string(file));
     schema = json(other.at(json::json_pointer(reference.substr(hash + 1))));
-    return;
+    return resolve_references(schema, file, other);
   }
   if (!schema.is_structured()) return;
   for (json& child : schema)
@@ -112,8 +113,11 @@ struct JsonSchema::Compiled {
   valijson::Schema schema;
 };
 
-JsonSchema::JsonSchema(std::string_view text)
-    : compiled_(std::make_unique<Compiled>(json::parse(text.begin(), text.end()))) {}
+JsonSchema::JsonSchema(std::string_view text) {
+  json value = json::parse(text.begin(), text.end());
+  resolve_references(value, "", json(value));
+  compiled_ = std::make_unique<Compiled>(std::move(value));
+}
 
 JsonSchema::JsonSchema(std::string_view text, std::string_view file, const JsonSchema& other) {
   json value = json::parse(text.begin(), text.end());
@@ -156,6 +160,11 @@ const JsonSchema& printer_schema() {
 
 const JsonSchema& plate_schema() {
   static const JsonSchema schema(plate_schema_text, "ticket.schema.json", ticket_schema());
+  return schema;
+}
+
+const JsonSchema& projector_schema() {
+  static const JsonSchema schema(projector_schema_text);
   return schema;
 }
 

@@ -14,7 +14,7 @@ class JsonSchema {
  public:
   // Draft 7, of which the sentences know: type, enum, minimum, maximum, minLength, maxLength, pattern,
   // required, properties, additionalProperties: false, items (one schema for all), minItems, maxItems, and
-  // oneOf as a choice between sets of required keys. Throws nlohmann::json::exception or std::runtime_error
+  // oneOf as a choice between sets of required keys, {"$ref": "#/pointer"} to another part of the same text. Throws nlohmann::json::exception or std::runtime_error
   // when the text is no schema.
   explicit JsonSchema(std::string_view text);
   // A schema that borrows parts of another: every {"$ref": "FILE#/pointer"} is replaced by what is there in
@@ -36,6 +36,7 @@ class JsonSchema {
 };
 
 [[nodiscard]] const JsonSchema& printer_schema();
+[[nodiscard]] const JsonSchema& projector_schema();
 [[nodiscard]] const JsonSchema& plate_schema();
 [[nodiscard]] const JsonSchema& resin_schema();
 [[nodiscard]] const JsonSchema& ticket_schema();

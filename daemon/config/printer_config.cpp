@@ -140,6 +140,10 @@ std::optional<int> read_count(const JsonSection& section, std::string_view key) 
   return section.has(key) ? std::optional(section.integer<int>(key)) : std::nullopt;
 }
 
+std::optional<Duration> read_duration(const JsonSection& section, std::string_view key) {
+  return section.has(key) ? std::optional(section.duration(key)) : std::nullopt;
+}
+
 SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& folder) {
   const JsonSection z_axis = root.section("z_axis");
   const JsonSection display = root.section("display");
@@ -158,6 +162,9 @@ SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& f
   if (simulation.has("masks_folder"))
     config.display.masks = resolved(folder, simulation.text("masks_folder"));
   config.display.lost_after_frames = read_count(simulation, "display_lost_after_frames");
+  config.display.back_after = read_duration(simulation, "display_back_after_s");
+  config.lid_opened_after_light = read_duration(simulation, "lid_opened_after_light_s");
+  config.lid_open_for = simulation.duration("lid_open_s");
   config.projector.warm_up = projector.duration("warm_up_s");
   config.projector.reply = simulation.duration("projector_reply_ms");
   config.projector.timeout = projector.duration("reply_timeout_s");

@@ -13,8 +13,8 @@
 
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
-#include "daemon/file_descriptor.hpp"
 #include "daemon/readable.hpp"
+#include "hw/file_descriptor.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -83,6 +83,8 @@ void print_status(const Json& status) {
       fmt::print("layer     {} of {}, {:.3f} mm, {} left{}\n", job.value("layer", 0), job.value("layers", 0),
                  job.value("height_mm", 0.0), left(job),
                  job.value("pause_pending", false) ? ", pause after this layer" : "");
+      if (job["interruption"].is_string())
+        fmt::print("stopped   {}\n", printable(job["interruption"].get<std::string>()));
     }
     if (job.contains("analysis") && job["analysis"].is_object()) print_analysis(job["analysis"]);
   }
@@ -90,6 +92,8 @@ void print_status(const Json& status) {
       "plate     {}{}\n", status.value("plate", ""),
       status["plate_job"].is_string() ? " by " + printable(status["plate_job"].get<std::string>()) : "");
   fmt::print("queue     {}\n", status.value("queued", 0));
+  if (status["hindrance"].is_string())
+    fmt::print("machine   {}\n", printable(status["hindrance"].get<std::string>()));
   if (status["waiting_for"].is_string())
     fmt::print("waiting   {}\n", printable(status["waiting_for"].get<std::string>()));
   if (status["last"].is_object()) {
@@ -122,7 +126,9 @@ class ProgressView {
     std::fill_n(bar.begin(), static_cast<int>(part * kBar), '#');
     const std::string text = fmt::format(
         "{} [{}] {:3.0f} %  layer {}/{}  {:.2f} mm  {} left  {}", name, bar, std::floor(part * 100),
-        job.value("layer", 0), job.value("layers", 0), job.value("height_mm", 0.0), left(job), state);
+        job.value("layer", 0), job.value("layers", 0), job.value("height_mm", 0.0), left(job),
+        job["interruption"].is_string() ? state + ", " + printable(job["interruption"].get<std::string>())
+                                        : state);
     line(text, std::to_string(static_cast<int>(part * 10)));
   }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/units.hpp"
+#include "hw/drm/pixel_format.hpp"
 
 namespace contourd {
 
@@ -16,9 +17,14 @@ struct DrmDisplayConfig {
   Pixels height{1080};
   double refresh_hz = 60.0;  // of the mode, within half a hertz
 
-  enum class Format { Xrgb8888, Rgb565 };
+  using Format = PixelFormat;
   Format format = Format::Xrgb8888;
+  // For masks; black has one of its own. With 3, a buffer that left the screen is not written until the next
+  // one has left it too: for drivers that still read it after they said that they have flipped.
   int buffers = 2;  // 2 or 3
+
+  bool legacy = false;            // use the old calls even where the driver has the atomic ones
+  bool ignore_edid_size = false;  // the picture size that the display reports is wrong: ask nothing of it
 };
 
 }  // namespace contourd

@@ -29,17 +29,20 @@ struct EncoderConfig {
 struct GpioAxisConfig {
   Nanometers travel{160'000'000};  // highest height of a move
   double microsteps_per_mm = 800.0;
+  // Of homing's first pass; the second is half as fast. At the switch the motor stops dead: keep it below the
+  // speed from which the motor can do that without losing steps.
   MillimetersPerSecond homing_speed{5.0};
   MillimetersPerSecond top_speed{10.0};  // of any move
   MillimetersPerSecondSquared acceleration{25.0};
   std::optional<double> jerk_mm_s3;  // S-curve; a trapezoid without it
   Nanometers backlash{0};            // moves downwards go this much too far and come back up
-  Nanometers switch_height{
-      0};  // height of the plate where the limit switch closes, by the homing's second pass
+  // Height of the plate where the limit switch closes, by the homing's second pass.
+  Nanometers switch_height{0};
   bool homes_upwards = false;  // the limit switch is at the top
 
   GpioLineConfig step, direction;  // direction active: the plate rises
   std::optional<GpioLineConfig> enable;
+  Duration enable_settle{std::chrono::milliseconds{10}};  // from enabling the motor to its first step
   Duration pulse_width{2'000};      // of the step line's active level, at least; its pause likewise
   Duration direction_setup{5'000};  // from a change of direction to the next step, at least
 

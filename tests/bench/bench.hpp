@@ -65,6 +65,8 @@ inline constexpr std::uint64_t kSeed = 2019;  // of random heights
 [[nodiscard]] std::vector<Row> load_rows(const Bench& bench);
 // The child's part of it: prints the peak memory of this process after a model's first mask.
 void print_memory_of_first_mask(const std::filesystem::path& model);
+// display_rows.cpp: a mask into a picture for the screen, as it is written to a card's memory.
+[[nodiscard]] std::vector<Row> display_rows(const Bench& bench);
 // allocation_rows.cpp: operator new's calls.
 [[nodiscard]] std::vector<Row> allocation_rows(const Bench& bench);
 // growth_rows.cpp: time against facets, and against segments.

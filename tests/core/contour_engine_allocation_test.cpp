@@ -1,56 +1,14 @@
-// "Allocates nothing once it has seen its largest section": counted by this program's own operator new.
-#include <cstddef>
-#include <cstdlib>
+// "Allocates nothing once it has seen its largest section".
 #include <memory>
-#include <new>
 #include <utility>
 #include <vector>
 
 #include "core/contour_engine.hpp"
 #include "core/island_finder.hpp"
 #include "core/mask_runs.hpp"
+#include "tests/allocation_counter.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
-
-namespace {
-
-// The tests of this program run in one thread.
-long allocations = 0;
-
-void* counted(std::size_t bytes) {
-  ++allocations;
-  if (void* memory = std::malloc(bytes != 0 ? bytes : 1)) return memory;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t bytes) {
-  return counted(bytes);
-}
-void* operator new[](std::size_t bytes) {
-  return counted(bytes);
-}
-void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
-  ++allocations;
-  return std::malloc(bytes != 0 ? bytes : 1);
-}
-void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept {
-  ++allocations;
-  return std::malloc(bytes != 0 ? bytes : 1);
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 using namespace contourd;
 
@@ -66,12 +24,12 @@ long allocations_when_warm(models::Facets facets, EngineSettings settings = {}) 
   ContourEngine engine(std::vector<PlateModel>{{model, {map}}, {model, {map, map}}}, settings);
   long during_second = 0;
   for (int pass = 0; pass < 2; ++pass) {
-    const long before = allocations;
+    const long before = testing::allocations();
     for (Nanometers height{0}; height < Nanometers{20'000'000}; height += kLayer) {
       (void)engine.mask_at(height);
       (void)engine.contours_at(height);
     }
-    during_second = allocations - before;
+    during_second = testing::allocations() - before;
   }
   return during_second;
 }
@@ -79,9 +37,9 @@ long allocations_when_warm(models::Facets facets, EngineSettings settings = {}) 
 }  // namespace
 
 TEST_CASE("Allocations are counted") {
-  const long before = allocations;
+  const long before = testing::allocations();
   const std::vector<int> memory(1000);
-  CHECK(allocations > before);
+  CHECK(testing::allocations() > before);
 }
 
 TEST_CASE("A warm engine allocates nothing for a sound model") {
@@ -104,13 +62,13 @@ TEST_CASE("Finding islands allocates nothing when warm") {
   IslandFinder finder;
   long during_last = 0;
   for (int pass = 0; pass < 3; ++pass) {
-    const long before = allocations;
+    const long before = testing::allocations();
     for (Nanometers height{0}; height < Nanometers{20'250'000}; height += kLayer) {
       std::swap(layer, beneath);
       layer.extract(engine.mask_at(height));
       (void)finder.find(layer, beneath);
     }
-    during_last = allocations - before;
+    during_last = testing::allocations() - before;
   }
   CHECK(during_last == 0);
 }

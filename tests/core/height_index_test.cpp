@@ -118,6 +118,18 @@ TEST_CASE("The index holds the facets in the order given and turns an inside-out
   CHECK(keys_of(from_turned.facets()) == keys_of(box));
 }
 
+TEST_CASE("An open model is turned only when its gaps leave no doubt") {
+  models::Facets sheet = models::box({0, 0, 0}, {20, 20, 20});
+  sheet.resize(2);
+  CHECK_FALSE(HeightIndex(sheet).turned_outwards());
+  models::invert(sheet);
+  CHECK_FALSE(HeightIndex(sheet).turned_outwards());
+  models::Facets ball = models::globe(10, 16, 32);
+  models::invert(ball);
+  ball.pop_back();
+  CHECK(HeightIndex(ball).turned_outwards());
+}
+
 TEST_CASE("Candidates know their facets' heights") {
   CHECK(rc::check([] {
     const HeightIndex index(draw_facets());

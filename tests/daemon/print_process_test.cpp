@@ -24,7 +24,12 @@ constexpr Nanometers kLayer{50'000};
 class Bench final : public PrintObserver {
  public:
   explicit Bench(const SimulatedPrinterConfig& config = small_printer())
-      : machine(clock, config), process(machine, clock, *this) {}
+      : machine(clock, config), process(machine, clock, *this) {
+    machine.on_disturbance([this](const Disturbance& disturbance) {
+      if (disturbance.kind == Disturbance::Kind::Interruption) process.interrupt(disturbance.what);
+      if (disturbance.kind == Disturbance::Kind::Fault) process.fail(disturbance.what);
+    });
+  }
 
   static SimulatedPrinterConfig small_printer() {
     SimulatedPrinterConfig config;
@@ -68,6 +73,7 @@ class Bench final : public PrintObserver {
 
   void state_changed(PrintState state) override { states.push_back(state); }
   void layer_done(const LayerRecord& layer) override { layers.push_back(layer); }
+  void interrupted(const std::string& what) override { interruptions.push_back(what); }
   void print_ended(PrintOutcome ended, const std::string& why, const PrintPlan&) override {
     ends.push_back(ended);
     reason = why;
@@ -78,6 +84,7 @@ class Bench final : public PrintObserver {
   SimulatedPrinter machine;
   std::vector<PrintState> states;
   std::vector<LayerRecord> layers;
+  std::vector<std::string> interruptions;
   std::vector<PrintOutcome> ends;
   std::string reason;
   bool light_at_end = false;
@@ -96,14 +103,19 @@ class Bench final : public PrintObserver {
 
 using S = PrintState;
 
-constexpr PrintState kActiveStates[] = {S::WarmingUp, S::Homing,   S::Lowering,  S::Settling, S::Showing,
-                                        S::Igniting,  S::Exposing, S::Darkening, S::Resting,  S::Lifting,
-                                        S::Raising,   S::Paused,   S::Halting,   S::Parking};
+constexpr PrintState kActiveStates[] = {
+    S::WarmingUp, S::Homing,  S::Lowering, S::Settling, S::Showing, S::Igniting, S::Exposing, S::Darkening,
+    S::Resting,   S::Lifting, S::Raising,  S::Paused,   S::Held,    S::Braking,  S::Halting,  S::Parking};
 
 // Brings a print into a state.
 void bring_to(Bench& bench, PrintState state) {
   bench.start();
   if (state == S::Raising || state == S::Paused) bench.process.pause();
+  if (state == S::Held) bench.process.interrupt("the lid was opened");
+  if (state == S::Braking) {
+    REQUIRE(bench.run_to(S::Lowering));
+    bench.process.interrupt("the lid was opened");
+  }
   if (state == S::Halting) {
     REQUIRE(bench.run_to(S::Lifting));
     bench.process.cancel();
@@ -241,7 +253,7 @@ TEST_CASE(
     CHECK(bench.process.state() == S::Idle);
     CHECK(bench.ends == std::vector{PrintOutcome::Canceled});
     CHECK_FALSE(bench.lit_wrongly);
-    const bool position_known = state != S::WarmingUp && state != S::Homing;
+    const bool position_known = state != S::WarmingUp && state != S::Homing && state != S::Held;
     if (position_known) CHECK(bench.machine.z_axis().height() == bench.machine.z_axis().travel());
   }
 }
@@ -304,16 +316,204 @@ TEST_CASE("A limit switch that never closes ends the print with its name") {
   CHECK(bench.reason == "homing failed: the limit switch did not trigger after the full travel");
 }
 
-TEST_CASE("A display lost during the print ends it, with the light off") {
+TEST_CASE(
+    "A display lost during the print pauses it in the dark, with the plate up, until the owner resumes") {
   SimulatedPrinterConfig config = Bench::small_printer();
   config.display.lost_after_frames = 1;
   Bench bench(config);
   bench.start();
   bench.run_out();
-  CHECK(bench.ends == std::vector{PrintOutcome::Failed});
-  CHECK(bench.reason == "the display was lost");
+  CHECK(bench.process.state() == S::Paused);
+  CHECK(bench.process.interruption() == "the display was unplugged");
+  CHECK(bench.machine.hindrance() == "the display is unplugged");
   CHECK(bench.layers.size() == 1);
+  CHECK_FALSE(bench.machine.light_is_on());
+  // Two layers, lift and 30 mm for a look.
+  CHECK(bench.machine.z_axis().height() == Nanometers{36'100'000});
+  bench.machine.plug_display();
+  CHECK(bench.process.state() == S::Paused);
+  bench.process.resume();
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+  CHECK(bench.layers.size() == 3);
+  CHECK_FALSE(bench.lit_wrongly);
+}
+
+TEST_CASE("A print resumed while the display is still gone exposes nothing and pauses again") {
+  SimulatedPrinterConfig config = Bench::small_printer();
+  config.display.lost_after_frames = 1;
+  Bench bench(config);
+  bench.start();
+  bench.run_out();
+  bench.process.resume();
+  CHECK(bench.process.interruption().empty());
+  bench.run_out();
+  CHECK(bench.process.state() == S::Paused);
+  CHECK(bench.process.interruption() == "the display was lost");
+  CHECK(bench.layers.size() == 1);
+  bench.process.cancel();
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Canceled});
+  CHECK_FALSE(bench.lit_wrongly);
+}
+
+TEST_CASE("An exposure that is interrupted goes on with what is left of it, at the same layer") {
+  Bench bench;
+  bench.start(2);
+  REQUIRE(bench.run_to(S::Exposing));
+  const TimePoint lit = bench.clock.now();
+  const auto opening = bench.clock.call_at(lit + 400ms, [&] { bench.machine.open_lid(); });
+  while (bench.machine.light_is_on())
+    REQUIRE(bench.clock.run_next());
+  CHECK(bench.clock.now() == lit + 400ms);
+  CHECK(bench.machine.screen_is_black());
+  REQUIRE(bench.run_to(S::Paused));
+  CHECK(bench.process.interruption() == "the lid was opened");
+  CHECK(bench.interruptions == std::vector<std::string>{"the lid was opened"});
+  CHECK(bench.layers.empty());
+  CHECK(bench.process.layer() == 0);
+  bench.machine.close_lid();
+  bench.process.resume();
+  REQUIRE(bench.run_to(S::Exposing));
+  CHECK(bench.machine.z_axis().height() == kLayer);
+  const TimePoint lit_again = bench.clock.now();
+  REQUIRE(bench.run_to(S::Darkening));
+  CHECK(bench.clock.now() == lit_again + 600ms);
+  bench.run_out();
+  REQUIRE(bench.layers.size() == 2);
+  CHECK(bench.layers[0].exposure_measured == 1s);
+  CHECK(bench.layers[0].exposure_parts == 2);
+  CHECK(bench.layers[1].exposure_measured == 1100ms);
+  CHECK(bench.layers[1].exposure_parts == 1);
+  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+  CHECK_FALSE(bench.lit_wrongly);
+}
+
+TEST_CASE("An exposure interrupted three times adds up to what was asked") {
+  Bench bench;
+  bench.start(1);
+  for (const Duration until : {100ms, 250ms, 1ms}) {
+    REQUIRE(bench.run_to(S::Exposing));
+    const auto opening = bench.clock.call_after(until, [&] { bench.machine.open_lid(); });
+    REQUIRE(bench.run_to(S::Paused));
+    bench.process.resume();
+  }
+  bench.run_out();
+  REQUIRE(bench.layers.size() == 1);
+  CHECK(bench.layers[0].exposure_measured == 1s);
+  CHECK(bench.layers[0].exposure_parts == 4);
+}
+
+TEST_CASE(
+    "An interruption in any state turns the light off at once, and the print can be finished or cancelled") {
+  for (const S state : kActiveStates) {
+    for (const bool resumed : {true, false}) {
+      CAPTURE(name_of(state), resumed);
+      Bench bench;
+      bring_to(bench, state);
+      bench.process.interrupt("the cat jumped on it");
+      CHECK_FALSE(bench.machine.light_is_on());
+      CHECK(bench.machine.screen_is_black());
+      bench.run_out();
+      CHECK_FALSE(bench.lit_wrongly);
+      if (state == S::Halting || state == S::Parking) {
+        CHECK(bench.process.state() == S::Idle);  // was about to end, and did
+        continue;
+      }
+      CHECK((bench.process.state() == S::Paused || bench.process.state() == S::Held));
+      CHECK_FALSE(bench.process.pause_pending());
+      CHECK(bench.process.interruption().ends_with("the cat jumped on it"));
+      resumed ? bench.process.resume() : bench.process.cancel();
+      bench.run_out();
+      CHECK(bench.ends == std::vector{resumed ? PrintOutcome::Done : PrintOutcome::Canceled});
+      if (!resumed) continue;
+      REQUIRE(bench.layers.size() == 3);
+      for (const LayerRecord& layer : bench.layers)
+        CHECK(layer.exposure_measured == layer.exposure_asked);
+    }
+  }
+}
+
+TEST_CASE("The last layer's exposure is finished too when it was interrupted") {
+  for (const S state : {S::Exposing, S::Darkening, S::Lifting}) {
+    CAPTURE(name_of(state));
+    Bench bench;
+    bench.start(1);
+    REQUIRE(bench.run_to(state));
+    bench.process.interrupt("the lid was opened");
+    bench.run_out();
+    CHECK(bench.process.state() == S::Paused);
+    bench.process.resume();
+    bench.run_out();
+    CHECK(bench.ends == std::vector{PrintOutcome::Done});
+    REQUIRE(bench.layers.size() == 1);
+    CHECK(bench.layers[0].exposure_measured == bench.layers[0].exposure_asked);
+  }
+}
+
+TEST_CASE("An interruption at the instant at which an exposure ends leaves no rest of it") {
+  Bench bench;
+  bench.start(2);
+  REQUIRE(bench.run_to(S::Igniting));
+  // Asked for before the exposure's timer, so it comes first.
+  const auto opening = bench.clock.call_after(20ms + 1s, [&] { bench.machine.open_lid(); });
+  REQUIRE(bench.run_to(S::Paused));
+  CHECK(bench.layers.size() == 1);
+  bench.process.resume();
+  bench.run_out();
+  REQUIRE(bench.layers.size() == 2);
+  CHECK(bench.layers[0].exposure_measured == 1s);
+  CHECK(bench.layers[0].exposure_parts == 1);
+}
+
+TEST_CASE("A resume while an interrupted plate is still being lifted does not skip the layer") {
+  Bench bench;
+  bench.start(2);
+  REQUIRE(bench.run_to(S::Exposing));
+  bench.machine.open_lid();
+  CHECK(bench.process.state() == S::Lifting);
+  CHECK(bench.process.pause_pending());
+  bench.process.resume();
+  bench.run_out();
+  CHECK(std::count(bench.states.begin(), bench.states.end(), S::Paused) == 0);
+  REQUIRE(bench.layers.size() == 2);
+  CHECK(bench.layers[0].exposure_measured == 1s);
+}
+
+TEST_CASE("What interrupts a print twice is told once, and two things are both told") {
+  Bench bench;
+  bench.start();
+  REQUIRE(bench.run_to(S::Settling));
+  bench.process.interrupt("the lid was opened");
+  bench.process.interrupt("the lid was opened");
+  bench.process.interrupt("HDMI-A-1 was unplugged");
+  CHECK(bench.process.interruption() == "the lid was opened; HDMI-A-1 was unplugged");
+  CHECK(bench.interruptions.size() == 2);
+}
+
+TEST_CASE("An interruption where the plate's position has been lost ends the print, with the light off") {
+  Bench bench;
+  bench.start();
+  REQUIRE(bench.run_to(S::Lowering));
+  bench.machine.z_axis().abort();
+  bench.process.interrupt("the lid was opened");
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Failed});
   CHECK_FALSE(bench.light_at_end);
+}
+
+TEST_CASE("A pressed emergency stop ends the print at once, with its sentence") {
+  for (const S state : kActiveStates) {
+    CAPTURE(name_of(state));
+    Bench bench;
+    bring_to(bench, state);
+    bench.machine.press_emergency_stop();
+    CHECK_FALSE(bench.machine.light_is_on());
+    CHECK_FALSE(bench.machine.z_axis().moving());
+    CHECK(bench.process.state() == S::Idle);
+    CHECK(bench.ends == std::vector{PrintOutcome::Failed});
+    CHECK(bench.reason == "the emergency stop was pressed");
+  }
 }
 
 TEST_CASE("A projector that falls silent ends the print, with the light off") {
@@ -360,6 +560,7 @@ class DeafMachine final : public Machine {
   [[nodiscard]] MaskDisplay& display() override { return rest_.display(); }
   [[nodiscard]] Projector& projector() override { return rest_.projector(); }
   void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  [[nodiscard]] std::string hindrance() const override { return ""; }
   std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
 
   DeafAxis axis;

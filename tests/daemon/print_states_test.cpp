@@ -24,6 +24,8 @@ struct Row {
 const std::vector<F> kFailure{F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::Finish};
 const std::vector<F> kCancelAtRest{F::LightOff, F::BlackNow, F::Park};
 const std::vector<F> kCancelMoving{F::LightOff, F::BlackNow, F::StopAxis};
+const std::vector<F> kDark{F::LightOff, F::BlackNow};
+const std::vector<F> kDarkAndLift{F::LightOff, F::BlackNow, F::Lift};
 
 // Written out apart from the table, row for row.
 const std::vector<Row> kExpected{
@@ -41,10 +43,33 @@ const std::vector<Row> kExpected{
     {S::Lifting, E::PauseDue, S::Raising, {F::RaiseForALook}},
     {S::Lifting, E::LayersDone, S::Parking, {F::Park}},
     {S::Raising, E::MoveEnded, S::Paused, {}},
-    {S::Paused, E::Resumed, S::Lowering, {F::NextLayer, F::LowerToLayer}},
+    {S::Paused, E::LayerDue, S::Lowering, {F::NextLayer, F::LowerToLayer}},
+    {S::Lifting, E::LayerUnfinished, S::Lowering, {F::LowerToLayer}},
+    {S::Paused, E::LayerUnfinished, S::Lowering, {F::LowerToLayer}},
+    {S::Paused, E::LayersDone, S::Parking, {F::Park}},
+    {S::WarmingUp, E::Interrupted, S::Held, kDark},
+    {S::Homing, E::Interrupted, S::Held, {F::LightOff, F::BlackNow, F::AbortAxis}},
+    {S::Held, E::Resumed, S::WarmingUp, {F::LightOff, F::BlackNow, F::PowerOn}},
+    {S::Lowering, E::Interrupted, S::Braking, {F::LightOff, F::BlackNow, F::StopAxis}},
+    {S::Braking, E::MoveEnded, S::Lifting, {F::Lift}},
+    {S::Settling, E::Interrupted, S::Lifting, kDarkAndLift},
+    {S::Showing, E::Interrupted, S::Lifting, kDarkAndLift},
+    {S::Igniting, E::Interrupted, S::Lifting, kDarkAndLift},
+    {S::Exposing, E::Interrupted, S::Lifting, kDarkAndLift},
+    {S::Darkening, E::Interrupted, S::Lifting, {F::LightOff, F::BlackNow, F::RecordLayer, F::Lift}},
+    {S::Resting, E::Interrupted, S::Lifting, kDarkAndLift},
+    {S::Lifting, E::Interrupted, S::Lifting, kDark},
+    {S::Raising, E::Interrupted, S::Raising, kDark},
+    {S::Paused, E::Interrupted, S::Paused, kDark},
+    {S::Held, E::Interrupted, S::Held, kDark},
+    {S::Braking, E::Interrupted, S::Braking, kDark},
+    {S::Halting, E::Interrupted, S::Halting, kDark},
+    {S::Parking, E::Interrupted, S::Parking, kDark},
     {S::Parking, E::MoveEnded, S::Idle, {F::LightOff, F::PowerOff, F::Finish}},
     {S::WarmingUp, E::Canceled, S::Idle, {F::LightOff, F::BlackNow, F::PowerOff, F::Finish}},
     {S::Homing, E::Canceled, S::Idle, {F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::Finish}},
+    {S::Held, E::Canceled, S::Idle, {F::LightOff, F::BlackNow, F::PowerOff, F::Finish}},
+    {S::Braking, E::Canceled, S::Halting, kCancelMoving},
     {S::Lowering, E::Canceled, S::Halting, kCancelMoving},
     {S::Lifting, E::Canceled, S::Halting, kCancelMoving},
     {S::Raising, E::Canceled, S::Halting, kCancelMoving},
@@ -68,6 +93,8 @@ const std::vector<Row> kExpected{
     {S::Lifting, E::Failed, S::Idle, kFailure},
     {S::Raising, E::Failed, S::Idle, kFailure},
     {S::Paused, E::Failed, S::Idle, kFailure},
+    {S::Held, E::Failed, S::Idle, kFailure},
+    {S::Braking, E::Failed, S::Idle, kFailure},
     {S::Halting, E::Failed, S::Idle, kFailure},
     {S::Parking, E::Failed, S::Idle, kFailure},
 };
@@ -125,6 +152,17 @@ TEST_CASE("A print can fail in every state, and ends idle whatever happens to it
   }
   for (const PrintTransition& t : print_transitions()) {
     CHECK((t.to == S::Idle) == (t.effect_count > 0 && t.done().back() == F::Finish));
+  }
+}
+
+TEST_CASE("A print can be interrupted in every state, which turns the light off and never ends it") {
+  for (const S state : all_states()) {
+    if (state == S::Idle) continue;
+    CAPTURE(name_of(state));
+    const PrintTransition* found = find_transition(state, E::Interrupted);
+    REQUIRE(found != nullptr);
+    CHECK(found->done().front() == F::LightOff);
+    CHECK(found->to != S::Idle);
   }
 }
 

@@ -9,11 +9,12 @@ using namespace contourd;
 TEST_CASE("Every outcome of the axis and the projector has words of its own") {
   std::set<std::string_view> words;
   for (const HomingResult r :
-       {HomingResult::Homed, HomingResult::NoTrigger, HomingResult::StillClosed, HomingResult::Stopped}) {
+       {HomingResult::Homed, HomingResult::NoTrigger, HomingResult::StillClosed, HomingResult::WrongSwitch,
+        HomingResult::NoMovement, HomingResult::Fault, HomingResult::Stopped}) {
     CHECK(words.insert(describe(r)).second);
   }
-  for (const MoveResult r :
-       {MoveResult::Reached, MoveResult::Stopped, MoveResult::OutsideTravel, MoveResult::NotHomed}) {
+  for (const MoveResult r : {MoveResult::Reached, MoveResult::Stopped, MoveResult::OutsideTravel,
+                             MoveResult::NotHomed, MoveResult::Fault}) {
     CHECK(words.insert(describe(r)).second);
   }
   for (const ProjectorReply r : {ProjectorReply::Ok, ProjectorReply::Refused, ProjectorReply::NoAnswer}) {

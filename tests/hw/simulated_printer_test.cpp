@@ -160,6 +160,66 @@ TEST_CASE("A display that is lost answers so and is black") {
   CHECK(bench.printer.screen_is_black());
 }
 
+TEST_CASE("A display is unplugged once, tells of it, and comes back") {
+  SimulatedPrinterConfig config = small_display();
+  config.display.lost_after_frames = 1;
+  config.display.back_after = 60s;
+  Bench bench(config);
+  std::vector<Disturbance> told;
+  bench.printer.on_disturbance([&](const Disturbance& disturbance) { told.push_back(disturbance); });
+  bench.start_show(mask_of_grey(200));
+  bench.run();
+  CHECK(bench.printer.hindrance().empty());
+  bench.start_show(mask_of_grey(200));
+  while (told.empty())
+    REQUIRE(bench.clock.run_next());
+  CHECK(told[0].kind == Disturbance::Kind::Interruption);
+  CHECK(bench.printer.hindrance() == "the display is unplugged");
+  CHECK(bench.printer.screen_is_black());
+  bench.run();
+  REQUIRE(told.size() == 2);
+  CHECK(told[1].kind == Disturbance::Kind::Recovery);
+  CHECK(bench.printer.hindrance().empty());
+  bench.start_show(mask_of_grey(200));
+  bench.run();
+  CHECK(bench.presented.has_value());
+  CHECK(told.size() == 2);
+}
+
+TEST_CASE("A display unplugged between a mask and its refresh never showed it") {
+  Bench bench(small_display());
+  bench.start_show(mask_of_grey(200));
+  bench.printer.unplug_display();
+  bench.run();
+  CHECK(bench.answered);
+  CHECK_FALSE(bench.presented.has_value());
+}
+
+TEST_CASE("The lid is opened when the light has been on for long enough, and closed again") {
+  SimulatedPrinterConfig config;
+  config.lid_opened_after_light = 3s;
+  config.lid_open_for = 4s;
+  VirtualClock clock;
+  SimulatedPrinter printer(clock, config);
+  std::vector<std::pair<Disturbance::Kind, TimePoint>> told;
+  printer.on_disturbance(
+      [&](const Disturbance& disturbance) { told.emplace_back(disturbance.kind, clock.now()); });
+  printer.projector().power_on([](ProjectorReply) {});
+  while (clock.run_next()) {
+  }
+  TimePoint lit{};
+  for (int i = 0; i < 2; ++i) {
+    printer.projector().light_on([&](ProjectorReply) { lit = clock.now(); });
+    const auto off = clock.call_after(2s + config.projector.reply, [&] { printer.projector().light_off(); });
+    while (clock.run_next()) {
+    }
+  }
+  // Two seconds of the first light, one of the second.
+  REQUIRE(told.size() == 2);
+  CHECK(told[0] == std::pair{Disturbance::Kind::Interruption, lit + 1s});
+  CHECK(told[1] == std::pair{Disturbance::Kind::Recovery, lit + 5s});
+}
+
 TEST_CASE("A job's masks are kept as PNG files in its own folder") {
   const testing::TemporaryFolder folder;
   SimulatedPrinterConfig config = small_display();
@@ -337,6 +397,25 @@ TEST_CASE("A machine made safe is dark and black and still whatever it was doing
   bench.run();
   CHECK_FALSE(bench.printer.light_is_on());
   CHECK(bench.printer.screen_is_black());
+}
+
+TEST_CASE("the simulated projector says whether it is on, and what its last failure was") {
+  SimulatedPrinterConfig config = small_display();
+  config.projector.silent_after_commands = 2;
+  Bench bench(config);
+  std::optional<ProjectorStatus> status;
+  const auto ask = [&] {
+    bench.printer.projector().ask_status([&](const ProjectorStatus& s) { status = s; });
+    bench.run();
+    REQUIRE(status);
+  };
+  ask();
+  CHECK(status->powered == false);
+  bench.power_on();
+  ask();
+  CHECK(status->reply == ProjectorReply::NoAnswer);
+  CHECK(status->problem == "the projector does not answer");
+  CHECK_FALSE(status->powered);
 }
 
 TEST_CASE("A printer may be destroyed while everything is under way") {

@@ -9,7 +9,7 @@ import re
 
 from harness import (
     NIMBLE_RESIN, OK, REALTIME, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box, contourctl, cube, inside_out,
-    main, read_png, source_json, wedge,
+    main, read_png, source_json, wait_until, wedge,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers of 50 um
@@ -341,12 +341,12 @@ class Report(PrintTest):
         daemon.stop()
 
     def test_the_preview_shows_only_what_was_printed(self):
-        daemon = self.daemon({"simulation": {"display_lost_after_frames": 100}})
+        daemon = self.daemon({"simulation": {"projector_silent_after_commands": 101}})
         daemon.drop("part.stl", binary_stl(cube(20)))
         daemon.wait_refused("part")
         part = read_png(daemon.file("failed", "part.preview.png")).lit_box()
         daemon.stop()
-        daemon.config["simulation"].pop("display_lost_after_frames")
+        daemon.config["simulation"].pop("projector_silent_after_commands")
         daemon.write_config()
         daemon.start()
         daemon.drop("whole.stl", binary_stl(cube(20)))
@@ -387,19 +387,59 @@ class Fault(PrintTest):
         self.assertRegex(reason, "homing failed: .*switch")
         self.daemon_under_test.stop()
 
-    def test_a_display_that_is_lost_ends_the_print(self):
-        reason = self.fails({"display_lost_after_frames": 12}, 12)
-        self.assertIn("display", reason)
-        daemon = self.daemon_under_test
-        self.assertEqual(daemon.status()["plate"], "occupied")
-        # Each job has the frames anew: a short one does not reach the fault.
-        daemon.drop("short.stl", binary_stl(box((0, 0, 0), (10, 5, 0.5))))
-        self.assertEqual(daemon.wait_done("short")["layers_exposed"], 10)
+    def interrupted(self, simulation):
+        """A print that has paused by itself, and its status."""
+        daemon = self.daemon({"simulation": simulation})
+        daemon.drop("part.stl", SMALL)
+        return daemon, daemon.wait_state("paused")
+
+    def test_a_display_that_is_lost_pauses_the_print_until_it_is_back_and_the_owner_resumes(self):
+        daemon, status = self.interrupted({"display_lost_after_frames": 12, "display_back_after_s": 60})
+        self.assertEqual((status["job"]["interruption"], status["job"]["layer"]), ("the display was unplugged", 13))
+        self.assertEqual(status["job"]["layers_done"], 12)
+        # A simulated minute later, which is at once.
+        status = wait_until(lambda: (lambda s: None if s["hindrance"] else s)(daemon.status()), "the display")
+        self.assertEqual((status["state"], status["job"]["interruption"]), ("paused", "the display was unplugged"))
+        self.assertIn(b"stopped   the display was unplugged", daemon.ctl("status").stdout)
+        self.assertEqual(daemon.ctl("resume").returncode, OK)
+        report = daemon.wait_done("part")
+        daemon.stop()
+        self.assertEqual((report["outcome"], report["layers_exposed"]), ("done", 20))
+        self.assertEqual(report["interruptions"], ["layer 13: the display was unplugged"])
+        self.assertEqual(len(self.masks("part")), 20)  # none but those that could be seen
+        self.assertIn("layer 13: the display was unplugged; the light is off", daemon.log())
+        self.assertIn("the display was plugged in again", daemon.log())
+
+    def test_a_print_is_not_resumed_while_the_display_is_gone_and_can_be_cancelled(self):
+        daemon, status = self.interrupted({"display_lost_after_frames": 0})
+        self.assertEqual(status["hindrance"], "the display is unplugged")
+        refused = daemon.ctl("resume")
+        self.assertNotEqual(refused.returncode, OK)
+        self.assertIn(b"the print cannot go on: the display is unplugged", refused.stderr)
+        self.assertEqual(daemon.status()["state"], "paused")
+        self.assertEqual(daemon.ctl("cancel").returncode, OK)
+        self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
+        # The next job waits for the machine, and says so.
+        daemon.drop("next.stl", SMALL)
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        self.assertEqual((status["waiting_for"], status["queued"]), ("the display is unplugged", 1))
+        self.assertIn(b"machine   the display is unplugged", daemon.ctl("status").stdout)
         daemon.stop()
 
-    def test_a_display_that_was_never_there_ends_the_print(self):
-        self.assertIn("display", self.fails({"display_lost_after_frames": 0}, 0))
-        self.daemon_under_test.stop()
+    def test_a_lid_opened_in_an_exposure_divides_it_and_the_parts_add_up(self):
+        # Layers 1 to 5 have the bottom's 30 s each: the lid opens 18 s into the second.
+        daemon, status = self.interrupted({"lid_opened_after_light_s": 48})
+        self.assertEqual((status["job"]["interruption"], status["job"]["layer"]), ("the lid was opened", 2))
+        wait_until(lambda: not daemon.status()["hindrance"], "the lid to be closed")
+        self.assertEqual(daemon.rpc("resume")["result"]["job"]["interruption"], None)
+        report = daemon.wait_done("part")
+        daemon.stop()
+        self.assertEqual([record["exposure_parts"] for record in report["layer_records"]], [1, 2] + [1] * 18)
+        for record in report["layer_records"]:
+            self.assertAlmostEqual(record["exposure_measured_ms"], record["exposure_asked_ms"], delta=1e-5)
+        self.assertEqual(report["interruptions"], ["layer 2: the lid was opened"])
+        with open(daemon.file("done", "part.report.html"), encoding="utf-8") as file:
+            self.assertIn("layer 2: the lid was opened", file.read())
 
     def test_a_projector_that_falls_silent_ends_the_print(self):
         # Power on, then one command a layer.

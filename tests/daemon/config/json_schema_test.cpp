@@ -241,6 +241,18 @@ TEST_CASE("a schema borrows from another by reference") {
   CHECK_THROWS(JsonSchema(R"({"$ref": "other.json#/properties/colour"})", "other.json", other));
 }
 
+TEST_CASE("a schema may refer to another part of its own text, also through a third") {
+  const JsonSchema schema(R"({"definitions": {
+      "short": {"type": "integer", "maximum": 9},
+      "pair": {"type": "object", "properties": {"a": {"$ref": "#/definitions/short"}}}},
+    "type": "object", "properties": {"one": {"$ref": "#/definitions/short"}, "two": {"$ref": "#/definitions/pair"}}})");
+  JsonDocument document = JsonDocument::from_text(R"({"one": 10, "two": {"a": 11}})", "x.json");
+  schema.check(document);
+  REQUIRE(document.violations().size() == 2);
+  CHECK(document.violations()[0].message == "10 is more than the limit, 9");
+  CHECK(document.violations()[1].pointer == "/two/a");
+}
+
 TEST_CASE("what a plate shares with a ticket is said once, in the ticket's schema") {
   const json file = testing::shipped("plate.schema.json");
   const json& model = file["properties"]["models"]["items"]["properties"];

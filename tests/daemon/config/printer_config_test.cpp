@@ -112,6 +112,9 @@ TEST_CASE("every key of a printer file arrives in the configuration with its uni
                            {"start_height_mm", 12.5},
                            {"limit_switch", "stuck_closed"},
                            {"display_lost_after_frames", 3},
+                           {"display_back_after_s", 5},
+                           {"lid_opened_after_light_s", 7.5},
+                           {"lid_open_s", 2},
                            {"projector_reply_ms", 2.5},
                            {"projector_silent_after_commands", 4}};
   const PrinterConfig config = PrinterFolder(printer).load();
@@ -140,6 +143,9 @@ TEST_CASE("every key of a printer file arrives in the configuration with its uni
   CHECK(simulated.display.frame == std::chrono::milliseconds{20});
   CHECK(simulated.display.masks == "/m");
   CHECK(simulated.display.lost_after_frames == 3);
+  CHECK(simulated.display.back_after == std::chrono::seconds{5});
+  CHECK(simulated.lid_opened_after_light == std::chrono::milliseconds{7500});
+  CHECK(simulated.lid_open_for == std::chrono::seconds{2});
   CHECK(simulated.projector.warm_up == std::chrono::milliseconds{1500});
   CHECK(simulated.projector.reply == std::chrono::microseconds{2500});
   CHECK(simulated.projector.timeout == std::chrono::seconds{3});
@@ -161,6 +167,8 @@ TEST_CASE("what a printer file leaves out has the default value") {
   CHECK(config.simulated.projector.timeout == machine_defaults.projector.timeout);
   CHECK_FALSE(config.simulated.display.masks);
   CHECK_FALSE(config.simulated.display.lost_after_frames);
+  CHECK_FALSE(config.simulated.display.back_after);
+  CHECK_FALSE(config.simulated.lid_opened_after_light);
   CHECK_FALSE(config.simulated.projector.silent_after_commands);
 }
 

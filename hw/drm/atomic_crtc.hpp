@@ -1,0 +1,51 @@
+// A CRTC by the kernel's atomic calls. Not thread-safe.
+#pragma once
+
+#include "hw/drm/atomic_request.hpp"
+#include "hw/drm/crtc.hpp"
+
+namespace contourd {
+
+// A mode as the kernel holds it for a property.
+class ModeBlob {
+ public:
+  // Throws HardwareError.
+  ModeBlob(const Card& card, const Mode& mode);
+  ~ModeBlob();
+  ModeBlob(const ModeBlob&) = delete;
+  ModeBlob& operator=(const ModeBlob&) = delete;
+
+  [[nodiscard]] std::uint32_t id() const { return id_; }
+
+ private:
+  int fd_;
+  std::uint32_t id_ = 0;
+};
+
+class AtomicCrtc final : public Crtc {
+ public:
+  // Throws HardwareError when the kernel takes no mode. The card must outlive it. REQUIRES: the card has
+  // DRM_CLIENT_CAP_ATOMIC.
+  AtomicCrtc(const Card& card, const Connector& connector, const CrtcRoute& route, const Mode& mode);
+
+  [[nodiscard]] std::uint32_t id() const noexcept override { return id_; }
+  [[nodiscard]] bool is_atomic() const noexcept override { return true; }
+  [[nodiscard]] int test_mode(const Framebuffer& picture) noexcept override;
+  [[nodiscard]] int set_mode(const Framebuffer& picture) noexcept override;
+  [[nodiscard]] int flip(const Framebuffer& picture, std::uint64_t serial) noexcept override;
+  [[nodiscard]] int show(const Framebuffer& picture) noexcept override;
+  int turn_off() noexcept override;
+
+ private:
+  void clear_the_way(const Card& card, const Connector& connector, const CrtcRoute& route);
+  void add_neutral_values(const ObjectProperties& crtc, const ObjectProperties& connector,
+                          const ObjectProperties& plane);
+
+  int fd_;
+  std::uint32_t id_;
+  ModeBlob mode_;
+  AtomicRequest set_mode_, flip_;  // the last value of both is the framebuffer
+  AtomicRequest turn_off_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,56 @@
+// Property values that the kernel takes all at once or not at all (DRM_IOCTL_MODE_ATOMIC). Made once and
+// committed many times: libdrm's own request allocates at every commit, and page flips must not. Not
+// thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace contourd {
+
+// The properties of one kernel object, as they are at the time of reading.
+class ObjectProperties {
+ public:
+  // `type` is DRM_MODE_OBJECT_*. None when there is no such object.
+  ObjectProperties(int fd, std::uint32_t object, std::uint32_t type);
+
+  struct Property {
+    std::uint32_t id = 0;
+    std::uint64_t value = 0;
+  };
+  [[nodiscard]] std::optional<Property> find(const std::string& name) const;
+  [[nodiscard]] std::uint32_t object() const { return object_; }
+
+ private:
+  struct Named {
+    std::string name;
+    Property property;
+  };
+  std::uint32_t object_;
+  std::vector<Named> properties_;
+};
+
+class AtomicRequest {
+ public:
+  // An object without that property makes every commit fail.
+  void set(const ObjectProperties& object, const std::string& name, std::uint64_t value);
+  // Only where the object has the property, with another value.
+  void set_if_other(const ObjectProperties& object, const std::string& name, std::uint64_t value);
+
+  // Of the property that was set last, once more. REQUIRES: one was set.
+  void change_last(std::uint64_t value) noexcept { values_.back() = value; }
+
+  // `flags` are DRM_MODE_ATOMIC_* and DRM_MODE_PAGE_FLIP_EVENT. Returns 0 or an errno.
+  [[nodiscard]] int commit(int fd, std::uint32_t flags, std::uint64_t user_data = 0) noexcept;
+
+ private:
+  void add(std::uint32_t object, std::uint32_t property, std::uint64_t value);
+
+  std::vector<std::uint32_t> objects_, counts_, properties_;
+  std::vector<std::uint64_t> values_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,48 @@
+// A connector as the kernel describes it at a time. Value type and pure functions.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hw/drm/mode.hpp"
+
+namespace contourd {
+
+struct Connector {
+  enum class Status { Connected, Disconnected, Unknown };
+
+  std::uint32_t id = 0;
+  std::string name;  // "HDMI-A-1"
+  Status status = Status::Unknown;
+  PictureSize size;
+  std::vector<Mode> modes;
+  std::uint32_t possible_crtcs = 0;  // bit n: the card's n-th CRTC can feed it
+  std::uint32_t crtc_id = 0;         // that feeds it now, or 0
+};
+
+// "HDMI-A-1 (connected)"
+[[nodiscard]] std::string describe(const Connector& connector);
+
+// A card's outputs, for choosing among them.
+struct CardOutputs {
+  std::string card;  // "/dev/dri/card0 (vc4)"
+  std::vector<Connector> connectors;
+};
+
+struct OutputIndex {
+  std::size_t card = 0, connector = 0;
+};
+
+// Which output the config means among these cards: the first connected one, or, of the wanted name, one that
+// is connected before one that is not. Nothing when none is wanted by name and none is connected. Throws
+// HardwareError with the connectors that there are when the wanted name is not among them.
+[[nodiscard]] std::optional<OutputIndex> choose_output(std::span<const CardOutputs> cards,
+                                                       const DrmDisplayConfig& config);
+
+// "/dev/dri/card0 (vc4): HDMI-A-1 (connected), HDMI-A-2 (disconnected)"
+[[nodiscard]] std::string describe(std::span<const CardOutputs> cards);
+
+}  // namespace contourd

@@ -1,0 +1,65 @@
+// What feeds one connector with pictures: a CRTC in one mode, with its primary plane. Two kinds, by the
+// kernel's atomic or legacy calls; make_crtc() chooses. Not thread-safe. Calls return 0 or an errno, and
+// those that are noexcept neither allocate nor throw.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hw/drm/card.hpp"
+#include "hw/drm/connector.hpp"
+#include "hw/drm/dumb_buffer.hpp"
+
+namespace contourd {
+
+class Crtc {
+ public:
+  Crtc() = default;
+  Crtc(const Crtc&) = delete;
+  Crtc& operator=(const Crtc&) = delete;
+  virtual ~Crtc() = default;  // leaves the output as it is
+
+  [[nodiscard]] virtual std::uint32_t id() const noexcept = 0;
+  [[nodiscard]] virtual bool is_atomic() const noexcept = 0;
+
+  // Whether the driver would take the mode with this picture; what is on the screen stays. 0 where the driver
+  // cannot say.
+  [[nodiscard]] virtual int test_mode(const Framebuffer& picture) noexcept = 0;
+  // Sets the mode, with this picture on the screen when it returns.
+  [[nodiscard]] virtual int set_mode(const Framebuffer& picture) noexcept = 0;
+  // Asks for the picture from the next refresh on and returns at once; the card's descriptor then gives an
+  // event with `serial` (struct drm_event_vblank's user_data). EBUSY while an earlier one waits.
+  [[nodiscard]] virtual int flip(const Framebuffer& picture, std::uint64_t serial) noexcept = 0;
+  // As flip(), but waits for whatever is pending and until the picture is on the screen: two refreshes at
+  // most, 10 s (the kernel's own limit) when the driver hangs. No event.
+  [[nodiscard]] virtual int show(const Framebuffer& picture) noexcept = 0;
+  // No signal. May wait as show().
+  virtual int turn_off() noexcept = 0;
+};
+
+// A CRTC that may feed a connector, and the plane of pictures that fills it.
+struct CrtcRoute {
+  std::uint32_t crtc_id = 0, plane_id = 0;
+  std::vector<std::uint32_t> formats;  // of the plane, DRM_FORMAT_*
+};
+
+// Best first: that which feeds the connector now, then idle ones, then those that feed another one. Throws
+// HardwareError when there is none.
+[[nodiscard]] std::vector<CrtcRoute> routes_to(const Card& card, const Connector& connector);
+
+// "XR24 RG16"
+[[nodiscard]] std::string describe_formats(const std::vector<std::uint32_t>& formats);
+
+// Throws HardwareError with the formats there are when the route's plane does not show this one. `output` is
+// named in it.
+void check_format(const CrtcRoute& route, PixelFormat format, const std::string& output);
+
+// Atomic where the driver has it and a test commit of the mode with this picture succeeds, else legacy;
+// changes nothing on the screen. The card must outlive it. Throws HardwareError. A card that is not DRM
+// master cannot test, and gets the legacy kind.
+[[nodiscard]] std::unique_ptr<Crtc> make_crtc(const Card& card, const Connector& connector, const Mode& mode,
+                                              const Framebuffer& picture, bool legacy);
+
+}  // namespace contourd

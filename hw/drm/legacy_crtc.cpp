@@ -1,0 +1,33 @@
+#include "hw/drm/legacy_crtc.hpp"
+
+#include <xf86drm.h>
+#include <xf86drmMode.h>
+
+#include <cstdint>
+
+namespace contourd {
+
+LegacyCrtc::LegacyCrtc(const Card& card, const Connector& connector, const CrtcRoute& route, const Mode& mode)
+    : fd_(card.fd()), id_(route.crtc_id), connector_id_(connector.id), mode_(mode) {}
+
+int LegacyCrtc::set_mode(const Framebuffer& picture) noexcept {
+  // A cursor of somebody else's; refused where there is none.
+  drmModeSetCursor(fd_, id_, 0, 0, 0);
+  return show(picture);
+}
+
+int LegacyCrtc::flip(const Framebuffer& picture, std::uint64_t serial) noexcept {
+  // The serial comes back as the event's user_data.
+  void* const user_data = reinterpret_cast<void*>(static_cast<std::uintptr_t>(serial));
+  return -drmModePageFlip(fd_, id_, picture.id(), DRM_MODE_PAGE_FLIP_EVENT, user_data);
+}
+
+int LegacyCrtc::show(const Framebuffer& picture) noexcept {
+  return -drmModeSetCrtc(fd_, id_, picture.id(), 0, 0, &connector_id_, 1, &mode_);
+}
+
+int LegacyCrtc::turn_off() noexcept {
+  return -drmModeSetCrtc(fd_, id_, 0, 0, 0, nullptr, 0, nullptr);
+}
+
+}  // namespace contourd

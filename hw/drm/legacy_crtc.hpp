@@ -1,0 +1,27 @@
+// A CRTC by the kernel's calls from before atomic ones. Not thread-safe.
+#pragma once
+
+#include "hw/drm/crtc.hpp"
+
+namespace contourd {
+
+class LegacyCrtc final : public Crtc {
+ public:
+  // The card must outlive it.
+  LegacyCrtc(const Card& card, const Connector& connector, const CrtcRoute& route, const Mode& mode);
+
+  [[nodiscard]] std::uint32_t id() const noexcept override { return id_; }
+  [[nodiscard]] bool is_atomic() const noexcept override { return false; }
+  [[nodiscard]] int test_mode(const Framebuffer&) noexcept override { return 0; }
+  [[nodiscard]] int set_mode(const Framebuffer& picture) noexcept override;
+  [[nodiscard]] int flip(const Framebuffer& picture, std::uint64_t serial) noexcept override;
+  [[nodiscard]] int show(const Framebuffer& picture) noexcept override;
+  int turn_off() noexcept override;
+
+ private:
+  int fd_;
+  std::uint32_t id_, connector_id_;
+  Mode mode_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,18 @@
+// What libdrm allocates, freed by its own function.
+#pragma once
+
+#include <memory>
+
+namespace contourd {
+
+template <auto kFree>
+struct FreeBy {
+  template <typename Type>
+  void operator()(Type* object) const {
+    kFree(object);
+  }
+};
+template <typename Type, auto kFree>
+using LibdrmPointer = std::unique_ptr<Type, FreeBy<kFree>>;
+
+}  // namespace contourd

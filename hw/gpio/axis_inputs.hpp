@@ -1,0 +1,118 @@
+// The axis' switches, emergency stop, lid and encoder: what the thread that reads their edges does, without
+// the waiting. It halts the steps itself where that cannot wait, and tells the owner (the event loop) what
+// has settled. What runs on the thread neither allocates, locks, logs nor throws.
+#pragma once
+
+#include <poll.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "hw/gpio/debounce.hpp"
+#include "hw/gpio/digital_line.hpp"
+#include "hw/gpio/encoder_edges.hpp"
+#include "hw/gpio/event_descriptor.hpp"
+#include "hw/gpio/step_engine.hpp"
+
+namespace contourd {
+
+enum class AxisInput : std::uint8_t { LimitSwitch, SecondSwitch, EmergencyStop, Lid };
+inline constexpr std::size_t kAxisInputs = 4;
+
+// A contact has come to rest.
+struct InputChange {
+  AxisInput which = AxisInput::LimitSwitch;
+  bool active = false;
+  bool changed = false;  // or else it bounced and is where it was
+  bool halted = false;   // the steps were halted for it
+  TimePoint at{};        // the first edge to this level
+};
+
+// When the limit switch halts the steps.
+enum class LimitRule : std::uint8_t {
+  Never,
+  AtContact,  // at its first edge: homing
+  Beyond,     // when it has settled and the motor stands where the switch should be open
+};
+
+class AxisInputs {
+ public:
+  struct Contact {
+    InputLine* line = nullptr;  // not owned; null: there is none
+    Duration debounce{};
+  };
+  struct Lines {
+    std::array<Contact, kAxisInputs> contacts;  // by AxisInput
+    InputLine *encoder_a = nullptr, *encoder_b = nullptr;
+  };
+
+  // Reads every level. The engine and the lines must outlive this. Throws std::system_error (an eventfd).
+  AxisInputs(StepEngine& engine, const Lines& lines, StepEngine::Now now = monotonic_now);
+
+  // The owner's.
+
+  // From now on, and only while it is so: the rule holds once. `limit` is the last position at which a closed
+  // switch is in order, for the rule Beyond: below it or, with `from_above`, above it.
+  void set_limit_rule(LimitRule rule, std::int64_t limit = 0, bool from_above = false) noexcept;
+  // Whether the second switch, once settled, halts the steps.
+  void watch_second_switch(bool watched) noexcept;
+  [[nodiscard]] bool active(AxisInput which) const noexcept { return settled_[index(which)]; }
+  [[nodiscard]] std::optional<InputChange> take_change() noexcept;
+  // Readable when there are changes to take.
+  [[nodiscard]] EventDescriptor& changes() noexcept { return changed_; }
+  // Changes came faster than they were taken, or a line's chip has gone: what is said of the inputs cannot be
+  // relied on any more. The steps are barred.
+  [[nodiscard]] bool lost() const noexcept { return lost_; }
+  // Up while A leads B.
+  [[nodiscard]] std::int64_t encoder_count() const noexcept { return count_; }
+  [[nodiscard]] std::uint64_t illegal_encoder_edges() const noexcept { return illegal_; }
+
+  // The thread's.
+
+  // Readable when the rules have changed.
+  [[nodiscard]] EventDescriptor& work() noexcept { return work_; }
+  // Takes all edges there are and does what follows from them. Returns when to call again, edges or not.
+  std::optional<TimePoint> serve() noexcept;
+  // What is to be waited for: the lines' edges, and work().
+  static constexpr std::size_t kDescriptors = kAxisInputs + 3;
+  [[nodiscard]] std::array<pollfd, kDescriptors> descriptors() const noexcept;
+  // A descriptor has failed: its chip has gone.
+  void lose() noexcept;
+
+ private:
+  [[nodiscard]] static std::size_t index(AxisInput which) { return static_cast<std::size_t>(which); }
+  void take_edges(AxisInput which) noexcept;
+  void read_levels(TimePoint now) noexcept;
+  void at_edge(AxisInput which, const LineEdge& edge) noexcept;
+  void settle(AxisInput which, TimePoint now) noexcept;
+  void apply_rules() noexcept;
+  void tell(const InputChange& change) noexcept;
+  [[nodiscard]] bool out_of_place(std::int64_t position) const noexcept;
+  [[nodiscard]] bool watching() const noexcept;
+
+  StepEngine& engine_;
+  Lines lines_;
+  StepEngine::Now now_;
+  EventDescriptor work_, changed_;
+
+  std::atomic<LimitRule> limit_rule_{LimitRule::Never};
+  std::atomic<std::int64_t> limit_{0};
+  std::atomic<bool> from_above_{false}, second_watched_{false}, lost_{false};
+  std::array<std::atomic<bool>, kAxisInputs> settled_{};
+  std::atomic<std::int64_t> count_{0};
+  std::atomic<std::uint64_t> illegal_{0};
+
+  static constexpr std::uint32_t kChanges = 64;
+  std::array<InputChange, kChanges> ring_{};
+  std::atomic<std::uint32_t> told_{0}, taken_{0};
+
+  // The thread's.
+  std::array<Debounce, kAxisInputs> contacts_;
+  std::array<bool, kAxisInputs> halted_{};  // in this bout of edges
+  EncoderEdges encoder_;
+  TimePoint levels_read_{};
+};
+
+}  // namespace contourd

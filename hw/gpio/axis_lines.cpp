@@ -1,0 +1,47 @@
+#include <cmath>
+#include <cstdio>
+
+#include "hw/gpio/gpio_axis.hpp"
+#include "hw/gpio/gpio_lines.hpp"
+
+namespace contourd {
+namespace {
+
+std::unique_ptr<InputLine> take_input(const std::optional<GpioInputConfig>& config, const char* use) {
+  if (!config) return nullptr;
+  return std::make_unique<GpioInput>(config->line, config->bias, use);
+}
+
+}  // namespace
+
+std::optional<std::string> contradiction(const GpioAxisConfig& config) {
+  const double rate = config.top_speed.count() * config.microsteps_per_mm;
+  const double pulses_s = 2 * std::chrono::duration<double>(config.pulse_width).count();
+  // Three quarters: as short as an interval becomes behind a late step.
+  const double most = 0.75 / pulses_s;
+  if (rate <= most) return std::nullopt;
+  char words[160];
+  std::snprintf(
+      words, sizeof words,
+      "the axis' top speed of %g mm/s is %.0f steps/s; pulses of %g us and pauses as long allow %.0f",
+      config.top_speed.count(), rate, static_cast<double>(config.pulse_width.count()) / 1e3,
+      std::floor(most));
+  return words;
+}
+
+AxisLines take_lines(const GpioAxisConfig& config) {
+  AxisLines lines;
+  if (config.enable) lines.enable = std::make_unique<GpioOutput>(*config.enable, "enable", false);
+  lines.step = std::make_unique<GpioOutput>(config.step, "step", false);
+  lines.direction = std::make_unique<GpioOutput>(config.direction, "direction", false);
+  lines.inputs = {take_input(config.limit_switch, "limit switch"),
+                  take_input(config.second_switch, "second switch"),
+                  take_input(config.emergency_stop, "emergency stop"), take_input(config.lid, "lid")};
+  if (const auto& encoder = config.encoder) {
+    lines.encoder_a = take_input(GpioInputConfig{encoder->a, encoder->bias, {}}, "encoder A");
+    lines.encoder_b = take_input(GpioInputConfig{encoder->b, encoder->bias, {}}, "encoder B");
+  }
+  return lines;
+}
+
+}  // namespace contourd

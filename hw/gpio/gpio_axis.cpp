@@ -1,0 +1,389 @@
+#include "hw/gpio/gpio_axis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "hw/hardware_error.hpp"
+
+namespace contourd {
+namespace {
+
+// A limit switch that is closed this far from where it closes is out of place: more than any switch's
+// hysteresis.
+constexpr Nanometers kSwitchReach{1'000'000};
+// The encoder is looked at this often while the motor turns.
+constexpr Duration kFollow{std::chrono::milliseconds{10}};
+// How far behind the motor what the encoder says may be in time: its edges are counted half a millisecond
+// late.
+constexpr double kEncoderLag_s = 0.005;
+// A difference of so many tolerances is no matter of a few more steps.
+constexpr double kHopeless = 10;
+constexpr int kCorrections = 3;
+
+std::string words_of(const GpioLineConfig& line) {
+  return "line " + line.line + " of " + line.chip;
+}
+
+std::string millimeters(double mm) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f mm", mm);
+  return text;
+}
+
+const GpioAxisConfig& checked(const GpioAxisConfig& config) {
+  if (const auto what = contradiction(config)) throw HardwareError(*what);
+  return config;
+}
+
+AxisInputs::Lines input_lines(const GpioAxisConfig& config, const AxisLines& lines) {
+  AxisInputs::Lines inputs;
+  const std::array debounce{config.limit_switch.debounce,
+                            config.second_switch ? config.second_switch->debounce : Duration{},
+                            config.emergency_stop ? config.emergency_stop->debounce : Duration{},
+                            config.lid ? config.lid->debounce : Duration{}};
+  for (std::size_t i = 0; i < kAxisInputs; ++i)
+    inputs.contacts[i] = {lines.inputs[i].get(), debounce[i]};
+  inputs.encoder_a = lines.encoder_a.get();
+  inputs.encoder_b = lines.encoder_b.get();
+  return inputs;
+}
+
+GpioAxis::Parts real_parts(const GpioAxisConfig& config) {
+  return {take_lines(checked(config)), monotonic_now,
+          [priority = config.realtime_priority](StepEngine& engine, AxisInputs& inputs) {
+            return std::make_unique<RealtimeAxisThreads>(engine, inputs, priority);
+          }};
+}
+
+}  // namespace
+
+GpioAxis::GpioAxis(Clock& clock, DescriptorWatcher& watcher, const GpioAxisConfig& config)
+    : GpioAxis(clock, watcher, config, real_parts(config)) {}
+
+GpioAxis::GpioAxis(Clock& clock, DescriptorWatcher& watcher, const GpioAxisConfig& config, Parts parts)
+    : clock_(clock),
+      config_(checked(config)),
+      screw_(config.microsteps_per_mm, config.backlash),
+      lines_(std::move(parts.lines)),
+      engine_(*lines_.step, *lines_.direction, {config.pulse_width, config.direction_setup}, parts.now),
+      inputs_(engine_, input_lines(config, lines_), parts.now),
+      watch_end_(watcher.when_readable(engine_.ended().descriptor(), [this] { run_ended(); })),
+      watch_inputs_(watcher.when_readable(inputs_.changes().descriptor(), [this] { inputs_changed(); })),
+      threads_(parts.start_threads(engine_, inputs_)) {}
+
+GpioAxis::~GpioAxis() {
+  engine_.bar();
+}
+
+// Steps.
+
+void GpioAxis::when_ready(std::function<void()> call) {
+  if (engine_.moving()) {  // a run that was aborted has yet to end
+    ready_ = [this, call = std::move(call)]() mutable { when_ready(std::move(call)); };
+    return;
+  }
+  rest_ = now_at();
+  if (engine_.barred()) return after(Duration{0}, [this] { blocked(); });
+  if (enabled_ || !lines_.enable) return call();
+  if (!lines_.enable->set(true)) {
+    return after(Duration{0}, [this] {
+      fail({HomingResult::Fault,
+            "the kernel refuses to set the motor's enable line, " + words_of(*config_.enable)});
+    });
+  }
+  enabled_ = true;
+  after(config_.enable_settle, std::move(call));
+}
+
+MotionLimits GpioAxis::limits(MillimetersPerSecond speed) const {
+  const double per_mm = config_.microsteps_per_mm;
+  MotionLimits limits{std::min(speed, config_.top_speed).count() * per_mm,
+                      config_.acceleration.count() * per_mm};
+  if (config_.jerk_mm_s3) limits.jerk = *config_.jerk_mm_s3 * per_mm;
+  return limits;
+}
+
+void GpioAxis::run(Way way, std::int64_t steps, MillimetersPerSecond speed, std::function<void()> then) {
+  rest_ = now_at();
+  trip_.reset();
+  then_ = std::move(then);
+  running_ = true;
+  begin_following();
+  engine_.start({steps, limits(speed)});
+  set_rules(way, steps * towards_switch() > 0);
+}
+
+// After start(), which forgets halts: a rule that is broken already halts at once.
+void GpioAxis::set_rules(Way way, bool towards_switch) {
+  const bool at_other_end = inputs_.active(AxisInput::SecondSwitch);
+  inputs_.watch_second_switch(config_.second_switch && !(at_other_end && towards_switch));
+  if (way == Way::Seek) return inputs_.set_limit_rule(LimitRule::AtContact);
+  if (way == Way::BackOff) return inputs_.set_limit_rule(LimitRule::Never);
+  const Nanometers reach = config_.homes_upwards ? -kSwitchReach : kSwitchReach;
+  inputs_.set_limit_rule(LimitRule::Beyond, screw_.nearest_step(config_.switch_height + reach),
+                         config_.homes_upwards);
+}
+
+void GpioAxis::after(Duration wait, std::function<void()> call) {
+  wait_ = clock_.call_after(wait, std::move(call));
+}
+
+void GpioAxis::run_ended() {
+  engine_.ended().clear();
+  if (engine_.moving()) return;
+  if (const auto ready = std::exchange(ready_, nullptr)) return ready();
+  if (!running_) return;
+  running_ = false;
+  rest_ = now_at();
+  following_.reset();
+  inputs_.set_limit_rule(LimitRule::Never);
+  inputs_.watch_second_switch(false);
+  inputs_changed();  // what a halt was for
+  if (!moving()) return;
+  if (engine_.barred()) return blocked();
+  if (trip_) return fail(Trip(*trip_));
+  switch (engine_.last_end()) {
+    case StepEnd::LineRefused:
+      return fail({HomingResult::Fault, "the kernel refuses to set the step line, " + words_of(config_.step) +
+                                            ", or the direction line, " + words_of(config_.direction)});
+    case StepEnd::Halted:
+      return seek_on();
+    case StepEnd::Stopped:
+      return end_stopped();
+    case StepEnd::Completed:
+      break;
+  }
+  if (stop_wanted_) return end_stopped();
+  if (const auto then = std::exchange(then_, nullptr)) then();
+}
+
+// Inputs.
+
+void GpioAxis::inputs_changed() {
+  inputs_.changes().clear();
+  if (inputs_.lost() && !loss_told_) blocked();
+  while (const auto change = inputs_.take_change())
+    take_change(*change);
+}
+
+void GpioAxis::take_change(const InputChange& change) {
+  const std::string where = position_known_ ? " at " + millimeters(to_millimeters(*height()).count()) : "";
+  switch (change.which) {
+    case AxisInput::EmergencyStop:
+      if (!emergency_told_ && (change.active || engine_.barred())) blocked();
+      if (change.active || inputs_.lost()) return;
+      emergency_told_ = false;
+      return engine_.allow();
+    case AxisInput::Lid:
+      if (!change.active || !change.changed) return;
+      return disturb(Disturbance::Kind::Interruption,
+                     "the lid was opened (" + words_of(config_.lid->line) + ")");
+    case AxisInput::SecondSwitch:
+      if (!change.halted) return;
+      trip_ = Trip{HomingResult::WrongSwitch, "the switch at the end that is not homed to (" +
+                                                  words_of(config_.second_switch->line) + ") closed" + where};
+      return;
+    case AxisInput::LimitSwitch:
+      if (!change.halted) return;
+      if (!seek_) {
+        trip_ = Trip{HomingResult::Fault, "the limit switch (" + words_of(config_.limit_switch.line) +
+                                              ") is closed" + where + ", where it should be open"};
+        return;
+      }
+      seek_->contact = change;
+      if (!engine_.moving() && !running_) seek_on();
+  }
+}
+
+// Barred: by the emergency stop, or because the inputs are lost.
+void GpioAxis::blocked() {
+  if (inputs_.lost()) {
+    loss_told_ = true;
+    return fail(
+        {HomingResult::Fault, "the axis' inputs on " + config_.limit_switch.line.chip +
+                                  " can no longer be read: their chip has gone, or they change without end"});
+  }
+  emergency_told_ = true;
+  fail({HomingResult::Fault,
+        "the emergency stop is pressed (" + words_of(config_.emergency_stop->line) + ")"});
+}
+
+// Moves.
+
+void GpioAxis::move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) {
+  move_done_ = std::move(done);
+  stop_wanted_ = false;
+  if (!position_known_) return after(Duration{0}, [this] { end_move(MoveResult::NotHomed); });
+  if (target < Nanometers{0} || target > config_.travel) {
+    return after(Duration{0}, [this] { end_move(MoveResult::OutsideTravel); });
+  }
+  when_ready([this, speed, plate = screw_.nearest_step(target)] {
+    approach(plate, speed, [this] { end_move(MoveResult::Reached); });
+  });
+}
+
+// From below, if the screw has backlash: the plate ends where it bears on the screw.
+void GpioAxis::approach(std::int64_t plate, MillimetersPerSecond speed, std::function<void()> then) {
+  begin_approach(plate, speed,
+                 [this, plate, speed, then = std::move(then)] { verify(plate, speed, kCorrections, then); });
+}
+
+void GpioAxis::begin_approach(std::int64_t plate, MillimetersPerSecond speed, std::function<void()> there) {
+  const Screw::Rest from = now_at();
+  if (plate >= from.plate() || screw_.backlash() == 0) {
+    return run(Way::Move, plate - from.motor, speed, std::move(there));
+  }
+  run(Way::Move, plate - screw_.backlash() - from.motor, speed,
+      [this, speed, there = std::move(there)] { run(Way::Move, screw_.backlash(), speed, there); });
+}
+
+// With an encoder: that the plate is where the steps say, or what is to be done about it.
+void GpioAxis::verify(std::int64_t plate, MillimetersPerSecond speed, int corrections,
+                      std::function<void()> then) {
+  if (!config_.encoder) return then();
+  after(kRest, [this, plate, speed, corrections, then = std::move(then)] {
+    const double off_mm =
+        (measured_plate() - static_cast<double>(now_at().plate())) / config_.microsteps_per_mm;
+    if (std::fabs(off_mm) <= to_millimeters(config_.encoder->tolerance).count()) return then();
+    if (config_.encoder->policy == EncoderConfig::Policy::Fault || corrections == 0) {
+      return fail({HomingResult::NoMovement, difference()});
+    }
+    engine_.set_position(std::llround(measured_plate()) - rest_.play);
+    rest_.motor = engine_.position();
+    begin_approach(plate, speed,
+                   [this, plate, speed, corrections, then] { verify(plate, speed, corrections - 1, then); });
+  });
+}
+
+void GpioAxis::stop() {
+  if (!moving()) return;
+  stop_wanted_ = true;
+  if (running_) return engine_.stop();
+  ready_ = nullptr;
+  after(Duration{0}, [this] { end_stopped(); });
+}
+
+void GpioAxis::abort() noexcept {
+  if (!moving()) return;
+  engine_.halt();
+  position_known_ = false;
+  forget();
+  homing_done_ = nullptr;
+  move_done_ = nullptr;
+}
+
+void GpioAxis::forget() noexcept {
+  running_ = false;
+  inputs_.set_limit_rule(LimitRule::Never);
+  inputs_.watch_second_switch(false);
+  seek_.reset();
+  wait_.reset();
+  following_.reset();
+  then_ = nullptr;
+  ready_ = nullptr;
+}
+
+// Endings.
+
+void GpioAxis::end_move(MoveResult result) {
+  forget();
+  if (const auto done = std::exchange(move_done_, nullptr)) done(result);
+}
+
+void GpioAxis::end_homing(HomingResult result) {
+  forget();
+  if (const auto done = std::exchange(homing_done_, nullptr)) done(result);
+}
+
+void GpioAxis::end_stopped() {
+  if (homing_done_) return end_homing(HomingResult::Stopped);
+  end_move(MoveResult::Stopped);
+}
+
+void GpioAxis::fail(const Trip& trip) {
+  if (moving()) {
+    engine_.halt();
+    position_known_ = false;
+    forget();
+  }
+  // The one who is told may abort: nothing is left to answer then.
+  disturb(Disturbance::Kind::Fault, trip.what);
+  if (homing_done_) return end_homing(trip.homing);
+  if (move_done_) end_move(MoveResult::Fault);
+}
+
+void GpioAxis::disturb(Disturbance::Kind kind, const std::string& what) {
+  if (disturbed_) disturbed_({kind, what});
+}
+
+// Where the plate is.
+
+std::optional<Nanometers> GpioAxis::height() const {
+  if (!position_known_) return std::nullopt;
+  return screw_.height(config_.encoder ? measured_plate() : static_cast<double>(now_at().plate()));
+}
+
+std::optional<Nanometers> GpioAxis::height_at(TimePoint time) const {
+  if (!position_known_) return std::nullopt;
+  const double made = static_cast<double>(screw_.moved(rest_, engine_.position_at(time)).plate());
+  const double off = config_.encoder ? measured_plate() - static_cast<double>(now_at().plate()) : 0;
+  return screw_.height(made + off);
+}
+
+Duration GpioAxis::move_duration(Nanometers distance, MillimetersPerSecond speed) const {
+  const std::int64_t steps = screw_.nearest_step(distance);
+  const auto taken = [this, speed](std::int64_t way) {
+    return StepPlanner(std::abs(way), limits(speed)).duration();
+  };
+  const Duration rest = config_.encoder ? kRest : Duration{0};
+  if (steps >= 0 || screw_.backlash() == 0) return taken(steps) + rest;
+  return taken(steps - screw_.backlash()) + taken(screw_.backlash()) + rest;
+}
+
+// Encoder.
+
+std::int64_t GpioAxis::counts() const {
+  return config_.encoder->reversed ? -inputs_.encoder_count() : inputs_.encoder_count();
+}
+
+double GpioAxis::measured_plate() const {
+  const double mm = static_cast<double>(counts() - counts_then_) / config_.encoder->counts_per_mm;
+  return static_cast<double>(plate_then_) + mm * config_.microsteps_per_mm;
+}
+
+void GpioAxis::begin_following() {
+  if (!config_.encoder) return;
+  if (!position_known_) agree();
+  following_ = clock_.call_after(kFollow, [this] { follow(); });
+}
+
+void GpioAxis::agree() {
+  if (!config_.encoder) return;
+  counts_then_ = counts();
+  plate_then_ = now_at().plate();
+}
+
+void GpioAxis::follow() {
+  const double off_mm =
+      std::fabs(measured_plate() - static_cast<double>(now_at().plate())) / config_.microsteps_per_mm;
+  const bool corrects = position_known_ && config_.encoder->policy == EncoderConfig::Policy::Correct;
+  // While the position is unknown the screw's play is, too.
+  const Nanometers play = position_known_ ? Nanometers{0} : config_.backlash;
+  const double allowed_mm = to_millimeters(config_.encoder->tolerance).count() * (corrects ? kHopeless : 1) +
+                            to_millimeters(play).count() + config_.top_speed.count() * kEncoderLag_s;
+  if (off_mm > allowed_mm) return fail({HomingResult::NoMovement, difference()});
+  following_ = clock_.call_after(kFollow, [this] { follow(); });
+}
+
+std::string GpioAxis::difference() const {
+  const double per_mm = config_.microsteps_per_mm;
+  const auto plate = static_cast<double>(now_at().plate()), then = static_cast<double>(plate_then_);
+  const double from = position_known_ ? 0 : then / per_mm;
+  return "the encoder says " + millimeters(measured_plate() / per_mm - from) +
+         " where the motor's steps make " + millimeters(plate / per_mm - from) +
+         ": steps were lost, or the encoder does not count";
+}
+
+}  // namespace contourd

@@ -1,0 +1,166 @@
+// A Z axis of a stepper motor behind GPIO lines: step, direction, enable, limit switch and what else its
+// owner has fitted. Event loop's thread only; two threads of its own make the steps and read the inputs.
+//
+// Homing: towards the limit switch at homing speed; 5 mm back; towards it again at half the speed. At the
+// switch's first edge the reading thread halts the steps: the motor goes on for as many steps as fall between
+// the kernel's time stamp of the edge and that thread's waking, one as a rule at 4,000 steps/s. The position
+// is exact all the same: the step count at the time stamp. Then the plate moves to the switch's height.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hw/descriptor_watcher.hpp"
+#include "hw/gpio/axis_inputs.hpp"
+#include "hw/gpio/axis_threads.hpp"
+#include "hw/gpio/gpio_axis_config.hpp"
+#include "hw/gpio/screw.hpp"
+#include "hw/gpio/step_engine.hpp"
+#include "hw/machine.hpp"
+#include "hw/z_axis.hpp"
+
+namespace contourd {
+
+// What is wrong with the figures together, as a sentence; nothing when they fit.
+[[nodiscard]] std::optional<std::string> contradiction(const GpioAxisConfig& config);
+
+// The lines of an axis, those that its config names.
+struct AxisLines {
+  std::unique_ptr<OutputLine> step, direction, enable;
+  std::array<std::unique_ptr<InputLine>, kAxisInputs> inputs;  // by AxisInput
+  std::unique_ptr<InputLine> encoder_a, encoder_b;
+};
+// Takes them all, the motor disabled. Throws HardwareError.
+[[nodiscard]] AxisLines take_lines(const GpioAxisConfig& config);
+
+class GpioAxis final : public ZAxis {
+ public:
+  // Takes the lines and starts the threads. Clock (CLOCK_MONOTONIC's) and watcher must outlive the axis.
+  // Throws HardwareError and std::system_error.
+  GpioAxis(Clock& clock, DescriptorWatcher& watcher, const GpioAxisConfig& config);
+
+  // What a test puts in place of hardware and threads.
+  struct Parts {
+    AxisLines lines;
+    StepEngine::Now now = monotonic_now;
+    std::function<std::unique_ptr<AxisThreads>(StepEngine&, AxisInputs&)> start_threads;
+  };
+  GpioAxis(Clock& clock, DescriptorWatcher& watcher, const GpioAxisConfig& config, Parts parts);
+  // Motor still and disabled.
+  ~GpioAxis() override;
+
+  void home(std::function<void(HomingResult)> done) override;
+  void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
+  void stop() override;
+  void abort() noexcept override;
+  [[nodiscard]] bool moving() const override { return homing_done_ || move_done_; }
+  // By the encoder where there is one, else by the steps made.
+  [[nodiscard]] std::optional<Nanometers> height() const override;
+  [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override;
+  [[nodiscard]] Nanometers travel() const override { return config_.travel; }
+  [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
+
+  // `call` runs for every disturbance from now on: after an emergency stop, with the motor still already; for
+  // an open lid; for a switch that closes where it must not, steps that were lost, a line that cannot be set.
+  // Before the `done` of a move that it ends.
+  void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
+  [[nodiscard]] bool lid_open() const { return inputs_.active(AxisInput::Lid); }
+  [[nodiscard]] bool emergency_stop_pressed() const { return inputs_.active(AxisInput::EmergencyStop); }
+
+  // A sentence for each thing that the system refused the threads (priority, locked memory); none as a rule.
+  [[nodiscard]] std::vector<std::string> refusals() const { return threads_->refusals(); }
+  [[nodiscard]] LateSteps late_steps() const { return engine_.late_steps(); }
+  // Edges of the encoder that were missed or made up by noise.
+  [[nodiscard]] std::uint64_t illegal_encoder_edges() const { return inputs_.illegal_encoder_edges(); }
+
+  // The encoder is looked at this long after the motor has come to rest.
+  static constexpr Duration kRest{std::chrono::milliseconds{20}};
+
+ private:
+  enum class Way { Move, Seek, BackOff };
+  // What ended a run that was halted.
+  struct Trip {
+    HomingResult homing;
+    std::string what;
+  };
+  // A run towards the limit switch.
+  struct Seek {
+    std::int64_t last;  // position at which it is given up
+    MillimetersPerSecond speed;
+    std::function<void(std::optional<TimePoint>)> found;  // when it closed; nothing when it was closed before
+    std::optional<InputChange> contact;                   // what the contact came to
+  };
+
+  // Steps.
+  void when_ready(std::function<void()> call);
+  void run(Way way, std::int64_t steps, MillimetersPerSecond speed, std::function<void()> then);
+  void set_rules(Way way, bool towards_switch);
+  void run_ended();
+  void after(Duration wait, std::function<void()> call);
+  void inputs_changed();
+  void take_change(const InputChange& change);
+  void blocked();
+
+  // Moves.
+  void approach(std::int64_t plate, MillimetersPerSecond speed, std::function<void()> then);
+  void begin_approach(std::int64_t plate, MillimetersPerSecond speed, std::function<void()> there);
+  void verify(std::int64_t plate, MillimetersPerSecond speed, int corrections, std::function<void()> then);
+
+  // Homing.
+  void seek(MillimetersPerSecond speed, std::int64_t steps,
+            std::function<void(std::optional<TimePoint>)> found);
+  void seek_further();
+  void seek_on();
+  void back_off(std::function<void()> then);
+  void take_position(TimePoint edge);
+
+  // Endings.
+  void end_homing(HomingResult result);
+  void end_move(MoveResult result);
+  void end_stopped();
+  void fail(const Trip& trip);
+  void disturb(Disturbance::Kind kind, const std::string& what);
+  void forget() noexcept;
+
+  // Encoder.
+  [[nodiscard]] std::int64_t counts() const;
+  [[nodiscard]] double measured_plate() const;
+  void agree();
+  void begin_following();
+  void follow();
+  [[nodiscard]] std::string difference() const;
+
+  [[nodiscard]] Screw::Rest now_at() const { return screw_.moved(rest_, engine_.position()); }
+  [[nodiscard]] MotionLimits limits(MillimetersPerSecond speed) const;
+  [[nodiscard]] std::int64_t towards_switch() const { return config_.homes_upwards ? 1 : -1; }
+
+  Clock& clock_;
+  GpioAxisConfig config_;
+  Screw screw_;
+  AxisLines lines_;
+  StepEngine engine_;
+  AxisInputs inputs_;
+  std::function<void(const Disturbance&)> disturbed_;
+
+  bool enabled_ = false, position_known_ = false, stop_wanted_ = false;
+  bool running_ = false;  // a run is under way, its end not taken yet
+  bool emergency_told_ = false, loss_told_ = false;
+  Screw::Rest rest_;  // before the run under way
+  std::function<void(HomingResult)> homing_done_;
+  std::function<void(MoveResult)> move_done_;
+  std::function<void()> then_;   // behind the run under way
+  std::function<void()> ready_;  // waits until a halted run has come to its end
+  std::optional<Seek> seek_;
+  std::optional<Trip> trip_;
+  // Where the encoder and the steps agreed.
+  std::int64_t counts_then_ = 0, plate_then_ = 0;
+  std::unique_ptr<Timer> wait_, following_;
+  std::unique_ptr<DescriptorWatcher::Watch> watch_end_, watch_inputs_;
+  std::unique_ptr<AxisThreads> threads_;  // last: they use the others
+};
+
+}  // namespace contourd

@@ -1,0 +1,143 @@
+// One move after the other as step pulses: what the stepping thread does, without the waiting. Told by one
+// thread (the owner: the event loop), run by another (the stepping thread, or a test under its own time),
+// halted by any. What runs neither allocates, locks, logs nor throws. Lines and this object must outlive the
+// thread.
+//
+// A step that comes later than a quarter of the interval behind it shifts the rest of the schedule by its
+// lateness: intervals are never shorter than three quarters of what was planned, and steps are never made up
+// for in a bunch.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "hw/gpio/digital_line.hpp"
+#include "hw/gpio/event_descriptor.hpp"
+#include "hw/gpio/step_history.hpp"
+#include "hw/gpio/step_planner.hpp"
+
+namespace contourd {
+
+[[nodiscard]] TimePoint monotonic_now() noexcept;
+
+struct StepTiming {
+  Duration pulse_width{2'000};      // of the active level, and of the pause between pulses, at least
+  Duration direction_setup{5'000};  // from the direction's change to a pulse, at least
+};
+
+struct StepMove {
+  std::int64_t steps = 0;  // positive: the direction line active
+  MotionLimits limits;     // in steps
+};
+
+enum class StepEnd {
+  Completed,
+  Stopped,      // slowed down to rest before the end
+  Halted,       // no further step from that instant
+  LineRefused,  // the kernel would not set a line
+};
+
+struct LateSteps {
+  std::uint64_t count = 0;  // steps that shifted their schedule
+  Duration worst{};         // of any step
+};
+
+class StepEngine {
+ public:
+  using Now = TimePoint (*)() noexcept;
+
+  // Throws std::system_error (an eventfd).
+  StepEngine(OutputLine& step, OutputLine& direction, const StepTiming& timing, Now now = monotonic_now);
+
+  // The owner's.
+
+  // REQUIRES: !moving().
+  void start(const StepMove& move) noexcept;
+  // Slows the move down to rest.
+  void stop() noexcept;
+  [[nodiscard]] bool moving() const noexcept { return phase_.load(std::memory_order_acquire) != Phase::Idle; }
+  // How the last move ended. REQUIRES: !moving().
+  [[nodiscard]] StepEnd last_end() const noexcept { return end_; }
+  // Readable when a move has ended.
+  [[nodiscard]] EventDescriptor& ended() noexcept { return ended_; }
+  // REQUIRES: !moving().
+  void set_position(std::int64_t position) noexcept;
+  // Where the motor was or, as planned, will be at a time within the move under way or the last one; before
+  // it, where that began.
+  [[nodiscard]] std::int64_t position_at(TimePoint time) const noexcept;
+  // Of all moves so far.
+  [[nodiscard]] LateSteps late_steps() const noexcept;
+
+  // Any thread's.
+
+  // Once it has returned no further step is made: of the move under way, if any. Waits for a step just being
+  // made.
+  void halt() noexcept;
+  // Halts, and lets no move make a step until allow().
+  void bar() noexcept;
+  void allow() noexcept { barred_ = false; }
+  [[nodiscard]] bool barred() const noexcept { return barred_; }
+  // Steps really made, up less down.
+  [[nodiscard]] std::int64_t position() const noexcept { return position_.load(std::memory_order_acquire); }
+
+  // The stepping thread's.
+
+  // Readable when there is a move to begin.
+  [[nodiscard]] EventDescriptor& work() noexcept { return work_; }
+  // Takes up a move that was started; false when there is none, or when it has ended already.
+  bool begin() noexcept;
+  // When act() is to be called, for as long as it is running(); earlier if interrupted(): being early does no
+  // harm.
+  [[nodiscard]] TimePoint due() const noexcept { return due_; }
+  [[nodiscard]] bool interrupted() const noexcept {
+    return halt_.load(std::memory_order_relaxed) || barred_.load(std::memory_order_relaxed) ||
+           (stop_.load(std::memory_order_relaxed) && !stopped_);
+  }
+  void act() noexcept;
+  [[nodiscard]] bool running() const noexcept {
+    return phase_.load(std::memory_order_relaxed) == Phase::Running;
+  }
+
+ private:
+  enum class Phase { Idle, Handed, Running };
+
+  void rise() noexcept;
+  void fall() noexcept;
+  bool make_step(TimePoint now) noexcept;
+  void keep_time(TimePoint now) noexcept;
+  void slow_down(TimePoint now) noexcept;
+  void plan_rise(TimePoint now) noexcept;
+  void finish(StepEnd end) noexcept;
+
+  OutputLine& step_;
+  OutputLine& direction_;
+  StepTiming timing_;
+  Now now_;
+  EventDescriptor work_, ended_;
+
+  std::atomic<Phase> phase_{Phase::Idle};
+  std::atomic<bool> stop_{false}, halt_{false}, barred_{false};
+  std::atomic<bool> stepping_{false};  // between looking for a halt and having made the step
+  std::atomic<std::int64_t> position_{0};
+  StepHistory history_;
+  std::atomic<std::int64_t> start_ns_{0};  // of the schedule, with all shifts; 0 before the move has begun
+  std::atomic<std::uint64_t> late_{0};
+  std::atomic<std::int64_t> worst_ns_{0};
+
+  // Handed over by phase_: the owner's while Idle, else the thread's.
+  StepMove move_;
+  StepEnd end_ = StepEnd::Completed;
+  // The owner's, of the move under way.
+  StepPlanner foreseen_;
+  std::int64_t from_ = 0, sign_ = 1;
+  std::uint64_t made_before_ = 0;
+
+  // The thread's.
+  StepPlanner plan_;
+  Duration planned_{};  // the next step, after the schedule's start
+  TimePoint due_{};
+  bool high_ = false, stopped_ = false;
+  int last_direction_ = 0;  // 0: not set yet
+};
+
+}  // namespace contourd

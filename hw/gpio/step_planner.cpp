@@ -1,0 +1,41 @@
+#include "hw/gpio/step_planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace contourd {
+namespace {
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+Duration nearest_nanosecond(double s) {
+  return Duration{static_cast<Duration::rep>(s * 1e9 + 0.5)};
+}
+
+// Steps whose middle lies within `way`.
+std::int64_t steps_within(double way) {
+  return static_cast<std::int64_t>(way + 0.5);
+}
+
+}  // namespace
+
+Duration StepPlanner::next() const noexcept {
+  return nearest_nanosecond(curve_.time_at(static_cast<double>(done_) + 0.5));
+}
+
+std::int64_t StepPlanner::due_by(Duration elapsed) const noexcept {
+  return std::min(steps_within(curve_.way_at(seconds(elapsed))), total_);
+}
+
+void StepPlanner::stop_at(Duration elapsed) noexcept {
+  curve_.stop_at(seconds(elapsed));
+  total_ = std::clamp(steps_within(curve_.distance()), done_, total_);
+}
+
+Duration StepPlanner::duration() const noexcept {
+  return nearest_nanosecond(curve_.duration_s());
+}
+
+}  // namespace contourd

@@ -1,0 +1,148 @@
+#include "hw/motion_curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace contourd {
+namespace {
+
+bool jerks(const MotionLimits& limits) {
+  return std::isfinite(limits.jerk);
+}
+
+// How long a ramp from rest to `speed` takes.
+double ramp_s(double speed, const MotionLimits& limits) {
+  const double rise_s = limits.acceleration / limits.jerk;
+  const double full = limits.acceleration * rise_s;  // speed from which the acceleration is reached
+  return speed >= full ? speed / limits.acceleration + rise_s : 2 * std::sqrt(speed / limits.jerk);
+}
+
+// The speed at which ramping up and down again takes the whole distance.
+double peak_speed(double distance, const MotionLimits& limits) {
+  const double a = limits.acceleration;
+  if (!jerks(limits)) return std::sqrt(distance * a);
+  const double rise_s = a / limits.jerk;
+  const double with_hold = a * (std::sqrt(rise_s * rise_s + 4 * distance / a) - rise_s) / 2;
+  if (with_hold >= a * rise_s) return with_hold;
+  return std::cbrt(distance * distance * limits.jerk / 4);
+}
+
+// When v t + a t^2/2 + j t^3/6 is `way`, for a way that is reached within `longest` without turning back:
+// Newton's steps, halving the bracket whenever one leaves it.
+double cubic_time(double way, double speed, double acceleration, double jerk, double longest) {
+  double low = 0, high = longest;
+  const double root = std::max(speed * speed + 2 * acceleration * way, 0.0);
+  const double slope = speed + std::sqrt(root);
+  double t = slope > 0 ? 2 * way / slope : std::cbrt(6 * way / jerk);  // without the jerk; from a standstill
+  if (!(t > low && t < high)) t = high / 2;
+  constexpr int kEnough = 60;  // halvings alone would have come to the rounding
+  for (int i = 0; i < kEnough; ++i) {
+    const double excess = t * (speed + t * (acceleration / 2 + t * jerk / 6)) - way;
+    (excess > 0 ? high : low) = t;
+    const double velocity = speed + t * (acceleration + t * jerk / 2);
+    double next = velocity > 0 ? t - excess / velocity : low;
+    if (!(next > low && next < high)) next = (low + high) / 2;
+    constexpr double kClose = 1e-11;  // seconds: a hundredth of the nanosecond to which times are rounded
+    if (std::fabs(next - t) <= kClose) return next;
+    t = next;
+  }
+  return t;
+}
+
+}  // namespace
+
+MotionCurve::MotionCurve(double distance, const MotionLimits& limits) noexcept : limits_(limits) {
+  if (!(distance > 0)) return;
+  const double speed = std::min(limits.speed, peak_speed(distance, limits));
+  add_ramp(speed, 1);
+  const double cruise = distance - speed * ramp_s(speed, limits);
+  if (cruise > 0) add(cruise / speed, 0, 0);
+  add_ramp(speed, -1);
+  pieces_[count_].way = distance;
+  pieces_[count_].speed = 0;
+}
+
+void MotionCurve::add(double seconds, double acceleration, double jerk) noexcept {
+  Piece& piece = pieces_[count_];
+  piece.acceleration = acceleration;
+  piece.jerk = jerk;
+  pieces_[count_ + 1] = Piece{after(piece, seconds), 0};
+  ++count_;
+  pieces_[count_].acceleration = 0;
+}
+
+void MotionCurve::add_ramp(double change, double sign) noexcept {
+  const double a = sign * limits_.acceleration, j = sign * limits_.jerk;
+  if (!jerks(limits_)) return add(change / limits_.acceleration, a, 0);
+  const double rise_s = limits_.acceleration / limits_.jerk;
+  if (change >= limits_.acceleration * rise_s) {
+    add(rise_s, 0, j);
+    add(change / limits_.acceleration - rise_s, a, 0);
+    add(rise_s, a, -j);
+  } else {
+    const double half_s = std::sqrt(change / limits_.jerk);
+    add(half_s, 0, j);
+    add(half_s, j * half_s, -j);
+  }
+}
+
+MotionCurve::State MotionCurve::after(const Piece& piece, double t) noexcept {
+  return {piece.start_s + t,
+          piece.way + t * (piece.speed + t * (piece.acceleration / 2 + t * piece.jerk / 6)),
+          piece.speed + t * (piece.acceleration + t * piece.jerk / 2), piece.acceleration + t * piece.jerk};
+}
+
+std::size_t MotionCurve::piece_at(double seconds) const noexcept {
+  std::size_t i = 0;
+  while (i < count_ && pieces_[i + 1].start_s <= seconds)
+    ++i;
+  return i;
+}
+
+double MotionCurve::way_at(double seconds) const noexcept {
+  if (seconds <= 0) return 0;
+  const std::size_t i = piece_at(seconds);
+  if (i == count_) return end().way;
+  return std::min(after(pieces_[i], seconds - pieces_[i].start_s).way, end().way);
+}
+
+double MotionCurve::speed_at(double seconds) const noexcept {
+  const std::size_t i = piece_at(seconds);
+  if (seconds <= 0 || i == count_) return 0;
+  return after(pieces_[i], seconds - pieces_[i].start_s).speed;
+}
+
+double MotionCurve::time_at(double way) const noexcept {
+  std::size_t i = 0;
+  while (i < count_ && pieces_[i + 1].way < way)
+    ++i;
+  const Piece& piece = pieces_[i];
+  if (i == count_) return piece.start_s;
+  const double left = std::max(way - piece.way, 0.0), longest = pieces_[i + 1].start_s - piece.start_s;
+  if (left == 0) return piece.start_s;
+  if (piece.jerk != 0) {
+    return piece.start_s + cubic_time(left, piece.speed, piece.acceleration, piece.jerk, longest);
+  }
+  // The root of the parabola in the form that loses no digits; a straight line for no acceleration.
+  const double root = std::max(piece.speed * piece.speed + 2 * piece.acceleration * left, 0.0);
+  return piece.start_s + std::min(2 * left / (piece.speed + std::sqrt(root)), longest);
+}
+
+void MotionCurve::stop_at(double seconds) noexcept {
+  const std::size_t i = piece_at(std::max(seconds, 0.0));
+  if (stopping_ || i == count_) return;
+  const Piece& piece = pieces_[i];
+  if (piece.acceleration < 0 || (piece.acceleration == 0 && piece.jerk < 0)) return;
+  stopping_ = true;
+  const State now = after(piece, std::max(seconds, 0.0) - piece.start_s);
+  count_ = i + 1;
+  pieces_[count_] = Piece{now, 0};
+  const double still_speeding_up = std::max(now.acceleration, 0.0);
+  if (jerks(limits_) && still_speeding_up > 0) {
+    add(still_speeding_up / limits_.jerk, still_speeding_up, -limits_.jerk);
+  }
+  add_ramp(end().speed, -1);
+  pieces_[count_].speed = 0;
+}
+
+}  // namespace contourd

@@ -1,0 +1,66 @@
+// A straight way from rest to rest over time, within a speed, an acceleration and, where one is given, a
+// jerk: the mathematics that the profiles and the step planner share. Pure value, thread-safe; neither
+// allocates nor throws, so that real-time threads may use it. One unit of way throughout (millimetres,
+// steps).
+//
+// A ramp to speed v takes T = v/A + A/J where v >= A^2/J (the acceleration rises for A/J, holds, falls for
+// A/J), else T = 2 sqrt(v/J) (rises, falls); without a jerk limit T = v/A. By symmetry its way is v T / 2. A
+// distance D too short for the top speed has its peak where v T(v) = D. The curve is at most seven pieces of
+// constant jerk, within each of which x = x0 + v0 t + a0 t^2/2 + j t^3/6.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+
+namespace contourd {
+
+struct MotionLimits {
+  double speed = 0;                                       // units/s
+  double acceleration = 0;                                // units/s^2
+  double jerk = std::numeric_limits<double>::infinity();  // units/s^3
+};
+
+class MotionCurve {
+ public:
+  MotionCurve() = default;  // goes nowhere, in no time
+  // REQUIRES: distance >= 0; every limit > 0.
+  MotionCurve(double distance, const MotionLimits& limits) noexcept;
+
+  [[nodiscard]] double duration_s() const noexcept { return end().start_s; }
+  [[nodiscard]] double distance() const noexcept { return end().way; }
+
+  // Way and speed at a time: those of the start before it, those of the end after it.
+  [[nodiscard]] double way_at(double seconds) const noexcept;
+  [[nodiscard]] double speed_at(double seconds) const noexcept;
+
+  // When the curve has gone `way`: 0 for none, the end for more than there is.
+  [[nodiscard]] double time_at(double way) const noexcept;
+
+  // From `seconds` on, comes to rest as soon as the limits allow. Does nothing when it is slowing down
+  // already.
+  void stop_at(double seconds) noexcept;
+
+ private:
+  struct State {
+    double start_s = 0, way = 0, speed = 0, acceleration = 0;
+  };
+  struct Piece : State {
+    double jerk = 0;  // throughout
+  };
+  // Four before a stop, one to let the acceleration fall, three to slow down.
+  static constexpr std::size_t kMost = 8;
+
+  [[nodiscard]] const State& end() const noexcept { return pieces_[count_]; }
+  [[nodiscard]] static State after(const Piece& piece, double seconds) noexcept;
+  [[nodiscard]] std::size_t piece_at(double seconds) const noexcept;
+  void add(double seconds, double acceleration, double jerk) noexcept;
+  void add_ramp(double change, double sign) noexcept;
+
+  MotionLimits limits_{};
+  bool stopping_ = false;
+  std::size_t count_ = 0;
+  std::array<Piece, kMost + 1> pieces_{};  // the one behind the last is the end
+};
+
+}  // namespace contourd

@@ -1,0 +1,95 @@
+#include "hw/serial/reply_reader.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+namespace contourd {
+namespace {
+
+constexpr std::size_t longest_line = 256;
+constexpr std::size_t most_kept = 64;
+
+std::string_view trimmed(std::string_view text) {
+  const auto is_blank = [](char c) { return static_cast<unsigned char>(c) <= 0x20 || c == 0x7f; };
+  while (!text.empty() && is_blank(text.front()))
+    text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back()))
+    text.remove_suffix(1);
+  return text;
+}
+
+void keep_last(std::string& bytes, char next) {
+  bytes += next;
+  if (bytes.size() > most_kept) bytes.erase(0, bytes.size() - most_kept);
+}
+
+}  // namespace
+
+void ReplyReader::expect(RequestId request, const ProjectorCommand& command, TimePoint until) {
+  if (command.replies.empty() && !table_.echo) return;
+  owed_.push_back({request, &command, table_.echo ? command.bytes : std::string(), until});
+}
+
+ReplyReader::Heard ReplyReader::take(char byte, TimePoint now) {
+  std::erase_if(owed_, [now](const Owed& owed) { return owed.until < now; });
+  keep_last(received_, byte);
+  keep_last(unexplained_, byte);
+  const bool ends_line = byte == '\r' || byte == '\n';
+  if (!ends_line) line_ += byte;
+  if (is_echo(false)) return explained({});
+  if (auto reply = match(false, received_)) return explained({std::move(reply), nullptr});
+  return ends_line || line_.size() >= longest_line ? end_line(now) : Heard{};
+}
+
+ReplyReader::Heard ReplyReader::end_line(TimePoint now) {
+  std::erase_if(owed_, [now](const Owed& owed) { return owed.until < now; });
+  const bool echo = is_echo(true);
+  const std::string whole = std::exchange(line_, {});
+  const std::string_view line = trimmed(whole);
+  if (line.empty()) {
+    if (trimmed(unexplained_).empty()) unexplained_.clear();
+    return {};
+  }
+  if (echo) return explained({});
+  for (const UnaskedLine& unasked : table_.unasked) {
+    if (unasked.pattern.match_line(line)) return explained({{}, &unasked});
+  }
+  if (auto reply = match(true, line)) return explained({std::move(reply), nullptr});
+  return {};
+}
+
+// A projector may put a prompt before what it echoes.
+bool ReplyReader::is_echo(bool of_line) {
+  for (Owed& owed : owed_) {
+    const std::string_view sent = of_line ? trimmed(owed.bytes) : owed.bytes;
+    if (sent.empty()) continue;
+    const std::string_view heard = of_line ? trimmed(line_) : received_;
+    if (!heard.ends_with(sent)) continue;
+    owed.bytes.clear();
+    return true;
+  }
+  return false;
+}
+
+std::optional<ReplyReader::Reply> ReplyReader::match(bool line, std::string_view text) {
+  for (auto owed = owed_.begin(); owed != owed_.end(); ++owed) {
+    for (const ExpectedReply& expected : owed->command->replies) {
+      const auto found = line ? expected.pattern.match_line(text) : expected.pattern.match_end(text);
+      if (!found) continue;
+      Reply reply{owed->request, expected.meaning, found->value, std::string(text)};
+      owed_.erase(owed_.begin(), owed + 1);
+      return reply;
+    }
+  }
+  return std::nullopt;
+}
+
+ReplyReader::Heard ReplyReader::explained(Heard heard) {
+  line_.clear();
+  received_.clear();
+  unexplained_.clear();
+  return heard;
+}
+
+}  // namespace contourd

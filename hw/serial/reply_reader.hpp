@@ -1,0 +1,64 @@
+// Makes replies of the bytes that a projector sends, and tells whose they are. Takes echoes out. How the
+// bytes are portioned makes no difference. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hw/serial/projector_table.hpp"
+
+namespace contourd {
+
+class ReplyReader {
+ public:
+  using RequestId = std::uint64_t;
+
+  struct Reply {
+    RequestId request;
+    ReplyMeaning meaning;
+    std::optional<std::int64_t> value;
+    std::string text;  // the line, or the bytes it ended in, as received
+  };
+  struct Heard {  // one or neither
+    std::optional<Reply> reply;
+    const UnaskedLine* unasked = nullptr;
+  };
+
+  // The table must outlive the reader and stay where it is.
+  explicit ReplyReader(const ProjectorTable& table) : table_(table) {}
+
+  // The command was sent: a reply to it may come up to `until`. Projectors answer in the order of the
+  // commands, so that a reply belongs to the oldest command that it fits, and commands before that one have
+  // gone unanswered. The command must outlive that time.
+  void expect(RequestId request, const ProjectorCommand& command, TimePoint until);
+
+  [[nodiscard]] Heard take(char byte, TimePoint now);
+  // Nothing more has come for a while: what there is of a line is all of it.
+  [[nodiscard]] Heard end_line(TimePoint now);
+
+  // What came since forget() and made no sense, the last 64 bytes of it.
+  [[nodiscard]] const std::string& unexplained() const { return unexplained_; }
+  void forget() { unexplained_.clear(); }
+
+ private:
+  struct Owed {
+    RequestId request;
+    const ProjectorCommand* command;
+    std::string bytes;  // as sent; empty once its echo has come
+    TimePoint until;
+  };
+
+  [[nodiscard]] bool is_echo(bool of_line);
+  [[nodiscard]] std::optional<Reply> match(bool line, std::string_view text);
+  [[nodiscard]] Heard explained(Heard heard);
+
+  const ProjectorTable& table_;
+  std::vector<Owed> owed_;  // oldest first
+  std::string line_;        // since the last line end
+  std::string received_;    // since the last reply, the last 64 bytes
+  std::string unexplained_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,357 @@
+#include "hw/serial/serial_projector.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <string_view>
+#include <utility>
+
+#include "hw/serial/readable_bytes.hpp"
+
+namespace contourd {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A reply that is late by more than the timeout again is not waited for: it would be taken for a later
+// command's.
+constexpr int kLateTimeouts = 2;
+// Between questions whether the projector is on by now, and how long after its warm-up it may say no.
+constexpr Duration kAskAgain = 2s;
+constexpr Duration kReadyGrace = 60s;
+
+}  // namespace
+
+SerialProjector::SerialProjector(ByteChannel& channel, Clock& clock, ProjectorTable table,
+                                 std::optional<std::int32_t> brightness)
+    : channel_(channel), clock_(clock), table_(std::move(table)), reader_(table_) {
+  if (brightness) brightness_ = table_.brightness.value().with(*brightness);
+  channel_.listen({.bytes = [this](std::string_view bytes) { hear(bytes); },
+                   .lost = [this](const std::string& why) { lose(why); }});
+}
+
+SerialProjector::~SerialProjector() {
+  channel_.listen({});
+  const bool light = dark_wanted_ || light_may_be_on_;
+  if (light || power_off_waits_) channel_.write_and_wait({}, table_.gap);
+  if (light) channel_.write_and_wait(table_.light_off->bytes, table_.gap);
+  if (power_off_waits_) channel_.write_and_wait(table_.power_off.bytes, table_.gap);
+}
+
+std::string SerialProjector::called() const {
+  return "the projector at " + channel_.name();
+}
+
+Duration SerialProjector::wire_time(std::size_t bytes) const {
+  // A start bit, 8 data bits, a stop bit.
+  return std::chrono::nanoseconds{std::int64_t{1'000'000'000} * 10 * static_cast<std::int64_t>(bytes) /
+                                  table_.baud};
+}
+
+// --- One command at a time ---
+
+void SerialProjector::ask(const ProjectorCommand& command, std::function<void(const Answer&)> done) {
+  queue_.push_back({++last_id_, &command, std::move(done)});
+  next();
+}
+
+// All but turning off: that goes on, behind light off where the light may still be on.
+void SerialProjector::make_way() {
+  std::erase_if(queue_, [this](const Request& request) { return request.command != &table_.power_off; });
+  step_.reset();
+  when_dark_ = nullptr;
+  if (!current_ || current_->command == light_off_command()) return;
+  if (current_->command == &table_.power_off) {
+    if (!light_may_be_on_) return;
+    queue_.push_front(std::move(*current_));
+  }
+  current_.reset();
+  timer_.reset();
+}
+
+void SerialProjector::next() {
+  if (current_) return;
+  if (dark_wanted_ && !dark_timer_) {
+    current_ = Request{dark_id_, light_off_command(), [this](const Answer& answer) { darkened(answer); }};
+  } else if (!queue_.empty()) {
+    current_ = std::move(queue_.front());
+    queue_.pop_front();
+  } else {
+    return;
+  }
+  reader_.forget();
+  send();
+}
+
+void SerialProjector::send() {
+  if (clock_.now() < free_at_) {
+    timer_ = clock_.call_at(free_at_, [this] { send(); });
+    return;
+  }
+  const ProjectorCommand& command = *current_->command;
+  if (lost_ || !channel_.write(command.bytes)) {
+    // Not from inside the caller's own call.
+    timer_ = clock_.call_after(Duration{0}, [this] { fail_current(); });
+    return;
+  }
+  ++current_->sent;
+  if (&command == light_on_command()) light_may_be_on_ = true;
+  const TimePoint sent_at = clock_.now() + wire_time(command.bytes.size());
+  free_at_ = sent_at + table_.gap;
+  reader_.expect(current_->id, command, sent_at + kLateTimeouts * command.timeout);
+  if (command.replies.empty()) {
+    timer_ = clock_.call_at(free_at_, [this] { finish({}); });
+  } else {
+    timer_ = clock_.call_at(sent_at + command.timeout, [this] { timed_out(); });
+  }
+}
+
+void SerialProjector::hear(std::string_view bytes) {
+  // A copy: what is heard leads to calls that may lead back here.
+  const std::string all(bytes);
+  for (const char byte : all)
+    take(reader_.take(byte, clock_.now()));
+}
+
+void SerialProjector::take(const ReplyReader::Heard& heard) {
+  if (heard.unasked != nullptr) return unasked(*heard.unasked);
+  if (!heard.reply) return;
+  free_at_ = clock_.now() + table_.gap;
+  if (!current_ || heard.reply->request != current_->id) return;  // late, and somebody else's
+  if (heard.reply->meaning == ReplyMeaning::Refused) {
+    problem_ = called() + " refused \"" + current_->command->name + "\": it answered " +
+               readable_bytes(heard.reply->text);
+    return finish({ProjectorReply::Refused, ReplyMeaning::Refused, {}});
+  }
+  finish({ProjectorReply::Ok, heard.reply->meaning, heard.reply->value});
+}
+
+void SerialProjector::timed_out() {
+  const ReplyReader::RequestId id = current_->id;
+  take(reader_.end_line(clock_.now()));
+  if (!current_ || current_->id != id) return;
+  // Once it is known that light off is not heard, it must not keep power off waiting.
+  const bool hopeless = dark_reported_ && current_->command == light_off_command();
+  if (current_->sent <= table_.retries && !hopeless) return send();
+  fail_current();
+}
+
+void SerialProjector::fail_current() {
+  problem_ = no_answer(*current_);
+  finish({ProjectorReply::NoAnswer, {}, {}});
+}
+
+std::string SerialProjector::no_answer(const Request& request) const {
+  if (lost_ || request.sent == 0) return called() + " cannot be reached: the serial line is lost";
+  const std::string tried = std::to_string(request.sent) + (request.sent == 1 ? " try" : " tries");
+  const std::string what = "\"" + request.command->name + "\" in " + tried + " of " +
+                           std::to_string(request.command->timeout / 1ms) + " ms";
+  const std::string baud = std::to_string(table_.baud);
+  if (reader_.unexplained().empty())
+    return called() + " did not answer " + what + ": is it connected, and set to " + baud + " baud?";
+  return called() + " answered " + what + " with what is no reply of its kind, " +
+         readable_bytes(reader_.unexplained()) + ": is its baud rate " + baud +
+         ", and is it the projector of the table \"" + table_.name + "\"?";
+}
+
+void SerialProjector::finish(const Answer& answer) {
+  const Request request = std::move(*current_);
+  current_.reset();
+  timer_.reset();
+  if (request.done) request.done(answer);
+  next();
+}
+
+void SerialProjector::lose(const std::string& why) {
+  lost_ = true;
+  if (current_) timer_ = clock_.call_after(Duration{0}, [this] { fail_current(); });
+  report(Disturbance::Kind::Fault, why + (light_may_be_on_ ? "; the projector's light may be on" : ""));
+}
+
+void SerialProjector::unasked(const UnaskedLine& line) {
+  const std::string what = called() + " says: " + line.means;
+  switch (line.kind) {
+    case UnaskedLine::Kind::Nothing:
+      return;
+    case UnaskedLine::Kind::Off:
+      if (power_ != Power::On) return;
+      power_ = Power::Unknown;
+      return report(Disturbance::Kind::Fault, what);
+    case UnaskedLine::Kind::Interruption:
+      return report(Disturbance::Kind::Interruption, what);
+    case UnaskedLine::Kind::Fault:
+      return report(Disturbance::Kind::Fault, what);
+  }
+}
+
+void SerialProjector::report(Disturbance::Kind kind, const std::string& what) {
+  if (disturbed_) disturbed_({kind, what});
+}
+
+// --- Power ---
+
+void SerialProjector::power_on(Done done) {
+  if (!table_.power) return power_ == Power::On ? prepare(done) : switch_on_when_cool(std::move(done));
+  ask(*table_.power, [this, done = std::move(done)](const Answer& answer) mutable {
+    if (answer.meaning == ReplyMeaning::On && answer.reply == ProjectorReply::Ok) return prepare(done);
+    // No answer: some are deaf to questions while they are off.
+    switch_on_when_cool(std::move(done));
+  });
+}
+
+void SerialProjector::switch_on_when_cool(Done done) {
+  const TimePoint cool_at = off_at_ ? *off_at_ + table_.cool_down : clock_.now();
+  const TimePoint ready_by =
+      std::max(cool_at, clock_.now()) + table_.cool_down + 2 * table_.warm_up + kReadyGrace;
+  step_ = clock_.call_at(
+      cool_at, [this, ready_by, done = std::move(done)]() mutable { switch_on(std::move(done), ready_by); });
+}
+
+void SerialProjector::switch_on(Done done, TimePoint ready_by) {
+  ask(table_.power_on, [this, ready_by, done = std::move(done)](const Answer& answer) mutable {
+    if (answer.reply != ProjectorReply::Ok) return done(answer.reply);
+    step_ = clock_.call_after(table_.warm_up, [this, ready_by, done = std::move(done)]() mutable {
+      if (!table_.power) return prepare(done);
+      wait_until_on(std::move(done), ready_by);
+    });
+  });
+}
+
+// It may have ignored the command because it still cooled down from before this program: then it gets
+// another.
+void SerialProjector::wait_until_on(Done done, TimePoint ready_by) {
+  ask(*table_.power, [this, ready_by, done = std::move(done)](const Answer& answer) mutable {
+    if (answer.reply == ProjectorReply::NoAnswer) return done(answer.reply);
+    if (answer.meaning == ReplyMeaning::On) return prepare(done);
+    if (clock_.now() + kAskAgain > ready_by) {
+      problem_ = called() + " says that it is off, long after it was turned on";
+      return done(ProjectorReply::Refused);
+    }
+    step_ = clock_.call_after(kAskAgain, [this, ready_by, off = answer.meaning == ReplyMeaning::Off,
+                                          done = std::move(done)]() mutable {
+      off ? switch_on(std::move(done), ready_by) : wait_until_on(std::move(done), ready_by);
+    });
+  });
+}
+
+// Powered on and warm; whether its light is on nobody knows.
+void SerialProjector::prepare(const Done& done) {
+  power_ = Power::On;
+  off_at_.reset();
+  if (!table_.switches_light()) return set_brightness(done);
+  light_may_be_on_ = true;
+  want_dark();
+  when_dark_ = [this, done](const Answer& answer) {
+    answer.reply == ProjectorReply::Ok ? set_brightness(done) : done(answer.reply);
+  };
+}
+
+void SerialProjector::set_brightness(const Done& done) {
+  if (!brightness_) return done(ProjectorReply::Ok);
+  ask(*brightness_, [done](const Answer& answer) { done(answer.reply); });
+}
+
+void SerialProjector::power_off() noexcept {
+  light_off();
+  if (power_ == Power::Off || power_off_waits_) return;
+  power_off_waits_ = true;
+  ask(table_.power_off, [this](const Answer& answer) { powered_off(answer); });
+}
+
+void SerialProjector::powered_off(const Answer& answer) {
+  power_off_waits_ = false;
+  off_at_ = clock_.now();
+  power_ = Power::Unknown;
+  if (answer.reply != ProjectorReply::Ok || table_.power_off.replies.empty()) return;
+  power_ = Power::Off;
+  light_may_be_on_ = dark_wanted_ = dark_reported_ = false;
+  dark_timer_.reset();
+}
+
+// --- Light ---
+
+void SerialProjector::light_on(Done done) {
+  if (power_ != Power::On || dark_timer_) {
+    problem_ = called() + (dark_timer_ ? " has not confirmed that its light is off, it is not turned on again"
+                                       : " is not on");
+    step_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(ProjectorReply::Refused); });
+    return;
+  }
+  if (!table_.switches_light()) {
+    step_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(ProjectorReply::Ok); });
+    return;
+  }
+  ask(*table_.light_on, [this, done = std::move(done)](const Answer& answer) {
+    // Not confirmed is not off.
+    if (answer.reply != ProjectorReply::Ok) want_dark();
+    done(answer.reply);
+  });
+}
+
+void SerialProjector::light_off() noexcept {
+  make_way();
+  if (!table_.switches_light() || power_ == Power::Off) return;
+  want_dark();
+}
+
+void SerialProjector::want_dark() {
+  // A reply to an earlier light off confirms this one only if no light on came in between.
+  if (!dark_wanted_) dark_id_ = ++last_id_;
+  dark_wanted_ = true;
+  dark_timer_.reset();
+  next();
+}
+
+void SerialProjector::darkened(const Answer& answer) {
+  const auto when_dark = std::exchange(when_dark_, nullptr);
+  if (answer.reply == ProjectorReply::Ok) {
+    dark_wanted_ = light_may_be_on_ = dark_reported_ = false;
+  } else if (!light_may_be_on_ || lost_) {
+    dark_wanted_ = false;  // nobody asked it for light; or the loss was reported, with the light
+  } else {
+    keep_trying();
+  }
+  if (when_dark) when_dark(answer);
+}
+
+void SerialProjector::keep_trying() {
+  dark_timer_ = clock_.call_after(table_.light_off->timeout, [this] {
+    dark_timer_.reset();
+    next();
+  });
+  // No light on behind a light off that failed.
+  std::erase_if(queue_, [this](const Request& request) { return request.command != &table_.power_off; });
+  if (!std::exchange(dark_reported_, true))
+    report(Disturbance::Kind::Fault, "the light may be on: " + problem_);
+}
+
+// --- Status ---
+
+void SerialProjector::ask_status(StatusDone done) {
+  if (!table_.power) return ask_lamp_hours({}, std::move(done));
+  ask(*table_.power, [this, done = std::move(done)](const Answer& answer) mutable {
+    ProjectorStatus status{answer.reply, {}, {}, {}};
+    if (answer.reply != ProjectorReply::Ok) {
+      status.problem = problem_;
+      return done(status);
+    }
+    status.powered = answer.meaning == ReplyMeaning::On;
+    // Off, many do not answer this.
+    if (!*status.powered) return done(status);
+    ask_lamp_hours(status, std::move(done));
+  });
+}
+
+void SerialProjector::ask_lamp_hours(ProjectorStatus status, StatusDone done) {
+  if (!table_.lamp_hours) {
+    step_ = clock_.call_after(Duration{0}, [status, done = std::move(done)] { done(status); });
+    return;
+  }
+  ask(*table_.lamp_hours, [this, status, done = std::move(done)](const Answer& answer) mutable {
+    status.reply = answer.reply;
+    status.lamp_hours = answer.value;
+    if (answer.reply != ProjectorReply::Ok) status.problem = problem_;
+    done(status);
+  });
+}
+
+}  // namespace contourd

@@ -1,0 +1,126 @@
+// A projector on a serial line, as its table describes it. Event loop's thread only; must not be destroyed
+// from inside its own callbacks. Its destructor sends light off once more where that was never confirmed, and
+// power off where that still waits; that may block for a second.
+//
+// Commands go one at a time: the next when the one before was answered or given up, or when light off comes:
+// that is sent at once, or as soon as the table's gap has passed, ahead of all others, and again and again
+// until it is confirmed. "Light on" is reported when the projector's reply has come. At 9600 baud a command
+// of 8 bytes takes 8 ms and so does its reply, and the projector thinks in between: the light comes on within
+// that time, before the report.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hw/clock.hpp"
+#include "hw/machine.hpp"
+#include "hw/projector.hpp"
+#include "hw/serial/byte_channel.hpp"
+#include "hw/serial/projector_table.hpp"
+#include "hw/serial/reply_reader.hpp"
+
+namespace contourd {
+
+class SerialProjector final : public Projector {
+ public:
+  // `brightness` is sent after every warm-up. Sends nothing yet. The channel and the clock must outlive the
+  // projector. REQUIRES: a brightness only where the table has one, within its range.
+  SerialProjector(ByteChannel& channel, Clock& clock, ProjectorTable table,
+                  std::optional<std::int32_t> brightness = {});
+  ~SerialProjector() override;
+
+  // Asks first: a projector that is on already is not warmed up again. Waits out an earlier power_off's
+  // cool-down.
+  void power_on(Done done) override;
+  void light_on(Done done) override;
+  void light_off() noexcept override;
+  void power_off() noexcept override;
+  void ask_status(StatusDone done) override;
+  [[nodiscard]] std::string last_problem() const override { return problem_; }
+
+  // The projector does not confirm that the light is off, says by itself that something is wrong, or its line
+  // is lost.
+  void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
+
+ private:
+  struct Answer {
+    ProjectorReply reply = ProjectorReply::Ok;
+    ReplyMeaning meaning = ReplyMeaning::Accepted;
+    std::optional<std::int64_t> value;
+  };
+  struct Request {
+    ReplyReader::RequestId id;
+    const ProjectorCommand* command;  // of the table, or brightness_
+    std::function<void(const Answer&)> done;
+    int sent = 0;
+  };
+  enum class Power { Unknown, Off, On };
+
+  void ask(const ProjectorCommand& command, std::function<void(const Answer&)> done);
+  void make_way();
+  void next();
+  void send();
+  void hear(std::string_view bytes);
+  void take(const ReplyReader::Heard& heard);
+  void timed_out();
+  void finish(const Answer& answer);
+  void fail_current();
+  void lose(const std::string& why);
+  void unasked(const UnaskedLine& line);
+  void report(Disturbance::Kind kind, const std::string& what);
+
+  void switch_on_when_cool(Done done);
+  void switch_on(Done done, TimePoint ready_by);
+  void wait_until_on(Done done, TimePoint ready_by);
+  void prepare(const Done& done);
+  void set_brightness(const Done& done);
+  void powered_off(const Answer& answer);
+  void want_dark();
+  void darkened(const Answer& answer);
+  void keep_trying();
+  void ask_lamp_hours(ProjectorStatus status, StatusDone done);
+
+  [[nodiscard]] std::string called() const;  // "the projector at /dev/ttyUSB0"
+  [[nodiscard]] std::string no_answer(const Request& request) const;
+  // Null where the table has none.
+  [[nodiscard]] const ProjectorCommand* light_on_command() const {
+    return table_.light_on ? &*table_.light_on : nullptr;
+  }
+  [[nodiscard]] const ProjectorCommand* light_off_command() const {
+    return table_.light_off ? &*table_.light_off : nullptr;
+  }
+  [[nodiscard]] Duration wire_time(std::size_t bytes) const;
+
+  ByteChannel& channel_;
+  Clock& clock_;
+  const ProjectorTable table_;
+  std::optional<ProjectorCommand> brightness_;
+  ReplyReader reader_;
+  std::function<void(const Disturbance&)> disturbed_;
+  std::string problem_;
+  bool lost_ = false;
+
+  std::deque<Request> queue_;
+  std::optional<Request> current_;
+  ReplyReader::RequestId last_id_ = 0;
+  TimePoint free_at_{};           // the gap is over
+  std::unique_ptr<Timer> timer_;  // of the current request: its gap, then its reply
+  std::unique_ptr<Timer> step_;   // of powering on
+
+  Power power_ = Power::Unknown;
+  std::optional<TimePoint> off_at_;
+  bool power_off_waits_ = false;
+
+  bool light_may_be_on_ = false;  // asked for, or just powered on, and not confirmed dark since
+  bool dark_wanted_ = false;      // light off is to be sent until it is confirmed
+  bool dark_reported_ = false;
+  ReplyReader::RequestId dark_id_ = 0;
+  std::unique_ptr<Timer> dark_timer_;  // to the next attempt, after the first few
+  std::function<void(const Answer&)> when_dark_;
+};
+
+}  // namespace contourd

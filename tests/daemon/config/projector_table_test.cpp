@@ -1,0 +1,327 @@
+#include "daemon/config/projector_table.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hw/serial/serial_projector.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/config/config_fixture.hpp"
+#include "tests/hw/serial/scripted_channel.hpp"
+
+namespace contourd {
+namespace {
+
+using nlohmann::json;
+using testing::Complaints;
+using testing::complaints_of;
+using testing::ConfigFolder;
+using testing::shipped;
+
+ProjectorTable load(const json& table) {
+  const ConfigFolder folder;
+  return load_projector_table(folder.write_json("table.json", table));
+}
+
+Complaints complaints_about(const json& table) {
+  return complaints_of([&] { (void)load(table); });
+}
+
+json optoma() {
+  return shipped("projectors/optoma.json");
+}
+
+std::string bytes(std::initializer_list<int> values) {
+  std::string all;
+  for (const int value : values)
+    all += static_cast<char>(value);
+  return all;
+}
+
+// A projector of a shipped table at the end of a line that answers as told. The conversation is checked word
+// by word.
+struct Conversation {
+  explicit Conversation(const std::string& brand, std::optional<std::int32_t> brightness = {})
+      : projector(channel, clock, load(shipped("projectors/" + brand + ".json")), brightness) {
+    channel.projector = [this](const std::string& message) {
+      for (const auto& [sent, answer] : answers) {
+        if (sent == message) channel.send(answer);
+      }
+    };
+    projector.on_disturbance([this](const Disturbance& one) { disturbances.push_back(one.what); });
+  }
+
+  void pass(Duration time) {
+    bool over = false;
+    const auto timer = clock.call_after(time, [&over] { over = true; });
+    while (!over)
+      clock.run_next();
+  }
+  std::optional<ProjectorReply> power_on() {
+    std::optional<ProjectorReply> reply;
+    channel.sent.clear();
+    projector.power_on([&](ProjectorReply r) { reply = r; });
+    pass(std::chrono::minutes{5});
+    return reply;
+  }
+  std::optional<ProjectorReply> light_on() {
+    std::optional<ProjectorReply> reply;
+    channel.sent.clear();
+    projector.light_on([&](ProjectorReply r) { reply = r; });
+    pass(std::chrono::seconds{30});
+    return reply;
+  }
+  void light_off() {
+    channel.sent.clear();
+    projector.light_off();
+    pass(std::chrono::seconds{30});
+  }
+  void power_off() {
+    channel.sent.clear();
+    projector.power_off();
+    pass(std::chrono::seconds{30});
+  }
+  ProjectorStatus status() {
+    std::optional<ProjectorStatus> status;
+    channel.sent.clear();
+    projector.ask_status([&](const ProjectorStatus& s) { status = s; });
+    pass(std::chrono::seconds{60});
+    REQUIRE(status);
+    return *status;
+  }
+
+  VirtualClock clock;
+  testing::ScriptedChannel channel{clock};
+  std::vector<std::pair<std::string, std::string>> answers;
+  std::vector<std::string> disturbances;
+  SerialProjector projector;
+};
+
+using Messages = std::vector<std::string>;
+
+TEST_CASE("Acer's table says what Acer's projectors hear, and the lamp's word counts") {
+  Conversation talk("acer");
+  talk.answers = {{"* 0 IR 001\r", "*001\r"}, {"* 0 IR 002\r", "*001\r"}, {"* 0 Lamp ?\r", "*000\rLamp 1\r"}};
+  CHECK(talk.power_on() == ProjectorReply::Ok);
+  CHECK(talk.channel.messages() == Messages{"* 0 Lamp ?\r"});
+  CHECK(talk.status().powered == true);
+  talk.answers[2].second = "Lamp 0\r";
+  CHECK(talk.status().powered == false);
+  talk.power_off();
+  CHECK(talk.channel.messages() == Messages{"* 0 IR 002\r"});
+  talk.answers[2].second = "*000\r";  // that it heard the question is no answer to it
+  CHECK(talk.status().reply == ProjectorReply::NoAnswer);
+  talk.power_on();
+  CHECK(talk.channel.messages()[3] == "* 0 IR 001\r");
+  CHECK_FALSE(load(shipped("projectors/acer.json")).switches_light());
+}
+
+TEST_CASE("Optoma's table drives power, AV mute, queries and what the projector says by itself") {
+  Conversation talk("optoma");
+  talk.answers = {{"~0000 1\r", "P\r"}, {"~0000 0\r", "P\r"},    {"~0002 0\r", "P\r"},
+                  {"~0002 1\r", "P\r"}, {"~00124 1\r", "OK1\r"}, {"~00108 1\r", "OK0815\r"}};
+  CHECK(talk.power_on() == ProjectorReply::Ok);
+  CHECK(talk.channel.messages() == Messages{"~00124 1\r", "~0002 1\r"});
+  CHECK(talk.light_on() == ProjectorReply::Ok);
+  CHECK(talk.channel.messages() == Messages{"~0002 0\r"});
+  talk.light_off();
+  CHECK(talk.channel.messages() == Messages{"~0002 1\r"});
+  CHECK(talk.status().powered == true);
+  CHECK(talk.status().lamp_hours == 815);
+  talk.channel.send("INFO7\r");
+  talk.pass(std::chrono::seconds{1});
+  CHECK(talk.disturbances == Messages{"the projector at /dev/ttyUSB7 says: it is too hot"});
+  talk.answers[2].second = "F\r";
+  CHECK(talk.light_on() == ProjectorReply::Refused);
+  talk.power_off();
+  CHECK(talk.channel.messages() == Messages{"~0002 1\r", "~0000 0\r"});
+}
+
+TEST_CASE("Vivitek's table waits for no word where none is documented, and for a minute after off") {
+  Conversation talk("vivitek-d535");
+  talk.answers = {{"~qP\r", "ON\r"}, {"~qL\r", "77\r"}};
+  CHECK(talk.power_on() == ProjectorReply::Ok);
+  CHECK(talk.status().lamp_hours == 77);
+  talk.power_off();
+  CHECK(talk.channel.messages() == Messages{"~PF\r"});
+  const TimePoint off = talk.channel.sent[0].at;
+  bool is_on = false;
+  talk.channel.projector = [&](const std::string& message) {
+    if (message == "~PN\r") is_on = true;
+    if (message == "~qP\r") talk.channel.send(is_on ? "ON\r" : "OFF\r");
+  };
+  CHECK(talk.power_on() == ProjectorReply::Ok);
+  CHECK(talk.channel.messages() == Messages{"~qP\r", "~PN\r", "~qP\r"});
+  CHECK(talk.channel.sent[1].at - off >= std::chrono::seconds{60});
+}
+
+TEST_CASE("BenQ's table passes over echoes and prompts and knows blank from light") {
+  Conversation talk("benq");
+  const auto answer = [](const std::string& command, const std::string& reply) {
+    return std::pair{"\r*" + command + "#\r", ">*" + command + "#\r\n*" + reply + "#\r\n>"};
+  };
+  talk.answers = {answer("pow=?", "POW=ON"), answer("blank=on", "BLANK=ON"), answer("blank=off", "BLANK=OFF"),
+                  answer("ltim=?", "LTIM=4711"), answer("pow=off", "POW=OFF")};
+  CHECK(talk.power_on() == ProjectorReply::Ok);
+  CHECK(talk.channel.messages() == Messages{"\r*pow=?#\r", "\r*blank=on#\r"});
+  CHECK(talk.light_on() == ProjectorReply::Ok);
+  CHECK(talk.channel.messages() == Messages{"\r*blank=off#\r"});
+  CHECK(talk.status().lamp_hours == 4711);
+  talk.answers[2].second = ">*blank=off#\r\n*Block item#\r\n";
+  CHECK(talk.light_on() == ProjectorReply::Refused);
+  // An echo alone is no reply.
+  talk.answers[2].second = "*blank=off#\r";
+  CHECK(talk.light_on() == ProjectorReply::NoAnswer);
+  talk.power_off();
+  CHECK(talk.channel.messages() == Messages{"\r*blank=on#\r", "\r*pow=off#\r"});
+}
+
+TEST_CASE("ViewSonic's table sends the manual's bytes and checks the sums of what comes back") {
+  const std::string on = bytes({6, 0x14, 0, 4, 0, 0x34, 0x11, 0, 0, 0x5D});
+  const std::string off = bytes({6, 0x14, 0, 4, 0, 0x34, 0x11, 1, 0, 0x5E});
+  const std::string power = bytes({7, 0x14, 0, 5, 0, 0x34, 0, 0, 0x11, 0, 0x5E});
+  const std::string lamp = bytes({7, 0x14, 0, 5, 0, 0x34, 0, 0, 0x15, 1, 0x63});
+  const std::string yes = bytes({3, 0x14, 0, 0, 0, 0x14});
+  Conversation talk("viewsonic-pjd7820hd");
+  // 0x1234 hours; the sum after the first byte is 14 + 6 + 34 + 12 = 60.
+  talk.answers = {{power, bytes({5, 0x14, 0, 3, 0, 0, 0, 1, 0x18})},
+                  {lamp, bytes({5, 0x14, 0, 6, 0, 0, 0, 0x34, 0x12, 0, 0, 0x60})},
+                  {off, yes},
+                  {on, yes}};
+  CHECK(talk.power_on() == ProjectorReply::Ok);
+  CHECK(talk.channel.messages() == Messages{power});
+  CHECK(talk.status().lamp_hours == 0x1234);
+  CHECK(talk.channel.messages() == Messages{power, lamp});
+  talk.answers[1].second.back() = 0x61;
+  CHECK(talk.status().reply == ProjectorReply::NoAnswer);
+  talk.power_off();
+  CHECK(talk.channel.messages() == Messages{off});
+  talk.answers[0].second = bytes({5, 0x14, 0, 3, 0, 0, 0, 0, 0x17});
+  CHECK(talk.power_on() == ProjectorReply::Refused);  // it says that it is off to the end
+  CHECK(talk.channel.messages()[1] == on);
+}
+
+TEST_CASE("Anhua's table mixes bytes and text, and sets the brightness") {
+  const std::string on = bytes({0x2A, 0xFA, 0x0D}), off = bytes({0x2A, 0xFB, 0x0D});
+  const std::string led_on = bytes({0x2A, 0x4B, 0x0D}), led_off = bytes({0x2A, 0x47, 0x0D});
+  Conversation talk("anhua-df10", 440);
+  talk.answers = {{on, bytes({0x2A, 0xFA, 0, 0x0D})},
+                  {off, bytes({0x2A, 0xFB, 0, 0x0D})},
+                  {led_on, bytes({0x2A, 0x4B, 0, 0x0D})},
+                  {led_off, bytes({0x2A, 0x47, 0, 0x0D})},
+                  {"CM+LEDS=440\r\n", "OK\r\n"}};
+  CHECK(talk.power_on() == ProjectorReply::Ok);
+  CHECK(talk.channel.messages() == Messages{on, led_off, "CM+LEDS=440\r\n"});
+  CHECK(talk.light_on() == ProjectorReply::Ok);
+  CHECK(talk.channel.messages() == Messages{led_on});
+  talk.answers[2].second[2] = 1;
+  CHECK(talk.light_on() == ProjectorReply::Refused);
+  talk.power_off();
+  CHECK(talk.channel.messages() == Messages{led_off, off});
+}
+
+TEST_CASE("every shipped projector table can be read") {
+  int tables = 0;
+  for (const auto& file :
+       std::filesystem::directory_iterator(std::filesystem::path(CONTOURD_CONFIG_DIR) / "projectors")) {
+    INFO(file.path());
+    CHECK(complaints_of([&] { (void)load_projector_table(file.path()); }).empty());
+    ++tables;
+  }
+  CHECK(tables == 6);
+}
+
+TEST_CASE("a projector table's keys arrive with their units and defaults") {
+  json table = optoma();
+  table.erase("retries");
+  table.erase("gap_ms");
+  table["commands"]["power_on"]["timeout_ms"] = 5000;
+  const ProjectorTable read = load(table);
+  CHECK(read.name == "Optoma");
+  CHECK(read.baud == 9600);
+  CHECK_FALSE(read.echo);
+  CHECK(read.retries == 2);
+  CHECK(read.gap == std::chrono::milliseconds{50});
+  CHECK(read.warm_up == std::chrono::seconds{30});
+  CHECK(read.cool_down == std::chrono::seconds{60});
+  CHECK(read.power_on.timeout == std::chrono::seconds{5});
+  CHECK(read.power_off.timeout == std::chrono::seconds{1});
+  CHECK(read.power_off.name == "power off");
+  CHECK(read.switches_light());
+  CHECK(read.unasked.size() == 7);
+}
+
+TEST_CASE("a bad reply pattern is found when the table is read, with what is wrong") {
+  json table = optoma();
+  table["commands"]["power"]["on"] = "OK(1";
+  table["commands"]["lamp_hours"]["value"] = "OK\\d+";
+  table["commands"]["power_off"]["accepted"] = "(P)";
+  table["unasked"][2]["line"] = "INFO[2";
+  const Complaints complaints = complaints_about(table);
+  REQUIRE(complaints.size() == 4);
+  CHECK(
+      complaints[0] ==
+      "/commands/lamp_hours/value: it has 0 groups; the value's digits need one, others are written (?:...)");
+  // What libstdc++ says of it.
+  CHECK(complaints[1].starts_with("/commands/power/on: "));
+  CHECK(complaints[1].size() > std::string("/commands/power/on: ").size());
+  CHECK(complaints[2] == "/commands/power_off/accepted: no value is expected here: write groups as (?:...)");
+  CHECK(complaints[3].starts_with("/unasked/2/line: "));
+}
+
+TEST_CASE("bytes that are none and sums that are wrong are found when the table is read") {
+  json table = shipped("projectors/viewsonic-pjd7820hd.json");
+  table["commands"]["power_on"]["hex"] = "06 14 00 04 00 34 11 00 00 5E";
+  table["commands"]["power_off"]["hex"] = "06 14 0";
+  table["commands"]["power"]["on"] = "05 14 xx";
+  table["commands"]["lamp_hours"]["value"] = "05 14 sum 00";
+  CHECK(complaints_about(table) ==
+        Complaints{
+            "/commands/lamp_hours/value: \"sum\" must be the last",
+            "/commands/power/on: \"xx\" is no byte; write two hex digits, \"..\" for any byte, \"(..)\" for "
+            "the "
+            "value's, or \"sum\"",
+            "/commands/power_off/hex: \"0\" is no byte; write two hex digits, or \"sum\" for the checksum",
+            "/commands/power_on/hex: its last byte is 5E, but the checksum is 5D"});
+  table = shipped("projectors/anhua-df10.json");
+  table["commands"]["light_on"]["hex"] = "2A 4B sum";
+  CHECK(complaints_about(table) ==
+        Complaints{
+            "/commands/light_on/hex: \"sum\" stands for a checksum, but the table's checksum is \"none\""});
+}
+
+TEST_CASE("light on and light off come together, and with a reply to know them by") {
+  json table = optoma();
+  table["commands"].erase("light_off");
+  CHECK(complaints_about(table) == Complaints{"/commands/light_on: it needs light_off beside it"});
+  table = optoma();
+  table["commands"]["light_off"].erase("accepted");
+  CHECK(complaints_about(table).size() == 1);
+}
+
+TEST_CASE("a brightness has a place for its number and a range") {
+  json table = shipped("projectors/anhua-df10.json");
+  table["commands"]["brightness"]["text"] = "CM+LEDS=";
+  table["commands"]["brightness"]["minimum"] = 2000;
+  CHECK(complaints_about(table) ==
+        Complaints{"/commands/brightness: there is no {} in it, where the number goes",
+                   "/commands/brightness/minimum: 2000 is more than maximum, 1023"});
+  table["commands"]["brightness"] = {{"hex", "2A 4C {} 0D"}, {"minimum", 0}, {"maximum", 300}};
+  table["commands"]["light_on"]["hex"] = "2A {} 0D";
+  CHECK(complaints_about(table) ==
+        Complaints{"/commands/brightness/maximum: 300 does not fit in one byte",
+                   "/commands/light_on: only the brightness has a number, {}, to put in"});
+}
+
+TEST_CASE("a projector table says either a text or bytes, and rules and schema are reported together") {
+  json table = optoma();
+  table["baud"] = 110;
+  table["commands"]["power_on"]["hex"] = "2A";
+  table["commands"]["power_off"]["accepted"] = "P(";
+  table["comands"] = 1;
+  CHECK(complaints_about(table).size() == 4);
+}
+
+}  // namespace
+}  // namespace contourd

@@ -1,0 +1,646 @@
+#include "hw/gpio/gpio_axis.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+
+#include "hw/hardware_error.hpp"
+#include "tests/catch.hpp"
+#include "tests/core/random_shapes.hpp"
+#include "tests/hw/gpio/plant.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+using testing::draw;
+using testing::draw_real;
+using testing::Plant;
+
+namespace {
+
+// A 4 mm screw at 16 microsteps: 1.25 um a step, 4,000 steps/s at homing speed.
+GpioAxisConfig config() {
+  GpioAxisConfig config;
+  config.travel = Nanometers{100'000'000};
+  config.step.line = "17";
+  config.limit_switch.line.line = "23";
+  config.acceleration = MillimetersPerSecondSquared{50};
+  return config;
+}
+
+GpioAxisConfig with_enable(GpioAxisConfig c = config()) {
+  c.enable = GpioLineConfig{"gpiochip0", "22", true};
+  return c;
+}
+GpioAxisConfig with_second_switch(GpioAxisConfig c = config()) {
+  c.second_switch = GpioInputConfig{{"gpiochip0", "24", false}};
+  return c;
+}
+GpioAxisConfig with_emergency_stop(GpioAxisConfig c = config()) {
+  c.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};
+  return c;
+}
+GpioAxisConfig with_encoder(EncoderConfig::Policy policy, GpioAxisConfig c = config()) {
+  EncoderConfig encoder;
+  encoder.counts_per_mm = 800;  // a count a step
+  encoder.policy = policy;
+  c.encoder = encoder;
+  return c;
+}
+
+Nanometers mm(double length) {
+  return Nanometers{std::llround(length * 1e6)};
+}
+
+// Steps that the plate lies above the switch.
+std::int64_t plate_above_switch(const Plant& plant) {
+  return plant.plate() - plant.limit.at;
+}
+
+bool only_disturbance_says(const Plant& plant, Disturbance::Kind kind, const std::string& words) {
+  if (plant.disturbances.size() != 1) return false;
+  UNSCOPED_INFO(plant.disturbances[0].what);
+  return plant.disturbances[0].kind == kind && plant.disturbances[0].what.find(words) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("An axis knows no height before it has homed, and moves nowhere") {
+  Plant plant(config());
+  GpioAxis& axis = plant.build();
+  CHECK_FALSE(axis.height());
+  CHECK_FALSE(axis.height_at(plant.clock.now()));
+  CHECK(plant.move_to(10) == MoveResult::NotHomed);
+  CHECK(plant.pulses.empty());
+}
+
+TEST_CASE("Homing brings the plate to the switch's height to the step") {
+  Plant plant(config());
+  GpioAxis& axis = plant.build();
+  CHECK(plant.home() == HomingResult::Homed);
+  CHECK(plate_above_switch(plant) == 0);
+  CHECK(axis.height() == Nanometers{0});
+  CHECK_FALSE(axis.moving());
+  CHECK(plant.disturbances.empty());
+}
+
+TEST_CASE("Homing is exact whatever the switch bounces, and however late the edges are read") {
+  CHECK(rc::check([] {
+    Plant plant(config());
+    plant.motor = draw(-3, 5'000);
+    plant.limit.hysteresis = draw(0, 400);
+    plant.limit.bounces = static_cast<int>(draw(0, 6));
+    plant.limit.bounce = std::chrono::microseconds{draw(50, 1'000)};
+    plant.input_latency = std::chrono::microseconds{draw(0, 3'000)};
+    plant.build();
+    RC_ASSERT(plant.home() == HomingResult::Homed);
+    RC_ASSERT(plate_above_switch(plant) == 0);
+    // Opening again after backing off bounces too, and is no contact.
+    RC_ASSERT(plant.move_to(2) == MoveResult::Reached);
+    RC_ASSERT(plate_above_switch(plant) == 1'600);
+  }));
+}
+
+TEST_CASE("Homing runs on past the edge by the steps within the reading thread's latency and no more") {
+  Plant plant(config());
+  plant.input_latency = 1ms;  // 4 steps at 4,000/s
+  plant.build();
+  std::int64_t lowest = 0;
+  plant.loses_step = [&] {
+    lowest = std::min(lowest, plate_above_switch(plant));
+    return false;
+  };
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(lowest >= -5);
+  CHECK(lowest <= -3);
+}
+
+TEST_CASE("Homing takes a switch height and the plate moves in heights from there") {
+  GpioAxisConfig c = config();
+  c.switch_height = mm(-0.5);
+  Plant plant(c);
+  GpioAxis& axis = plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(axis.height() == mm(-0.5));
+  CHECK(plant.move_to(0) == MoveResult::Reached);
+  CHECK(plate_above_switch(plant) == 400);
+}
+
+TEST_CASE("Homing upwards finds the switch at the top") {
+  GpioAxisConfig c = config();
+  c.homes_upwards = true;
+  c.switch_height = mm(100.5);
+  Plant plant(c);
+  plant.limit.at = 60'000;
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(plate_above_switch(plant) == 0);
+  CHECK(plant.axis->height() == mm(100.5));
+  CHECK(plant.move_to(40) == MoveResult::Reached);
+  CHECK(plate_above_switch(plant) == -48'400);
+}
+
+TEST_CASE("A switch that is closed at the start is left first") {
+  Plant plant(config());
+  plant.motor = -20;
+  plant.build();
+  CHECK(plant.home() == HomingResult::Homed);
+  CHECK(plate_above_switch(plant) == 0);
+}
+
+TEST_CASE("A switch that never closes ends homing after the whole way") {
+  Plant plant(config());
+  plant.limit.stuck = false;
+  plant.build();
+  CHECK(plant.home() == HomingResult::NoTrigger);
+  CHECK(plant.pulses.size() == (100 + 5) * 800);
+  CHECK_FALSE(plant.axis->height());
+}
+
+TEST_CASE("A limit switch that stays closed ends homing after five millimetres") {
+  Plant plant(config());
+  plant.limit.stuck = true;
+  plant.build();
+  CHECK(plant.home() == HomingResult::StillClosed);
+  CHECK(plant.pulses.size() == 5 * 800);
+}
+
+TEST_CASE("A spike on the limit switch's line does not end a pass") {
+  Plant plant(config());
+  plant.build();
+  const auto press = plant.clock.call_after(500ms, [&] { plant.press(AxisInput::LimitSwitch, true); });
+  const auto release = plant.clock.call_after(502ms, [&] { plant.press(AxisInput::LimitSwitch, false); });
+  CHECK(plant.home() == HomingResult::Homed);
+  CHECK(plate_above_switch(plant) == 0);
+}
+
+TEST_CASE("An edge that the kernel lost is found by the level") {
+  Plant plant(config());
+  plant.build();
+  plant.lines[0]->loses_edges = true;
+  CHECK(plant.home() == HomingResult::Homed);
+  // The level is read every 20 ms: 40 steps at 2,000 steps/s.
+  CHECK(plate_above_switch(plant) >= -41);
+  CHECK(plate_above_switch(plant) <= 0);
+}
+
+TEST_CASE("A motor that turns the wrong way round is noticed by the other switch") {
+  Plant plant(with_second_switch());
+  plant.reversed = true;
+  plant.second.at = 5'000;
+  plant.build();
+  CHECK(plant.home() == HomingResult::WrongSwitch);
+  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "line 24 of gpiochip0"));
+}
+
+TEST_CASE("Moves end on the nearest microstep, whichever way and however often") {
+  CHECK(rc::check([] {
+    Plant plant(config());
+    plant.build();
+    RC_ASSERT(plant.home() == HomingResult::Homed);
+    for (int i = 0; i < 3; ++i) {
+      const double target = draw_real(0, 5);
+      RC_ASSERT(plant.move_to(target, draw_real(0.5, 20)) == MoveResult::Reached);
+      RC_ASSERT(std::llabs(plate_above_switch(plant) * 1'250 - mm(target).count()) <= 625);
+      RC_ASSERT(plant.axis->height() == Nanometers{plate_above_switch(plant) * 1'250});
+    }
+  }));
+}
+
+TEST_CASE("Moves beyond the travel are refused and nothing moves") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.pulses.clear();
+  CHECK(plant.move_to(100.001) == MoveResult::OutsideTravel);
+  CHECK(plant.move_to(-0.001) == MoveResult::OutsideTravel);
+  CHECK(plant.pulses.empty());
+  CHECK(plant.axis->height() == Nanometers{0});
+}
+
+TEST_CASE("A move lasts as long as foretold") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  const TimePoint start = plant.clock.now();
+  REQUIRE(plant.move_to(10) == MoveResult::Reached);
+  const Duration foretold = plant.axis->move_duration(mm(10), MillimetersPerSecond{5});
+  // The last step comes before the end of the curve by sqrt(1 step / 40,000 steps/s^2) = 5 ms.
+  CHECK(std::chrono::abs(plant.clock.now() - start - foretold) <= 6ms);
+}
+
+TEST_CASE("A move is no faster than the axis") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.pulses.clear();
+  REQUIRE(plant.move_to(20, 1000) == MoveResult::Reached);
+  Duration shortest = 1s;
+  for (std::size_t i = 1; i < plant.pulses.size(); ++i)
+    shortest = std::min(shortest, plant.pulses[i] - plant.pulses[i - 1]);
+  CHECK(shortest >= 125us - 1ns);  // 10 mm/s, rounded to a nanosecond
+}
+
+TEST_CASE("Pulses, pauses and direction changes keep their times") {
+  GpioAxisConfig c = config();
+  c.pulse_width = 10us;
+  c.direction_setup = 5ms;
+  Plant plant(c);
+  plant.latency = 0ns;
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  REQUIRE(plant.move_to(5, 10) == MoveResult::Reached);
+  CHECK(plant.shortest_pulse == 10us);
+  CHECK(plant.shortest_pause >= 10us);
+  CHECK(plant.shortest_setup >= 5ms);
+}
+
+TEST_CASE("A speed that the pulses do not leave room for is refused with its figures") {
+  GpioAxisConfig c = config();
+  c.pulse_width = 100us;
+  CHECK(contradiction(c) ==
+        "the axis' top speed of 10 mm/s is 8000 steps/s; pulses of 100 us and pauses as long allow 3750");
+  Plant plant(c);
+  CHECK_THROWS_AS(plant.build(), HardwareError);
+  CHECK_FALSE(contradiction(config()));
+}
+
+TEST_CASE("The motor is enabled before the first step, left to settle, and stays so") {
+  Plant plant(with_enable());
+  plant.build();
+  CHECK_FALSE(plant.enable->level);
+  const TimePoint start = plant.clock.now();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(plant.pulses.front() - start >= 10ms);
+  CHECK(plant.disabled_steps == 0);
+  CHECK(plant.enable->level);
+}
+
+TEST_CASE("An enable line that cannot be set is a fault and nothing moves") {
+  Plant plant(with_enable());
+  plant.build();
+  plant.enable->refuses = true;
+  CHECK(plant.home() == HomingResult::Fault);
+  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "line 22 of gpiochip0"));
+  CHECK(plant.pulses.empty());
+}
+
+TEST_CASE("A step line that cannot be set is a fault") {
+  Plant plant(config());
+  plant.build();
+  const auto refuse = plant.clock.call_after(500ms, [&] { plant.step->refuses = true; });
+  CHECK(plant.home() == HomingResult::Fault);
+  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "line 17 of gpiochip0"));
+}
+
+TEST_CASE("Stop slows down, and the position stays known") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.pulses.clear();
+  TimePoint asked{};
+  const auto stop = plant.clock.call_after(2s, [&] {
+    asked = plant.clock.now();
+    plant.axis->stop();
+  });
+  CHECK(plant.move_to(50) == MoveResult::Stopped);
+  // 5 mm/s at 50 mm/s^2: a tenth of a second, and the thread looks up for it.
+  CHECK(plant.clock.now() - asked <= 115ms);
+  CHECK(plant.clock.now() - asked >= 80ms);
+  CHECK(plant.axis->height() == Nanometers{plate_above_switch(plant) * 1'250});
+  CHECK(plant.pulses.back() - plant.pulses[plant.pulses.size() - 2] > 1ms);  // at walking pace by then
+  CHECK(plant.move_to(1) == MoveResult::Reached);
+  CHECK(plate_above_switch(plant) == 800);
+}
+
+TEST_CASE("Stop at any moment of homing ends it, soon") {
+  CHECK(rc::check([] {
+    Plant plant(config());
+    plant.build();
+    std::optional<HomingResult> result;
+    TimePoint asked{};
+    auto stop = plant.clock.call_after(std::chrono::milliseconds{draw(0, 5'000)}, [&] {
+      asked = plant.clock.now();
+      plant.axis->stop();
+    });
+    result = plant.home();
+    RC_ASSERT(result == HomingResult::Stopped || result == HomingResult::Homed);
+    if (result == HomingResult::Stopped) RC_ASSERT(plant.clock.now() - asked <= 130ms);
+    RC_ASSERT(!plant.axis->moving());
+    stop.reset();
+    RC_ASSERT(plant.home() == HomingResult::Homed);
+    RC_ASSERT(plate_above_switch(plant) == 0);
+  }));
+}
+
+TEST_CASE("Abort makes no further step, drops the answer and the position") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  bool answered = false;
+  plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult) { answered = true; });
+  plant.run_for(1s);
+  plant.axis->abort();
+  const std::size_t made = plant.pulses.size();
+  plant.run_for(1s);
+  CHECK(plant.pulses.size() == made);
+  CHECK_FALSE(answered);
+  CHECK_FALSE(plant.axis->moving());
+  CHECK_FALSE(plant.axis->height());
+  CHECK(plant.move_to(1) == MoveResult::NotHomed);
+  CHECK(plant.home() == HomingResult::Homed);
+  CHECK(plate_above_switch(plant) == 0);
+}
+
+TEST_CASE("Abort of a slow move and homing at once wait for each other") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.axis->move_to(mm(50), MillimetersPerSecond{0.01}, [](MoveResult) {});
+  plant.run_for(1s);
+  plant.axis->abort();
+  CHECK(plant.home() == HomingResult::Homed);
+}
+
+TEST_CASE("Abort while nothing moves leaves the position known") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.axis->abort();
+  CHECK(plant.axis->height() == Nanometers{0});
+}
+
+TEST_CASE("Backlash is taken up from below") {
+  GpioAxisConfig c = config();
+  c.backlash = mm(0.05);  // 40 steps
+  Plant plant(c);
+  plant.slack = 40;
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(plate_above_switch(plant) == 0);
+  for (const double target : {10.0, 5.0, 7.5, 2.0, 2.0, 0.0, 0.1}) {
+    REQUIRE(plant.move_to(target) == MoveResult::Reached);
+    CHECK(plate_above_switch(plant) == std::llround(target * 800));
+    CHECK(plant.axis->height() == mm(target));
+    CHECK(plant.plate() == plant.motor);  // it bears on the screw
+  }
+}
+
+TEST_CASE("The plate's height is right wherever a move with backlash is stopped") {
+  CHECK(rc::check([] {
+    GpioAxisConfig c = config();
+    c.backlash = mm(0.05);
+    Plant plant(c);
+    plant.slack = 40;
+    plant.build();
+    RC_ASSERT(plant.home() == HomingResult::Homed);
+    RC_ASSERT(plant.move_to(3) == MoveResult::Reached);
+    for (int i = 0; i < 4; ++i) {
+      const auto stop =
+          plant.clock.call_after(std::chrono::milliseconds{draw(1, 900)}, [&] { plant.axis->stop(); });
+      (void)plant.move_to(draw_real(0, 6));
+      RC_ASSERT(plant.axis->height() == Nanometers{plate_above_switch(plant) * 1'250});
+    }
+    RC_ASSERT(plant.move_to(4) == MoveResult::Reached);
+    RC_ASSERT(plate_above_switch(plant) == 3'200);
+  }));
+}
+
+TEST_CASE("The height during a move follows the steps, past and to come") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  std::vector<std::pair<TimePoint, Nanometers>> seen, foretold;
+  const TimePoint start = plant.clock.now();
+  std::vector<std::unique_ptr<Timer>> looks;
+  for (int i = 1; i < 20; ++i) {
+    looks.push_back(plant.clock.call_after(i * 100ms, [&] {
+      const TimePoint now = plant.clock.now();
+      CHECK(plant.axis->height() == Nanometers{plate_above_switch(plant) * 1'250});
+      seen.emplace_back(now, *plant.axis->height());
+      foretold.emplace_back(now + 50ms, *plant.axis->height_at(now + 50ms));
+      for (const auto& [then, height] : seen)
+        CHECK(plant.axis->height_at(then) == height);
+      for (const auto& [then, height] : foretold) {
+        if (then > now) continue;
+        // The thread is 20 us late as a rule: less than a step at 4,000 steps/s, either way.
+        CHECK(std::llabs((*plant.axis->height_at(then) - height).count()) <= 1'250);
+      }
+    }));
+  }
+  REQUIRE(plant.move_to(10) == MoveResult::Reached);
+  CHECK(plant.axis->height_at(start - 1s) == Nanometers{0});
+  CHECK(plant.axis->height_at(plant.clock.now() + 1s) == mm(10));
+}
+
+TEST_CASE("Late steps shift the rest of the move, which is never bunched") {
+  CHECK(rc::check([] {
+    Plant plant(config());
+    plant.build();
+    RC_ASSERT(plant.home() == HomingResult::Homed);
+    plant.pulses.clear();
+    const LateSteps before = plant.axis->late_steps();
+    const std::int64_t every = draw(3, 200);
+    std::int64_t count = 0;
+    const Duration delay = std::chrono::microseconds{draw(100, 5'000)};
+    const bool late_falls = draw(0, 1) != 0;
+    plant.step_latency = [&] {
+      if (plant.step->level && !late_falls) return Duration{10'000};
+      return ++count % every == 0 ? delay : Duration{10'000};
+    };
+    RC_ASSERT(plant.move_to(2, 5) == MoveResult::Reached);
+    RC_ASSERT(std::ssize(plant.pulses) == 1'600);
+    const Duration planned = 250us;  // at 4,000 steps/s, the shortest of the move
+    for (std::size_t i = 1; i < plant.pulses.size(); ++i)
+      RC_ASSERT(plant.pulses[i] - plant.pulses[i - 1] >= planned * 3 / 4);
+    if (!late_falls) {
+      RC_ASSERT(plant.axis->late_steps().count > before.count);
+      RC_ASSERT(plant.axis->late_steps().worst >= delay);
+    }
+    RC_ASSERT(plate_above_switch(plant) == 1'600);
+  }));
+}
+
+TEST_CASE("A limit switch that closes in the middle of a move is a fault that halts it") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  std::size_t made = 0;
+  const auto press = plant.clock.call_after(2s, [&] {
+    plant.limit.stuck = true;
+    made = plant.pulses.size();
+  });
+  CHECK(plant.move_to(50) == MoveResult::Fault);
+  // Debounced for 5 ms, and read 0.1 ms late: 21 steps.
+  CHECK(plant.pulses.size() - made <= 22);
+  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault,
+                              "the limit switch (line 23 of gpiochip0) is closed at"));
+  CHECK_FALSE(plant.axis->height());
+}
+
+TEST_CASE("A limit switch may close in a move where it should") {
+  Plant plant(config());
+  plant.limit.hysteresis = 400;
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(plant.move_to(10) == MoveResult::Reached);
+  CHECK(plant.move_to(0) == MoveResult::Reached);
+  CHECK(plant.move_to(10) == MoveResult::Reached);
+  CHECK(plant.disturbances.empty());
+}
+
+TEST_CASE("The other end's switch halts a move as a fault") {
+  Plant plant(with_second_switch());
+  plant.second.at = 40'000;
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(plant.move_to(60) == MoveResult::Fault);
+  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "(line 24 of gpiochip0) closed at 50."));
+  plant.disturbances.clear();
+  CHECK(plant.home() == HomingResult::Homed);  // away from it, though it is closed yet
+  CHECK(plate_above_switch(plant) == 0);
+}
+
+TEST_CASE("The emergency stop halts the motor before the event loop hears of it") {
+  Plant plant(with_emergency_stop());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  std::size_t made = 0;
+  bool aborts = false;
+  plant.on_disturbance = [&] { aborts = plant.axis->moving(); };
+  const auto press = plant.clock.call_after(2s, [&] {
+    plant.press(AxisInput::EmergencyStop, true);
+    made = plant.pulses.size();
+  });
+  CHECK(plant.move_to(50) == MoveResult::Fault);
+  CHECK(plant.pulses.size() - made <= 1);  // 60 us until the edge is read
+  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault,
+                              "the emergency stop is pressed (line 5 of gpiochip0)"));
+  CHECK(aborts);  // told before the move's answer
+  CHECK_FALSE(plant.axis->height());
+
+  plant.disturbances.clear();
+  plant.run_for(100ms);
+  CHECK(plant.axis->emergency_stop_pressed());
+  CHECK(plant.disturbances.empty());
+  CHECK(plant.home() == HomingResult::Fault);  // still pressed
+  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "the emergency stop is pressed"));
+  plant.press(AxisInput::EmergencyStop, false);
+  plant.run_for(100ms);
+  CHECK(plant.home() == HomingResult::Homed);
+}
+
+TEST_CASE("An emergency stop pressed from the start lets nothing move") {
+  Plant plant(with_emergency_stop());
+  plant.build();
+  plant.press(AxisInput::EmergencyStop, true);
+  plant.run_for(100ms);
+  CHECK(plant.disturbances.size() == 1);
+  CHECK(plant.home() == HomingResult::Fault);
+  CHECK(plant.pulses.empty());
+}
+
+TEST_CASE("Who is told of an emergency stop may abort: the move's answer is dropped") {
+  Plant plant(with_emergency_stop());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  bool answered = false;
+  plant.on_disturbance = [&] { plant.axis->abort(); };
+  plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult) { answered = true; });
+  plant.run_for(1s);
+  plant.press(AxisInput::EmergencyStop, true);
+  plant.run_for(1s);
+  CHECK_FALSE(answered);
+  CHECK_FALSE(plant.axis->moving());
+}
+
+TEST_CASE("The lid is an interruption when it opens, once, and the motor goes on") {
+  GpioAxisConfig c = config();
+  c.lid = GpioInputConfig{{"gpiochip0", "6", false}};
+  Plant plant(c);
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  const auto open = plant.clock.call_after(1s, [&] { plant.press(AxisInput::Lid, true); });
+  const auto close = plant.clock.call_after(3s, [&] { plant.press(AxisInput::Lid, false); });
+  CHECK(plant.move_to(20) == MoveResult::Reached);
+  CHECK(only_disturbance_says(plant, Disturbance::Kind::Interruption,
+                              "the lid was opened (line 6 of gpiochip0)"));
+  CHECK_FALSE(plant.axis->lid_open());
+}
+
+TEST_CASE("With an encoder the height is the measured one") {
+  Plant plant(with_encoder(EncoderConfig::Policy::Fault));
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  int lost = 0;
+  plant.loses_step = [&] { return lost < 20 && ++lost > 0; };  // 25 um: within the tolerance of 50
+  CHECK(plant.move_to(10) == MoveResult::Reached);
+  CHECK(plate_above_switch(plant) == 7'980);
+  CHECK(plant.axis->height() == mm(9.975));
+  CHECK(plant.disturbances.empty());
+}
+
+TEST_CASE("Steps lost beyond the tolerance are a fault, while the motor turns") {
+  Plant plant(with_encoder(EncoderConfig::Policy::Fault));
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.pulses.clear();
+  const auto dies = plant.clock.call_after(2s, [&] { plant.dead = true; });
+  CHECK(plant.move_to(50) == MoveResult::Fault);
+  // 50 um and what top speed makes in 5 ms: 80 steps; 10 ms to look at it: 40 more.
+  CHECK(plant.pulses.size() <= std::size_t{7'800 + 130});
+  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "the encoder says"));
+  CHECK_FALSE(plant.axis->height());
+}
+
+TEST_CASE("A dead motor is noticed while homing") {
+  Plant plant(with_encoder(EncoderConfig::Policy::Correct));
+  plant.dead = true;
+  plant.build();
+  CHECK(plant.home() == HomingResult::NoMovement);
+  CHECK(plant.pulses.size() < 200);
+  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "the encoder says 0.000 mm where"));
+}
+
+TEST_CASE("Lost steps are made good where that is the policy") {
+  Plant plant(with_encoder(EncoderConfig::Policy::Correct));
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  int lost = 0;
+  plant.loses_step = [&] { return lost < 100 && ++lost > 0; };
+  CHECK(plant.move_to(10) == MoveResult::Reached);
+  CHECK(plate_above_switch(plant) == 8'000);
+  CHECK(plant.axis->height() == mm(10));
+}
+
+TEST_CASE("A motor that dies is a fault even where lost steps are made good") {
+  Plant plant(with_encoder(EncoderConfig::Policy::Correct));
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.dead = true;
+  CHECK(plant.move_to(0.2) == MoveResult::Fault);  // short enough to be tried again, thrice
+  CHECK(plant.disturbances.size() == 1);
+  REQUIRE(plant.pulses.size() > 4 * 160);
+}
+
+TEST_CASE("An encoder that counts the other way is read the other way") {
+  GpioAxisConfig c = with_encoder(EncoderConfig::Policy::Fault);
+  c.encoder->reversed = true;
+  Plant plant(c);
+  plant.build();
+  CHECK(plant.home() == HomingResult::NoMovement);
+}
+
+TEST_CASE("Homing and moves with an encoder and backlash agree") {
+  GpioAxisConfig c = with_encoder(EncoderConfig::Policy::Fault);
+  c.backlash = mm(0.1);
+  Plant plant(c);
+  plant.slack = 80;
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  for (const double target : {10.0, 5.0, 0.0}) {
+    CHECK(plant.move_to(target) == MoveResult::Reached);
+    CHECK(plate_above_switch(plant) == std::llround(target * 800));
+    CHECK(plant.axis->height() == mm(target));
+  }
+  CHECK(plant.axis->illegal_encoder_edges() == 0);
+}

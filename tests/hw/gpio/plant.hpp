@@ -1,0 +1,327 @@
+// A stepper axis made of arithmetic, under a clock of its own: a screw with backlash, switches that bounce, a
+// motor that may be dead, an encoder on the plate. It is the lines, the threads and the event loop of a
+// GpioAxis in one thread, so that a test sees the same every time and nothing waits.
+#pragma once
+
+#include <poll.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hw/gpio/gpio_axis.hpp"
+#include "hw/virtual_clock.hpp"
+
+namespace contourd::testing {
+
+// Readable while it is not empty; the test looks, no kernel does.
+class PlantInput final : public InputLine {
+ public:
+  [[nodiscard]] int descriptor() const noexcept override { return -1; }
+  [[nodiscard]] bool level() noexcept override { return level_; }
+  [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
+    const std::size_t count = std::min(edges.size(), edges_.size());
+    std::copy_n(edges_.begin(), count, edges.begin());
+    edges_.erase(edges_.begin(), edges_.begin() + static_cast<std::ptrdiff_t>(count));
+    return count;
+  }
+
+  void set(bool level, TimePoint at) {
+    if (level == level_) return;
+    level_ = level;
+    if (loses_edges) return;
+    edges_.push_back({level, at});
+    if (changed) changed();
+  }
+  bool loses_edges = false;
+  std::function<void()> changed;
+
+ private:
+  bool level_ = false;
+  std::deque<LineEdge> edges_;
+};
+
+class PlantOutput final : public OutputLine {
+ public:
+  [[nodiscard]] bool set(bool active) noexcept override {
+    if (refuses) return false;
+    if (active != level && changed) changed(active);
+    level = active;
+    return true;
+  }
+  bool level = false, refuses = false;
+  std::function<void(bool)> changed;
+};
+
+// Time that a VirtualClock's calls and the steps share. The engine wants a plain function for it.
+inline VirtualClock* plant_clock = nullptr;
+inline TimePoint plant_now() noexcept {
+  return plant_clock->now();
+}
+
+class Plant final : public DescriptorWatcher {
+ public:
+  struct Switch {
+    std::int64_t at = 0;  // closed at motor positions from here on, away from the middle of the travel
+    std::int64_t hysteresis = 0;  // opens so many steps later
+    int bounces = 0;              // closings and openings before it rests
+    Duration bounce{0};           // between them
+    std::optional<bool> stuck;    // at that level
+  };
+
+  explicit Plant(GpioAxisConfig axis_config) : config(std::move(axis_config)) {
+    second.at = 1'000'000'000;
+    plant_clock = &clock;
+    for (std::size_t i = 0; i < kAxisInputs; ++i)
+      inputs_[i] = std::make_unique<PlantInput>();
+  }
+  ~Plant() override {
+    axis.reset();
+    plant_clock = nullptr;
+  }
+
+  // The axis over this plant, as it stands now.
+  GpioAxis& build() {
+    plate_ = motor;
+    update_switches();
+    GpioAxis::Parts parts;
+    step = new PlantOutput, direction = new PlantOutput;
+    parts.lines.step.reset(step);
+    parts.lines.direction.reset(direction);
+    if (config.enable) parts.lines.enable.reset(enable = new PlantOutput);
+    step->changed = [this](bool high) { step_edge(high); };
+    direction->changed = [this](bool) { direction_changed_at_ = clock.now(); };
+    const bool fitted[kAxisInputs] = {true, config.second_switch.has_value(),
+                                      config.emergency_stop.has_value(), config.lid.has_value()};
+    for (std::size_t i = 0; i < kAxisInputs; ++i) {
+      lines[i] = inputs_[i].get();
+      if (fitted[i]) parts.lines.inputs[i] = std::move(inputs_[i]);
+    }
+    if (config.encoder) {
+      parts.lines.encoder_a.reset(encoder_a = new PlantInput);
+      parts.lines.encoder_b.reset(encoder_b = new PlantInput);
+      encoder_a->changed = encoder_b->changed = [this] { wake_inputs(); };
+    }
+    for (PlantInput* line : lines)
+      line->changed = [this] { wake_inputs(); };
+    parts.now = plant_now;
+    parts.start_threads = [this](StepEngine& engine, AxisInputs& axis_inputs) {
+      return std::make_unique<Threads>(*this, engine, axis_inputs);
+    };
+    axis = std::make_unique<GpioAxis>(clock, *this, config, std::move(parts));
+    axis->on_disturbance([this](const Disturbance& disturbance) {
+      disturbances.push_back(disturbance);
+      if (on_disturbance) on_disturbance();
+    });
+    return *axis;
+  }
+
+  // Until nothing is pending, or `done`.
+  void run(const std::function<bool()>& done = [] { return false; }) {
+    dispatch();
+    while (!done() && clock.run_next())
+      dispatch();
+  }
+  void run_for(Duration time) {
+    bool over = false;
+    const auto timer = clock.call_after(time, [&] { over = true; });
+    run([&] { return over; });
+  }
+
+  std::optional<HomingResult> home() {
+    std::optional<HomingResult> result;
+    axis->home([&result](HomingResult r) { result = r; });
+    run([&] { return result.has_value(); });
+    return result;
+  }
+  std::optional<MoveResult> move_to(double mm, double speed = 5) {
+    std::optional<MoveResult> result;
+    axis->move_to(Nanometers{std::llround(mm * 1e6)}, MillimetersPerSecond{speed},
+                  [&result](MoveResult r) { result = r; });
+    run([&] { return result.has_value(); });
+    return result;
+  }
+  void press(AxisInput which, bool active) {
+    lines[static_cast<std::size_t>(which)]->set(active, clock.now());
+  }
+
+  [[nodiscard]] std::unique_ptr<Watch> when_readable(int fd, std::function<void()> call) override {
+    return std::make_unique<PlantWatch>(*this, fd, std::move(call));
+  }
+
+  // Plate, in steps: the motor moves a nut that bears on it from below, and from above `slack` later.
+  [[nodiscard]] std::int64_t plate() const { return plate_; }
+
+  VirtualClock clock;
+  GpioAxisConfig config;
+  std::unique_ptr<GpioAxis> axis;
+  std::vector<Disturbance> disturbances;
+  std::function<void()> on_disturbance;
+
+  std::int64_t motor = 4'000;
+  std::int64_t slack = 0;
+  Switch limit, second;
+  bool dead = false, reversed = false;
+  std::function<bool()> loses_step;        // asked for each
+  Duration latency{20'000};                // of the stepping thread
+  std::function<Duration()> step_latency;  // instead, where given
+  Duration input_latency{60'000};          // of the reading thread
+  std::vector<TimePoint> pulses;           // rising edges
+  Duration shortest_pulse{1'000'000'000}, shortest_pause{1'000'000'000}, shortest_setup{1'000'000'000};
+  PlantOutput *step = nullptr, *direction = nullptr, *enable = nullptr;
+  PlantInput *encoder_a = nullptr, *encoder_b = nullptr;
+  std::array<PlantInput*, kAxisInputs> lines{};
+  std::uint64_t disabled_steps = 0;
+
+ private:
+  class PlantWatch final : public Watch {
+   public:
+    PlantWatch(Plant& plant, int fd, std::function<void()> call) : plant_(plant), fd_(fd) {
+      plant_.watched_[fd] = std::make_shared<std::function<void()>>(std::move(call));
+    }
+    ~PlantWatch() override { plant_.watched_.erase(fd_); }
+
+   private:
+    Plant& plant_;
+    int fd_;
+  };
+
+  class Threads final : public AxisThreads {
+   public:
+    Threads(Plant& plant, StepEngine& engine, AxisInputs& inputs) : plant_(plant) {
+      plant.engine_ = &engine;
+      plant.inputs_engine_ = &inputs;
+    }
+    ~Threads() override {
+      plant_.engine_ = nullptr;
+      plant_.inputs_engine_ = nullptr;
+      plant_.next_act_.reset();
+      plant_.next_serve_.reset();
+    }
+    [[nodiscard]] std::vector<std::string> refusals() const override { return {}; }
+
+   private:
+    Plant& plant_;
+  };
+
+  // What the kernel would do next: run the threads that have work, then the event loop.
+  void dispatch() {
+    if (engine_ == nullptr) return;
+    const int steps = engine_->work().descriptor(), reader = inputs_engine_->work().descriptor();
+    for (;;) {
+      std::vector<pollfd> waited{{steps, POLLIN, 0}, {reader, POLLIN, 0}};
+      for (const auto& [fd, call] : watched_)
+        waited.push_back({fd, POLLIN, 0});
+      if (poll(waited.data(), waited.size(), 0) == 0) return;
+      const auto ready =
+          std::find_if(waited.begin(), waited.end(), [](const pollfd& fd) { return fd.revents != 0; });
+      if (ready->fd == steps) {
+        if (engine_->begin()) plan_act();
+      } else if (ready->fd == reader) {
+        serve();
+      } else {
+        const auto call = watched_.at(ready->fd);
+        (*call)();
+      }
+    }
+  }
+
+  void plan_act() {
+    const Duration late = step_latency ? step_latency() : latency;
+    // The thread looks up every 10 ms for something to interrupt it.
+    const TimePoint wake = std::min(engine_->due() + late, clock.now() + std::chrono::milliseconds{10});
+    next_act_ = clock.call_at(engine_->interrupted() ? clock.now() : wake, [this] {
+      engine_->act();
+      if (engine_->running()) plan_act();
+    });
+  }
+
+  void wake_inputs() {
+    if (woken_ || inputs_engine_ == nullptr) return;
+    woken_ = true;
+    next_wake_ = clock.call_after(input_latency, [this] {
+      woken_ = false;
+      serve();
+    });
+  }
+  void serve() {
+    next_serve_.reset();
+    if (const auto next = inputs_engine_->serve()) {
+      next_serve_ = clock.call_at(*next, [this] { serve(); });
+    }
+  }
+
+  void step_edge(bool high) {
+    if (!high) {
+      shortest_pulse = std::min(shortest_pulse, clock.now() - pulses.back());
+      fell_at_ = clock.now();
+      return;
+    }
+    if (!pulses.empty()) shortest_pause = std::min(shortest_pause, clock.now() - fell_at_);
+    shortest_setup = std::min(shortest_setup, clock.now() - direction_changed_at_);
+    pulses.push_back(clock.now());
+    if (enable != nullptr && !enable->level) {
+      ++disabled_steps;
+      return;
+    }
+    if (dead || (loses_step && loses_step())) return;
+    motor += direction->level != reversed ? 1 : -1;
+    move_plate();
+    update_switches();
+  }
+
+  void move_plate() {
+    const std::int64_t before = plate_;
+    plate_ = std::clamp(plate_, motor, motor + slack);
+    if (encoder_a == nullptr) return;
+    // Four counts a period; one count a step.
+    for (std::int64_t p = before; p != plate_;) {
+      p += plate_ > p ? 1 : -1;
+      const auto phase = ((p % 4) + 4) % 4;
+      encoder_a->set(phase == 1 || phase == 2, clock.now());
+      encoder_b->set(phase == 2 || phase == 3, clock.now());
+    }
+  }
+
+  void update_switches() {
+    update(AxisInput::LimitSwitch, limit, config.homes_upwards ? 1 : -1, limit_closed_);
+    update(AxisInput::SecondSwitch, second, config.homes_upwards ? -1 : 1, second_closed_);
+  }
+  void update(AxisInput which, const Switch& contact, int side, bool& closed) {
+    const std::int64_t beyond = (plate_ - contact.at) * side;
+    const bool was = closed;
+    if (beyond >= 0) closed = true;
+    if (beyond < -contact.hysteresis) closed = false;
+    PlantInput* line = built(which);
+    line->set(contact.stuck.value_or(closed), clock.now());
+    if (was == closed || contact.stuck || contact.bounces == 0 || axis == nullptr) return;
+    for (int i = 1; i <= contact.bounces * 2; ++i) {
+      const bool level = i % 2 == 0 ? closed : !closed;
+      bounces_.push_back(
+          clock.call_after(contact.bounce * i, [line, level, this] { line->set(level, clock.now()); }));
+    }
+  }
+  PlantInput* built(AxisInput which) {
+    const auto i = static_cast<std::size_t>(which);
+    return lines[i] != nullptr ? lines[i] : inputs_[i].get();
+  }
+
+  std::array<std::unique_ptr<PlantInput>, kAxisInputs> inputs_;
+  std::map<int, std::shared_ptr<std::function<void()>>> watched_;
+  StepEngine* engine_ = nullptr;
+  AxisInputs* inputs_engine_ = nullptr;
+  std::int64_t plate_ = 0;
+  bool limit_closed_ = false, second_closed_ = false, woken_ = false;
+  TimePoint fell_at_{}, direction_changed_at_{};
+  std::unique_ptr<Timer> next_act_, next_serve_, next_wake_;
+  std::vector<std::unique_ptr<Timer>> bounces_;
+};
+
+}  // namespace contourd::testing

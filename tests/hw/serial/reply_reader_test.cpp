@@ -1,0 +1,145 @@
+#include "hw/serial/reply_reader.hpp"
+
+#include <rapidcheck.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/hw/serial/projector_tables.hpp"
+#include "tests/hw/serial/scripted_channel.hpp"
+
+using namespace contourd;
+using namespace contourd::testing;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr TimePoint kNow{};
+constexpr TimePoint kLater{10s};
+
+// What a reader makes of these bytes, one word a reply.
+std::vector<std::string> heard(ReplyReader& reader, const std::string& bytes, TimePoint now = kNow) {
+  std::vector<std::string> all;
+  for (const char byte : bytes) {
+    const ReplyReader::Heard one = reader.take(byte, now);
+    if (one.unasked != nullptr) all.push_back("unasked: " + one.unasked->means);
+    if (one.reply) all.push_back(std::to_string(one.reply->request) + " " + one.reply->text);
+  }
+  return all;
+}
+
+using Words = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("replies go to the oldest command that they fit") {
+  const ProjectorTable table = text_table();
+  ReplyReader reader(table);
+  reader.expect(1, table.power_on, kLater);
+  reader.expect(2, *table.power, kLater);
+  reader.expect(3, table.power_on, kLater);
+  CHECK(heard(reader, "P\rOK1\rP\rP\r") == Words{"1 P", "2 OK1", "3 P"});
+}
+
+TEST_CASE("a command before one that was answered has gone unanswered") {
+  const ProjectorTable table = text_table();
+  ReplyReader reader(table);
+  reader.expect(1, table.power_on, kLater);
+  reader.expect(2, *table.power, kLater);
+  CHECK(heard(reader, "OK1\rP\r") == Words{"2 OK1"});
+  CHECK(reader.unexplained() == "P\r");
+}
+
+TEST_CASE("a reply that is too late to be one is none") {
+  const ProjectorTable table = text_table();
+  ReplyReader reader(table);
+  reader.expect(1, table.power_on, kLater);
+  CHECK(heard(reader, "P\r", kLater + 1ns).empty());
+  CHECK(heard(reader, "P\r").empty());
+}
+
+TEST_CASE("blanks, line feeds and NULs around a reply are not part of it, and are nothing to wonder at") {
+  const ProjectorTable table = text_table();
+  ReplyReader reader(table);
+  reader.expect(1, table.power_on, kLater);
+  CHECK(heard(reader, std::string("\r\n \0P \r\n\0\r", 10)) == Words{"1 P"});
+  CHECK(reader.unexplained().empty());
+}
+
+TEST_CASE("a command's echo is taken out once, with the prompt before it") {
+  ProjectorTable table = text_table();
+  table.echo = true;
+  table.power_on = text_command("power on", "\r*pow=on#", {{ReplyMeaning::Accepted, "\\*pow=on#"}});
+  ReplyReader reader(table);
+  reader.expect(1, table.power_on, kLater);
+  CHECK(heard(reader, ">*pow=on#\r\n").empty());
+  CHECK(reader.unexplained().empty());
+  CHECK(heard(reader, "*pow=on#\r") == Words{"1 *pow=on#"});
+}
+
+TEST_CASE("a raw command's echo is taken out before its reply is looked for") {
+  ProjectorTable table = bytes_table();
+  table.echo = true;
+  ReplyReader reader(table);
+  reader.expect(1, table.power_on, kLater);
+  CHECK(heard(reader, table.power_on.bytes).empty());
+  CHECK(reader.unexplained().empty());
+  const std::string yes("\x03\x14\x00\x00\x00\x14", 6);
+  CHECK(heard(reader, yes) == Words{"1 " + yes});
+}
+
+TEST_CASE("raw replies are found behind noise, and not without their checksum") {
+  const ProjectorTable table = bytes_table();
+  ReplyReader reader(table);
+  reader.expect(1, *table.power, kLater);
+  CHECK(heard(reader, std::string("\x05\x14\x00\x03\x00\x00\x00\x01\x19", 9)).empty());
+  CHECK(heard(reader, std::string("\xff\x05\x14\x00\x03\x00\x00\x00\x01\x18", 10)).size() == 1);
+}
+
+TEST_CASE("a line that never ends is cut, and what came last is kept to be shown") {
+  const ProjectorTable table = text_table();
+  ReplyReader reader(table);
+  reader.expect(1, table.power_on, kLater);
+  CHECK(heard(reader, std::string(10'000, 'x')).empty());
+  CHECK(reader.unexplained() == std::string(64, 'x'));
+  CHECK(heard(reader, "\rP\r") == Words{"1 P"});
+}
+
+TEST_CASE("however bytes are portioned, a projector hears the same") {
+  // Whole conversations over a channel, in portions of any size, against the same in one portion.
+  const auto converse = [](const ProjectorTable& table, const std::string& bytes,
+                           const std::vector<std::size_t>& sizes) {
+    ReplyReader reader(table);
+    reader.expect(1, table.power_on, kLater);
+    reader.expect(2, *table.power, kLater);
+    reader.expect(3, *table.lamp_hours, kLater);
+    Words all;
+    std::size_t at = 0;
+    for (std::size_t i = 0; at < bytes.size(); ++i) {
+      const std::size_t size = sizes.empty() ? bytes.size() : 1 + sizes[i % sizes.size()] % 7;
+      for (const std::string& word : heard(reader, bytes.substr(at, size)))
+        all.push_back(word);
+      at += size;
+    }
+    all.push_back(reader.unexplained());
+    return all;
+  };
+  const Words text_parts{"P\r", "OK1\r", "OK1234\r", "INFO1\r", "\xff\xfe", "F", "\r\n", "x"};
+  const Words byte_parts{std::string("\x03\x14\x00\x00\x00\x14", 6),
+                         std::string("\x05\x14\x00\x03\x00\x00\x00\x01\x18", 9),
+                         std::string("\x05\x14\x00\x06\x00\x00\x00\x34\x12\x00\x00\x60", 12),
+                         "\x05\x14",
+                         "\xff",
+                         "\r"};
+  const ProjectorTable text = text_table(), bytes = bytes_table();
+  CHECK(rc::check([&](const std::vector<std::size_t>& picks, const std::vector<std::size_t>& sizes) {
+    std::string words, codes;
+    for (const std::size_t pick : picks) {
+      words += text_parts[pick % text_parts.size()];
+      codes += byte_parts[pick % byte_parts.size()];
+    }
+    RC_ASSERT(converse(text, words, sizes) == converse(text, words, {}));
+    RC_ASSERT(converse(bytes, codes, sizes) == converse(bytes, codes, {}));
+  }));
+}

@@ -1,0 +1,543 @@
+#include "hw/serial/serial_projector.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/hw/serial/projector_tables.hpp"
+#include "tests/hw/serial/scripted_channel.hpp"
+
+using namespace contourd;
+using namespace contourd::testing;
+using namespace std::chrono_literals;
+
+namespace {
+
+using Messages = std::vector<std::string>;
+
+// A projector of the text table that behaves, with what it is told and what comes of it.
+struct Bench {
+  explicit Bench(ProjectorTable table = text_table()) : projector(channel, clock, std::move(table)) {
+    channel.projector = [this](const std::string& message) { behave(message); };
+    projector.on_disturbance([this](const Disturbance& one) { disturbances.push_back(one); });
+  }
+
+  void behave(const std::string& message) {
+    if (message == "~0000 1\r" && clock.now() >= deaf_until) is_on = true;
+    if (message == "~0000 0\r") is_on = false;
+    if (message == "~0002 0\r") light = true;
+    if (message == "~0002 1\r") light = false;
+    if (message == "~00124 1\r") return channel.send(is_on ? "OK1\r" : "OK0\r", reply);
+    if (message == "~00108 1\r") return channel.send("OK1234\r", reply);
+    channel.send("P\r", reply);
+  }
+  void fall_silent() {
+    channel.projector = [](const std::string&) {};
+  }
+  void answer_always(const std::string& bytes) {
+    channel.projector = [this, bytes](const std::string&) { channel.send(bytes, reply); };
+  }
+
+  void pass(Duration time) {
+    bool over = false;
+    const auto timer = clock.call_after(time, [&over] { over = true; });
+    while (!over)
+      clock.run_next();
+  }
+  void start_power_on() {
+    answer.reset();
+    projector.power_on([this](ProjectorReply r) { answer = r, answered_at = clock.now(); });
+  }
+  void start_light_on() {
+    answer.reset();
+    projector.light_on([this](ProjectorReply r) { answer = r, answered_at = clock.now(); });
+  }
+  void wait_for_answer() {
+    while (!answer && clock.run_next()) {
+    }
+    REQUIRE(answer);
+  }
+  void power_on() {
+    start_power_on();
+    wait_for_answer();
+    REQUIRE(answer == ProjectorReply::Ok);
+    channel.sent.clear();
+  }
+  void light_on() {
+    start_light_on();
+    wait_for_answer();
+    REQUIRE(answer == ProjectorReply::Ok);
+    channel.sent.clear();
+  }
+  [[nodiscard]] Duration now() const { return clock.now().time_since_epoch(); }
+
+  VirtualClock clock;
+  ScriptedChannel channel{clock};
+  Duration reply = 20ms;
+  TimePoint deaf_until{};
+  bool is_on = false, light = false;
+  std::vector<Disturbance> disturbances;
+  std::optional<ProjectorReply> answer;
+  TimePoint answered_at{};
+  SerialProjector projector;
+};
+
+}  // namespace
+
+TEST_CASE("a serial projector that is off is turned on, warmed up, asked again and made dark") {
+  Bench bench;
+  bench.light = true;  // as the projector comes up
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+  CHECK(bench.channel.messages() == Messages{"~00124 1\r", "~0000 1\r", "~00124 1\r", "~0002 1\r"});
+  CHECK_FALSE(bench.light);
+  CHECK(bench.now() >= 30s);
+  CHECK(bench.now() < 31s);  // four commands and their gaps beside the warm-up
+}
+
+TEST_CASE("a serial projector that is on already is not warmed up again") {
+  Bench bench;
+  bench.is_on = bench.light = true;
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.channel.messages() == Messages{"~00124 1\r", "~0002 1\r"});
+  CHECK(bench.now() < 1s);
+  CHECK_FALSE(bench.light);
+}
+
+TEST_CASE("light on is reported when the serial projector's reply has come") {
+  Bench bench;
+  bench.power_on();
+  bench.pass(1s);
+  const TimePoint asked = bench.clock.now();
+  bench.light_on();
+  CHECK(bench.light);
+  CHECK(bench.answered_at - asked == 20ms);
+}
+
+TEST_CASE("light off is sent in the very call, ahead of a light on that waits for its reply") {
+  Bench bench;
+  bench.power_on();
+  bench.pass(1s);
+  bench.reply = 500ms;
+  bench.start_light_on();
+  bench.pass(200ms);
+  bench.channel.sent.clear();
+  const TimePoint asked = bench.clock.now();
+  bench.projector.light_off();
+  REQUIRE(bench.channel.sent.size() == 1);
+  CHECK(bench.channel.sent[0].message == "~0002 1\r");
+  CHECK(bench.channel.sent[0].at == asked);
+  bench.pass(5s);
+  CHECK_FALSE(bench.answer);  // dropped
+  CHECK(bench.disturbances.empty());
+  CHECK_FALSE(bench.light);
+}
+
+TEST_CASE("light off waits only for the gap that the projector needs after a command") {
+  Bench bench;
+  bench.power_on();
+  bench.pass(1s);
+  bench.reply = 500ms;
+  bench.start_light_on();
+  const TimePoint asked = bench.clock.now();
+  bench.projector.light_off();
+  bench.pass(1s);
+  REQUIRE(bench.channel.sent.size() == 2);
+  // 8 bytes of 10 bits at 9600 baud are 8.333 ms.
+  CHECK(bench.channel.sent[1].at - asked == 100ms + std::chrono::nanoseconds{8'333'333});
+}
+
+TEST_CASE("the late reply to a light on does not confirm the light off behind it") {
+  Bench bench;
+  bench.power_on();
+  bench.pass(1s);
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0002 0\r") bench.channel.send("P\r", 300ms);  // and light off is lost
+  };
+  bench.start_light_on();
+  bench.pass(200ms);
+  bench.projector.light_off();
+  bench.pass(10s);
+  CHECK(bench.disturbances.size() == 1);
+  CHECK(bench.channel.sent.size() > 4);
+}
+
+TEST_CASE(
+    "light off is repeated until the projector confirms it, and reported once when that takes too long") {
+  Bench bench;
+  bench.power_on();
+  bench.light_on();
+  bench.fall_silent();
+  bench.projector.light_off();
+  bench.pass(2900ms);
+  CHECK(bench.disturbances.empty());
+  bench.pass(300ms);
+  REQUIRE(bench.disturbances.size() == 1);
+  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
+  CHECK(bench.disturbances[0].what ==
+        "the light may be on: the projector at /dev/ttyUSB7 did not answer \"light off\" in 3 tries of 1000 "
+        "ms: is it "
+        "connected, and set to 9600 baud?");
+  bench.pass(60s);
+  CHECK(bench.channel.sent.size() > 15);
+  for (const std::string& message : bench.channel.messages())
+    CHECK(message == "~0002 1\r");
+  CHECK(bench.disturbances.size() == 1);
+
+  bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
+  bench.pass(2s);
+  CHECK_FALSE(bench.light);
+  bench.channel.sent.clear();
+  bench.pass(60s);
+  CHECK(bench.channel.sent.empty());
+}
+
+TEST_CASE("a light whose off is not confirmed is not turned on again") {
+  Bench bench;
+  bench.power_on();
+  bench.light_on();
+  bench.fall_silent();
+  bench.projector.light_off();
+  bench.pass(4s);
+  bench.channel.sent.clear();
+  bench.start_light_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Refused);
+  bench.pass(10s);
+  for (const std::string& message : bench.channel.messages())
+    CHECK(message == "~0002 1\r");
+}
+
+TEST_CASE("light on that is not confirmed is followed by light off") {
+  Bench bench;
+  bench.power_on();
+  bench.pass(1s);
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0002 1\r") bench.behave(message);
+    if (message == "~0002 0\r") bench.light = true;  // it does it, and says nothing
+  };
+  bench.start_light_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::NoAnswer);
+  CHECK(bench.projector.last_problem() ==
+        "the projector at /dev/ttyUSB7 did not answer \"light on\" in 3 tries of 1000 ms: is it connected, "
+        "and set to 9600 "
+        "baud?");
+  bench.pass(3s);
+  CHECK_FALSE(bench.light);
+}
+
+TEST_CASE("before a projector is known to be on, a light off that is not confirmed is no disturbance") {
+  Bench bench;
+  bench.fall_silent();
+  bench.projector.light_off();
+  CHECK(bench.channel.messages() == Messages{"~0002 1\r"});
+  bench.pass(60s);
+  CHECK(bench.channel.sent.size() == 3);
+  CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE("a silent projector is asked again as often as its table says, then given up") {
+  Bench bench;
+  bench.fall_silent();
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::NoAnswer);
+  CHECK(bench.channel.messages() ==
+        Messages{"~00124 1\r", "~00124 1\r", "~00124 1\r", "~0000 1\r", "~0000 1\r", "~0000 1\r"});
+  CHECK(bench.projector.last_problem() ==
+        "the projector at /dev/ttyUSB7 did not answer \"power on\" in 3 tries of 1000 ms: is it connected, "
+        "and set to 9600 "
+        "baud?");
+}
+
+TEST_CASE("a projector that is deaf to questions while it is off is turned on all the same") {
+  Bench bench;
+  bench.channel.projector = [&](const std::string& message) {
+    if (bench.is_on || message == "~0000 1\r") bench.behave(message);
+  };
+  bench.power_on();
+  CHECK(bench.is_on);
+}
+
+TEST_CASE("garbage, as from a wrong baud rate, is shown in the message") {
+  Bench bench;
+  bench.answer_always("\x8f\xe0\x03\xff");
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::NoAnswer);
+  CHECK(bench.projector.last_problem() ==
+        "the projector at /dev/ttyUSB7 answered \"power on\" in 3 tries of 1000 ms with what is no reply of "
+        "its kind, "
+        "\"\\x8F\\xE0\\x03\\xFF\\x8F\\xE0\\x03\\xFF\\x8F\\xE0\\x03\\xFF\": is its baud rate 9600, and is it "
+        "the projector of "
+        "the table \"Optoma\"?");
+}
+
+TEST_CASE("a refusal is told from silence, with what came") {
+  Bench bench;
+  bench.power_on();
+  bench.pass(1s);
+  bench.channel.projector = [&](const std::string& message) {
+    bench.channel.send(message == "~0002 0\r" ? "F\r" : "P\r");
+  };
+  bench.start_light_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Refused);
+  CHECK(bench.projector.last_problem() ==
+        "the projector at /dev/ttyUSB7 refused \"light on\": it answered \"F\"");
+}
+
+TEST_CASE("a reply without its line end counts when nothing more has come in time") {
+  Bench bench;
+  bench.power_on();
+  bench.pass(1s);
+  bench.answer_always("P");
+  bench.start_light_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+  CHECK(bench.channel.sent.size() == 1);
+}
+
+TEST_CASE("a reply that comes after a command was sent again answers it, and its twin answers nothing else") {
+  Bench bench;
+  bench.power_on();
+  bench.pass(1s);
+  bench.reply = 1100ms;  // the table's timeout is 1 s
+  const TimePoint start = bench.clock.now();
+  bench.start_light_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+  CHECK(bench.answered_at - start == 1100ms);
+  CHECK(bench.channel.messages() == Messages{"~0002 0\r", "~0002 0\r"});
+  // The second reply is still on its way when light off, which is lost, waits for its own.
+  bench.fall_silent();
+  bench.projector.light_off();
+  bench.pass(5s);
+  CHECK(bench.disturbances.size() == 1);
+}
+
+TEST_CASE("power on right after power off waits until the lamp has cooled down") {
+  Bench bench;
+  bench.power_on();
+  bench.projector.power_off();
+  bench.pass(1s);
+  CHECK(bench.channel.messages() == Messages{"~0002 1\r", "~0000 0\r"});
+  CHECK_FALSE(bench.is_on);
+  const TimePoint off = bench.clock.now() - 1s;
+  bench.channel.sent.clear();
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+  REQUIRE(bench.channel.sent.size() == 4);
+  CHECK(bench.channel.sent[1].message == "~0000 1\r");
+  CHECK(bench.channel.sent[1].at - off >= 60s);
+  CHECK(bench.channel.sent[1].at - off < 61s);  // power off was confirmed a few replies after it was asked
+}
+
+TEST_CASE("a projector that still cools down from before the program ran is turned on again and again") {
+  Bench bench;
+  bench.deaf_until = bench.clock.now() + 50s;
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+  CHECK(bench.is_on);
+}
+
+TEST_CASE("a projector that never comes on is given up in less than the time a print waits for it") {
+  Bench bench;
+  bench.deaf_until = TimePoint::max();
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Refused);
+  CHECK(bench.projector.last_problem() ==
+        "the projector at /dev/ttyUSB7 says that it is off, long after it was turned on");
+  CHECK(bench.now() < 300s);  // the print process's deadline
+}
+
+TEST_CASE("power off follows a light off that is never confirmed, and ends the light that way") {
+  Bench bench;
+  bench.power_on();
+  bench.light_on();
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0000 0\r") bench.behave(message);
+  };
+  bench.projector.power_off();
+  bench.pass(10s);
+  CHECK_FALSE(bench.is_on);
+  CHECK(bench.disturbances.size() == 1);
+  bench.channel.sent.clear();
+  bench.projector.light_off();
+  bench.pass(60s);
+  CHECK(bench.channel.sent.empty());  // off is dark
+}
+
+TEST_CASE("power off comes soon once it is known that light off is not heard") {
+  Bench bench;
+  bench.power_on();
+  bench.light_on();
+  bench.fall_silent();
+  bench.projector.light_off();
+  bench.pass(10s);
+  REQUIRE(bench.disturbances.size() == 1);
+  bench.channel.sent.clear();
+  const TimePoint asked = bench.clock.now();
+  bench.projector.power_off();
+  bench.pass(10s);
+  REQUIRE(bench.channel.sent.size() > 2);
+  CHECK(bench.channel.sent[0].message == "~0002 1\r");
+  CHECK(bench.channel.sent[1].message == "~0000 0\r");
+  CHECK(bench.channel.sent[1].at - asked < 1200ms);  // one try of light off
+}
+
+TEST_CASE("light off does not call back a power off that waits") {
+  Bench bench;
+  bench.power_on();
+  bench.light_on();
+  bench.projector.power_off();
+  bench.projector.light_off();
+  bench.pass(5s);
+  CHECK_FALSE(bench.is_on);
+  CHECK_FALSE(bench.light);
+}
+
+TEST_CASE("what a projector says by itself is a disturbance when it matters") {
+  Bench bench;
+  bench.power_on();
+  bench.channel.send("INFO1\r");
+  bench.pass(1s);
+  CHECK(bench.disturbances.empty());
+  bench.channel.send("INFO4\r");
+  bench.pass(1s);
+  REQUIRE(bench.disturbances.size() == 1);
+  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
+  CHECK(bench.disturbances[0].what == "the projector at /dev/ttyUSB7 says: the lamp failed");
+  bench.channel.send("INFO2\r");
+  bench.pass(1s);
+  CHECK(bench.disturbances.size() == 2);
+}
+
+TEST_CASE("a projector that cools down because it was told to is no disturbance") {
+  Bench bench;
+  bench.power_on();
+  bench.projector.power_off();
+  bench.pass(1s);
+  bench.channel.send("INFO2\r");
+  bench.pass(1s);
+  CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE("a line of the projector's own between a command and its reply is not taken for the reply") {
+  Bench bench;
+  bench.power_on();
+  bench.pass(1s);
+  bench.answer_always("INFO1\rP\r");
+  bench.start_light_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+}
+
+TEST_CASE("a serial line that is lost is a fault, and every command is answered at once") {
+  Bench bench;
+  bench.power_on();
+  bench.light_on();
+  bench.pass(1s);
+  bench.start_light_on();
+  const TimePoint unplugged = bench.clock.now();
+  bench.channel.unplug();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::NoAnswer);
+  CHECK(bench.answered_at == unplugged);
+  bench.projector.light_off();
+  bench.pass(60s);
+  REQUIRE(bench.disturbances.size() == 1);
+  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
+  CHECK(bench.disturbances[0].what ==
+        "the serial port /dev/ttyUSB7 was lost: it was unplugged; the projector's light may be on");
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::NoAnswer);
+  CHECK(bench.projector.last_problem() ==
+        "the projector at /dev/ttyUSB7 cannot be reached: the serial line is lost");
+}
+
+TEST_CASE("a projector's status is whether it is on and its lamp's hours, and asking changes nothing") {
+  Bench bench;
+  std::optional<ProjectorStatus> status;
+  const auto ask = [&] {
+    status.reset();
+    bench.projector.ask_status([&](const ProjectorStatus& s) { status = s; });
+    bench.pass(10s);
+    REQUIRE(status);
+  };
+  ask();
+  CHECK(status->powered == false);
+  CHECK_FALSE(status->lamp_hours);
+  bench.is_on = true;
+  ask();
+  CHECK(status->reply == ProjectorReply::Ok);
+  CHECK(status->powered == true);
+  CHECK(status->lamp_hours == 1234);
+  CHECK(bench.channel.messages() == Messages{"~00124 1\r", "~00124 1\r", "~00108 1\r"});
+  bench.fall_silent();
+  ask();
+  CHECK(status->reply == ProjectorReply::NoAnswer);
+  CHECK(status->problem ==
+        "the projector at /dev/ttyUSB7 did not answer \"power\" in 3 tries of 1000 ms: is it connected, and "
+        "set to 9600 "
+        "baud?");
+}
+
+TEST_CASE("a projector's brightness is set when it is warm and dark") {
+  VirtualClock clock;
+  ScriptedChannel channel{clock};
+  ProjectorTable table = text_table();
+  table.power.reset();
+  table.brightness =
+      BrightnessCommand{.command = text_command("brightness", "CM+LEDS=", {{ReplyMeaning::Accepted, "OK"}}),
+                        .number_at = 8,
+                        .least = 91,
+                        .most = 1023};
+  channel.projector = [&](const std::string& message) {
+    channel.send(message.starts_with("CM") ? "OK\r" : "P\r");
+  };
+  SerialProjector projector(channel, clock, table, 440);
+  std::optional<ProjectorReply> answer;
+  projector.power_on([&](ProjectorReply r) { answer = r; });
+  while (!answer && clock.run_next()) {
+  }
+  CHECK(answer == ProjectorReply::Ok);
+  CHECK(channel.messages() == Messages{"~0000 1\r", "~0002 1\r", "CM+LEDS=440\r"});
+}
+
+TEST_CASE("a table without a light has its projector shine as long as it is on") {
+  ProjectorTable table = text_table();
+  table.light_on.reset();
+  table.light_off.reset();
+  Bench bench(table);
+  bench.power_on();
+  bench.start_light_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+  bench.projector.light_off();
+  bench.pass(10s);
+  CHECK(bench.channel.sent.empty());
+  CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE(
+    "a serial projector's end turns the light off once more where that is not confirmed, and the power") {
+  VirtualClock clock;
+  ScriptedChannel channel{clock};
+  {
+    SerialProjector projector(channel, clock, text_table());
+    projector.light_off();
+    projector.power_off();
+  }
+  CHECK(channel.messages() == Messages{"~0002 1\r"});
+  CHECK(channel.last_words == Messages{"~0002 1\r", "~0000 0\r"});
+}
