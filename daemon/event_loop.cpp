@@ -23,6 +23,11 @@ int check(int result, const char* what) {
 // How late a timer may be. sd-event's default of 250 ms would show in every exposure.
 constexpr std::uint64_t kTimerAccuracyUs = 1;
 
+void set_urgency(sd_event_source* source, EventLoop::Urgency urgency) {
+  if (urgency == EventLoop::Urgency::Normal) return;
+  check(sd_event_source_set_priority(source, SD_EVENT_PRIORITY_IMPORTANT), "sd_event_source_set_priority");
+}
+
 std::uint64_t microseconds(TimePoint when) {
   const auto us = std::chrono::ceil<std::chrono::microseconds>(when.time_since_epoch()).count();
   return us > 0 ? static_cast<std::uint64_t>(us) : 0;
@@ -118,10 +123,12 @@ int EventLoop::guarded(const std::function<void()>& call) {
 }
 
 std::unique_ptr<EventLoop::IoSource> EventLoop::on_ready(int fd, std::uint32_t events,
-                                                         std::function<void(std::uint32_t)> call) {
+                                                         std::function<void(std::uint32_t)> call,
+                                                         Urgency urgency) {
   auto source = std::make_unique<SdIoSource>(*this, std::move(call));
   check(sd_event_add_io(event_, &source->sd.source, fd, events, SdSource::io, &source->sd),
         "sd_event_add_io");
+  set_urgency(source->sd.source, urgency);
   return source;
 }
 
@@ -137,12 +144,13 @@ EventLoop::SourcePtr EventLoop::on_signal(int signal, std::function<void()> call
   return source;
 }
 
-EventLoop::SourcePtr EventLoop::at(TimePoint when, std::function<void()> call) {
+EventLoop::SourcePtr EventLoop::at(TimePoint when, std::function<void()> call, Urgency urgency) {
   auto source = std::make_unique<OwnedSource<Source, SdSource>>(
       *this, [call = std::move(call)](std::uint32_t) { call(); });
   check(sd_event_add_time(event_, &source->sd.source, CLOCK_MONOTONIC, microseconds(when), kTimerAccuracyUs,
                           SdSource::time, &source->sd),
         "sd_event_add_time");
+  set_urgency(source->sd.source, urgency);
   return source;
 }
 
@@ -176,7 +184,25 @@ class SourceTimer final : public Timer {
 }  // namespace
 
 std::unique_ptr<Timer> EventLoopClock::call_at(TimePoint when, std::function<void()> call) {
-  return std::make_unique<SourceTimer>(loop_.at(when, std::move(call)));
+  return std::make_unique<SourceTimer>(loop_.at(when, std::move(call), EventLoop::Urgency::Machine));
+}
+
+namespace {
+
+class SourceWatch final : public DescriptorWatcher::Watch {
+ public:
+  explicit SourceWatch(EventLoop::SourcePtr source) : source_(std::move(source)) {}
+
+ private:
+  EventLoop::SourcePtr source_;
+};
+
+}  // namespace
+
+std::unique_ptr<DescriptorWatcher::Watch> EventLoopWatcher::when_readable(int fd,
+                                                                          std::function<void()> call) {
+  return std::make_unique<SourceWatch>(loop_.on_ready(
+      fd, EPOLLIN, [call = std::move(call)](std::uint32_t) { call(); }, EventLoop::Urgency::Machine));
 }
 
 Mailbox::Mailbox(EventLoop& loop) : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {

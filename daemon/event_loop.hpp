@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hw/clock.hpp"
+#include "hw/descriptor_watcher.hpp"
 #include "hw/file_descriptor.hpp"
 
 namespace contourd {
@@ -31,6 +32,12 @@ class EventLoop {
     virtual void set_events(std::uint32_t events) = 0;
   };
 
+  // What is due at the same time is called in this order.
+  enum class Urgency {
+    Machine,  // an exposure's end, an opened lid
+    Normal,   // clients, the spool
+  };
+
   // Throws std::system_error when the kernel has no room for one.
   EventLoop();
   ~EventLoop();
@@ -44,11 +51,12 @@ class EventLoop {
   // `events` as for epoll (EPOLLIN, EPOLLOUT); the callback gets those that are due. The descriptor stays the
   // caller's.
   [[nodiscard]] std::unique_ptr<IoSource> on_ready(int fd, std::uint32_t events,
-                                                   std::function<void(std::uint32_t)> call);
+                                                   std::function<void(std::uint32_t)> call,
+                                                   Urgency urgency = Urgency::Normal);
   // Blocks the signal for the whole process, so it must come before any thread is made.
   [[nodiscard]] SourcePtr on_signal(int signal, std::function<void()> call);
   // Once, when CLOCK_MONOTONIC reaches `when`.
-  [[nodiscard]] SourcePtr at(TimePoint when, std::function<void()> call);
+  [[nodiscard]] SourcePtr at(TimePoint when, std::function<void()> call, Urgency urgency = Urgency::Normal);
   // Again and again whenever nothing else is due, for as long as the call returns true; then after each
   // wake(). Unlike other sources it must not be destroyed from inside its call.
   class IdleSource : public Source {
@@ -68,12 +76,24 @@ class EventLoop {
   std::exception_ptr failure_;
 };
 
-// Real time: CLOCK_MONOTONIC, through the event loop, which must outlive it.
+// Real time: CLOCK_MONOTONIC, through the event loop, which must outlive it. Its calls come before those of
+// Urgency::Normal.
 class EventLoopClock final : public Clock {
  public:
   explicit EventLoopClock(EventLoop& loop) : loop_(loop) {}
   [[nodiscard]] TimePoint now() const override;
   [[nodiscard]] std::unique_ptr<Timer> call_at(TimePoint when, std::function<void()> call) override;
+
+ private:
+  EventLoop& loop_;
+};
+
+// The machine's descriptors, through the event loop, which must outlive it. Its calls come before those of
+// Urgency::Normal.
+class EventLoopWatcher final : public DescriptorWatcher {
+ public:
+  explicit EventLoopWatcher(EventLoop& loop) : loop_(loop) {}
+  [[nodiscard]] std::unique_ptr<Watch> when_readable(int fd, std::function<void()> call) override;
 
  private:
   EventLoop& loop_;

@@ -11,7 +11,10 @@
 #include "daemon/event_loop.hpp"
 #include "daemon/log.hpp"
 #include "daemon/printer_service.hpp"
+#include "daemon/readable.hpp"
 #include "daemon/supervisor.hpp"
+#include "hw/hardware_check.hpp"
+#include "hw/real_machine.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
 
@@ -19,7 +22,7 @@ namespace contourd {
 namespace {
 
 // Exit codes of BSD's sysexits.h; systemd does not restart after 78 (see contourd.service).
-constexpr int kBadUsage = 64, kFailed = 70, kBadConfig = 78;
+constexpr int kBadUsage = 64, kMissingDevice = 69, kFailed = 70, kBadConfig = 78;
 
 // The clock of the machine: the monotonic one, or for the simulated printer one that skips all waiting.
 class MachineClock {
@@ -43,6 +46,51 @@ class MachineClock {
   std::unique_ptr<Clock> clock_;
 };
 
+std::unique_ptr<Machine> make_machine(const PrinterConfig& config, Clock& clock, DescriptorWatcher& watcher,
+                                      const Log& log) {
+  if (!config.real) return std::make_unique<SimulatedPrinter>(clock, config.simulated);
+  auto machine = std::make_unique<RealMachine>(clock, watcher, *config.real);
+  for (const std::string& device : machine->description())
+    log.info("machine", printable(device));
+  for (const std::string& warning : machine->warnings())
+    log.warning("machine", printable(warning));
+  return machine;
+}
+
+// Prints a line a device. Every device is looked at, whatever is wrong with the others.
+int check_hardware(const PrinterConfig& config) {
+  if (!config.real) {
+    fmt::print("{}: the hardware is simulated, there is nothing to look at\n", config.name);
+    return EXIT_SUCCESS;
+  }
+  EventLoop loop;
+  EventLoopClock clock(loop);
+  EventLoopWatcher watcher(loop);
+  HardwareCheck check(clock, watcher, *config.real);
+  int problems = 0;
+  check.run(
+      [&](const HardwareFinding& finding) {
+        if (!finding.good) ++problems;
+        fmt::print("{:4} {:15} {}\n", finding.good ? "ok" : "BAD", finding.device, printable(finding.what));
+      },
+      [&] { loop.stop(); });
+  loop.run();
+  if (problems == 0) return EXIT_SUCCESS;
+  fmt::print("{} of these keep{} it from printing\n", problems, problems == 1 ? "s" : "");
+  return kMissingDevice;
+}
+
+int light_off(const PrinterConfig& config) {
+  if (!config.real) return EXIT_SUCCESS;
+  EventLoop loop;
+  EventLoopClock clock(loop);
+  EventLoopWatcher watcher(loop);
+  const std::vector<std::string> problems = turn_light_off(clock, watcher, *config.real);
+  for (const std::string& problem : problems)
+    fmt::print(stderr, "the light may be on: {}\n", printable(problem));
+  return problems.empty() ? EXIT_SUCCESS : kMissingDevice;
+}
+
 int run(const PrinterConfig& config) {
   EventLoop loop;
   // Before any thread is made: signals come through the loop alone. SIGIO would come from a lease (see
@@ -61,8 +109,9 @@ int run(const PrinterConfig& config) {
 
   const Log log;
   MachineClock clock(loop, config.pace);
-  SimulatedPrinter machine(clock.get(), config.simulated);
-  PrinterService service(config, loop, clock.get(), machine, log, supervisor);
+  EventLoopWatcher watcher(loop);
+  const std::unique_ptr<Machine> machine = make_machine(config, clock.get(), watcher, log);
+  PrinterService service(config, loop, clock.get(), *machine, log, supervisor);
   running = &service;
   service.start();
   log.info("ready", fmt::format("contourd {} is ready: {}, spool {}, socket {}", CONTOURD_VERSION,
@@ -77,10 +126,15 @@ int start(int argc, char** argv) {
   CLI::App app{"Makes a resin printer of a computer, a projector and a Z stage."};
   app.set_version_flag("--version", CONTOURD_VERSION);
   std::string config_file = kDefaultConfig, checked_file, pace;
-  bool print_states = false;
+  bool print_states = false, look_at_hardware = false, only_light_off = false;
   app.add_option("--config", config_file, "Printer configuration")->capture_default_str();
   const CLI::Option* check =
       app.add_option("--check-config", checked_file, "Say what is wrong with a configuration, and exit");
+  app.add_flag(
+      "--check-hardware", look_at_hardware,
+      "Open the configuration's devices, say what is there, and exit; moves nothing, lights nothing");
+  app.add_flag("--light-off", only_light_off,
+               "Turn off the light that a process which has died may have left on, and exit");
   app.add_option("--pace", pace, "Overrides the configuration's simulation.pace")
       ->check(CLI::IsMember({"realtime", "fast"}));
   app.add_flag("--print-states", print_states, "Print the print process as a Graphviz graph, and exit");
@@ -99,6 +153,12 @@ int start(int argc, char** argv) {
     return EXIT_SUCCESS;
   }
   PrinterConfig config = load_printer_config(config_file);
+  if (look_at_hardware) return check_hardware(config);
+  if (only_light_off) return light_off(config);
+  if (!pace.empty() && config.real) {
+    fmt::print(stderr, "--pace is for the simulated printer; the hardware of {} is real\n", config_file);
+    return kBadUsage;
+  }
   if (!pace.empty()) config.pace = pace == "fast" ? Pace::Fast : Pace::Realtime;
   return run(config);
 }

@@ -84,15 +84,19 @@ void fill_defaults(const json& schema, json& value) {
   }
 }
 
-// References in what is referred to are resolved too, so that they must not go round in a circle. Recursion
-// is bounded by the schema's depth.
+// References in what is referred to are resolved too, so that they must not go round in a circle. What stands
+// beside a reference, such as a description, wins over what is referred to. Recursion is bounded by the
+// schema's depth.
 void resolve_references(json& schema, std::string_view file, const json& other) {
   if (schema.is_object() && schema.contains("$ref")) {
     const std::string& reference = schema["$ref"].get_ref<const std::string&>();
     const std::size_t hash = reference.find('#');
     if (hash == std::string::npos || reference.substr(0, hash) != file)
       throw std::runtime_error("a schema refers to " + reference + ", which is not in " + std::string(file));
-    schema = json(other.at(json::json_pointer(reference.substr(hash + 1))));
+    json resolved = other.at(json::json_pointer(reference.substr(hash + 1)));
+    schema.erase("$ref");
+    resolved.update(schema);
+    schema = std::move(resolved);
     return resolve_references(schema, file, other);
   }
   if (!schema.is_structured()) return;

@@ -14,8 +14,8 @@ class JsonSchema {
  public:
   // Draft 7, of which the sentences know: type, enum, minimum, maximum, minLength, maxLength, pattern,
   // required, properties, additionalProperties: false, items (one schema for all), minItems, maxItems, and
-  // oneOf as a choice between sets of required keys, {"$ref": "#/pointer"} to another part of the same text. Throws nlohmann::json::exception or std::runtime_error
-  // when the text is no schema.
+  // oneOf as a choice between sets of required keys, and {"$ref": "#/pointer"} to a part of the same text.
+  // Throws nlohmann::json::exception or std::runtime_error when the text is no schema.
   explicit JsonSchema(std::string_view text);
   // A schema that borrows parts of another: every {"$ref": "FILE#/pointer"} is replaced by what is there in
   // `other`, which is FILE.

@@ -58,6 +58,10 @@ std::string JsonSection::text(std::string_view key) const {
   return value.get<std::string>();
 }
 
+std::string JsonSection::text_or_digits(std::string_view key) const {
+  return at(key).is_number() ? std::to_string(int64(key)) : text(key);
+}
+
 double JsonSection::number(std::string_view key) const {
   const nlohmann::json& value = at(key);
   if (!value.is_number() || !std::isfinite(value.get<double>())) reject(key, "expected a number");
@@ -89,6 +93,8 @@ Duration JsonSection::duration(std::string_view key) const {
   double duration_ns = number(key);
   if (key.ends_with("_ms")) {
     duration_ns *= 1e6;
+  } else if (key.ends_with("_us")) {
+    duration_ns *= 1e3;
   } else if (key.ends_with("_s")) {
     duration_ns *= 1e9;
   } else {

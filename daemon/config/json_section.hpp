@@ -29,6 +29,8 @@ class JsonSection {
   [[nodiscard]] std::vector<JsonSection> sections(std::string_view key) const;
   [[nodiscard]] bool boolean(std::string_view key) const;
   [[nodiscard]] std::string text(std::string_view key) const;
+  // A text, or the digits of a whole number.
+  [[nodiscard]] std::string text_or_digits(std::string_view key) const;
   // Finite. An integer or a fraction.
   [[nodiscard]] double number(std::string_view key) const;
   // Throws ConfigError for a fraction and for what T cannot hold.
@@ -41,7 +43,7 @@ class JsonSection {
 
   // In the unit that the key ends in, rounded to whole nanometres: _mm or _um. REQUIRES: one of these.
   [[nodiscard]] Nanometers length(std::string_view key) const;
-  // In the unit that the key ends in, rounded to whole nanoseconds: _s or _ms. REQUIRES: one of these.
+  // In the unit that the key ends in, rounded to whole nanoseconds: _s, _ms or _us. REQUIRES: one of these.
   [[nodiscard]] Duration duration(std::string_view key) const;
 
  private:

@@ -1,15 +1,18 @@
 #include "daemon/config/printer_config.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "daemon/config/hardware_config.hpp"
+#include "daemon/config/hardware_rules.hpp"
 #include "daemon/config/json_document.hpp"
 #include "daemon/config/json_schema.hpp"
 #include "daemon/config/json_section.hpp"
+#include "daemon/config/profile_file.hpp"
+#include "daemon/config/projector_table.hpp"
 #include "hw/png_file.hpp"
 
 namespace contourd {
@@ -25,39 +28,6 @@ fs::path folder_of(const fs::path& file) {
 fs::path resolved(const fs::path& folder, const std::string& text) {
   fs::path path = (folder / text).lexically_normal();
   return path.has_filename() ? path : path.parent_path();  // "spool/" is "spool"
-}
-
-std::string profile_names(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const fs::path& file = entry->path();
-    const bool is_hidden = file.filename().string().starts_with('.');
-    if (file.extension() == ".json" && !is_hidden) names.push_back(file.stem().string());
-  }
-  if (error) return "its folder cannot be read: " + error.message();
-  if (names.empty()) return "there are none";
-  std::sort(names.begin(), names.end());
-  std::string text;
-  for (const std::string& name : names)
-    text += (text.empty() ? "there are " : ", ") + in_quotes(name);
-  return text;
-}
-
-// Nothing when there is no such profile. A name can never lead out of the folder.
-std::optional<fs::path> profile_file(const fs::path& folder, std::string_view name) {
-  constexpr std::string_view forbidden("/\0", 2);
-  if (name.empty() || name.front() == '.' || name.find_first_of(forbidden) != std::string_view::npos) {
-    return std::nullopt;
-  }
-  fs::path file = folder / (std::string(name) + ".json");
-  std::error_code error;
-  return fs::exists(file, error) || error ? std::optional(std::move(file)) : std::nullopt;
-}
-
-std::string no_such_profile(const fs::path& folder, std::string_view name) {
-  return "there is no resin profile " + in_quotes(name) + " in " + in_quotes(folder.string()) + "; " +
-         profile_names(folder);
 }
 
 void check_rules(JsonDocument& document, const fs::path& folder) {
@@ -89,18 +59,41 @@ std::optional<ResinProfile> load_default_resin(JsonDocument& printer, const fs::
   const fs::path resins_folder = resolved(folder, *resins);
   const auto file = profile_file(resins_folder, *name);
   if (!file) {
-    printer.add_violation("/resin", no_such_profile(resins_folder, *name));
+    printer.add_violation("/resin", no_such_profile("resin profile", resins_folder, *name));
     return std::nullopt;
   }
   ResinMachine machine{.travel = {},
-                       .irradiance_mw_cm2 = printer.sound_number("/projector/irradiance_mw_cm2")};
+                       .irradiance_mw_cm2 = printer.sound_number("/projector/irradiance_mw_cm2"),
+                       .top_speed = {}};
   if (const auto travel = printer.sound_number("/z_axis/travel_mm")) {
     machine.travel = to_nanometers(Millimeters{*travel});
   }
+  if (const auto speed = printer.sound_number("/z_axis/top_speed_mm_s"))
+    machine.top_speed = MillimetersPerSecond{*speed};
   try {
     return load_resin_profile(*file, machine);
   } catch (const ConfigError& error) {
-    violations = error.violations();
+    violations.insert(violations.end(), error.violations().begin(), error.violations().end());
+    return std::nullopt;
+  }
+}
+
+// The projector's table, as the default resin.
+std::optional<ProjectorTable> load_table(JsonDocument& printer, const fs::path& folder,
+                                         std::vector<Violation>& violations) {
+  const auto tables = printer.sound_text("/projectors_folder");
+  const auto name = printer.sound_text("/projector/table");
+  if (!tables || !name) return std::nullopt;
+  const fs::path tables_folder = resolved(folder, *tables);
+  const auto file = profile_file(tables_folder, *name);
+  if (!file) {
+    printer.add_violation("/projector/table", no_such_profile("projector table", tables_folder, *name));
+    return std::nullopt;
+  }
+  try {
+    return load_projector_table(*file);
+  } catch (const ConfigError& error) {
+    violations.insert(violations.end(), error.violations().begin(), error.violations().end());
     return std::nullopt;
   }
 }
@@ -172,9 +165,21 @@ SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& f
   return config;
 }
 
-PrinterConfig read_printer(const JsonSection& root, const fs::path& folder, ResinProfile resin,
-                           std::optional<Mask> lamp) {
+std::optional<MillimetersPerSecond> read_top_speed(const JsonSection& z_axis) {
+  if (!z_axis.has("top_speed_mm_s")) return std::nullopt;
+  return MillimetersPerSecond{z_axis.number("top_speed_mm_s")};
+}
+
+// What the printer's file refers to.
+struct Companions {
+  std::optional<ResinProfile> resin;
+  std::optional<Mask> lamp;
+  std::optional<ProjectorTable> table;
+};
+
+PrinterConfig read_printer(const JsonSection& root, const fs::path& folder, Companions companions) {
   const JsonSection display = root.section("display");
+  const bool real = root.text("hardware") == "real";
   constexpr std::uintmax_t bytes_per_mb = 1'000'000;
   return {
       .name = root.text("name"),
@@ -183,9 +188,10 @@ PrinterConfig read_printer(const JsonSection& root, const fs::path& folder, Resi
       .resins_folder = resolved(folder, root.text("resins_folder")),
       .wait_for_plate_cleared = root.boolean("wait_for_plate_cleared"),
       .min_free_disk_bytes = bytes_per_mb * root.integer<std::uintmax_t>("min_free_disk_mb"),
-      .resin = std::move(resin),
+      .resin = std::move(companions.resin).value(),
       .travel = root.section("z_axis").length("travel_mm"),
       .travel_speed = MillimetersPerSecond{root.section("z_axis").number("travel_speed_mm_s")},
+      .top_speed = read_top_speed(root.section("z_axis")),
       .display_width = Pixels{display.integer<std::int32_t>("width_px")},
       .display_height = Pixels{display.integer<std::int32_t>("height_px")},
       .pixel_pitch = Micrometers{display.number("pixel_pitch_um")},
@@ -193,10 +199,11 @@ PrinterConfig read_printer(const JsonSection& root, const fs::path& folder, Resi
       .mirror_y = display.boolean("mirror_y"),
       .anti_aliasing = display.boolean("anti_aliasing"),
       .tone = {.gamma = display.number("gamma"), .threshold = display.integer<std::uint8_t>("threshold")},
-      .lamp = std::move(lamp),
+      .lamp = std::move(companions.lamp),
       .irradiance_mw_cm2 = root.section("projector").number("irradiance_mw_cm2"),
-      .pace = root.section("simulation").text("pace") == "fast" ? Pace::Fast : Pace::Realtime,
+      .pace = !real && root.section("simulation").text("pace") == "fast" ? Pace::Fast : Pace::Realtime,
       .simulated = read_simulated(root, folder),
+      .real = real ? std::optional(read_real_machine(root, std::move(companions.table))) : std::nullopt,
   };
 }
 
@@ -207,23 +214,29 @@ PrinterConfig load_printer_config(const fs::path& path) {
   const fs::path folder = folder_of(path);
   printer_schema().check(document);
   check_rules(document, folder);
-  std::vector<Violation> resin_violations;
-  std::optional<ResinProfile> resin = load_default_resin(document, folder, resin_violations);
-  std::optional<Mask> lamp = load_lamp(document, folder);
+  check_hardware_rules(document);
+  std::vector<Violation> elsewhere;
+  Companions companions;
+  companions.resin = load_default_resin(document, folder, elsewhere);
+  companions.lamp = load_lamp(document, folder);
+  companions.table = load_table(document, folder, elsewhere);
+  if (companions.table) check_projector_table(document, *companions.table);
 
   std::vector<Violation> violations = document.violations();
-  violations.insert(violations.end(), resin_violations.begin(), resin_violations.end());
+  violations.insert(violations.end(), elsewhere.begin(), elsewhere.end());
   if (!violations.empty()) throw ConfigError(std::move(violations));
-  return read_printer(JsonSection(document), folder, std::move(resin).value(), std::move(lamp));
+  return read_printer(JsonSection(document), folder, std::move(companions));
 }
 
 ResinProfile find_resin(const PrinterConfig& printer, std::string_view name) {
   const auto file = profile_file(printer.resins_folder, name);
   if (!file) {
-    throw ConfigError({{printer.resins_folder.string(), "", no_such_profile(printer.resins_folder, name)}});
+    throw ConfigError({{printer.resins_folder.string(), "",
+                        no_such_profile("resin profile", printer.resins_folder, name)}});
   }
-  return load_resin_profile(*file,
-                            {.travel = printer.travel, .irradiance_mw_cm2 = printer.irradiance_mw_cm2});
+  return load_resin_profile(*file, {.travel = printer.travel,
+                                    .irradiance_mw_cm2 = printer.irradiance_mw_cm2,
+                                    .top_speed = printer.top_speed});
 }
 
 }  // namespace contourd

@@ -11,6 +11,7 @@
 #include "core/units.hpp"
 #include "daemon/config/config_error.hpp"
 #include "daemon/config/resin_profile.hpp"
+#include "hw/real_machine_config.hpp"
 #include "hw/simulated_printer.hpp"
 
 namespace contourd {
@@ -33,6 +34,7 @@ struct PrinterConfig {
 
   Nanometers travel;
   MillimetersPerSecond travel_speed;
+  std::optional<MillimetersPerSecond> top_speed;
 
   Pixels display_width;
   Pixels display_height;
@@ -47,6 +49,7 @@ struct PrinterConfig {
 
   Pace pace = Pace::Realtime;
   SimulatedPrinterConfig simulated;
+  std::optional<RealMachineConfig> real;  // nothing when the machine is simulated
 };
 
 // Throws ConfigError with everything that is wrong with the file and with the resin profile it names.

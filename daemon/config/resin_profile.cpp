@@ -84,6 +84,12 @@ void check_rules(JsonDocument& document, const ResinMachine& machine) {
     document.add_violation("/lift_mm", plain(*lift) + " is not less than the printer's travel, " +
                                            plain(to_millimeters(*machine.travel).count()) + " mm");
   }
+  for (const char* key : {"/lift_speed_mm_s", "/retract_speed_mm_s"}) {
+    const auto speed = document.sound_number(key);
+    if (!speed || !machine.top_speed || *speed <= machine.top_speed->count()) continue;
+    document.add_violation(key, plain(*speed) + " is more than the printer's top speed, " +
+                                    plain(machine.top_speed->count()) + " mm/s");
+  }
 }
 
 std::variant<FixedExposure, WorkingCurve> read_exposure(const JsonSection& profile) {

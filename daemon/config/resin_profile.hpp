@@ -56,6 +56,7 @@ struct ResinProfile {
 struct ResinMachine {
   std::optional<Nanometers> travel;
   std::optional<double> irradiance_mw_cm2;
+  std::optional<MillimetersPerSecond> top_speed = std::nullopt;
 };
 
 // Throws ConfigError with everything that is wrong with the profile, its exposures at its own layer height

@@ -17,18 +17,20 @@ using nlohmann::json;
 
 // ` mm` for ".../travel_mm", by the pointer's last key that ends in a unit; nothing for a plain number.
 std::string unit_of(std::string_view pointer) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 13> units{{
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 15> units{{
       // Longer endings first: mm/s before s.
       {"_mw_cm2", "mW/cm2"},
       {"_mj_cm2", "mJ/cm2"},
       {"_per_mm", "per mm"},
       {"_mm_s2", "mm/s2"},
+      {"_mm_s3", "mm/s3"},
       {"_mm_s", "mm/s"},
       {"_deg", "degrees"},
       {"_mm", "mm"},
       {"_um", "um"},
       {"_px", "px"},
       {"_ms", "ms"},
+      {"_us", "us"},
       {"_mb", "MB"},
       {"_hz", "Hz"},
       {"_s", "s"},

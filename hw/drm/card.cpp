@@ -1,11 +1,14 @@
 #include "hw/drm/card.hpp"
 
 #include <fcntl.h>
+#include <grp.h>
+#include <sys/stat.h>
 #include <xf86drm.h>
 #include <xf86drmMode.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <utility>
@@ -22,14 +25,22 @@ using KernelConnector = LibdrmPointer<drmModeConnector, drmModeFreeConnector>;
 using KernelEncoder = LibdrmPointer<drmModeEncoder, drmModeFreeEncoder>;
 using Version = LibdrmPointer<drmVersion, drmFreeVersion>;
 
+// "; the group video may open it"
+std::string who_may_open(const std::filesystem::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return "";
+  const group* owner = ::getgrgid(status.st_gid);
+  return "; the group " + (owner != nullptr ? std::string(owner->gr_name) : std::to_string(status.st_gid)) +
+         " may open it";
+}
+
 FileDescriptor opened(const std::filesystem::path& path) {
   // Events are read as they come, never waited for.
   const int fd = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
   if (fd >= 0) return FileDescriptor(fd);
   const int error = errno;
-  std::string what = path.string() + " cannot be opened: " + std::strerror(error);
-  if (error == EACCES) what += "; the group that the file belongs to may open it";
-  throw HardwareError(what);
+  throw HardwareError(path.string() + " cannot be opened: " + std::strerror(error) +
+                      (error == EACCES ? who_may_open(path) : ""));
 }
 
 Connector::Status status_of(drmModeConnection connection) {

@@ -33,7 +33,12 @@ class DrmDisplay::Implementation {
         wake_(made_eventfd()),
         uevent_watch_(watcher.when_readable(uevents_.fd(), [this] { displays_changed(); })),
         wake_watch_(watcher.when_readable(wake_.get(), [this] { deny_waiting(); })) {
-    find_output_again();
+    OutputSearch search = find_output(config_);
+    if (search.found) {
+      take(std::move(*search.found));
+    } else {
+      problem_ = search.why_not;
+    }
   }
 
   void show(const Mask& mask, Presented done) {
@@ -73,24 +78,31 @@ class DrmDisplay::Implementation {
     return !problem_;
   }
 
+  // A display that is still away leaves the problem as it is; one that is back but of no use is a new one.
   void look_again() {
     try {
-      if (!output_) return find_output_again();
-      output_->relight(config_);
-      problem_.reset();
+      if (output_) {
+        if (output_->relight(config_)) problem_.reset();
+      } else if (auto found = find_anywhere()) {
+        take(std::move(*found));
+      }
     } catch (const HardwareError& error) {
       problem_ = error.what();
     }
   }
 
-  void find_output_again() {
-    OutputSearch search = find_output(config_);
-    if (!search.found) {
-      problem_ = search.why_not;
-      return;
+  // Nothing while there is none, or its card is only just coming.
+  [[nodiscard]] std::optional<FoundOutput> find_anywhere() const {
+    try {
+      return find_output(config_).found;
+    } catch (const HardwareError&) {
+      return std::nullopt;
     }
-    warning_ = keep_console_dark(search.found->card.path());
-    output_ = std::make_unique<Output>(std::move(search.found->card), search.found->connector, config_);
+  }
+
+  void take(FoundOutput found) {
+    warning_ = keep_console_dark(found.card.path());
+    output_ = std::make_unique<Output>(std::move(found.card), found.connector, config_);
     card_watch_ = watcher_.when_readable(output_->card().fd(), [this] { flip_done(); });
     problem_.reset();
   }
@@ -109,8 +121,9 @@ class DrmDisplay::Implementation {
     if (problem_) {
       const std::string before = *problem_;
       look_again();
+      if (!problem_) return tell_recovery();
       // Back, but of no use: another sentence than that it is away.
-      if (problem_ && *problem_ != before) lose(*problem_);
+      if (*problem_ != before) lose(*problem_);
       return;
     }
     const Connector now = output_->connector();
@@ -118,9 +131,13 @@ class DrmDisplay::Implementation {
     if (now.status == Connector::Status::Disconnected) return lose(output_->name() + " was unplugged");
     const bool has_mode =
         std::ranges::any_of(now.modes, [&](const Mode& mode) { return same_timing(mode, output_->mode()); });
-    if (!has_mode)
-      return lose(output_->name() + " no longer has the mode " + describe(output_->mode()) +
-                  "; modes: " + describe(now.modes));
+    if (!has_mode) {
+      lose(output_->name() + " no longer has its mode " + describe(output_->mode()) +
+           "; modes: " + describe(now.modes));
+      look_again();  // another display may have the like
+      if (!problem_) tell_recovery();
+      return;
+    }
     if (!output_->card().is_master()) lose_to(EACCES);
   }
 
@@ -143,10 +160,16 @@ class DrmDisplay::Implementation {
   void lose(const std::string& why) {
     problem_ = why;
     const Presented waiting = std::exchange(waiting_, nullptr);
-    if (on_disturbance_) on_disturbance_({Disturbance::Kind::Interruption, why});
+    tell(Disturbance::Kind::Interruption, why);
     if (problem_ && output_) output_->turn_off();
     if (waiting) waiting(std::nullopt);
   }
+
+  void tell(Disturbance::Kind kind, const std::string& what) {
+    if (on_disturbance_) on_disturbance_({kind, what});
+  }
+
+  void tell_recovery() { tell(Disturbance::Kind::Recovery, "the display is back: " + description()); }
 
   // For a show() or black() that must not call back from within itself.
   void deny_later() { ::eventfd_write(wake_.get(), 1); }

@@ -44,7 +44,8 @@ class DrmDisplay final : public MaskDisplay {
   // driver hangs).
   void black_now() noexcept override;
 
-  // `call` runs when the display is lost, before its waiting `done`; from the event loop.
+  // `call` runs when the display is lost, before its waiting `done`, and when the kernel's word that it is
+  // back proves true; from the event loop.
   void on_disturbance(std::function<void(const Disturbance&)> call);
 
   // Why nothing can be shown: one sentence. Nothing when all is well.

@@ -123,7 +123,7 @@ bool same_timing(const Mode& a, const Mode& b) {
 
 std::optional<std::string> unfitness(const Mode& mode, PictureSize size) {
   for (const FlagName& oddity : kOddities) {
-    if ((mode.flags & oddity.flag) != 0) return std::string("it is odd: ") + oddity.name;
+    if ((mode.flags & oddity.flag) != 0) return "it does not send each pixel of each picture once";
   }
   if ((mode.flags & DRM_MODE_FLAG_3D_MASK) != 0) return "it has a picture for each eye";
   if (auto why = unsquare_by_name(mode)) return why;
@@ -142,7 +142,7 @@ Mode choose_mode(std::span<const Mode> modes, PictureSize size, const DrmDisplay
   for (const Mode& mode : modes) {
     if (!has_size(mode, config) || static_cast<double>(distance(mode)) > kRefreshTolerance * 1000) continue;
     if (const auto why = unfitness(mode, known)) {
-      if (unfit.empty()) unfit = describe(mode) + " of " + output + " cannot show masks: " + *why;
+      if (unfit.empty()) unfit = output + " cannot show masks with its mode " + describe(mode) + ": " + *why;
       continue;
     }
     const bool nearer = best == nullptr || distance(mode) < distance(*best);

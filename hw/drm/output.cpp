@@ -61,19 +61,21 @@ void Output::set_mode(const Connector& connector, const DrmDisplayConfig& config
   now_on_screen(*black_);
 }
 
-void Output::relight(const DrmDisplayConfig& config) {
+bool Output::relight(const DrmDisplayConfig& config) {
   const Connector now = connector();
-  if (now.status == Connector::Status::Disconnected) throw HardwareError(name_ + " is not connected");
+  if (now.status == Connector::Status::Disconnected) return false;
   set_mode(now, config);
+  return true;
 }
 
 void Output::turn_off() noexcept {
-  if (!crtc_ || crtc_->turn_off() != 0) blacken_masks();
+  if (const int error = crtc_ ? crtc_->turn_off() : 0; error != 0) blacken_masks_after(error);
   now_on_screen(*black_);  // as dark as that
 }
 
-// For when the kernel refuses: what may be on the screen is blackened where it is.
-void Output::blacken_masks() noexcept {
+// The kernel refused: what may be on the screen is blackened where it is, unless the card is gone.
+void Output::blacken_masks_after(int error) noexcept {
+  if (error == ENODEV) return;
   for (const auto& mask : masks_)
     mask->writer().blacken();
 }
@@ -127,8 +129,9 @@ void Output::black_now() noexcept {
   const Framebuffer* coming = flip_ ? flip_->picture : on_screen_;
   if (coming == black_.get() || !crtc_) return;
   if (!flip_ && show(*black_) == 0) return;
-  if (crtc_->show(*black_) == 0) return now_on_screen(*black_);
-  blacken_masks();
+  const int error = crtc_->show(*black_);
+  if (error == 0) return now_on_screen(*black_);
+  blacken_masks_after(error);
 }
 
 Output::Events Output::read_events() noexcept {

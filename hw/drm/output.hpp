@@ -51,9 +51,9 @@ class Output {
   // To be called when the card's descriptor can be read.
   [[nodiscard]] Events read_events() noexcept;
 
-  // Sets the mode anew, black, after the display was unplugged or another program had the card. Throws
-  // HardwareError.
-  void relight(const DrmDisplayConfig& config);
+  // Sets the mode anew, black, after the display was unplugged or another program had the card. False while
+  // the display is not connected. Throws HardwareError.
+  [[nodiscard]] bool relight(const DrmDisplayConfig& config);
   // No signal, until relight(); black in place where the kernel refuses (this process is not DRM master).
   void turn_off() noexcept;
 
@@ -66,7 +66,7 @@ class Output {
   void set_mode(const Connector& connector, const DrmDisplayConfig& config);
   [[nodiscard]] Framebuffer& writable_mask() noexcept;
   [[nodiscard]] int show(const Framebuffer& picture) noexcept;
-  void blacken_masks() noexcept;
+  void blacken_masks_after(int error) noexcept;
   void now_on_screen(const Framebuffer& picture) noexcept;
   void finish_flip(std::uint64_t serial, TimePoint when, Events& events) noexcept;
 

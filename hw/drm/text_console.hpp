@@ -1,6 +1,8 @@
 // The kernel's text console on a card's outputs. DRM master keeps it off the screen while this process lives;
 // when it dies the kernel puts the console's picture back, as light. So that picture is made black, and the
-// console told to draw no more. Both last beyond this process: that is their purpose.
+// console told to draw no more. Both last beyond this process: that is their purpose. Who wants no console
+// there at all boots with fbcon=map:9: another terminal that is switched to, or a login prompt that starts
+// anew (getty sets its terminal to text), draws again.
 #pragma once
 
 #include <filesystem>

@@ -175,11 +175,15 @@ void GpioAxis::take_change(const InputChange& change) {
       if (!emergency_told_ && (change.active || engine_.barred())) blocked();
       if (change.active || inputs_.lost()) return;
       emergency_told_ = false;
-      return engine_.allow();
+      engine_.allow();
+      return disturb(Disturbance::Kind::Recovery,
+                     "the emergency stop was let go (" + words_of(config_.emergency_stop->line) + ")");
     case AxisInput::Lid:
-      if (!change.active || !change.changed) return;
-      return disturb(Disturbance::Kind::Interruption,
-                     "the lid was opened (" + words_of(config_.lid->line) + ")");
+      if (!change.changed) return;
+      return change.active ? disturb(Disturbance::Kind::Interruption,
+                                     "the lid was opened (" + words_of(config_.lid->line) + ")")
+                           : disturb(Disturbance::Kind::Recovery,
+                                     "the lid was closed (" + words_of(config_.lid->line) + ")");
     case AxisInput::SecondSwitch:
       if (!change.halted) return;
       trip_ = Trip{HomingResult::WrongSwitch, "the switch at the end that is not homed to (" +

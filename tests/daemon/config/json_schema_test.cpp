@@ -4,6 +4,7 @@
 #include <functional>
 #include <regex>
 
+#include "daemon/config/schema_text.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
 
@@ -190,6 +191,8 @@ TEST_CASE("every property of every schema says what it is, in which unit and wit
       for (const auto& [ending, unit] : {std::pair{"_mm", "mm"},
                                          {"_um", "um"},
                                          {"_ms", "ms"},
+                                         {"_us", "us"},
+                                         {"_mm_s3", "mm/s3"},
                                          {"_hz", "Hz"},
                                          {"_mm_s", "mm/s"},
                                          {"_mm_s2", "mm/s2"},
@@ -218,9 +221,25 @@ TEST_CASE("every default in a schema is one that the schema itself allows") {
 }
 
 TEST_CASE("the embedded schemas are the files in config") {
-  CHECK(printer_schema().value().dump() == testing::shipped("contourd.schema.json").dump());
+  CHECK(json::parse(contourd_schema_text) == testing::shipped("contourd.schema.json"));
   CHECK(resin_schema().value().dump() == testing::shipped("resin.schema.json").dump());
   CHECK(ticket_schema().value().dump() == testing::shipped("ticket.schema.json").dump());
+}
+
+TEST_CASE("a schema refers to parts of itself, and what stands beside a reference wins") {
+  const JsonSchema schema(R"({"type": "object",
+    "definitions": {"size": {"description": "A size.", "type": "number", "minimum": 1, "default": 3},
+                    "pair": {"type": "object", "properties": {"a": {"$ref": "#/definitions/size"}}}},
+    "properties": {"one": {"$ref": "#/definitions/pair", "description": "One."},
+                   "other": {"$ref": "#/definitions/pair"}}})");
+  CHECK(schema.value()["properties"]["one"]["description"] == "One.");
+  CHECK_FALSE(schema.value()["properties"]["other"].contains("description"));
+  JsonDocument document = JsonDocument::from_text(R"({"one": {"a": 0}, "other": {}})", "test.json");
+  schema.check(document);
+  REQUIRE(document.violations().size() == 1);
+  CHECK(document.violations()[0].pointer == "/one/a");
+  CHECK(document.value()["other"]["a"] == 3);
+  CHECK_THROWS(JsonSchema(R"({"properties": {"x": {"$ref": "#/definitions/none"}}})"));
 }
 
 TEST_CASE("a schema borrows from another by reference") {

@@ -188,7 +188,7 @@ TEST_CASE("ten mistakes in a printer file are ten lines") {
   json printer = smallest_printer();
   printer.erase("name");
   printer["resin"] = "../standard";
-  printer["hardware"] = "real";
+  printer["hardware"] = "imagined";
   printer["min_free_disk_mb"] = -3.7;
   printer["z_axis"]["travel_mm"] = 900;
   printer["z_axis"]["travl_mm"] = 160;
@@ -201,7 +201,7 @@ TEST_CASE("ten mistakes in a printer file are ten lines") {
         Complaints{
             "/display/mirror_x: expected true or false, found the text \"yes\"",
             "/display/width_px: expected a whole number, found true",
-            "/hardware: the text \"real\" is not \"simulated\"",
+            "/hardware: the text \"imagined\" is not one of \"simulated\", \"real\"",
             "/min_free_disk_mb: expected a whole number, found -3.7",
             "/name: this key is missing: What people call this printer, 1 to 100 characters",
             "/projector: expected an object, found 5",

@@ -102,8 +102,9 @@ TEST_CASE(
   CHECK(refresh_hz(chosen({interlaced, plain}, wanting(1920, 1080, 60))) ==
         testing::Approx(60.1).epsilon(0.0001));
   CHECK(refusal({interlaced}, wanting(1920, 1080, 60)) ==
-        "1920x1080 at 60.00 Hz, interlaced of HDMI-A-1 of /dev/dri/card0 (vc4) cannot show masks: it is odd: "
-        "interlaced; modes: 1920x1080 at 60.00 Hz, interlaced");
+        "HDMI-A-1 of /dev/dri/card0 (vc4) cannot show masks with its mode 1920x1080 at 60.00 Hz, interlaced: "
+        "it "
+        "does not send each pixel of each picture once; modes: 1920x1080 at 60.00 Hz, interlaced");
   CHECK(unfitness(mode_of(640, 480, 60, DRM_MODE_FLAG_DBLSCAN), {}).has_value());
   CHECK(unfitness(mode_of(1440, 480, 60, DRM_MODE_FLAG_DBLCLK), {}).has_value());
   CHECK(unfitness(mode_of(1920, 1080, 60, DRM_MODE_FLAG_3D_FRAME_PACKING), {}).has_value());

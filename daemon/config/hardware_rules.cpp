@@ -1,0 +1,182 @@
+#include "daemon/config/hardware_rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/config/json_schema.hpp"
+
+namespace contourd {
+namespace {
+
+using Pointer = nlohmann::json::json_pointer;
+
+// A computer's GPIO lines are toggled by software: beyond this many steps a second, no Raspberry Pi keeps
+// time.
+constexpr double kMostStepsPerSecond = 20'000;
+
+bool has(const JsonDocument& printer, const std::string& pointer) {
+  return printer.value().contains(Pointer(pointer));
+}
+
+// "25" and "25.5", as an owner writes them.
+std::string plain(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+// "z_axis/step" for "/z_axis/step".
+std::string key_of(const std::string& pointer) {
+  return pointer.substr(1);
+}
+
+void require(JsonDocument& printer, const std::string& section, const std::string& key) {
+  const std::string pointer = section + "/" + key;
+  // A section that is none is wrong enough.
+  if (!printer.value().at(Pointer(section)).is_object() || has(printer, pointer)) return;
+  const Pointer rules("/properties" + section + "/properties/" + key + "/description");
+  auto description = printer_schema().value().at(rules).get<std::string>();
+  while (description.ends_with('.'))
+    description.pop_back();
+  printer.add_violation(pointer, "this key is missing, and \"hardware\" is \"real\": " + description);
+}
+
+void check_what_is_needed(JsonDocument& printer) {
+  for (const char* section : {"/z_axis", "/projector"}) {
+    if (!has(printer, section)) return;
+  }
+  for (const char* key : {"top_speed_mm_s", "step", "direction", "limit_switch"})
+    require(printer, "/z_axis", key);
+  if (!has(printer, "/projector/table") && !has(printer, "/projector/light") &&
+      printer.value().at("projector").is_object()) {
+    printer.add_violation(
+        "/projector",
+        "nothing turns the light on and off: give a \"light\" line, or a \"port\" and the \"table\" "
+        "of a projector that can do it by its serial line");
+  }
+}
+
+struct UsedLine {
+  std::string pointer, chip, line;
+};
+
+// "gpiochip0" for "/dev/gpiochip0".
+std::string chip_name(const std::string& chip) {
+  constexpr std::string_view folder = "/dev/";
+  return chip.starts_with(folder) ? chip.substr(folder.size()) : chip;
+}
+
+// Digits of a number, however it is written.
+std::string line_name(const JsonDocument& printer, const std::string& pointer) {
+  if (const auto number = printer.sound_number(pointer)) return plain(*number);
+  std::string text = printer.sound_text(pointer).value_or("");
+  const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  while (digits && text.size() > 1 && text.front() == '0')
+    text.erase(0, 1);
+  return text;
+}
+
+std::vector<UsedLine> used_lines(const JsonDocument& printer) {
+  std::vector<UsedLine> lines;
+  for (const char* pointer : {"/z_axis/step", "/z_axis/direction", "/z_axis/enable", "/z_axis/limit_switch",
+                              "/z_axis/second_switch", "/z_axis/emergency_stop", "/z_axis/lid",
+                              "/z_axis/encoder/a", "/z_axis/encoder/b", "/projector/light"}) {
+    const auto chip = printer.sound_text(std::string(pointer) + "/chip");
+    const std::string line = line_name(printer, std::string(pointer) + "/line");
+    if (chip && !line.empty()) lines.push_back({pointer, chip_name(*chip), line});
+  }
+  return lines;
+}
+
+// A chip has a name and a label, and so have its lines: that two of these are one line can only be known with
+// the chip at hand.
+void check_double_use(JsonDocument& printer) {
+  std::map<std::pair<std::string, std::string>, std::string> users;
+  for (const UsedLine& used : used_lines(printer)) {
+    const auto [first, is_new] = users.try_emplace({used.chip, used.line}, used.pointer);
+    if (is_new) continue;
+    printer.add_violation(used.pointer, "line " + in_quotes(used.line) + " of " + in_quotes(used.chip) +
+                                            " is " + key_of(first->second) + " already");
+  }
+}
+
+void check_speeds(JsonDocument& printer) {
+  const auto top = printer.sound_number("/z_axis/top_speed_mm_s");
+  if (!top) return;
+  for (const char* pointer : {"/z_axis/homing_speed_mm_s", "/z_axis/travel_speed_mm_s"}) {
+    const auto speed = printer.sound_number(pointer);
+    if (speed && *speed > *top) {
+      printer.add_violation(pointer,
+                            plain(*speed) + " is more than z_axis/top_speed_mm_s, " + plain(*top) + " mm/s");
+    }
+  }
+  const auto microsteps = printer.sound_number("/z_axis/microsteps_per_mm");
+  const auto pulse_us = printer.sound_number("/z_axis/pulse_width_us");
+  if (!microsteps || !pulse_us) return;
+  const double rate = *top * *microsteps;
+  // A step is a pulse and a pause as long, and behind a late one comes the next after three quarters of its
+  // time.
+  const double most = std::min(kMostStepsPerSecond, 0.75 * 1e6 / (2 * *pulse_us));
+  if (rate <= most) return;
+  printer.add_violation(
+      "/z_axis/top_speed_mm_s",
+      plain(*top) + " mm/s at " + plain(*microsteps) + " microsteps per mm are " + plain(rate) +
+          " steps a second; the limit is " + plain(most) +
+          (most < kMostStepsPerSecond ? ", which z_axis/pulse_width_us leaves room for" : "") + ", that is " +
+          plain(most / *microsteps) + " mm/s");
+}
+
+void check_homing(JsonDocument& printer) {
+  const auto travel = printer.sound_number("/z_axis/travel_mm");
+  const auto height = printer.sound_number("/z_axis/switch_height_mm");
+  if (!travel || !height || !has(printer, "/z_axis/homes_upwards")) return;
+  if (printer.value().at(Pointer("/z_axis/homes_upwards")) != true || *height >= *travel) return;
+  printer.add_violation("/z_axis/switch_height_mm",
+                        plain(*height) + " is less than z_axis/travel_mm, " + plain(*travel) +
+                            " mm, but the switch is at the top: the plate would run into it");
+}
+
+void check_projector(JsonDocument& printer) {
+  for (const auto& [one, other] : std::array{std::pair{"/projector/port", "/projector/table"},
+                                             std::pair{"/projector/table", "/projector/port"},
+                                             std::pair{"/projector/brightness", "/projector/table"}}) {
+    if (has(printer, one) && !has(printer, other))
+      printer.add_violation(one, "this needs " + key_of(other) + ", which is missing");
+  }
+}
+
+}  // namespace
+
+void check_projector_table(JsonDocument& printer, const ProjectorTable& table) {
+  const std::string name = in_quotes(printer.sound_text("/projector/table").value_or(""));
+  const bool real = printer.sound_text("/hardware") == "real";
+  if (real && !table.switches_light() && !has(printer, "/projector/light")) {
+    printer.add_violation("/projector/table",
+                          "the table " + name + " has no light_on and light_off: give a \"light\" line too");
+  }
+  const auto brightness = printer.sound_number("/projector/brightness");
+  if (!brightness) return;
+  if (!table.brightness) {
+    printer.add_violation("/projector/brightness", "the table " + name + " has no brightness");
+  } else if (*brightness < table.brightness->least || *brightness > table.brightness->most) {
+    printer.add_violation("/projector/brightness", plain(*brightness) + " is not within what the table " +
+                                                       name + " has, " +
+                                                       std::to_string(table.brightness->least) + " to " +
+                                                       std::to_string(table.brightness->most));
+  }
+}
+
+void check_hardware_rules(JsonDocument& printer) {
+  if (printer.sound_text("/hardware") == "real") check_what_is_needed(printer);
+  check_double_use(printer);
+  check_speeds(printer);
+  check_homing(printer);
+  check_projector(printer);
+}
+
+}  // namespace contourd

@@ -1,0 +1,85 @@
+// What stands in for a device that is not there: it does nothing, and says so to whoever asks it for
+// something. So a machine has all its parts at any time. Event loop's thread only.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "hw/clock.hpp"
+#include "hw/mask_display.hpp"
+#include "hw/projector.hpp"
+#include "hw/z_axis.hpp"
+
+namespace contourd {
+
+class AbsentAxis final : public ZAxis {
+ public:
+  // The clock must outlive the axis.
+  AbsentAxis(Clock& clock, Nanometers travel) : clock_(clock), travel_(travel) {}
+
+  void home(std::function<void(HomingResult)> done) override {
+    answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(HomingResult::Fault); });
+  }
+  void move_to(Nanometers, MillimetersPerSecond, std::function<void(MoveResult)> done) override {
+    answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(MoveResult::NotHomed); });
+  }
+  void stop() override {}
+  void abort() noexcept override { answer_.reset(); }
+  [[nodiscard]] bool moving() const override { return false; }
+  [[nodiscard]] std::optional<Nanometers> height() const override { return std::nullopt; }
+  [[nodiscard]] std::optional<Nanometers> height_at(TimePoint) const override { return std::nullopt; }
+  [[nodiscard]] Nanometers travel() const override { return travel_; }
+  [[nodiscard]] Duration move_duration(Nanometers, MillimetersPerSecond) const override {
+    return Duration{0};
+  }
+
+ private:
+  Clock& clock_;
+  Nanometers travel_;
+  std::unique_ptr<Timer> answer_;
+};
+
+class AbsentDisplay final : public MaskDisplay {
+ public:
+  // The clock must outlive the display.
+  AbsentDisplay(Clock& clock, Pixels width, Pixels height) : clock_(clock), width_(width), height_(height) {}
+
+  [[nodiscard]] Pixels width() const override { return width_; }
+  [[nodiscard]] Pixels height() const override { return height_; }
+  void show(const Mask&, Presented done) override { black(std::move(done)); }
+  void black(Presented done) override {
+    answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(std::nullopt); });
+  }
+  void black_now() noexcept override { answer_.reset(); }
+
+ private:
+  Clock& clock_;
+  Pixels width_, height_;
+  std::unique_ptr<Timer> answer_;
+};
+
+class AbsentProjector final : public Projector {
+ public:
+  // The clock must outlive the projector.
+  explicit AbsentProjector(Clock& clock) : clock_(clock) {}
+
+  void power_on(Done done) override { light_on(std::move(done)); }
+  void light_on(Done done) override {
+    answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(ProjectorReply::NoAnswer); });
+  }
+  void light_off() noexcept override { answer_.reset(); }
+  void power_off() noexcept override { answer_.reset(); }
+  void ask_status(StatusDone done) override {
+    answer_ = clock_.call_after(Duration{0}, [this, done = std::move(done)] {
+      done({.reply = ProjectorReply::NoAnswer, .problem = last_problem(), .powered = {}, .lamp_hours = {}});
+    });
+  }
+  [[nodiscard]] std::string last_problem() const override { return "there is no projector"; }
+
+ private:
+  Clock& clock_;
+  std::unique_ptr<Timer> answer_;
+};
+
+}  // namespace contourd

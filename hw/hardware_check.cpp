@@ -1,0 +1,103 @@
+#include "hw/hardware_check.hpp"
+
+#include <exception>
+#include <utility>
+
+#include "hw/drm/drm_display.hpp"
+#include "hw/gpio/gpio_axis.hpp"
+
+namespace contourd {
+
+HardwareCheck::HardwareCheck(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config)
+    : clock_(clock), watcher_(watcher), config_(std::move(config)) {}
+
+void HardwareCheck::run(Found found, std::function<void()> done) {
+  found_ = std::move(found);
+  done_ = std::move(done);
+  users_.clear();
+  check_axis();
+  if (config_.light) check_line("light", *config_.light);
+  check_display();
+  if (config_.projector) return check_projector();
+  end_ = clock_.call_after(Duration{0}, [this] { done_(); });
+}
+
+// Only asks the kernel about the line.
+void HardwareCheck::check_line(const std::string& device, const GpioLineConfig& line) {
+  try {
+    const GpioLineReport report_of_line = report_line(line);
+    const std::string what = describe(report_of_line);
+    const auto [user, is_new] = users_.try_emplace({report_of_line.chip, report_of_line.offset}, device);
+    if (!is_new) return report(device, false, what + ": the " + user->second + " is on that line already");
+    report(device, !report_of_line.consumer, what);
+  } catch (const std::exception& error) {
+    report(device, false, error.what());
+  }
+}
+
+// Takes the line for a moment, as an input, which it is.
+void HardwareCheck::check_input(const std::string& device, const GpioInputConfig& input, const char* active,
+                                const char* inactive) {
+  try {
+    const GpioLineReport line = report_line(input.line);
+    if (line.consumer) return check_line(device, input.line);
+    const auto [user, is_new] = users_.try_emplace({line.chip, line.offset}, device);
+    if (!is_new)
+      return report(device, false, describe(line) + ": the " + user->second + " is on that line already");
+    GpioInput taken(input.line, input.bias, device);
+    report(device, true, describe(line) + "; it is " + (taken.level() ? active : inactive));
+  } catch (const std::exception& error) {
+    report(device, false, error.what());
+  }
+}
+
+void HardwareCheck::check_axis() {
+  const GpioAxisConfig& axis = config_.axis;
+  if (const auto what = contradiction(axis)) report("axis", false, *what);
+  check_line("step", axis.step);
+  check_line("direction", axis.direction);
+  if (axis.enable) check_line("enable", *axis.enable);
+  check_input("limit switch", axis.limit_switch, "closed", "open");
+  if (axis.second_switch) check_input("second switch", *axis.second_switch, "closed", "open");
+  if (axis.emergency_stop) check_input("emergency stop", *axis.emergency_stop, "pressed", "not pressed");
+  if (axis.lid) check_input("lid", *axis.lid, "open", "closed");
+  if (axis.encoder) {
+    for (const auto& [device, line] :
+         {std::pair{"encoder A", &axis.encoder->a}, std::pair{"encoder B", &axis.encoder->b}})
+      check_input(device, {*line, axis.encoder->bias, {}}, "active", "inactive");
+  }
+}
+
+void HardwareCheck::check_display() {
+  try {
+    const DrmReport display = check_drm_display(config_.display);
+    report("display", !display.in_use, describe(display));
+  } catch (const std::exception& error) {
+    report("display", false, error.what());
+  }
+}
+
+void HardwareCheck::check_projector() {
+  const SerialProjectorConfig& projector = *config_.projector;
+  try {
+    port_ = std::make_unique<SerialPort>(projector.port, projector.table.baud, watcher_);
+  } catch (const std::exception& error) {
+    report("projector", false, error.what());
+    end_ = clock_.call_after(Duration{0}, [this] { done_(); });
+    return;
+  }
+  projector_ = std::make_unique<SerialProjector>(*port_, clock_, projector.table);
+  projector_->ask_status([this](const ProjectorStatus& status) {
+    const std::string place = config_.projector->table.name + " at " + config_.projector->port;
+    std::string answer;
+    if (status.powered) answer += *status.powered ? ", on" : ", off";
+    if (status.lamp_hours) answer += ", lamp " + std::to_string(*status.lamp_hours) + " h";
+    if (answer.empty()) answer = ": the port is there, but this table has no question to ask";
+    const bool good = status.reply == ProjectorReply::Ok;
+    report("projector", good, good ? place + answer : status.problem);
+    // Not from inside the projector's callback: that may destroy it.
+    end_ = clock_.call_after(Duration{0}, [this] { done_(); });
+  });
+}
+
+}  // namespace contourd

@@ -1,0 +1,184 @@
+#include "hw/real_machine.hpp"
+
+#include <exception>
+#include <utility>
+
+#include "hw/projector_with_light_line.hpp"
+
+namespace contourd {
+namespace {
+
+// Opens a device that is not there; true when that makes one. Why not goes to `missing`.
+template <typename Device, typename Open>
+bool open(std::unique_ptr<Device>& device, std::string& missing, Open open_device) {
+  if (device) return false;
+  try {
+    device = open_device();
+    missing.clear();
+  } catch (const std::exception& error) {
+    missing = error.what();
+  }
+  return device != nullptr;
+}
+
+void add(std::string& sentences, const std::string& sentence) {
+  if (!sentence.empty()) sentences += (sentences.empty() ? "" : "; ") + sentence;
+}
+
+}  // namespace
+
+RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config)
+    : clock_(clock),
+      watcher_(watcher),
+      config_(std::move(config)),
+      no_projector_(clock),
+      no_display_(clock, config_.display.width, config_.display.height),
+      no_axis_(clock, config_.axis.travel) {
+  open_missing();
+  if (missing_.any()) search_again();
+}
+
+RealMachine::~RealMachine() {
+  make_safe(*this);
+}
+
+// In this order: nothing else may fail before the light is off.
+std::vector<std::string> RealMachine::open_missing() {
+  std::vector<std::string> found;
+  if (config_.light &&
+      open(light_, missing_.light, [&] { return std::make_unique<GpioLightLine>(*config_.light); }))
+    found.push_back(light_words());
+  if (config_.projector && open_projector()) found.push_back(projector_words());
+  combine_projector();
+  projector().light_off();
+  const auto tell_owner = [this](const Disturbance& disturbance) { tell(disturbance); };
+  if (open(display_, missing_.display,
+           [&] { return std::make_unique<DrmDisplay>(watcher_, config_.display); })) {
+    display_->on_disturbance(tell_owner);
+    found.push_back("display: " + display_->description());
+  }
+  if (open(axis_, missing_.axis,
+           [&] { return std::make_unique<GpioAxis>(clock_, watcher_, config_.axis); })) {
+    axis_->on_disturbance(tell_owner);
+    found.push_back(axis_words());
+  }
+  return found;
+}
+
+bool RealMachine::open_projector() {
+  if (serial_ && !serial_->lost()) return false;
+  const SerialProjectorConfig& wanted = *config_.projector;
+  combined_.reset();
+  serial_.reset();
+  port_.reset();
+  if (!open(port_, missing_.projector,
+            [&] { return std::make_unique<SerialPort>(wanted.port, wanted.table.baud, watcher_); }))
+    return false;
+  serial_ = std::make_unique<SerialProjector>(*port_, clock_, wanted.table, wanted.brightness);
+  serial_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
+  return true;
+}
+
+void RealMachine::combine_projector() {
+  if (combined_ || !light_) return;
+  if (serial_) {
+    combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, *light_);
+  } else {
+    combined_ = std::make_unique<LightLineProjector>(*light_, clock_, config_.warm_up);
+  }
+}
+
+void RealMachine::search_again() {
+  search_ = clock_.call_after(kSearchInterval, [this] { search(); });
+}
+
+void RealMachine::search() {
+  const std::vector<std::string> found = open_missing();
+  if (missing_.any()) search_again();
+  for (const std::string& device : found)
+    tell({Disturbance::Kind::Recovery, "found " + device});
+}
+
+// Somebody lost a device, perhaps the serial line.
+void RealMachine::tell(const Disturbance& disturbance) {
+  if (disturbed_) disturbed_(disturbance);
+  if (serial_ && serial_->lost() && missing_.projector.empty()) {
+    missing_.projector = disturbance.what;
+    search_again();
+  }
+}
+
+ZAxis& RealMachine::z_axis() {
+  if (axis_) return *axis_;
+  return no_axis_;
+}
+
+MaskDisplay& RealMachine::display() {
+  if (display_) return *display_;
+  return no_display_;
+}
+
+Projector& RealMachine::projector() {
+  if (combined_) return *combined_;
+  if (serial_) return *serial_;
+  return no_projector_;
+}
+
+std::string RealMachine::hindrance() const {
+  std::string sentences;
+  for (const std::string* missing : {&missing_.light, &missing_.projector, &missing_.display, &missing_.axis})
+    add(sentences, *missing);
+  if (display_) add(sentences, display_->problem().value_or(""));
+  if (axis_ && axis_->emergency_stop_pressed()) add(sentences, "the emergency stop is pressed");
+  if (axis_ && axis_->lid_open()) add(sentences, "the lid is open");
+  return sentences;
+}
+
+std::string RealMachine::light_words() const {
+  return "light: line " + config_.light->line + " of " + config_.light->chip;
+}
+
+std::string RealMachine::projector_words() const {
+  return "projector: " + config_.projector->table.name + " at " + config_.projector->port;
+}
+
+std::string RealMachine::axis_words() const {
+  return "axis: step line " + config_.axis.step.line + " of " + config_.axis.step.chip;
+}
+
+std::vector<std::string> RealMachine::description() const {
+  std::vector<std::string> sentences;
+  if (light_) sentences.push_back(light_words());
+  if (serial_) sentences.push_back(projector_words());
+  if (display_) sentences.push_back("display: " + display_->description());
+  if (axis_) sentences.push_back(axis_words());
+  return sentences;
+}
+
+std::vector<std::string> RealMachine::warnings() const {
+  std::vector<std::string> sentences;
+  if (axis_) sentences = axis_->refusals();
+  if (const auto warning = display_ ? display_->warning() : std::nullopt) sentences.push_back(*warning);
+  return sentences;
+}
+
+std::vector<std::string> turn_light_off(Clock& clock, DescriptorWatcher& watcher,
+                                        const RealMachineConfig& config) {
+  std::vector<std::string> problems;
+  try {
+    if (config.light) GpioLightLine(*config.light).off();
+  } catch (const std::exception& error) {
+    problems.emplace_back(error.what());
+  }
+  if (!config.projector || !config.projector->table.switches_light()) return problems;
+  try {
+    SerialPort port(config.projector->port, config.projector->table.baud, watcher);
+    SerialProjector projector(port, clock, config.projector->table);
+    projector.light_off();  // and once more when it goes, as no event loop hears the answer
+  } catch (const std::exception& error) {
+    problems.emplace_back(error.what());
+  }
+  return problems;
+}
+
+}  // namespace contourd

@@ -1,0 +1,90 @@
+// The machine of real devices: a stepped axis, a display output, and a projector on a serial line or behind a
+// light line. Opens what it can; what is not there is looked for every few seconds, and until then stands in
+// the way (hindrance()) without keeping the rest from being safe: the light comes first and goes last.
+//
+// Light off, black and motor still from the construction on and when it goes. Event loop's thread only.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hw/absent_devices.hpp"
+#include "hw/descriptor_watcher.hpp"
+#include "hw/drm/drm_display.hpp"
+#include "hw/gpio/gpio_axis.hpp"
+#include "hw/gpio/gpio_light_line.hpp"
+#include "hw/machine.hpp"
+#include "hw/real_machine_config.hpp"
+#include "hw/serial/serial_port.hpp"
+#include "hw/serial/serial_projector.hpp"
+
+namespace contourd {
+
+class RealMachine final : public Machine {
+ public:
+  // Clock (of CLOCK_MONOTONIC) and watcher must outlive the machine. Blocks for as long as the devices take,
+  // a second as a rule. A device that is not there is no error: see hindrance().
+  RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config);
+  ~RealMachine() override;
+
+  [[nodiscard]] ZAxis& z_axis() override;
+  [[nodiscard]] MaskDisplay& display() override;
+  [[nodiscard]] Projector& projector() override;
+  // Also when a device that was missing has come (Recovery, with what was found).
+  void on_disturbance(std::function<void(const Disturbance&)> call) override { disturbed_ = std::move(call); }
+  [[nodiscard]] std::string hindrance() const override;
+  // Keeps nothing of what it shows.
+  std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
+
+  // A sentence for each device that is there, and for what an owner should know though it works.
+  [[nodiscard]] std::vector<std::string> description() const;
+  [[nodiscard]] std::vector<std::string> warnings() const;
+
+  static constexpr Duration kSearchInterval{std::chrono::seconds{5}};
+
+ private:
+  // A sentence for each device that is not there; empty where it is, or is not wanted.
+  struct Missing {
+    std::string light, projector, display, axis;
+    [[nodiscard]] bool any() const {
+      return !light.empty() || !projector.empty() || !display.empty() || !axis.empty();
+    }
+  };
+
+  // What it has found now that was missing before, a sentence each.
+  std::vector<std::string> open_missing();
+  bool open_projector();
+  void combine_projector();
+  void search_again();
+  void search();
+  void tell(const Disturbance& disturbance);
+  [[nodiscard]] std::string light_words() const;
+  [[nodiscard]] std::string projector_words() const;
+  [[nodiscard]] std::string axis_words() const;
+
+  Clock& clock_;
+  DescriptorWatcher& watcher_;
+  RealMachineConfig config_;
+  std::function<void(const Disturbance&)> disturbed_;
+  Missing missing_;
+  std::unique_ptr<Timer> search_;
+
+  AbsentProjector no_projector_;
+  AbsentDisplay no_display_;
+  AbsentAxis no_axis_;
+  // Destroyed from the last to the first: light, picture, motor.
+  std::unique_ptr<GpioAxis> axis_;
+  std::unique_ptr<DrmDisplay> display_;
+  std::unique_ptr<GpioLightLine> light_;
+  std::unique_ptr<SerialPort> port_;
+  std::unique_ptr<SerialProjector> serial_;
+  std::unique_ptr<Projector> combined_;  // of the light line, and of the serial projector where there is one
+};
+
+// Turns the light off that a process which has died may have left on: by its line, and by the projector's
+// serial line. Blocks for some seconds at most. Returns a sentence for each that could not be reached.
+[[nodiscard]] std::vector<std::string> turn_light_off(Clock& clock, DescriptorWatcher& watcher,
+                                                      const RealMachineConfig& config);
+
+}  // namespace contourd

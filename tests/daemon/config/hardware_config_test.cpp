@@ -1,0 +1,307 @@
+#include <filesystem>
+
+#include "daemon/config/printer_config.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/config/config_fixture.hpp"
+
+namespace contourd {
+namespace {
+
+using nlohmann::json;
+using testing::Complaints;
+using testing::complaints_of;
+using testing::ConfigFolder;
+using testing::shipped;
+
+// The shipped profile of a real machine, in a folder with its resin and its projector's table.
+class RealPrinter {
+ public:
+  RealPrinter() : printer(shipped("raspberry-pi.json")) {
+    folder_.write_json("resins/standard.json", shipped("resins/standard.json"));
+    folder_.write_json("projectors/optoma.json", shipped("projectors/optoma.json"));
+    folder_.write_json("projectors/acer.json", shipped("projectors/acer.json"));
+  }
+  [[nodiscard]] json& at(const std::string& pointer) { return printer[json::json_pointer(pointer)]; }
+  void remove(const std::string& section, const std::string& key) { printer[section].erase(key); }
+  void write(const std::filesystem::path& name, const json& value) { folder_.write_json(name, value); }
+  [[nodiscard]] PrinterConfig load() const {
+    return load_printer_config(folder_.write_json("printer.json", printer));
+  }
+  [[nodiscard]] Complaints complaints() const {
+    return complaints_of([&] { (void)load(); });
+  }
+  [[nodiscard]] std::filesystem::path path() const { return folder_.path(); }
+
+  json printer;
+
+ private:
+  ConfigFolder folder_;
+};
+
+Complaints complaints_with(const std::string& pointer, const json& value) {
+  RealPrinter printer;
+  printer.at(pointer) = value;
+  return printer.complaints();
+}
+
+TEST_CASE("the shipped profile of a real machine loads, with the pins that the README shows") {
+  const PrinterConfig config =
+      load_printer_config(std::filesystem::path(CONTOURD_CONFIG_DIR) / "raspberry-pi.json");
+  REQUIRE(config.real);
+  const GpioAxisConfig& axis = config.real->axis;
+  CHECK(axis.step.chip == "gpiochip0");
+  CHECK(axis.step.line == "17");
+  CHECK_FALSE(axis.step.active_low);
+  CHECK(axis.direction.line == "27");
+  REQUIRE(axis.enable);
+  CHECK(axis.enable->line == "22");
+  CHECK(axis.enable->active_low);
+  CHECK(axis.limit_switch.line.line == "23");
+  CHECK(axis.limit_switch.bias == LineBias::PullUp);
+  CHECK(config.real->display.connector == "HDMI-A-1");
+  REQUIRE(config.real->projector);
+  CHECK(config.real->projector->table.name == "Optoma");
+  CHECK(config.pace == Pace::Realtime);
+}
+
+TEST_CASE(
+    "what a real machine's profile leaves out has the schema's default, as the machine's own types have") {
+  RealPrinter printer;
+  printer.printer["z_axis"]["step"] = {{"line", 17}};
+  printer.printer["z_axis"]["limit_switch"] = {{"line", 23}};
+  const GpioAxisConfig axis = printer.load().real->axis;
+  const GpioAxisConfig defaults;
+  CHECK(axis.step.chip == GpioLineConfig{}.chip);
+  CHECK_FALSE(axis.step.active_low);
+  CHECK(axis.limit_switch.bias == LineBias::AsIs);
+  CHECK(axis.limit_switch.debounce == defaults.limit_switch.debounce);
+  CHECK(axis.pulse_width == defaults.pulse_width);
+  CHECK(axis.direction_setup == defaults.direction_setup);
+  CHECK(axis.realtime_priority == defaults.realtime_priority);
+  CHECK(axis.backlash == defaults.backlash);
+  CHECK(axis.switch_height == defaults.switch_height);
+  CHECK_FALSE(axis.homes_upwards);
+  CHECK_FALSE(axis.jerk_mm_s3);
+  CHECK_FALSE(axis.second_switch);
+  CHECK_FALSE(axis.encoder);
+  CHECK_FALSE(axis.emergency_stop);
+  CHECK_FALSE(axis.lid);
+  const DrmDisplayConfig display = printer.load().real->display;
+  CHECK(display.format == DrmDisplayConfig::Format::Xrgb8888);
+  CHECK(display.buffers == 2);
+  CHECK_FALSE(display.card);
+  CHECK_FALSE(printer.load().real->light);
+}
+
+TEST_CASE("every key of a real machine arrives with its unit") {
+  RealPrinter printer;
+  printer.printer["z_axis"].update(json::parse(R"({
+    "travel_mm": 150.5, "microsteps_per_mm": 400.5, "homing_speed_mm_s": 3.5, "travel_speed_mm_s": 6.5,
+    "top_speed_mm_s": 7.5, "acceleration_mm_s2": 30.5, "jerk_mm_s3": 500.5, "backlash_um": 12.5,
+    "switch_height_mm": 151.25, "homes_upwards": true, "pulse_width_us": 2.5, "direction_setup_us": 6.5,
+    "second_switch": {"chip": "/dev/gpiochip1", "line": "END2", "bias": "pull_down", "debounce_ms": 1.5},
+    "emergency_stop": {"line": 5, "bias": "off"}, "lid": {"line": 6, "active_low": true},
+    "encoder": {"a": {"line": 7}, "b": {"line": 8, "active_low": true}, "bias": "pull_up", "counts_per_mm": 200.5,
+                "reversed": true, "tolerance_um": 12.5, "policy": "correct"},
+    "realtime_priority": 60})"));
+  printer.printer["display"].update(
+      json::parse(R"({"card": "vc4", "format": "rgb565", "buffers": 3, "refresh_hz": 59.5, "width_px": 1280,
+                      "height_px": 800, "legacy_kms": true, "ignore_edid_size": true})"));
+  printer.printer["projector"].update(json::parse(R"({"light": {"line": 24}, "warm_up_s": 1.5})"));
+  const PrinterConfig config = printer.load();
+  const GpioAxisConfig& axis = config.real->axis;
+  CHECK(axis.travel == Nanometers{150'500'000});
+  CHECK(axis.microsteps_per_mm == 400.5);
+  CHECK(axis.homing_speed == MillimetersPerSecond{3.5});
+  CHECK(axis.top_speed == MillimetersPerSecond{7.5});
+  CHECK(axis.acceleration == MillimetersPerSecondSquared{30.5});
+  CHECK(axis.jerk_mm_s3 == 500.5);
+  CHECK(axis.backlash == Nanometers{12'500});
+  CHECK(axis.switch_height == Nanometers{151'250'000});
+  CHECK(axis.homes_upwards);
+  CHECK(axis.pulse_width == Duration{2'500});
+  CHECK(axis.direction_setup == Duration{6'500});
+  REQUIRE(axis.second_switch);
+  CHECK(axis.second_switch->line.chip == "/dev/gpiochip1");
+  CHECK(axis.second_switch->line.line == "END2");
+  CHECK(axis.second_switch->bias == LineBias::PullDown);
+  CHECK(axis.second_switch->debounce == Duration{1'500'000});
+  CHECK(axis.emergency_stop->bias == LineBias::Off);
+  CHECK(axis.lid->line.active_low);
+  REQUIRE(axis.encoder);
+  CHECK(axis.encoder->a.line == "7");
+  CHECK(axis.encoder->b.active_low);
+  CHECK(axis.encoder->bias == LineBias::PullUp);
+  CHECK(axis.encoder->counts_per_mm == 200.5);
+  CHECK(axis.encoder->reversed);
+  CHECK(axis.encoder->tolerance == Nanometers{12'500});
+  CHECK(axis.encoder->policy == EncoderConfig::Policy::Correct);
+  CHECK(axis.realtime_priority == 60);
+  const DrmDisplayConfig& display = config.real->display;
+  CHECK(display.card == "vc4");
+  CHECK(display.format == DrmDisplayConfig::Format::Rgb565);
+  CHECK(display.buffers == 3);
+  CHECK(display.refresh_hz == 59.5);
+  CHECK(display.width == Pixels{1280});
+  CHECK(display.height == Pixels{800});
+  CHECK(display.legacy);
+  CHECK(display.ignore_edid_size);
+  CHECK(config.real->projector->port == "/dev/ttyUSB0");
+  CHECK(config.real->light->line == "24");
+  CHECK(config.real->warm_up == std::chrono::milliseconds{1500});
+}
+
+TEST_CASE(
+    "a profile of a real machine serves the simulated one too, and is checked as strictly where it says "
+    "something") {
+  RealPrinter printer;
+  printer.printer["hardware"] = "simulated";
+  CHECK_FALSE(printer.load().real);
+  for (const char* key : {"step", "direction", "limit_switch", "top_speed_mm_s"})
+    printer.remove("z_axis", key);
+  printer.remove("projector", "port");
+  printer.remove("projector", "table");
+  CHECK(printer.complaints().empty());
+  printer.printer["projector"]["light"] = {{"line", 22}};
+  CHECK(printer.complaints() ==
+        Complaints{"/projector/light: line \"22\" of \"gpiochip0\" is z_axis/enable already"});
+}
+
+TEST_CASE("a real machine without what it cannot do without is told all of it, with what each is") {
+  RealPrinter printer;
+  for (const char* key : {"step", "direction", "limit_switch", "top_speed_mm_s"})
+    printer.remove("z_axis", key);
+  printer.remove("projector", "port");
+  printer.remove("projector", "table");
+  const Complaints complaints = printer.complaints();
+  REQUIRE(complaints.size() == 5);
+  CHECK(complaints[0].starts_with("/projector: nothing turns the light on and off: give a \"light\" line"));
+  CHECK(complaints[1] ==
+        "/z_axis/direction: this key is missing, and \"hardware\" is \"real\": Line of the motor driver's "
+        "direction "
+        "input, active while the plate rises. A real machine needs it");
+  CHECK(complaints[2].starts_with("/z_axis/limit_switch: this key is missing"));
+  CHECK(complaints[3].starts_with("/z_axis/step: this key is missing"));
+  CHECK(complaints[4].starts_with("/z_axis/top_speed_mm_s: this key is missing"));
+}
+
+TEST_CASE("two functions on one line are found however the line is written") {
+  for (const auto& [chip, line] : std::vector<std::pair<std::string, json>>{
+           {"gpiochip0", 17}, {"gpiochip0", "17"}, {"/dev/gpiochip0", 17}, {"gpiochip0", "017"}}) {
+    CAPTURE(chip, line.dump());
+    CHECK(complaints_with("/z_axis/lid", {{"chip", chip}, {"line", line}}) ==
+          Complaints{"/z_axis/lid: line \"17\" of \"gpiochip0\" is z_axis/step already"});
+  }
+  CHECK(complaints_with("/z_axis/lid", {{"chip", "gpiochip1"}, {"line", 17}}).empty());
+  // The chip's default counts.
+  CHECK(complaints_with("/z_axis/emergency_stop", {{"line", 27}}).size() == 1);
+  CHECK(complaints_with("/z_axis/encoder",
+                        {{"a", {{"line", 5}}}, {"b", {{"line", 5}}}, {"counts_per_mm", 100}}) ==
+        Complaints{"/z_axis/encoder/b: line \"5\" of \"gpiochip0\" is z_axis/encoder/a already"});
+}
+
+TEST_CASE("a line that is no line is refused with its place") {
+  CHECK(complaints_with("/z_axis/step/line", -1) ==
+        Complaints{"/z_axis/step/line: -1 is less than the least allowed, 0"});
+  CHECK(complaints_with("/z_axis/step/line", true) ==
+        Complaints{"/z_axis/step/line: expected a text or a whole number, found true"});
+  CHECK(complaints_with("/z_axis/step/line", "") == Complaints{"/z_axis/step/line: it must not be empty"});
+  CHECK(complaints_with("/z_axis/step/pin", 17) ==
+        Complaints{"/z_axis/step/pin: there is no key \"pin\" here; did you mean \"line\"?"});
+  CHECK(complaints_with("/z_axis/lid", json::object()).size() == 1);
+  CHECK(complaints_with("/z_axis/limit_switch/bias", "up") ==
+        Complaints{
+            "/z_axis/limit_switch/bias: the text \"up\" is not one of \"as_is\", \"pull_up\", \"pull_down\", "
+            "\"off\""});
+}
+
+TEST_CASE("no speed is beyond the top speed, the resin's neither") {
+  CHECK(complaints_with("/z_axis/travel_speed_mm_s", 5.5) ==
+        Complaints{"/z_axis/travel_speed_mm_s: 5.5 is more than z_axis/top_speed_mm_s, 5 mm/s"});
+  CHECK(complaints_with("/z_axis/homing_speed_mm_s", 6).size() == 1);
+  RealPrinter printer;
+  json resin = shipped("resins/standard.json");
+  resin["lift_speed_mm_s"] = 8;
+  resin["retract_speed_mm_s"] = 5;
+  printer.write("resins/standard.json", resin);
+  CHECK(printer.complaints() ==
+        Complaints{"/lift_speed_mm_s: 8 is more than the printer's top speed, 5 mm/s"});
+}
+
+TEST_CASE(
+    "steps that come faster than a computer makes them, or than the motor driver sees them, are refused") {
+  RealPrinter printer;
+  printer.at("/z_axis/top_speed_mm_s") = 25;  // times 800
+  CHECK(printer.complaints().empty());
+  printer.at("/z_axis/top_speed_mm_s") = 25.5;
+  CHECK(
+      printer.complaints() ==
+      Complaints{
+          "/z_axis/top_speed_mm_s: 25.5 mm/s at 800 microsteps per mm are 20400 steps a second; the limit is "
+          "20000, that is 25 mm/s"});
+  printer.at("/z_axis/top_speed_mm_s") = 10;
+  printer.at("/z_axis/pulse_width_us") = 46.875;  // 8000 pulses and pauses are three quarters of a second
+  CHECK(printer.complaints().empty());
+  printer.at("/z_axis/pulse_width_us") = 100;
+  CHECK(printer.complaints() ==
+        Complaints{
+            "/z_axis/top_speed_mm_s: 10 mm/s at 800 microsteps per mm are 8000 steps a second; the limit is "
+            "3750, which z_axis/pulse_width_us leaves room for, that is 4.6875 mm/s"});
+}
+
+TEST_CASE("a switch at the top is above the travel") {
+  RealPrinter printer;
+  printer.at("/z_axis/homes_upwards") = true;
+  CHECK(
+      printer.complaints() ==
+      Complaints{
+          "/z_axis/switch_height_mm: 0 is less than z_axis/travel_mm, 160 mm, but the switch is at the top: "
+          "the plate would run into it"});
+  printer.at("/z_axis/switch_height_mm") = 160;
+  CHECK(printer.complaints().empty());
+}
+
+TEST_CASE("a projector's port and table need each other, and somebody must be able to turn the light off") {
+  const auto complaints_without = [](const char* key) {
+    RealPrinter printer;
+    printer.remove("projector", key);
+    return printer.complaints();
+  };
+  CHECK(complaints_without("table").back() ==
+        "/projector/port: this needs projector/table, which is missing");
+  CHECK(complaints_without("port") ==
+        Complaints{"/projector/table: this needs projector/port, which is missing"});
+  RealPrinter printer;
+  printer.at("/projector/table") = "acer";  // it has no command that turns the light off
+  CHECK(printer.complaints() ==
+        Complaints{
+            "/projector/table: the table \"acer\" has no light_on and light_off: give a \"light\" line too"});
+  printer.at("/projector/light") = {{"line", 24}};
+  CHECK(printer.complaints().empty());
+}
+
+TEST_CASE("a projector's table that is not there is named with those that are") {
+  CHECK(complaints_with("/projector/table", "optima").front().ends_with("there are \"acer\", \"optoma\""));
+  CHECK(complaints_with("/projector/table", "../projectors/optoma").size() == 1);
+}
+
+TEST_CASE(
+    "what is wrong in a projector's table is told with the table's file and with the printer's mistakes") {
+  RealPrinter printer;
+  json table = shipped("projectors/optoma.json");
+  table["baud"] = "fast";
+  printer.write("projectors/optoma.json", table);
+  printer.at("/name") = "";
+  const auto violations = testing::violations_of([&] { (void)printer.load(); });
+  REQUIRE(violations.size() == 2);
+  CHECK(violations[0].pointer == "/name");
+  CHECK(violations[1].file == (printer.path() / "projectors/optoma.json").string());
+}
+
+TEST_CASE("a brightness that the projector does not have is refused") {
+  CHECK(complaints_with("/projector/brightness", 50) ==
+        Complaints{"/projector/brightness: the table \"optoma\" has no brightness"});
+}
+
+}  // namespace
+}  // namespace contourd

@@ -1,0 +1,40 @@
+#include "hw/gpio/debounce.hpp"
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+TEST_CASE("A contact that bounces settles once, with the time of its first touch") {
+  Debounce contact(5ms, false);
+  CHECK_FALSE(contact.due());
+  for (const int ms : {10, 11, 12, 13, 14})
+    contact.edge(ms % 2 == 0, TimePoint{ms * 1ms});
+  CHECK(contact.due() == TimePoint{19ms});
+  CHECK_FALSE(contact.settle(TimePoint{18ms}));
+  CHECK_FALSE(contact.settled());
+  const auto settled = contact.settle(TimePoint{19ms});
+  REQUIRE(settled);
+  CHECK(settled->level);
+  CHECK(settled->changed);
+  CHECK(settled->since == TimePoint{10ms});
+  CHECK_FALSE(contact.settle(TimePoint{30ms}));
+}
+
+TEST_CASE("A spike settles to where the contact was") {
+  Debounce contact(5ms, false);
+  contact.edge(true, TimePoint{10ms});
+  contact.edge(false, TimePoint{11ms});
+  const auto settled = contact.settle(TimePoint{16ms});
+  REQUIRE(settled);
+  CHECK_FALSE(settled->changed);
+  CHECK_FALSE(settled->level);
+}
+
+TEST_CASE("A level read other than the edges say counts as an edge") {
+  Debounce contact(5ms, false);
+  contact.read(false, TimePoint{1ms});
+  CHECK_FALSE(contact.due());
+  contact.read(true, TimePoint{2ms});
+  CHECK(contact.due() == TimePoint{7ms});
+}

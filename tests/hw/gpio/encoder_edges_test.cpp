@@ -1,0 +1,37 @@
+#include "hw/gpio/encoder_edges.hpp"
+
+#include "tests/catch.hpp"
+#include "tests/hw/gpio/plant.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+TEST_CASE("A period of an encoder counts four, up while A leads and down while B does") {
+  Quadrature q(false, false);
+  q.edge_a(true), q.edge_b(true), q.edge_a(false), q.edge_b(false);
+  CHECK(q.count() == 4);
+  q.edge_b(true), q.edge_a(true), q.edge_b(false), q.edge_a(false);
+  CHECK(q.count() == 0);
+  CHECK(q.illegal() == 0);
+}
+
+TEST_CASE("An edge to the level that a channel has is illegal and counts nothing") {
+  Quadrature q(false, false);
+  q.edge_a(false);
+  CHECK(q.count() == 0);
+  CHECK(q.illegal() == 1);
+}
+
+TEST_CASE("Edges of both lines are counted in the order of their times, whichever line tells first") {
+  testing::PlantInput a, b;
+  EncoderEdges edges(&a, &b);
+  a.set(true, TimePoint{1ms});
+  b.set(true, TimePoint{1100us});
+  edges.serve(TimePoint{1200us});
+  CHECK(edges.counted().count() == 0);  // A might have an earlier one yet
+  CHECK(edges.due() == TimePoint{1500us});
+  a.set(false, TimePoint{1300us});
+  edges.serve(TimePoint{2ms});
+  CHECK(edges.counted().count() == 3);
+  CHECK_FALSE(edges.due());
+}

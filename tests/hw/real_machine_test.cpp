@@ -1,0 +1,129 @@
+#include "hw/real_machine.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hw/hardware_check.hpp"
+#include "hw/virtual_clock.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+
+namespace {
+
+class NoDescriptors final : public DescriptorWatcher {
+ public:
+  [[nodiscard]] std::unique_ptr<Watch> when_readable(int, std::function<void()>) override {
+    return std::make_unique<Watch>();
+  }
+};
+
+// Devices that no computer has.
+RealMachineConfig nowhere() {
+  RealMachineConfig config;
+  for (GpioLineConfig* line : {&config.axis.step, &config.axis.direction, &config.axis.limit_switch.line})
+    line->chip = "gpiochip-of-nobody";
+  config.axis.step.line = "17";
+  config.axis.direction.line = "27";
+  config.axis.limit_switch.line.line = "23";
+  config.display.card = "/dev/dri/card-of-nobody";
+  config.light = GpioLineConfig{.chip = "gpiochip-of-nobody", .line = "24"};
+  config.projector = SerialProjectorConfig{.port = "/dev/tty-of-nobody", .table = {}, .brightness = {}};
+  config.projector->table.name = "Nobody";
+  return config;
+}
+
+std::size_t count(const std::string& text, const std::string& word) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1))
+    ++found;
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("A machine whose devices are all missing is there, says what is missing, and does nothing") {
+  VirtualClock clock;
+  NoDescriptors watcher;
+  RealMachine machine(clock, watcher, nowhere());
+  const std::string hindrance = machine.hindrance();
+  CHECK(count(hindrance, "gpiochip-of-nobody") >= 2);  // for the light, and for the axis
+  CHECK(count(hindrance, "/dev/dri/card-of-nobody") >= 1);
+  CHECK(count(hindrance, "/dev/tty-of-nobody") >= 1);
+  CHECK(machine.description().empty());
+  make_safe(machine);
+  CHECK_FALSE(machine.z_axis().height());
+  CHECK(machine.z_axis().travel() == GpioAxisConfig{}.travel);
+  CHECK(machine.display().width() == Pixels{1920});
+
+  // Each answers, from the clock, that it cannot.
+  std::optional<HomingResult> homed;
+  std::optional<MoveResult> moved;
+  std::optional<ProjectorReply> lit;
+  bool shown = true;
+  machine.z_axis().home([&](HomingResult result) { homed = result; });
+  machine.projector().light_on([&](ProjectorReply reply) { lit = reply; });
+  machine.display().black([&](std::optional<TimePoint> at) { shown = at.has_value(); });
+  CHECK_FALSE(homed);
+  CHECK_FALSE(lit);
+  CHECK(shown);
+  for (int i = 0; i < 3; ++i)
+    REQUIRE(clock.run_next());
+  CHECK(homed == HomingResult::Fault);
+  CHECK(lit == ProjectorReply::NoAnswer);
+  CHECK_FALSE(shown);
+  machine.z_axis().move_to(Nanometers{1}, MillimetersPerSecond{1},
+                           [&](MoveResult result) { moved = result; });
+  REQUIRE(clock.run_next());
+  CHECK(moved == MoveResult::NotHomed);
+}
+
+TEST_CASE(
+    "Missing devices are looked for again and again, and nobody is told of those that are still missing") {
+  VirtualClock clock;
+  NoDescriptors watcher;
+  RealMachine machine(clock, watcher, nowhere());
+  int told = 0;
+  machine.on_disturbance([&](const Disturbance&) { ++told; });
+  for (int i = 1; i <= 3; ++i) {
+    REQUIRE(clock.run_next());
+    CHECK(clock.now() == TimePoint{} + i * RealMachine::kSearchInterval);
+  }
+  CHECK(told == 0);
+  CHECK_FALSE(machine.hindrance().empty());
+}
+
+TEST_CASE("A look at the hardware tells of every device, whatever is wrong with the others") {
+  VirtualClock clock;
+  NoDescriptors watcher;
+  RealMachineConfig config = nowhere();
+  config.axis.lid = GpioInputConfig{.line = {.chip = "gpiochip-of-nobody", .line = "5"}};
+  HardwareCheck check(clock, watcher, config);
+  std::vector<std::string> devices;
+  bool done = false;
+  check.run(
+      [&](const HardwareFinding& finding) {
+        CHECK_FALSE(finding.good);
+        CHECK(finding.what.find("of-nobody") != std::string::npos);
+        devices.push_back(finding.device);
+      },
+      [&] { done = true; });
+  while (clock.run_next()) {
+  }
+  CHECK(done);
+  CHECK(devices == std::vector<std::string>{"step", "direction", "limit switch", "lid", "light", "display",
+                                            "projector"});
+}
+
+TEST_CASE("The light of a process that died is turned off as far as its devices can be reached") {
+  VirtualClock clock;
+  NoDescriptors watcher;
+  RealMachineConfig config = nowhere();
+  CHECK(turn_light_off(clock, watcher, config).size() == 1);  // this table switches no light
+  config.projector->table.light_on = config.projector->table.light_off = ProjectorCommand{};
+  CHECK(turn_light_off(clock, watcher, config).size() == 2);
+  config.light.reset();
+  config.projector.reset();
+  CHECK(turn_light_off(clock, watcher, config).empty());
+}
