@@ -101,7 +101,6 @@ def real_config(**changes):
     """A printer made of our devices: zplant's lines, zproj's output, zserial's port. Keys of `changes` are sections,
     whose keys are changed (None: removed)."""
     config = simulated_config()
-    config.pop("simulation")
     config["hardware"] = "real"
     config["z_axis"] |= {
         "top_speed_mm_s": 10,

@@ -50,7 +50,7 @@ def _expected_layers(report, edges, frames):
     expected = []
     with tempfile.TemporaryDirectory() as folder:
         model = Path(folder, "model.stl")
-        layers = report["layers"]
+        layers = report["layer_records"]
         model.write_bytes(models.binary_stl(models.twisted_star(len(layers) * _LAYER_NM / 1e6)))
         for number, (layer, picture) in enumerate(zip(layers, frames.lit_pictures()), 1):
             height_nm = edges.position_at(picture.start_ns) * _STEP_NM

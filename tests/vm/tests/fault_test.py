@@ -81,13 +81,13 @@ def run(before="", during="", devices="load_devices", projector=_PROJECTOR, conf
 @vm_test("full")
 def switch_stuck_open():
     """The limit switch never closes: homing ends at the travel's end and says so."""
-    return run(before="echo limit 1 >$PLANT/ctl").failed_with("never closed", layers=0)
+    return run(before="echo limit 1 >$PLANT/ctl").failed_with("did not trigger after the full travel", layers=0)
 
 
 @vm_test("full")
 def switch_stuck_closed():
     """The limit switch stays closed: homing says so after backing off."""
-    return run(before="echo limit 0 >$PLANT/ctl").failed_with("stayed closed", layers=0)
+    return run(before="echo limit 0 >$PLANT/ctl").failed_with("still closed after backing off", layers=0)
 
 
 def _encoder(policy):

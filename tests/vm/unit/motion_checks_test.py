@@ -60,6 +60,16 @@ class MotionChecksTest(unittest.TestCase):
     def test_a_start_without_a_ramp_is_found(self):
         self.assertTrue(motion_checks.accelerations(moved(acceleration=1e6).edge_log(), LIMITS))
 
+    def test_a_dead_stop_is_found_unless_the_limit_switch_made_it(self):
+        recorder = Recorder()
+        recorder.move(-1000)
+        # Cut in the middle of the way, at full speed.
+        recorder.edges = recorder.edges[:1000]
+        last = [edge for edge in recorder.edges if edge[3] == LINES.step and edge[4]][-1]
+        self.assertTrue(motion_checks.accelerations(recorder.edge_log(), LIMITS))
+        recorder.edges.append((recorder.edges[-1][0], last[1], 0, LINES.limit, 0))
+        self.assertFalse(motion_checks.accelerations(recorder.edge_log(), LIMITS))
+
     def test_moves_end_at_pauses_and_turns(self):
         self.assertEqual([len(times) for times, _ in motion_checks.moves(moved().edge_log())], [1000, 600])
 
