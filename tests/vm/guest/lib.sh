@@ -73,9 +73,11 @@ light_is_on() { grep -q '^light 1$' $PLANT/state; }
 light_is_off() { grep -q '^light 0$' $PLANT/state; }
 lit_pictures() { awk '$3 == "FLIP" && $6 > 0 { n++ } END { print n + 0 }' $SCREEN/log; }
 
+still_printing() { ! print_is_over || fail "the print was over too soon"; }
+
 # In the exposure of layer N, counted from 1: its mask is on the screen and the light on.
-exposing() { [ "$(lit_pictures)" -ge "$1" ] && light_is_on; }
+exposing() { still_printing && [ "$(lit_pictures)" -ge "$1" ] && light_is_on; }
 # Layer N has had its exposure.
-exposed() { [ "$(lit_pictures)" -ge "$1" ] && [ "$(awk '{ lit = $6 } END { print lit }' $SCREEN/log)" = 0 ]; }
+exposed() { still_printing && [ "$(lit_pictures)" -ge "$1" ] && [ "$(awk '{ lit = $6 } END { print lit }' $SCREEN/log)" = 0 ]; }
 state_is() { contourctl status --json | grep -q "\"state\": *\"$1\""; }
 now_ns() { awk '{ printf "%d\n", $1 * 1e9 }' /proc/uptime; }

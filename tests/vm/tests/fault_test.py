@@ -92,7 +92,7 @@ def switch_stuck_closed():
 
 def _encoder(policy):
     line = lambda number: {"chip": "zplant", "line": number}  # noqa: E731
-    encoder = {"a": line(guests.ENCODER_A), "b": line(guests.ENCODER_B), "counts_per_mm": 200, "policy": policy}
+    encoder = {"a": line(guests.ENCODER_A), "b": line(guests.ENCODER_B), "counts_per_mm": 200, "reversed": True, "policy": policy}
     return guests.real_config(z_axis={"encoder": encoder})
 
 
