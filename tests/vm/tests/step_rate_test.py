@@ -2,6 +2,7 @@
 
 import base64
 import gzip
+import os
 
 import numpy
 
@@ -23,10 +24,12 @@ def _config(steps_per_s, travel_mm):
 
 
 def _cruise(log, steps_per_s):
-    """The times between the steps of the longest move, at full speed, in ns."""
+    """The times between the steps at full speed, in ns: of the longest move, from where it is first reached to where it
+    is left. A slower move may have led up to it without a pause."""
     times = max((times for times, _ in motion_checks.moves(log)), key=len)
-    ramp = int((steps_per_s / _STEPS_PER_MM) ** 2 / (2 * _ACCELERATION) * _STEPS_PER_MM) + 10
-    return numpy.diff(times[ramp:-ramp])
+    periods = numpy.diff(times)
+    full = numpy.flatnonzero(periods < 1.02 * 1e9 / steps_per_s)
+    return periods[full[0] : full[-1] + 1]
 
 
 def _report(periods, steps_per_s):
@@ -79,7 +82,8 @@ def four_thousand_steps_a_second():
         log = EdgeLog(_fetched(machine))
     check(motion_checks.lost_steps(log) + motion_checks.pulse_widths(log, MotionLimits()))
     late, text = _report(_cruise(log, 4_000), 4_000)
-    assert late == 0, text
+    # The emulator keeps real time only as well as the host lets it.
+    assert late == 0, f"{text}; the host's load is {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors"
     return text
 
 
