@@ -19,7 +19,8 @@ constexpr Nanometers kLook{30'000'000};
 constexpr Duration kMotionGrace = 15s;
 constexpr Duration kPresentDeadline = 5s;
 constexpr Duration kProjectorDeadline = 30s;
-constexpr Duration kWarmUpDeadline = 300s;
+// A projector may have to cool down from before first, and cool again when it ignored the command.
+constexpr Duration kWarmUpDeadline = 1h;
 
 }  // namespace
 

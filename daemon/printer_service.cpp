@@ -108,6 +108,7 @@ void PrinterService::start() {
   file_interrupted_prints();
   control_ = std::make_unique<ControlServer>(loop_, config_.control_socket, methods());
   spool_.open();
+  supervisor_.status(readiness());
   pump_soon();
 }
 
@@ -151,6 +152,7 @@ void PrinterService::disturbed(const Disturbance& disturbance) {
   // What happens to a print is told with the print.
   if (!bad || !printing)
     log_.write(bad ? LogLevel::Warning : LogLevel::Info, "machine", printable(disturbance.what));
+  if (process_.state() == PrintState::Idle) supervisor_.status(readiness());
   notify("machine", ControlServer::Delivery::Lossy);
   pump_soon();
 }
@@ -218,6 +220,11 @@ std::string PrinterService::reason_to_wait() const {
                        config_.min_free_disk_bytes / 1'000'000);
   }
   return "";
+}
+
+std::string PrinterService::readiness() const {
+  const std::string hindrance = machine_.hindrance();
+  return hindrance.empty() ? "Ready" : "Cannot print: " + printable(hindrance);
 }
 
 void PrinterService::pump() {
@@ -532,7 +539,7 @@ void PrinterService::ended(const std::string& name, std::string_view outcome, co
                            Json analysis) {
   ended_.push_back({name, std::string(outcome), reason, std::move(analysis)});
   if (ended_.size() > kLongestHistory) ended_.pop_front();
-  supervisor_.status(fmt::format("Ready; last job {}: {}", printable(name), outcome));
+  supervisor_.status(fmt::format("{}; last job {}: {}", readiness(), printable(name), outcome));
   notify("ended", ControlServer::Delivery::Certain);
 }
 

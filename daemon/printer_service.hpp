@@ -80,6 +80,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void pump_soon();
   void take_what_is_due();
   [[nodiscard]] std::string reason_to_wait() const;
+  // For the service manager's status line.
+  [[nodiscard]] std::string readiness() const;
   void begin_next();
   void check_waiting();
   void prepared(std::variant<PreparedJob, std::string> result);

@@ -28,7 +28,7 @@ Supervisor::Supervisor(EventLoop& loop) : loop_(loop) {
 }
 
 void Supervisor::ready() {
-  sd_notify(0, "READY=1\nSTATUS=Ready");
+  sd_notify(0, "READY=1");
 }
 
 void Supervisor::stopping() {

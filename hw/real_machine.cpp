@@ -55,7 +55,7 @@ std::vector<std::string> RealMachine::open_missing() {
   if (open(display_, missing_.display,
            [&] { return std::make_unique<DrmDisplay>(watcher_, config_.display); })) {
     display_->on_disturbance(tell_owner);
-    found.push_back("display: " + display_->description());
+    if (!display_->problem()) found.push_back("display: " + display_->description());
   }
   if (open(axis_, missing_.axis,
            [&] { return std::make_unique<GpioAxis>(clock_, watcher_, config_.axis); })) {
@@ -150,7 +150,7 @@ std::vector<std::string> RealMachine::description() const {
   std::vector<std::string> sentences;
   if (light_) sentences.push_back(light_words());
   if (serial_) sentences.push_back(projector_words());
-  if (display_) sentences.push_back("display: " + display_->description());
+  if (display_ && !display_->problem()) sentences.push_back("display: " + display_->description());
   if (axis_) sentences.push_back(axis_words());
   return sentences;
 }

@@ -3,7 +3,7 @@
 #include <xf86drm.h>
 #include <xf86drmMode.h>
 
-#include <cstdint>
+#include <cerrno>
 
 namespace contourd {
 
@@ -17,9 +17,13 @@ int LegacyCrtc::set_mode(const Framebuffer& picture) noexcept {
 }
 
 int LegacyCrtc::flip(const Framebuffer& picture, std::uint64_t serial) noexcept {
-  // The serial comes back as the event's user_data.
-  void* const user_data = reinterpret_cast<void*>(static_cast<std::uintptr_t>(serial));
-  return -drmModePageFlip(fd_, id_, picture.id(), DRM_MODE_PAGE_FLIP_EVENT, user_data);
+  // As drmModePageFlip(), which takes the serial as a pointer.
+  drm_mode_crtc_page_flip flip{};
+  flip.crtc_id = id_;
+  flip.fb_id = picture.id();
+  flip.flags = DRM_MODE_PAGE_FLIP_EVENT;
+  flip.user_data = serial;
+  return drmIoctl(fd_, DRM_IOCTL_MODE_PAGE_FLIP, &flip) == 0 ? 0 : errno;
 }
 
 int LegacyCrtc::show(const Framebuffer& picture) noexcept {

@@ -49,11 +49,37 @@ std::vector<Point> borders_of_empty(const Contours& contours, double step) {
   return borders;
 }
 
+double cross(Point origin, Point a, Point b) {
+  return (a.x - origin.x) * (b.y - origin.y) - (b.x - origin.x) * (a.y - origin.y);
+}
+
+// Whether two sides of the loop meet at so small an angle that the wall between them is thinner than twice
+// the outline's rounding, and so may not show, for more than a micrometre.
+bool has_a_thin_wall(const Loop& loop) {
+  const double least_sine = 2 * ContourUnion::kFileRounding.count() / 1e-3;
+  const std::size_t count = loop.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = i + 1; j < count; ++j) {
+      const Point a = loop[i], b = loop[(i + 1) % count], c = loop[j], d = loop[(j + 1) % count];
+      const Point u{b.x - a.x, b.y - a.y}, v{d.x - c.x, d.y - c.y};
+      const double lengths = std::hypot(u.x, u.y) * std::hypot(v.x, v.y);
+      if (std::fabs(u.x * v.y - u.y * v.x) >= least_sine * lengths) continue;
+      const bool neighbours = j == i + 1 || (i == 0 && j == count - 1);
+      const bool spike = neighbours && u.x * v.x + u.y * v.y < 0;
+      const bool crossing = !neighbours && (cross(a, b, c) > 0) != (cross(a, b, d) > 0) &&
+                            (cross(c, d, a) > 0) != (cross(c, d, b) > 0);
+      if (spike || crossing) return true;
+    }
+  }
+  return false;
+}
+
 std::vector<Loop> draw_loops() {
   std::vector<Loop> loops(static_cast<std::size_t>(draw(1, 4)));
   for (Loop& loop : loops)
     loop = loop_of(draw(0, 1) == 0 ? draw_polygon(-10, 10, -10, 10)
                                    : draw_star({draw_real(-8, 8), draw_real(-8, 8)}, 1, 6));
+  std::erase_if(loops, has_a_thin_wall);
   return loops;
 }
 

@@ -57,7 +57,7 @@ class ConfigTest(FolderTest):
 
 class CheckConfig(ConfigTest):
     def test_the_configurations_of_the_repository_are_good(self):
-        for name in ("contourd.json", "simulated.json"):
+        for name in ("contourd.json", "raspberry-pi.json", "simulated.json"):
             result = self.check(os.path.join(SOURCE, "config", name))
             self.assertEqual(result.returncode, OK, result.stderr)
             self.assertIn(b"good", result.stdout)
@@ -357,12 +357,27 @@ class Systemd(FolderTest):
             self.receive()
         daemon.stop()
 
+    def test_a_machine_that_cannot_print_is_ready_and_its_status_line_says_why(self):
+        daemon = Daemon(self)
+        daemon.config = source_json("raspberry-pi.json")
+        daemon.config.update({"spool_folder": "spool", "control_socket": "control.sock",
+                              "projectors_folder": os.path.join(SOURCE, "config", "projectors")})  # fmt: skip
+        daemon.config["projector"]["port"] = "/dev/tty-of-nobody"
+        daemon.write_config()
+        self.launch(daemon)
+        status = next(line for line in iter(lambda: self.receive()[0], "") if line.startswith("STATUS="))
+        self.assertTrue(status.startswith("STATUS=Cannot print: the serial port /dev/tty-of-nobody"), status)
+        self.wait_for("READY=1")
+        daemon.stop()
+
     def test_the_unit_waits_for_readiness_and_has_a_watchdog(self):
         with open(os.path.join(SOURCE, "systemd", "contourd.service"), encoding="utf-8") as file:
             unit = dict(re.findall(r"^(\w+)=(.*)$", file.read(), re.M))
         self.assertEqual(unit["Type"], "notify")
         self.assertIn("WatchdogSec", unit)
         self.assertIn("--config", unit["ExecStart"])
+        # Whatever ended it, the light goes off.
+        self.assertIn("--light-off", unit["ExecStopPost"])
         # A wrong configuration is not tried again and again.
         self.assertIn(str(BAD_CONFIG), unit["RestartPreventExitStatus"])
 

@@ -524,8 +524,11 @@ TEST_CASE("The emergency stop halts the motor before the event loop hears of it"
   CHECK(plant.disturbances.empty());
   CHECK(plant.home() == HomingResult::Fault);  // still pressed
   CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "the emergency stop is pressed"));
+  plant.disturbances.clear();
   plant.press(AxisInput::EmergencyStop, false);
   plant.run_for(100ms);
+  CHECK(only_disturbance_says(plant, Disturbance::Kind::Recovery,
+                              "the emergency stop was let go (line 5 of gpiochip0)"));
   CHECK(plant.home() == HomingResult::Homed);
 }
 
@@ -553,7 +556,8 @@ TEST_CASE("Who is told of an emergency stop may abort: the move's answer is drop
   CHECK_FALSE(plant.axis->moving());
 }
 
-TEST_CASE("The lid is an interruption when it opens, once, and the motor goes on") {
+TEST_CASE(
+    "The lid is an interruption when it opens, once, that is over when it closes, and the motor goes on") {
   GpioAxisConfig c = config();
   c.lid = GpioInputConfig{{"gpiochip0", "6", false}};
   Plant plant(c);
@@ -562,8 +566,11 @@ TEST_CASE("The lid is an interruption when it opens, once, and the motor goes on
   const auto open = plant.clock.call_after(1s, [&] { plant.press(AxisInput::Lid, true); });
   const auto close = plant.clock.call_after(3s, [&] { plant.press(AxisInput::Lid, false); });
   CHECK(plant.move_to(20) == MoveResult::Reached);
-  CHECK(only_disturbance_says(plant, Disturbance::Kind::Interruption,
-                              "the lid was opened (line 6 of gpiochip0)"));
+  REQUIRE(plant.disturbances.size() == 2);
+  CHECK(plant.disturbances[0].kind == Disturbance::Kind::Interruption);
+  CHECK(plant.disturbances[0].what == "the lid was opened (line 6 of gpiochip0)");
+  CHECK(plant.disturbances[1].kind == Disturbance::Kind::Recovery);
+  CHECK(plant.disturbances[1].what == "the lid was closed (line 6 of gpiochip0)");
   CHECK_FALSE(plant.axis->lid_open());
 }
 

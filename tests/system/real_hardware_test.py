@@ -1,0 +1,105 @@
+"""A configuration of real hardware on a computer that has none of it: the daemon says so and waits."""
+
+import os
+import re
+
+from harness import (
+    BAD_USAGE, CONTOURD, OK, SOURCE, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, main, run, source_json,
+    wait_until,
+)  # fmt: skip
+
+NOBODY = "gpiochip-of-nobody"
+
+
+def real_config(**changes):
+    """The shipped profile with devices that no computer has."""
+    config = source_json("raspberry-pi.json")
+    config.update({"spool_folder": "spool", "control_socket": "control.sock", "min_free_disk_mb": 0,
+                   "projectors_folder": os.path.join(SOURCE, "config", "projectors")})  # fmt: skip
+    for key in ("step", "direction", "enable", "limit_switch"):
+        config["z_axis"][key]["chip"] = NOBODY
+    config["display"]["card"] = "/dev/dri/card-of-nobody"
+    config["projector"]["port"] = "/dev/tty-of-nobody"
+    config.update(changes)
+    return config
+
+
+class RealHardwareTest(FolderTest):
+    def daemon(self, **changes):
+        daemon = Daemon(self)
+        daemon.config = real_config(**changes)
+        daemon.write_config()
+        return daemon
+
+    def check(self, daemon, *arguments):
+        return run(CONTOURD, "--config", daemon.config_path, *arguments)
+
+
+class Check(RealHardwareTest):
+    def test_every_device_is_told_of_with_what_there_is_instead(self):
+        result = self.check(self.daemon(), "--check-hardware")
+        self.assertEqual((result.returncode, result.stderr), (UNAVAILABLE, b""))
+        *lines, last = result.stdout.decode().splitlines()
+        devices = [re.match(r"BAD  (step|direction|enable|limit switch|display|projector) +\S", line) for line in lines]
+        self.assertEqual([match and match.group(1) for match in devices],
+                         ["step", "direction", "enable", "limit switch", "display", "projector"])  # fmt: skip
+        for line in lines:
+            self.assertIn("of-nobody", line)
+        self.assertIn("there ", lines[-1])  # the ports that there are, or that there are none
+        self.assertEqual(last, "6 of these keep it from printing")
+
+    def test_a_simulated_printer_has_nothing_to_look_at(self):
+        daemon = self.daemon(hardware="simulated")
+        result = self.check(daemon, "--check-hardware")
+        self.assertEqual(result.returncode, OK)
+        self.assertIn(b"simulated", result.stdout)
+        self.assertEqual(self.check(daemon, "--light-off").returncode, OK)
+
+    def test_checking_makes_nothing(self):
+        daemon = self.daemon()
+        self.check(daemon, "--check-hardware")
+        self.assertFalse(os.path.exists(daemon.spool))
+        self.assertFalse(os.path.exists(daemon.socket_path))
+
+    def test_a_light_that_cannot_be_reached_is_said_to_be_on_perhaps(self):
+        result = self.check(self.daemon(), "--light-off")
+        self.assertEqual(result.returncode, UNAVAILABLE)
+        self.assert_one_line(result.stderr, "the light may be on: the serial port /dev/tty-of-nobody")
+
+    def test_a_pace_is_for_the_simulated_printer(self):
+        result = self.check(self.daemon(), "--pace", "fast")
+        self.assertEqual(result.returncode, BAD_USAGE)
+        self.assert_one_line(result.stderr, "--pace")
+
+
+class Degraded(RealHardwareTest):
+    def test_it_starts_without_its_devices_says_what_is_missing_and_keeps_jobs_waiting(self):
+        daemon = self.daemon()
+        daemon.start()
+        status = daemon.status()
+        self.assertEqual(status["state"], "idle")
+        for device in (NOBODY, "card-of-nobody", "tty-of-nobody"):
+            self.assertIn(device, status["hindrance"])
+        self.assertIn("the printer cannot print: ", daemon.log())
+        self.assertIn(b"machine   the serial port", daemon.ctl("status").stdout)
+        daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 1))))
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        self.assertEqual((status["waiting_for"], status["queued"]), (status["hindrance"], 1))
+        # A model that cannot be printed is refused all the same.
+        daemon.drop("bad.stl", b"no model")
+        daemon.wait_refused("bad")
+        daemon.stop()
+        self.assertEqual(daemon.names_in("incoming"), ["part.stl"])
+        self.assertEqual(daemon.names_in("failed"), ["bad.reason.txt", "bad.stl"])
+
+    def test_the_same_file_prints_on_the_simulated_machine(self):
+        daemon = self.daemon(hardware="simulated", simulation={"pace": "fast"})
+        daemon.start()
+        daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 1))))
+        self.assertEqual(daemon.wait_done("part")["layers_exposed"], 20)
+        self.assertIsNone(daemon.status()["hindrance"])
+        daemon.stop()
+
+
+if __name__ == "__main__":
+    main()
