@@ -149,7 +149,8 @@ EventLoop::SourcePtr EventLoop::at(TimePoint when, std::function<void()> call, U
       *this, [call = std::move(call)](std::uint32_t) { call(); });
   const int result = sd_event_add_time(event_, &source->sd.source, CLOCK_MONOTONIC, microseconds(when),
                                        kTimerAccuracyUs, SdSource::time, &source->sd);
-  // The loop has ended and nothing is due any more: a device that is put away after it may still ask for a time.
+  // The loop has ended and nothing is due any more: a device that is put away after it may still ask for a
+  // time.
   if (result == -ESTALE) return source;
   check(result, "sd_event_add_time");
   set_urgency(source->sd.source, urgency);
