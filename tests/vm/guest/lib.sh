@@ -80,4 +80,4 @@ exposing() { still_printing && [ "$(lit_pictures)" -ge "$1" ] && light_is_on; }
 # Layer N has had its exposure.
 exposed() { still_printing && [ "$(lit_pictures)" -ge "$1" ] && [ "$(awk '{ lit = $6 } END { print lit }' $SCREEN/log)" = 0 ]; }
 state_is() { contourctl status --json | grep -q "\"state\": *\"$1\""; }
-now_ns() { awk '{ printf "%d\n", $1 * 1e9 }' /proc/uptime; }
+uptime_s() { cut -d' ' -f1 /proc/uptime; }
