@@ -45,4 +45,15 @@ void sync_folder(const std::filesystem::path& folder) {
   if (directory.valid()) ::fsync(directory.get());
 }
 
+void sync_contents(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    for (const auto& entry : std::filesystem::directory_iterator(path, error))
+      if (entry.is_regular_file(error)) sync_contents(entry.path());
+    return;
+  }
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK));
+  if (file.valid()) ::fsync(file.get());
+}
+
 }  // namespace contourd

@@ -147,9 +147,12 @@ EventLoop::SourcePtr EventLoop::on_signal(int signal, std::function<void()> call
 EventLoop::SourcePtr EventLoop::at(TimePoint when, std::function<void()> call, Urgency urgency) {
   auto source = std::make_unique<OwnedSource<Source, SdSource>>(
       *this, [call = std::move(call)](std::uint32_t) { call(); });
-  check(sd_event_add_time(event_, &source->sd.source, CLOCK_MONOTONIC, microseconds(when), kTimerAccuracyUs,
-                          SdSource::time, &source->sd),
-        "sd_event_add_time");
+  const int result = sd_event_add_time(event_, &source->sd.source, CLOCK_MONOTONIC, microseconds(when),
+                                       kTimerAccuracyUs, SdSource::time, &source->sd);
+  // The loop has ended and nothing is due any more: a device that is put away after it may still ask for a
+  // time.
+  if (result == -ESTALE) return source;
+  check(result, "sd_event_add_time");
   set_urgency(source->sd.source, urgency);
   return source;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/preview.hpp"
+#include "daemon/durable_file.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
 #include "hw/png_file.hpp"
@@ -273,6 +274,15 @@ void PrinterService::begin_next() {
   active_ = std::move(active);
   worker_.run([files = active_->files, this] { return try_to_prepare(files, config_); },
               [this](std::variant<PreparedJob, std::string> result) { prepared(std::move(result)); });
+  // Whoever copied it may not have had it written to the disk, and after a power cut it would be empty. After
+  // preparing it: the first mask does not wait for the disk.
+  worker_.run(
+      [files = active_->files] {
+        sync_contents(files.model);
+        if (files.ticket) sync_contents(*files.ticket);
+        return true;
+      },
+      [](bool) {});
 }
 
 // A waiting job is read once when it arrives, so that its owner hears of a mistake while still there.

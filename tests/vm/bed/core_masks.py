@@ -1,0 +1,36 @@
+"""Masks as the core computes them here, outside the guest: by contourctl, at exact heights, with zproj's CRC."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import zlib
+from pathlib import Path
+
+import numpy
+
+from bed.architecture import AMD64, SOURCE
+
+os.environ.setdefault("CONTOURD_BIN", str(AMD64.program("contourd").parent))
+os.environ.setdefault("CONTOURD_SOURCE", str(SOURCE))
+sys.path.insert(0, str(SOURCE / "tests" / "system"))
+import harness  # noqa: E402
+
+
+def mask_at(model, height_nm, *options):
+    """The mask of a model file at a height, as rows of grey values (numpy, height x width)."""
+    with tempfile.TemporaryDirectory() as folder:
+        png = Path(folder, "mask.png")
+        subprocess.run(
+            [AMD64.program("contourctl"), "slice", str(model), "--z", f"{height_nm / 1e6:.6f}", "--mask", str(png), *options],
+            check=True, capture_output=True,
+        )  # fmt: skip
+        picture = harness.read_png(str(png))
+    return numpy.frombuffer(b"".join(picture.rows), numpy.uint8).reshape(picture.height, picture.width)
+
+
+def xrgb_crc(grey):
+    """CRC-32 of the picture as XRGB8888, row by row, X zero: what zproj logs."""
+    pixels = numpy.zeros((*grey.shape, 4), numpy.uint8)
+    pixels[..., :3] = grey[..., None]
+    return zlib.crc32(pixels.tobytes())

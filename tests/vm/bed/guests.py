@@ -1,0 +1,137 @@
+"""The guests that the tests boot: what is in their initial file systems."""
+
+import json
+import os
+import subprocess
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+
+from bed import models
+from bed.architecture import AMD64, BED, SOURCE, VM, host_debian
+from bed.edge_log import Lines
+from bed.initramfs import Initramfs
+
+LINES = Lines()
+_SCREEN_MODULES = ("drm_kms_helper", "drm_shmem_helper")
+_VIRTIO_MODULES = ("virtio_pci", "virtio_blk", "virtio_console")
+
+
+def printer_guest(arch, config, model_height_mm=0.2, resin=None):
+    """contourd with its configuration, a model to print and our devices' modules."""
+    guest = Initramfs(arch)
+    guest.add_kernel_modules(*_SCREEN_MODULES, *_VIRTIO_MODULES)
+    guest.add_our_modules()
+    for program in ("contourd", "contourctl", "fake-projector"):
+        guest.add_program(program)
+    guest.add_text("/etc/contourd/contourd.json", json.dumps(config, indent=1))
+    guest.add_folder("/etc/contourd/projectors", SOURCE / "config" / "projectors")
+    guest.add_text("/etc/contourd/resins/standard.json", resin_profile(resin))
+    guest.add_bytes("/model.stl", models.binary_stl(models.twisted_star(model_height_mm)))
+    guest.add_file("/lib.sh", VM / "guest" / "lib.sh")
+    return guest
+
+
+@contextmanager
+def _installed(debian):
+    """The folder in which contourd is installed as it was built on that Debian, or on this one."""
+    if debian and debian != host_debian():
+        yield BED / f"contourd-{debian}"
+        return
+    with tempfile.TemporaryDirectory(dir=BED) as folder:
+        environment = {**os.environ, "DESTDIR": folder}
+        command = ["cmake", "--install", str(SOURCE / "build"), "--prefix", "/usr"]
+        subprocess.run(command, check=True, capture_output=True, env=environment)
+        yield folder
+
+
+def systemd_guest(config, resin=None, our_modules=(), debian=None):
+    """What a guest with a root image boots from: it brings the installed contourd along, as a package would put it
+    there, with a printer's configuration. `our_modules` are lines such as "zplant bounce_us=300"."""
+    guest = Initramfs(AMD64)
+    guest.add_kernel_modules("crc32c_generic", "ext4", *_SCREEN_MODULES, *_VIRTIO_MODULES)
+    guest.add_our_modules()
+    loads = [line.split(" ", 1) for line in our_modules]
+    guest.add_text("/etc/our_modules", "".join(f"{name}.ko {' '.join(parameters)}\n" for name, *parameters in loads))
+    guest.add_file("/init", VM / "guest" / "init-root", mode=0o755)
+    with _installed(debian) as folder:
+        # /lib is a link to /usr/lib in the image.
+        if Path(folder, "lib").exists():
+            guest.add_folder("/install/usr/lib", Path(folder, "lib"))
+        for part in ("etc", "usr"):
+            guest.add_folder(f"/install/{part}", Path(folder, part))
+    guest.add_text("/install/etc/contourd/contourd.json", json.dumps(config, indent=1))
+    guest.add_text("/install/etc/contourd/resins/standard.json", resin_profile(resin))
+    guest.add_file("/install/root/lib.sh", VM / "guest" / "lib.sh")
+    guest.add_file("/install/usr/local/bin/fake-projector", AMD64.program("fake-projector"))
+    return guest
+
+
+def resin_profile(changes):
+    profile = json.loads((SOURCE / "config" / "resins" / "standard.json").read_text())
+    profile.pop("$schema")
+    return json.dumps({**profile, **(changes or {})})
+
+
+@contextmanager
+def written(guest):
+    """The guest's initramfs as a file, for as long as the context lasts."""
+    with tempfile.NamedTemporaryFile(prefix="initramfs.", dir=BED) as file:
+        guest.write(Path(file.name))
+        yield Path(file.name)
+
+
+def simulated_config(**changes):
+    config = json.loads((SOURCE / "config" / "contourd.json").read_text())
+    config.pop("$schema")
+    config["projector"]["warm_up_s"] = 1
+    # A short axis: homing and parking take no time that a test would have to wait.
+    config["z_axis"]["travel_mm"] = 10
+    config["simulation"]["start_height_mm"] = 2.5
+    config["wait_for_plate_cleared"] = False
+    config["min_free_disk_mb"] = 0
+    return {**config, **changes}
+
+
+def _line(number, active_low=False):
+    return {"chip": "zplant", "line": number, "active_low": active_low}
+
+
+def real_config(**changes):
+    """A printer made of our devices: zplant's lines, zproj's output, zserial's port. Keys of `changes` are sections,
+    whose keys are changed (None: removed)."""
+    config = simulated_config()
+    config["hardware"] = "real"
+    config["z_axis"] |= {
+        "top_speed_mm_s": 10,
+        "step": _line(LINES.step),
+        "direction": _line(LINES.direction),
+        "enable": _line(LINES.enable, active_low=True),
+        "limit_switch": _line(LINES.limit, active_low=True),
+        "emergency_stop": _line(EMERGENCY_STOP),
+        "lid": _line(LID),
+    }
+    config["display"]["card"] = "zproj"
+    config["projector"] |= {"port": "/dev/ttyZ0", "table": "acer", "light": _line(LINES.light)}
+    for section, values in changes.items():
+        config[section] |= values
+        config[section] = {key: value for key, value in config[section].items() if value is not None}
+    return config
+
+
+# Lines of zplant's without a function of their own; ENCODER's are given to the module as it is loaded.
+EMERGENCY_STOP, LID, ENCODER_A, ENCODER_B = 5, 6, 20, 21
+
+# What the acer table's commands are answered with: off at first.
+ACER = r"'* 0 IR 001\r=>*001\r' '* 0 IR 002\r=>*001\r' '* 0 Lamp ?\r=>Lamp 0\r' '* 0 Lamp ?\r=>Lamp 1\r'"
+
+# Short prints: every layer is short of nothing that a long one has.
+QUICK_RESIN = {
+    "exposure_ms": 1000,
+    "bottom_exposure_ms": 2000,
+    "bottom_layers": 1,
+    "fade_layers": 0,
+    "lift_mm": 1,
+    "settle_ms": 200,
+    "rest_ms": 100,
+}

@@ -1,0 +1,36 @@
+"""The model that the guests print: a star that turns and tapers as it rises, so that no two layers
+are alike and an error of one step in height changes the mask."""
+
+import math
+import struct
+
+
+def twisted_star(height_mm, points=9, levels=24):
+    """Facets of a closed solid, counter-clockwise seen from outside."""
+    rings = [_ring(level / levels, height_mm, points) for level in range(levels + 1)]
+    facets = []
+    for below, above in zip(rings, rings[1:]):
+        for i, (a, b) in enumerate(zip(below, below[1:] + below[:1])):
+            c, d = above[(i + 1) % len(above)], above[i]
+            facets += [(a, b, c), (a, c, d)]
+    for ring, turn in ((rings[0], -1), (rings[-1], 1)):
+        centre = (0.0, 0.0, ring[0][2])
+        for a, b in zip(ring, ring[1:] + ring[:1]):
+            facets.append((centre, a, b) if turn == 1 else (centre, b, a))
+    return facets
+
+
+def _ring(part, height_mm, points):
+    corners = []
+    for i in range(2 * points):
+        angle = math.pi * i / points + part * 0.7
+        radius = (18.0 if i % 2 == 0 else 9.0) * (1 - 0.4 * part)
+        corners.append((radius * math.cos(angle), radius * math.sin(angle), part * height_mm))
+    return corners
+
+
+def binary_stl(facets):
+    data = [b"twisted star".ljust(80, b"\0"), struct.pack("<I", len(facets))]
+    for facet in facets:
+        data.append(struct.pack("<12fH", 0, 0, 0, *(x for vertex in facet for x in vertex), 0))
+    return b"".join(data)

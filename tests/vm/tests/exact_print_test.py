@@ -1,0 +1,92 @@
+"""The exact print: contourd with its real hardware prints a model of twenty layers on arm64, in deterministic time, and
+what the axis and the display recorded is compared with what the core says."""
+
+import hashlib
+import json
+import tempfile
+from pathlib import Path
+
+from bed import core_masks, exposure_checks, guests, models, motion_checks
+from bed.architecture import ARM64
+from bed.edge_log import EdgeLog
+from bed.exposure_checks import ExpectedLayer
+from bed.frame_log import FrameLog
+from bed.motion_checks import MotionLimits
+from bed.qemu import run_scenario
+from bed.registry import check, vm_test
+
+_LAYER_NM = 50_000
+_STEP_NM = 1_250  # 800 microsteps a mm
+_RESIN = {"exposure_ms": 1000, "bottom_exposure_ms": 2000, "bottom_layers": 2, "fade_layers": 3, "lift_mm": 1,
+          "settle_ms": 300, "rest_ms": 100}  # fmt: skip
+
+# The plate stands 2.5 mm above a switch that bounces for 1.2 ms.
+_SCENARIO = f"""\
+. /lib.sh
+insmod /mod/zplant.ko start_pos=2000 bounce_us=300
+insmod /mod/zproj.ko
+insmod /mod/zserial.ko
+fake-projector /dev/ttyZ1 9600 /out/projector {guests.ACER} &
+start_daemon
+print_model
+wait_for_print
+keep_logs
+stop_daemon || fail "the daemon ended with $?"
+"""
+
+
+def _print(arch, layers):
+    guest = guests.printer_guest(arch, guests.real_config(), model_height_mm=layers * _LAYER_NM / 1e6, resin=_RESIN)
+    guest.add_text("/scenario", _SCENARIO)
+    with guests.written(guest) as initramfs:
+        results = run_scenario(arch, initramfs)
+    assert results.text("exit_code") == "0\n", results.text("output") + results.text("daemon.log")
+    assert "spool/done/part.report.json" in results, results.text("daemon.log")
+    return results
+
+
+def _expected_layers(report, edges, frames):
+    """What the core shows at the heights that the axis' log has the plate at, and the light that was asked."""
+    expected = []
+    with tempfile.TemporaryDirectory() as folder:
+        model = Path(folder, "model.stl")
+        layers = report["layer_records"]
+        model.write_bytes(models.binary_stl(models.twisted_star(len(layers) * _LAYER_NM / 1e6)))
+        for number, (layer, picture) in enumerate(zip(layers, frames.lit_pictures()), 1):
+            height_nm = edges.position_at(picture.start_ns) * _STEP_NM
+            mask = core_masks.mask_at(model, height_nm - _LAYER_NM // 2)
+            exposure_ns = round(layer["exposure_asked_ms"] * 1e6)
+            position = number * _LAYER_NM // _STEP_NM
+            expected.append(ExpectedLayer(number, position, core_masks.xrgb_crc(mask), exposure_ns))
+    return expected
+
+
+def _verify(results, layers):
+    edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
+    report = json.loads(results.text("spool/done/part.report.json"))
+    expected = _expected_layers(report, edges, frames)
+    assert len(expected) == layers, f"{len(expected)} of {layers} layers were shown"
+    check(exposure_checks.all_checks(frames, edges, expected))
+    check(motion_checks.all_checks(edges, MotionLimits()))
+    return f"{len(edges.steps())} steps, {len(frames.lit_pictures())} masks"
+
+
+def _fingerprint(results):
+    return {name: hashlib.sha256(results.bytes(name)).hexdigest() for name in ("edges", "frames", "projector")}
+
+
+@vm_test("quick")
+def exact_print():
+    """Five layers: every picture is the core's mask for where the plate was, nothing is lit beside exposures, exposures
+    last what was asked, steps keep to the motor's rules, homing is exact with a switch that bounces."""
+    return _verify(_print(ARM64, 5), 5)
+
+
+@vm_test("full")
+def exact_print_twice():
+    """Twenty layers, the same checks; and a second run's logs are the same to the bit."""
+    first, second = _print(ARM64, 20), _print(ARM64, 20)
+    note = _verify(first, 20)
+    differing = [name for name, digest in _fingerprint(first).items() if _fingerprint(second)[name] != digest]
+    assert not differing, f"the second run's logs differ: {differing}"
+    return note

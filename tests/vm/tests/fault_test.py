@@ -1,0 +1,359 @@
+"""What goes wrong with a real printer, one fault a guest: each ends as the documentation says, with a sentence in the
+log and beside the job, the light off and the screen dark. arm64, in deterministic time."""
+
+import re
+
+from bed import exposure_checks, guests
+from bed.architecture import ARM64
+from bed.edge_log import EdgeLog
+from bed.frame_log import FrameLog
+from bed.qemu import run_scenario
+from bed.registry import check, vm_test
+
+_MODEL_MM = 0.2  # four layers
+_RESIN = {**guests.QUICK_RESIN, "exposure_ms": 2000}
+
+_PROJECTOR = f"fake-projector /dev/ttyZ1 9600 /out/projector {guests.ACER} &"
+
+_SCENARIO = """\
+. /lib.sh
+{devices}
+{projector}
+{before}
+start_daemon
+print_model
+{during}
+wait_for_print
+sleep 1
+keep_logs
+stop_daemon || fail "the daemon ended with $?"
+"""
+
+
+class Outcome:
+    def __init__(self, results):
+        self.results = results
+        self.edges, self.frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
+        self.log = results.text("daemon.log") if "daemon.log" in results else ""
+
+    @property
+    def reason(self):
+        name = "spool/failed/part.reason.txt"
+        return self.results.text(name).strip() if name in self.results else None
+
+    def was_dark(self):
+        """Nothing was lit beside exposures, and nothing is at the end."""
+        check(exposure_checks.light_only_on_masks(self.frames, self.edges))
+        check(exposure_checks.dark_at_the_end(self.frames, self.edges))
+
+    def failed_with(self, pattern, layers=None):
+        """The job is under failed/ with a reason like that, which the log has too; that many layers had begun."""
+        assert self.reason is not None, f"it did not fail\n{self.log}"
+        assert re.search(pattern, self.reason), f"the reason is {self.reason!r}"
+        sentence = re.search(pattern, self.reason).group()
+        assert sentence in self.log, f"the log does not say so:\n{self.log}"
+        self.was_dark()
+        if layers is not None:
+            lit = len(self.frames.lit_pictures())
+            assert lit == layers, f"{lit} masks were shown, {layers} expected"
+        return self.reason
+
+    def is_printed(self):
+        assert "spool/done/part.report.json" in self.results, f"not printed: {self.reason}\n{self.log}"
+        self.was_dark()
+
+
+def run(before="", during="", devices="load_devices", projector=_PROJECTOR, config=None, scenario=_SCENARIO):
+    guest = guests.printer_guest(ARM64, config or guests.real_config(), _MODEL_MM, _RESIN)
+    text = scenario.format(devices=devices, projector=projector, before=before, during=during)
+    guest.add_text("/scenario", text)
+    with guests.written(guest) as initramfs:
+        results = run_scenario(ARM64, initramfs)
+    assert results.text("exit_code") == "0\n", results.text("output") + (results.text("daemon.log") if "daemon.log" in results else "")
+    for trouble in ("BUG:", "WARNING:", "Oops"):
+        assert trouble not in results.text("dmesg"), results.text("dmesg")
+    return Outcome(results)
+
+
+# --- The axis
+
+
+@vm_test("full")
+def switch_stuck_open():
+    """The limit switch never closes: homing ends at the travel's end and says so."""
+    return run(before="echo limit 1 >$PLANT/ctl").failed_with("did not trigger after the full travel", layers=0)
+
+
+@vm_test("full")
+def switch_stuck_closed():
+    """The limit switch stays closed: homing says so after backing off."""
+    return run(before="echo limit 0 >$PLANT/ctl").failed_with("still closed after backing off", layers=0)
+
+
+def _encoder(policy):
+    line = lambda number: {"chip": "zplant", "line": number}  # noqa: E731
+    encoder = {"a": line(guests.ENCODER_A), "b": line(guests.ENCODER_B), "counts_per_mm": 200, "reversed": True, "policy": policy}
+    return guests.real_config(z_axis={"encoder": encoder})
+
+
+# A count for four steps.
+_WITH_ENCODER = f"load_devices enc_a={guests.ENCODER_A} enc_b={guests.ENCODER_B}"
+
+
+@vm_test("full")
+def dead_motor():
+    """The motor stops turning after the first layer: the encoder notices and the print has failed."""
+    outcome = run(
+        devices=_WITH_ENCODER,
+        config=_encoder("fault"),
+        during='wait_for 300 "layer 1" exposed 1\necho motor 0 >$PLANT/ctl',
+    )
+    return outcome.failed_with("encoder", layers=1)
+
+
+@vm_test("full")
+def lost_steps_are_made_good():
+    """A hundred steps are lost in a lift: with the policy "correct", every mask is still at its height."""
+    outcome = run(
+        devices=_WITH_ENCODER,
+        config=_encoder("correct"),
+        during='wait_for 300 "layer 1" exposed 1\necho skip 100 >$PLANT/ctl',
+    )
+    outcome.is_printed()
+    # The encoder's count is four steps: a height is known no better.
+    for number, picture in enumerate(outcome.frames.lit_pictures(), 1):
+        off = outcome.edges.position_at(picture.start_ns) - 40 * number
+        assert abs(off) <= 40, f"layer {number} was {off} steps off"
+
+
+@vm_test("full")
+def emergency_stop_in_a_move():
+    """The emergency stop is pressed while the plate moves: the next step does not come, and the print has failed."""
+    pressed = f'wait_for 300 "layer 1" exposed 1\nsleep 0.5\necho in {guests.EMERGENCY_STOP} 1 >$PLANT/ctl'
+    outcome = run(during=pressed)
+    reason = outcome.failed_with("emergency stop", layers=1)
+    at = int(outcome.edges.edges(guests.EMERGENCY_STOP)["time_ns"][0])
+    late = outcome.edges.steps()["time_ns"]
+    late = late[late > at]
+    # A step that was due in the time that the event takes to the thread; the debounce of 5 ms does not delay a stop.
+    assert len(late) == 0 or int(late[-1]) - at < 10_000_000, f"steps until {int(late[-1]) - at} ns after the stop"
+    return reason
+
+
+@vm_test("full")
+def emergency_stop_in_an_exposure():
+    """The emergency stop is pressed in an exposure: the light goes off, and the print has failed."""
+    outcome = run(during=f'wait_for 300 "layer 2" exposing 2\necho in {guests.EMERGENCY_STOP} 1 >$PLANT/ctl')
+    reason = outcome.failed_with("emergency stop", layers=2)
+    at = int(outcome.edges.edges(guests.EMERGENCY_STOP)["time_ns"][0])
+    off = outcome.edges.active(outcome.edges.lines.light)[-1][1]
+    assert off - at < 50_000_000, f"the light went off {off - at} ns after the stop"
+    return reason
+
+
+@vm_test("full")
+def lid_opened_in_an_exposure():
+    """The lid is opened in an exposure: light off; once closed and resumed, the layer gets what it had left."""
+    outcome = run(
+        during=f"""wait_for 300 "layer 2" exposing 2
+sleep 1
+echo in {guests.LID} 1 >$PLANT/ctl
+wait_for 5 "the light to go off" light_is_off
+sleep 3
+light_is_off || fail "light with the lid open"
+echo in {guests.LID} 0 >$PLANT/ctl
+sleep 1
+contourctl resume || true"""
+    )
+    outcome.is_printed()
+    lit = [end - start for start, end in outcome.edges.active(outcome.edges.lines.light)]
+    assert len(lit) == 5, f"the light was on {len(lit)} times"
+    whole = lit[1] + lit[2]
+    assert abs(whole - 2_000_000_000) < 20_000_000, f"layer 2 had light for {whole} ns in two parts"
+
+
+# --- The display
+
+_UNPLUG, _PLUG = "echo unplug >$SCREEN/ctl", "echo plug >$SCREEN/ctl"
+
+
+@vm_test("full")
+def display_unplugged_before_the_print():
+    """The display is unplugged when the print is to begin: the job waits, the log says for what, and it is printed when
+    the display is back."""
+    outcome = run(
+        during=f"""{_UNPLUG}
+sleep 60
+[ $(lit_pictures) = 0 ] || fail "a mask was shown on a display that is not there"
+{_PLUG}"""
+    )
+    outcome.is_printed()
+    assert re.search("part.stl waits: HDMI-A-1 .* was unplugged", outcome.log), outcome.log
+
+
+@vm_test("full")
+def display_unplugged_between_exposures():
+    """The display is unplugged while the plate moves: the print waits, and is finished when it is back and resumed."""
+    outcome = run(
+        during=f"""wait_for 300 "layer 1" exposed 1
+sleep 0.5
+{_UNPLUG}
+sleep 20
+[ $(lit_pictures) = 1 ] || fail "a mask was shown on a display that is not there"
+{_PLUG}
+sleep 2
+contourctl resume || true"""
+    )
+    outcome.is_printed()
+    assert "HDMI-A-1" in outcome.log
+
+
+@vm_test("full")
+def display_unplugged_in_an_exposure():
+    """The display is unplugged in an exposure: light off; back and resumed, the layer gets what it had left."""
+    outcome = run(
+        during=f"""wait_for 300 "layer 2" exposing 2
+sleep 1
+{_UNPLUG}
+wait_for 5 "the light to go off" light_is_off
+sleep 5
+light_is_off || fail "light without a display"
+{_PLUG}
+sleep 2
+contourctl resume || true"""
+    )
+    outcome.is_printed()
+    unplugged = outcome.frames.times("UNPLUG")[0]
+    off = [end for _, end in outcome.edges.active(outcome.edges.lines.light) if end > unplugged][0]
+    assert off - unplugged < 100_000_000, f"the light went off {off - unplugged} ns after the display was unplugged"
+
+
+# --- The projector
+
+
+def _projector(options, baud=9600):
+    return f"fake-projector /dev/ttyZ1 {baud} /out/projector {options} {guests.ACER} &"
+
+
+@vm_test("full")
+def silent_projector():
+    """The projector never answers: the print fails after the table's retries."""
+    return run(projector=_projector("--silent-after 0")).failed_with("/dev/ttyZ0|answer", layers=0)
+
+
+@vm_test("full")
+def projector_at_another_baud():
+    """The projector speaks at another speed: what comes is rubbish, and the print fails."""
+    return run(projector=_projector("", baud=19200)).failed_with("/dev/ttyZ0|answer", layers=0)
+
+
+@vm_test("full")
+def garbling_projector():
+    """What the projector answers is damaged: the print fails."""
+    return run(projector=_projector("--garble")).failed_with("/dev/ttyZ0|answer", layers=0)
+
+
+@vm_test("full")
+def slow_projector():
+    """The projector takes nine tenths of its time to answer: the print is made."""
+    run(projector=_projector("--delay-ms 900")).is_printed()
+
+
+# --- What keeps the daemon from its devices
+
+_REFUSED = """\
+. /lib.sh
+{devices}
+{projector}
+mkdir -p $SPOOL /run/contourd
+chmod 777 $SPOOL /run/contourd
+{before}
+keep_logs
+"""
+
+
+@vm_test("full")
+def line_busy():
+    """Somebody else has the step line: the daemon says which line and who, and that it cannot print."""
+    outcome = run(
+        scenario=_REFUSED,
+        before="""
+for chip in /sys/class/gpio/gpiochip*; do
+  [ "$(cat $chip/label)" != zplant ] || base=$(cat $chip/base)
+done
+echo $((base + 17)) >/sys/class/gpio/export
+timeout 10 contourd --config /etc/contourd/contourd.json 2>/out/daemon.log
+mkdir -p $SPOOL/done $SPOOL/failed $SPOOL/incoming $SPOOL/printing""",
+    )
+    said = re.search('the printer cannot print: line 17 of .*zplant.* is used by "sysfs"', outcome.log)
+    assert said, outcome.log
+    return said.group()
+
+
+@vm_test("full")
+def no_permission():
+    """The daemon's user may not open the GPIO chip: it says so, with the device's name, and that it cannot print."""
+    outcome = run(
+        scenario=_REFUSED,
+        before="""
+echo nobody:x:65534:65534::/:/bin/sh >/etc/passwd
+chmod 600 /dev/gpiochip*
+su nobody -s /bin/sh -c "LD_LIBRARY_PATH=/lib timeout 10 contourd --config /etc/contourd/contourd.json" 2>/tmp/log
+cp /tmp/log /out/daemon.log
+mkdir -p $SPOOL/done $SPOOL/failed $SPOOL/incoming $SPOOL/printing""",
+    )
+    said = re.search("the printer cannot print: .*gpiochip[0-9].*[Pp]ermission denied.*", outcome.log)
+    assert said, outcome.log
+    return said.group()
+
+
+# --- The daemon itself
+
+_KILLED = """\
+. /lib.sh
+{devices}
+{projector}
+start_daemon
+print_model
+wait_for 300 "layer 2" exposing 2
+kill -9 $DAEMON
+uptime_s >/out/killed
+sleep 1
+cp $PLANT/state /out/after
+rm /run/contourd/control.sock
+start_daemon
+uptime_s >/out/restarted
+wait_for_print
+sleep 1
+keep_logs
+stop_daemon
+"""
+
+
+def _killed(outcome):
+    frames, edges = outcome.frames, outcome.edges
+    killed = round(float(outcome.results.text("killed")) * 1e9)
+    dark = [entry.time_ns for entry in frames.entries if entry.kind == "OFF" or (entry.kind == "FLIP" and not entry.lit)]
+    dark_at = min(time for time in dark if time > killed - 1_000_000_000)
+    check(exposure_checks.dark_at_the_end(frames, edges))
+    off = edges.active(edges.lines.light)[1][1]
+    return f"screen dark {(dark_at - killed) / 1e6:.0f} ms, light off {(off - killed) / 1e6:.0f} ms after the kill"
+
+
+@vm_test("full")
+def killed_in_an_exposure():
+    """The daemon is killed in an exposure, on a chip whose lines keep their level: the kernel turns the screen off at
+    once; the light goes off when the daemon is started again, and the job is filed as failed with its reason."""
+    outcome = run(scenario=_KILLED)
+    assert "light 1" in outcome.results.text("after"), "the chip gave the line back: not what this test is for"
+    assert outcome.reason, outcome.log
+    return _killed(outcome)
+
+
+@vm_test("full")
+def killed_in_an_exposure_lines_fall_back():
+    """The same on a chip that makes inputs of lines given back, as the Raspberry Pi's does: the light is off at once."""
+    outcome = run(scenario=_KILLED, devices="load_devices free_input=1")
+    assert "light 0" in outcome.results.text("after"), outcome.results.text("after")
+    assert outcome.reason, outcome.log
+    return _killed(outcome)
