@@ -219,7 +219,7 @@ TEST_CASE("Shrunk contours hold every point farther inside than the distance and
       const bool inside = winding_around(contours, p) != 0;
       double away = nearest(borders, p);
       // A hole smaller than the step may lie between two of its points.
-      if (away > distance && winding_around(shrunk, p) == 0)
+      if (inside && away > distance && winding_around(shrunk, p) == 0)
         away = nearest(borders_of_empty(contours, kStep / 50), p);
       if (std::fabs(away - distance) < kStep + kChord + 1e-3) continue;
       RC_ASSERT((winding_around(shrunk, p) > 0) == (inside && away > distance));
