@@ -35,6 +35,8 @@ BAD_CONFIG = 78
 
 
 def _is_sanitized():
+    if not os.path.exists(CONTOURD):
+        return False  # the virtual machine's tests read this before they build it
     with open(CONTOURD, "rb") as file:
         return b"__asan_init" in file.read()
 
