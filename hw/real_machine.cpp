@@ -80,7 +80,8 @@ bool RealMachine::open_projector() {
 }
 
 void RealMachine::combine_projector() {
-  if (combined_ || !light_) return;
+  // A line before a projector that is not there lets no light through.
+  if (combined_ || !light_ || (config_.projector && !serial_)) return;
   if (serial_) {
     combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, *light_);
   } else {
