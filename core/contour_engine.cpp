@@ -59,17 +59,22 @@ void ContourEngine::add_to_mask(const PlateModel& plate_model, double z) {
   slice(model, z);
   const auto height = to_nanometers(Millimeters{z - model.bounds().min_z});
   const Millimeters offset = height ? to_millimeters(compensation_.offset_at(*height)) : Millimeters{};
-  const bool moved = offset != Millimeters{};
+  if (offset != Millimeters{}) {
+    link();
+    offset_.offset(contours_, offset, moved_);
+    for (const PixelMap& copy : plate_model.copies)
+      rasterizer_.add_loops(moved_, copy);
+    return;
+  }
   // Balanced segments close by themselves, in whatever order they come.
-  const bool linked = moved || !section_.balanced;
-  if (linked) link();
-  if (moved) offset_.offset(contours_, offset, moved_);
+  const bool open = !section_.balanced;
+  if (open) {
+    linker_.close_open_chains(section_.segments, join_tolerance_, contours_);
+    cracks_ += contours_.cracks;
+  }
   for (const PixelMap& copy : plate_model.copies) {
-    if (linked) {
-      rasterizer_.add_loops(moved ? moved_ : contours_, copy);
-    } else {
-      rasterizer_.add_segments(section_.segments, copy);
-    }
+    rasterizer_.add_segments(section_.segments, copy);
+    if (open) rasterizer_.add_loops(contours_, copy);
   }
 }
 

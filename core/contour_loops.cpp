@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 namespace contourd {
@@ -35,21 +36,34 @@ double perimeter_mm(const Contours& contours) {
   return sum;
 }
 
-void ContourLinker::link(std::span<const Segment> segments, Millimeters tolerance, Contours& contours) {
+void ContourLinker::clear(Contours& contours) {
   contours.points.clear();
   contours.loops.clear();
   contours.cracks = LayerCracks{};
   contours.repaired_loops = 0;
+}
+
+void ContourLinker::link(std::span<const Segment> segments, Millimeters tolerance, Contours& contours) {
+  clear(contours);
   if (link_simple(segments, contours)) return;
-  contours.points.clear();
-  contours.loops.clear();
-  chain_points_.clear();
-  chains_.clear();
-  build_nodes(segments);
-  drop_duplicates(segments);
+  clear(contours);
+  index_leaving(segments);
   walk_chains(segments, contours);
   walk_loops(segments, contours);
-  if (!chains_.empty()) join_chains(tolerance, contours);
+  join_chains(tolerance, contours);
+}
+
+void ContourLinker::close_open_chains(std::vector<Segment>& segments, Millimeters tolerance,
+                                      Contours& contours) {
+  clear(contours);
+  index_leaving(segments);
+  walk_chains(segments, contours);
+  join_chains(tolerance, contours);
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (used_[i] == 0) segments[left++] = segments[i];
+  }
+  segments.resize(left);
 }
 
 // Most sections: at every point one segment starts and one ends. False when it is otherwise; `contours` then
@@ -58,13 +72,13 @@ bool ContourLinker::link_simple(std::span<const Segment> segments, Contours& con
   const auto count = static_cast<std::uint32_t>(segments.size());
   slots_.assign(std::bit_ceil(std::size_t{count} * 2 + 1), kNone);
   for (std::uint32_t i = 0; i < count; ++i) {
-    std::uint32_t& slot = slot_of(segments[i].from, segments);
+    std::uint32_t& slot = slot_of(segments[i].from, hash_of(segments[i].from), segments);
     if (slot != kNone) return false;
     slot = i;
   }
   next_.resize(count);
   for (std::uint32_t i = 0; i < count; ++i) {
-    next_[i] = slot_of(segments[i].to, segments);
+    next_[i] = slot_of(segments[i].to, hash_of(segments[i].to), segments);
     if (next_[i] == kNone) return false;
   }
   for (std::uint32_t first = 0; first < count; ++first) {
@@ -81,71 +95,122 @@ bool ContourLinker::link_simple(std::span<const Segment> segments, Contours& con
   return true;
 }
 
-// The slot of the segment that starts in this point, or the free one where it would be.
-std::uint32_t& ContourLinker::slot_of(const Point& point, std::span<const Segment> segments) {
+// The slot of a segment that starts in this point, or the free one where it would be.
+std::uint32_t& ContourLinker::slot_of(const Point& point, std::uint64_t hash,
+                                      std::span<const Segment> segments) {
   const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = hash_of(point) & mask;
+  std::size_t slot = hash & mask;
   while (slots_[slot] != kNone && !(segments[slots_[slot]].from == point))
     slot = (slot + 1) & mask;
   return slots_[slot];
 }
 
-void ContourLinker::build_nodes(std::span<const Segment> segments) {
-  const auto count = static_cast<std::uint32_t>(segments.size());
-  nodes_.clear();
-  // At most two nodes a segment; at most half of the slots taken.
-  slots_.assign(std::bit_ceil(std::size_t{count} * 4 + 1), kNone);
-  from_node_.resize(count);
-  to_node_.resize(count);
-  next_leaving_.resize(count);
-  used_.assign(count, false);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t from = node_at(segments[i].from);
-    const std::uint32_t to = node_at(segments[i].to);
-    from_node_[i] = from;
-    to_node_[i] = to;
-    next_leaving_[i] = nodes_[from].first_leaving;
-    nodes_[from].first_leaving = i;
-    ++nodes_[from].leaving_minus_arriving;
-    --nodes_[to].leaving_minus_arriving;
+// Makes the segments findable by where they start, and finds the uneven points.
+void ContourLinker::index_leaving(std::span<const Segment> segments) {
+  slots_.assign(std::bit_ceil(segments.size() * 2 + 1), kNone);
+  next_leaving_.resize(segments.size());
+  used_.assign(segments.size(), 0);
+  imbalance_.fill(0);
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
+    const std::uint64_t from = hash_of(segments[i].from);
+    const std::uint64_t to = hash_of(segments[i].to);
+    imbalance_[from % imbalance_.size()] += from;
+    imbalance_[to % imbalance_.size()] -= to;
+    next_leaving_[i] = std::exchange(slot_of(segments[i].from, from, segments), i);
   }
+  find_uneven_points(segments);
 }
 
-std::uint32_t ContourLinker::node_at(const Point& point) {
-  const std::size_t mask = slots_.size() - 1;
-  for (std::size_t slot = hash_of(point) & mask;; slot = (slot + 1) & mask) {
-    if (slots_[slot] == kNone) {
-      slots_[slot] = static_cast<std::uint32_t>(nodes_.size());
-      nodes_.push_back({point});
-      return slots_[slot];
-    }
-    if (nodes_[slots_[slot]].point == point) return slots_[slot];
+void ContourLinker::find_uneven_points(std::span<const Segment> segments) {
+  ends_.clear();
+  const auto count_end = [this](const Point& point, std::uint32_t number) {
+    const std::uint64_t hash = hash_of(point);
+    if (imbalance_[hash % imbalance_.size()] != 0) ends_.push_back({hash, point, number});
+  };
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
+    count_end(segments[i].from, 2 * i);
+    count_end(segments[i].to, 2 * i + 1);
   }
+  const auto key = [](const auto& end) { return std::tie(end.hash, end.point.x, end.point.y); };
+  std::sort(ends_.begin(), ends_.end(), [&key](const End& a, const End& b) {
+    return key(a) != key(b) ? key(a) < key(b) : a.number < b.number;
+  });
+  uneven_.clear();
+  starts_.clear();
+  for (auto end = ends_.begin(); end != ends_.end();) {
+    UnevenPoint point{end->hash, end->point, end->number, 0};
+    for (; end != ends_.end() && key(*end) == key(point); ++end)
+      point.leaving_minus_arriving += end->number % 2 == 0 ? 1 : -1;
+    if (point.leaving_minus_arriving > 0) starts_.push_back(static_cast<std::uint32_t>(uneven_.size()));
+    if (point.leaving_minus_arriving != 0) uneven_.push_back(point);
+  }
+  std::sort(starts_.begin(), starts_.end(),
+            [this](std::uint32_t a, std::uint32_t b) { return uneven_[a].first_end < uneven_[b].first_end; });
+}
+
+// Null where as many segments leave as arrive.
+ContourLinker::UnevenPoint* ContourLinker::uneven_at(const Point& point) {
+  const std::uint64_t hash = hash_of(point);
+  const auto before = [](const UnevenPoint& uneven, std::uint64_t value) { return uneven.hash < value; };
+  auto at = std::lower_bound(uneven_.begin(), uneven_.end(), hash, before);
+  while (at != uneven_.end() && at->hash == hash && !(at->point == point))
+    ++at;
+  return at != uneven_.end() && at->hash == hash ? &*at : nullptr;
+}
+
+void ContourLinker::walk_chains(std::span<const Segment> segments, Contours& contours) {
+  chain_points_.clear();
+  chains_.clear();
+  for (const std::uint32_t start : starts_)
+    drop_duplicates(uneven_[start], segments);
+  for (const std::uint32_t start : starts_)
+    walk_chains_from(uneven_[start], segments, contours);
 }
 
 // A facet that is in the file twice gives the same segment twice. The second is dropped where it is one too
 // many at both of its ends; where two solids share a wall it is not.
-void ContourLinker::drop_duplicates(std::span<const Segment> segments) {
-  for (std::uint32_t i = 0; i < segments.size(); ++i) {
-    Node& from = nodes_[from_node_[i]];
-    Node& to = nodes_[to_node_[i]];
-    if (from.leaving_minus_arriving <= 0 || to.leaving_minus_arriving >= 0) continue;
-    for (std::uint32_t j = from.first_leaving; j != kNone; j = next_leaving_[j]) {
-      if (j == i || used_[j] || to_node_[j] != to_node_[i]) continue;
-      used_[i] = true;
-      --from.leaving_minus_arriving;
-      ++to.leaving_minus_arriving;
-      break;
+void ContourLinker::drop_duplicates(UnevenPoint& start, std::span<const Segment> segments) {
+  const std::uint32_t first = slot_of(start.point, start.hash, segments);
+  for (std::uint32_t i = first; i != kNone && start.leaving_minus_arriving > 0; i = next_leaving_[i]) {
+    std::uint32_t same = next_leaving_[i];
+    while (same != kNone && !(segments[same].to == segments[i].to))
+      same = next_leaving_[same];
+    if (same == kNone) continue;
+    UnevenPoint* const end = uneven_at(segments[i].to);
+    if (end == nullptr || end->leaving_minus_arriving >= 0) continue;
+    used_[i] = 1;
+    --start.leaving_minus_arriving;
+    ++end->leaving_minus_arriving;
+  }
+}
+
+// A point that more segments leave than reach starts as many chains as it has too many.
+void ContourLinker::walk_chains_from(UnevenPoint& start, std::span<const Segment> segments,
+                                     Contours& contours) {
+  const std::uint32_t first = slot_of(start.point, start.hash, segments);
+  for (std::uint32_t i = first; i != kNone && start.leaving_minus_arriving > 0; i = next_leaving_[i]) {
+    if (used_[i] != 0) continue;
+    const auto first_point = static_cast<std::uint32_t>(chain_points_.size());
+    // A walk that comes back to its start took a loop along; the surplus is still there.
+    if (walk(i, segments, chain_points_)) {
+      const auto begin = chain_points_.begin() + first_point;
+      const auto loop_point = static_cast<std::uint32_t>(contours.points.size());
+      contours.points.insert(contours.points.end(), begin, chain_points_.end());
+      contours.loops.push_back({loop_point, static_cast<std::uint32_t>(chain_points_.end() - begin)});
+      chain_points_.erase(begin, chain_points_.end());
+    } else {
+      --start.leaving_minus_arriving;
+      chains_.push_back({first_point, static_cast<std::uint32_t>(chain_points_.size()) - first_point});
     }
   }
 }
 
-std::uint32_t ContourLinker::leftmost_leaving(std::uint32_t node, std::uint32_t arrived_by,
-                                              std::span<const Segment> segments) const {
+std::uint32_t ContourLinker::leftmost_leaving(std::uint32_t arrived_by, std::span<const Segment> segments) {
+  const Point& here = segments[arrived_by].to;
   std::uint32_t best = kNone;
   double best_turn = 0;
-  for (std::uint32_t i = nodes_[node].first_leaving; i != kNone; i = next_leaving_[i]) {
-    if (used_[i]) continue;
+  for (std::uint32_t i = slot_of(here, hash_of(here), segments); i != kNone; i = next_leaving_[i]) {
+    if (used_[i] != 0) continue;
     // Where solids touch in a point or along an edge, the leftmost way stays with the same solid.
     const bool alone = best == kNone && next_leaving_[i] == kNone;
     const double turn = alone ? 0.0 : left_turn(segments[arrived_by], segments[i]);
@@ -159,13 +224,12 @@ std::uint32_t ContourLinker::leftmost_leaving(std::uint32_t node, std::uint32_t 
 
 bool ContourLinker::walk(std::uint32_t segment, std::span<const Segment> segments,
                          std::vector<Point>& points) {
-  const std::uint32_t start = from_node_[segment];
+  const Point start = segments[segment].from;
   while (true) {
-    used_[segment] = true;
+    used_[segment] = 1;
     points.push_back(segments[segment].from);
-    const std::uint32_t here = to_node_[segment];
-    if (here == start) return true;
-    const std::uint32_t next = leftmost_leaving(here, segment, segments);
+    if (segments[segment].to == start) return true;
+    const std::uint32_t next = leftmost_leaving(segment, segments);
     if (next == kNone) {
       points.push_back(segments[segment].to);
       return false;
@@ -174,31 +238,9 @@ bool ContourLinker::walk(std::uint32_t segment, std::span<const Segment> segment
   }
 }
 
-void ContourLinker::walk_chains(std::span<const Segment> segments, Contours& contours) {
-  // A point that more segments leave than reach starts as many chains as it has too many.
-  for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
-    for (std::uint32_t i = nodes_[node].first_leaving; i != kNone; i = next_leaving_[i]) {
-      if (nodes_[node].leaving_minus_arriving <= 0) break;
-      if (used_[i]) continue;
-      const auto first = static_cast<std::uint32_t>(chain_points_.size());
-      // A walk that comes back to its start took a loop along; the surplus is still there.
-      if (walk(i, segments, chain_points_)) {
-        const auto begin = chain_points_.begin() + first;
-        const auto first_point = static_cast<std::uint32_t>(contours.points.size());
-        contours.points.insert(contours.points.end(), begin, chain_points_.end());
-        contours.loops.push_back({first_point, static_cast<std::uint32_t>(chain_points_.end() - begin)});
-        chain_points_.erase(begin, chain_points_.end());
-      } else {
-        --nodes_[node].leaving_minus_arriving;
-        chains_.push_back({first, static_cast<std::uint32_t>(chain_points_.size()) - first});
-      }
-    }
-  }
-}
-
 void ContourLinker::walk_loops(std::span<const Segment> segments, Contours& contours) {
   for (std::uint32_t i = 0; i < segments.size(); ++i) {
-    if (used_[i]) continue;
+    if (used_[i] != 0) continue;
     const auto first = static_cast<std::uint32_t>(contours.points.size());
     walk(i, segments, contours.points);
     contours.loops.push_back({first, static_cast<std::uint32_t>(contours.points.size()) - first});
@@ -206,6 +248,7 @@ void ContourLinker::walk_loops(std::span<const Segment> segments, Contours& cont
 }
 
 void ContourLinker::join_chains(Millimeters tolerance, Contours& contours) {
+  if (chains_.empty()) return;
   joiner_.reset(tolerance);
   for (const Chain& chain : chains_) {
     const Point* points = chain_points_.data() + chain.first_point;

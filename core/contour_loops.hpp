@@ -6,6 +6,7 @@
 // remains open comes from cracks, missing or turned facets; it is joined by OpenChainJoiner and reported.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -51,41 +52,59 @@ class ContourLinker {
   // meeting.
   void link(std::span<const Segment> segments, Millimeters tolerance, Contours& contours);
 
+  // Makes the segments of an unbalanced section balanced, which is all that a mask needs: moves its open
+  // chains out of `segments` and, closed as link() closes them, into `contours`, replacing what they held.
+  // What is left in `segments` forms closed loops, in no order.
+  void close_open_chains(std::vector<Segment>& segments, Millimeters tolerance, Contours& contours);
+
  private:
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
-  // A distinct end point and the segments that leave it.
-  struct Node {
+  // One of a segment's ends, to be counted.
+  struct End {
+    std::uint64_t hash;  // of the point
     Point point;
-    std::uint32_t first_leaving = kNone;
-    std::int32_t leaving_minus_arriving = 0;
+    std::uint32_t number;  // of the segment, twice, and 1 more where it arrives
+  };
+  // A point that more segments leave than reach, or fewer.
+  struct UnevenPoint {
+    std::uint64_t hash;
+    Point point;
+    std::uint32_t first_end;  // the lowest of its ends' numbers
+    std::int32_t leaving_minus_arriving;
   };
   // A run of segments that starts and ends in different points.
   struct Chain {
     std::uint32_t first_point, point_count;
   };
 
+  static void clear(Contours& contours);
   [[nodiscard]] bool link_simple(std::span<const Segment> segments, Contours& contours);
-  [[nodiscard]] std::uint32_t& slot_of(const Point& point, std::span<const Segment> segments);
-  void build_nodes(std::span<const Segment> segments);
-  std::uint32_t node_at(const Point& point);
-  void drop_duplicates(std::span<const Segment> segments);
-  [[nodiscard]] std::uint32_t leftmost_leaving(std::uint32_t node, std::uint32_t arrived_by,
-                                               std::span<const Segment> segments) const;
+  [[nodiscard]] std::uint32_t& slot_of(const Point& point, std::uint64_t hash,
+                                       std::span<const Segment> segments);
+  void index_leaving(std::span<const Segment> segments);
+  void find_uneven_points(std::span<const Segment> segments);
+  [[nodiscard]] UnevenPoint* uneven_at(const Point& point);
+  void walk_chains(std::span<const Segment> segments, Contours& contours);
+  void drop_duplicates(UnevenPoint& start, std::span<const Segment> segments);
+  void walk_chains_from(UnevenPoint& start, std::span<const Segment> segments, Contours& contours);
+  [[nodiscard]] std::uint32_t leftmost_leaving(std::uint32_t arrived_by, std::span<const Segment> segments);
   // Walks from an unused segment until its start point comes again or nothing leaves; true when it came
   // again.
   bool walk(std::uint32_t segment, std::span<const Segment> segments, std::vector<Point>& points);
-  void walk_chains(std::span<const Segment> segments, Contours& contours);
   void walk_loops(std::span<const Segment> segments, Contours& contours);
   void join_chains(Millimeters tolerance, Contours& contours);
 
-  std::vector<Node> nodes_;
-  std::vector<std::uint32_t>
-      slots_;  // open addressing, by the hash of a point: a node's or a segment's number
-  std::vector<std::uint32_t> next_;                 // by segment, while every point joins two
-  std::vector<std::uint32_t> from_node_, to_node_;  // by segment
-  std::vector<std::uint32_t> next_leaving_;         // by segment: the next one that leaves the same node
-  std::vector<bool> used_;                          // by segment
+  std::vector<std::uint32_t> slots_;         // open addressing, by a point's hash: a segment that leaves it
+  std::vector<std::uint32_t> next_;          // by segment, while every point joins two
+  std::vector<std::uint32_t> next_leaving_;  // by segment: the next one that leaves the same point
+  std::vector<std::uint8_t> used_;           // by segment, 0 or 1
+  // Sums of the hashes of points that segments leave, less those that they reach: where a bucket's sum is 0,
+  // its points are even.
+  std::array<std::uint64_t, 1024> imbalance_{};
+  std::vector<End> ends_;
+  std::vector<UnevenPoint> uneven_;    // by hash
+  std::vector<std::uint32_t> starts_;  // those of uneven_ with more leaving, in the segments' order
   std::vector<Point> chain_points_;
   std::vector<Chain> chains_;
   OpenChainJoiner joiner_;

@@ -8,6 +8,7 @@
 #include "tests/catch.hpp"
 #include "tests/core/random_shapes.hpp"
 #include "tests/core/section_fixture.hpp"
+#include "tests/models/damage.hpp"
 
 using namespace contourd;
 using testing::contours_of;
@@ -67,6 +68,16 @@ std::multiset<Side> sides_of(const std::vector<Segment>& segments) {
   for (const Segment& s : segments)
     sides.insert(side(s.from, s.to));
   return sides;
+}
+
+std::vector<Segment> soup_between_few_points() {
+  std::vector<Segment> segments(static_cast<std::size_t>(testing::draw(1, 60)));
+  for (Segment& s : segments) {
+    const auto coordinate = [] { return static_cast<double>(testing::draw(0, 3)); };
+    s = {{coordinate(), coordinate()}, {coordinate(), coordinate()}};
+    if (s.from == s.to) s.to.x += 1;
+  }
+  return segments;
 }
 
 // A section without any fault in it.
@@ -334,12 +345,7 @@ TEST_CASE("A soup of open segments becomes closed loops through all their points
 
 TEST_CASE("A soup of segments between few points becomes closed loops") {
   CHECK(rc::check([] {
-    std::vector<Segment> segments(static_cast<std::size_t>(testing::draw(1, 60)));
-    for (Segment& s : segments) {
-      const auto coordinate = [] { return static_cast<double>(testing::draw(0, 3)); };
-      s = {{coordinate(), coordinate()}, {coordinate(), coordinate()}};
-      if (s.from == s.to) s.to.x += 1;
-    }
+    const std::vector<Segment> segments = soup_between_few_points();
     const Contours contours = linked(segments);
     RC_ASSERT(loops_share_out_the_points(contours));
     RC_ASSERT(contours.repaired_loops <= contours.loops.size());
@@ -351,6 +357,43 @@ TEST_CASE("A soup of segments between few points becomes closed loops") {
     }
     RC_ASSERT(strange == 0U || contours.cracks.open_chains > 0U);
   }));
+}
+
+TEST_CASE("Closing only the open chains leaves the sides that linking everything has") {
+  const auto closed = [](std::vector<Segment> segments) {
+    Contours contours;
+    ContourLinker().close_open_chains(segments, kPixel, contours);
+    std::multiset<Side> sides = sides_of(contours);
+    sides.merge(sides_of(segments));
+    return std::pair{std::move(sides), contours.cracks};
+  };
+  SECTION("of a damaged model") {
+    models::Dice dice(4);
+    models::Facets facets = models::gyroid_sphere(8, 5, 20);
+    const models::Facets again(facets.begin(), facets.begin() + 40);
+    models::drop_facets(facets, 0.01, dice);
+    models::split_sides(facets, 0.05, 0.02, dice);
+    const Section section = testing::section_of(together(facets, again), 4.1);
+    REQUIRE(!section.balanced);
+    const Contours all = linked(section.segments);
+    CHECK(all.cracks.gaps_closed + all.cracks.open_chains > 2);
+    CHECK(all.loops.size() > 2);
+    const auto [sides, cracks] = closed(section.segments);
+    CHECK(sides == sides_of(all));
+    CHECK(cracks == all.cracks);
+  }
+  SECTION("of a soup between few points") {
+    CHECK(rc::check([&closed] {
+      const std::vector<Segment> segments = soup_between_few_points();
+      const Contours all = linked(segments);
+      const auto [sides, cracks] = closed(segments);
+      RC_ASSERT(sides == sides_of(all));
+      RC_ASSERT(cracks == all.cracks);
+    }));
+  }
+  SECTION("of nothing") {
+    CHECK(closed({}).first.empty());
+  }
 }
 
 TEST_CASE("No segments are no loops") {
