@@ -53,14 +53,14 @@ inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, st
     sums = _mm_add_epi32(sums, _mm_slli_si128(sums, 8));
     sums = _mm_add_epi32(sums, carry);
     carry = _mm_shuffle_epi32(sums, 0xFF);
-    const __m128i sign = _mm_srai_epi32(sums, 31);
-    return _mm_sub_epi32(_mm_xor_si128(sums, sign), sign);
+    return sums;
   };
-  // Eight greys. Packing holds a magnitude to 2^15 - 1, which rounds to 255 as 2^15 does. The product's upper
-  // half, and its lower half's highest bit to round.
+  // Eight greys. Packing holds a winding to 2^15 - 1 or -2^15; either's magnitude rounds to 255. The
+  // product's upper half, and its lower half's highest bit to round.
   const auto take_eight = [&take_four](std::uint32_t* eight) {
     const __m128i first = take_four(eight);
-    const __m128i magnitudes = _mm_packs_epi32(first, take_four(eight + 4));
+    const __m128i windings = _mm_packs_epi32(first, take_four(eight + 4));
+    const __m128i magnitudes = _mm_max_epi16(windings, _mm_sub_epi16(_mm_setzero_si128(), windings));
     const __m128i factor = _mm_set1_epi16(2 * 255);
     return _mm_add_epi16(_mm_mulhi_epu16(magnitudes, factor),
                          _mm_srli_epi16(_mm_mullo_epi16(magnitudes, factor), 15));

@@ -52,23 +52,15 @@ class CoverageBand {
       used_[column / kBlock] = 1;
       used_[(column + 2) / kBlock] = 1;
     }
-    // To the row below. REQUIRES: there is one, or nothing is added any more.
-    void step() {
-      cells_ += stride_;
-      used_ += used_stride_;
-    }
 
    private:
     friend class CoverageBand;
     Row(CoverageBand& band, std::size_t row)
         : cells_(band.cells_.data() + row * band.stride_),
-          used_(band.used_.data() + row * band.used_stride()),
-          stride_(band.stride_),
-          used_stride_(band.used_stride()) {}
+          used_(band.used_.data() + row * band.used_stride()) {}
 
     std::uint32_t* cells_;
     std::uint8_t* used_;
-    std::size_t stride_, used_stride_;
   };
   // REQUIRES: 0 <= row < rows().
   [[nodiscard]] Row row(std::int32_t row) { return {*this, static_cast<std::size_t>(row)}; }

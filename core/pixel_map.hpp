@@ -49,10 +49,10 @@ class PixelMap {
 
  private:
   PixelMap(double scale_x, double offset_x, double scale_y, double offset_y)
-      : scale_x_(scale_x), offset_x_(offset_x), scale_y_(scale_y), offset_y_(offset_y) {}
+      : scale_x_(scale_x), scale_y_(scale_y), offset_x_(offset_x), offset_y_(offset_y) {}
   [[nodiscard]] PixelMap mirrored(const DisplayGeometry& display) const;
 
-  double scale_x_, offset_x_, scale_y_, offset_y_;
+  double scale_x_, scale_y_, offset_x_, offset_y_;
 };
 
 }  // namespace contourd

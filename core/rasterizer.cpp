@@ -1,10 +1,12 @@
 #include "core/rasterizer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <utility>
 
+#include "core/double_pair.hpp"
 #include "core/exact_side.hpp"
 
 namespace contourd {
@@ -28,6 +30,17 @@ std::int32_t rounded_evenly(double number) {
   constexpr double kBitsBelowOne = 6755399441055744.0;  // 1.5 * 2^52
   return static_cast<std::int32_t>(
       static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(number + kBitsBelowOne)));
+}
+
+// Without a branch, for what cannot be foreseen.
+std::uint32_t chosen(bool first, std::uint32_t if_first, std::uint32_t if_not) {
+  return if_not ^ ((if_first ^ if_not) & (0U - static_cast<std::uint32_t>(first)));
+}
+
+// By their bits, which are ordered as positive numbers are; those of a negative one are above them all. It
+// may be false for -0.
+bool is_between_0_and(double positive_limit, double number) {
+  return std::bit_cast<std::uint64_t>(number) <= std::bit_cast<std::uint64_t>(positive_limit);
 }
 
 // A point of the side at the given x, or y, held between its ends.
@@ -68,21 +81,18 @@ void add_long_piece(const CoverageBand::Row& row, const Piece& piece) {
 
 void add_piece(const CoverageBand::Row& row, const Piece& piece) {
   const auto column = static_cast<std::int32_t>(piece.left);
-  const auto last = static_cast<std::int32_t>(piece.right);
-  if (last - column > 1) return add_long_piece(row, piece);
-  // One pixel or two: both are worked out and one taken, since which it is cannot be foreseen.
-  const std::int32_t one = -static_cast<std::int32_t>(column == last);  // a mask
-  const auto chosen = [one](std::int32_t if_one, std::int32_t if_two) {
-    return if_two ^ ((if_one ^ if_two) & one);
-  };
   const double edge = column + 1.0;
-  const double in_first = edge - piece.left;
-  const double in_second = piece.right - edge;
-  const std::int32_t first = chosen(rounded_evenly(0.5 * piece.cover * (in_first - in_second)),
-                                    rounded_evenly(piece.half_steepness * in_first * in_first));
-  const std::int32_t second =
-      chosen(piece.cover, rounded_evenly(piece.cover - piece.half_steepness * in_second * in_second));
-  row.add(static_cast<std::size_t>(column), first, second - first, piece.cover - second);
+  const double beyond = piece.right - edge;
+  if (beyond > 1.0) return add_long_piece(row, piece);
+  // One pixel or two, without a branch, since which it is cannot be foreseen. Its middle
+  // tells what is right of it up to the first pixel's edge; what lies beyond, a triangle, counts less than
+  // nothing there.
+  const double cover = piece.cover;
+  const double in_second = 0.5 * (beyond + std::fabs(beyond));  // 0 when it is negative
+  const double triangle = piece.half_steepness * in_second * in_second;
+  const std::int32_t first = rounded_evenly(cover * (edge - 0.5 * (piece.left + piece.right)) + triangle);
+  const std::int32_t both = rounded_evenly(cover - triangle);
+  row.add(static_cast<std::size_t>(column), first, both - first, piece.cover - both);
 }
 
 }  // namespace
@@ -100,36 +110,11 @@ Rasterizer::Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing)
   full_.assign(dark_.size(), 0);
 }
 
-void Rasterizer::add_segments(std::span<const Segment> segments, const PixelMap& map) {
-  for (const Segment& segment : segments)
-    add_side(map.to_pixels(segment.from), map.to_pixels(segment.to));
-}
-
-void Rasterizer::add_loops(const Contours& contours, const PixelMap& map) {
-  for (const ContourLoop& loop : contours.loops) {
-    const std::span<const Point> points = contours.points_of(loop);
-    PixelPoint last = map.to_pixels(points.back());
-    for (const Point& point : points) {
-      const PixelPoint next = map.to_pixels(point);
-      add_side(last, next);
-      last = next;
-    }
-  }
-}
-
-void Rasterizer::add_side(PixelPoint from, PixelPoint to) {
-  if (anti_aliasing_ == AntiAliasing::On) {
-    add_covered(from, to);
-  } else {
-    add_centers(from, to);
-  }
-}
-
-void Rasterizer::add_covered(PixelPoint from, PixelPoint to) {
+inline void Rasterizer::add_covered(PixelPoint from, PixelPoint to) {
   const double width = width_;
   const double height = height_;
-  if (std::min({from.x, from.y, to.x, to.y}) >= 0.0 && std::max(from.x, to.x) <= width &&
-      std::max(from.y, to.y) <= height) {
+  if (is_between_0_and(width, from.x) && is_between_0_and(height, from.y) && is_between_0_and(width, to.x) &&
+      is_between_0_and(height, to.y)) {
     add_covered_within(from, to);
   } else if (std::max(from.y, to.y) > 0.0 && std::min(from.y, to.y) < height) {
     add_cut(from, to);
@@ -153,28 +138,29 @@ void Rasterizer::add_cut(PixelPoint from, PixelPoint to) {
   const auto within = [width](PixelPoint p) { return PixelPoint{std::clamp(p.x, 0.0, width), p.y}; };
   const PixelPoint entry = within(point_at(start.x < end.x ? 0.0 : width, start));
   const PixelPoint exit = within(point_at(start.x < end.x ? width : 0.0, end));
-  add_covered_within(within(start), entry);
-  add_covered_within(entry, exit);
-  add_covered_within(exit, within(end));
+  const std::array corners{within(start), entry, exit, within(end)};
+  for (std::size_t i = 1; i < corners.size(); ++i)
+    add_covered_within(corners[i - 1], corners[i]);
 }
 
 // REQUIRES: both ends on the display or its edges.
-void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to) {
+inline void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to) {
   // Heights in whole units: where two sides meet they are rounded alike, so what one side leaves the other
   // takes up.
   const std::int32_t from_y = rounded(from.y * kOne);
   const std::int32_t to_y = rounded(to.y * kOne);
   if (from_y == to_y) return;
   // Numbers are chosen, not branches: which way a side runs cannot be foreseen.
-  const bool down = from_y < to_y;
-  const std::int32_t sign = down ? 1 : -1;
+  const auto down = static_cast<std::size_t>(from_y < to_y);
+  const std::int32_t top_y = std::min(from_y, to_y);
+  const double top_x = std::array{to.x, from.x}[down];
   const double height = to_y - from_y;
   const double width = to.x - from.x;
-  std::uint32_t& first = first_side_at((down ? from_y : to_y) >> kOneBits);
-  covered_sides_.push_back({down ? from.x : to.x, width / height,
-                            0.5 * height / std::max(std::fabs(width), kLeastWidth), down ? from_y : to_y,
-                            down ? to_y : from_y, sign, first});
-  first = static_cast<std::uint32_t>(covered_sides_.size() - 1);
+  const auto number = static_cast<std::uint32_t>(covered_sides_.size());
+  covered_sides_.push_back({top_x, width / std::fabs(height),
+                            0.5 * height / std::max(kLeastWidth, std::fabs(width)), top_y,
+                            std::max(from_y, to_y), static_cast<std::int32_t>(2 * down) - 1,
+                            std::exchange(first_side_at(top_y >> kOneBits), number)});
 }
 
 void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
@@ -193,22 +179,30 @@ void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
   first = static_cast<std::uint32_t>(center_sides_.size() - 1);
 }
 
-inline bool Rasterizer::work_off_in_band(CoveredSide& side, std::int32_t first_row, std::int32_t end_row) {
-  const CoveredSide s = side;
-  const std::int32_t end_y = std::min(s.end_y, end_row << kOneBits);
-  CoverageBand::Row row = band_.row((s.y >> kOneBits) - first_row);
-  double x = s.x;
-  for (std::int32_t y = s.y; y < end_y; row.step()) {
-    const std::int32_t next_y = std::min((y | (kOne - 1)) + 1, end_y);
-    const std::int32_t cover = next_y - y;
-    const double next_x = x + s.slope * cover;
-    add_piece(row, {std::min(x, next_x), std::max(x, next_x), cover * s.sign, s.half_steepness});
-    x = next_x;
-    y = next_y;
+void Rasterizer::add_side(PixelPoint from, PixelPoint to) {
+  if (anti_aliasing_ == AntiAliasing::On) {
+    add_covered(from, to);
+  } else {
+    add_centers(from, to);
   }
-  side.x = x;
-  side.y = end_y;
-  return end_y == s.end_y;
+}
+
+void Rasterizer::add_segments(std::span<const Segment> segments, const PixelMap& map) {
+  const PixelMap in_registers = map;
+  for (const Segment& segment : segments)
+    add_side(in_registers.to_pixels(segment.from), in_registers.to_pixels(segment.to));
+}
+
+void Rasterizer::add_loops(const Contours& contours, const PixelMap& map) {
+  for (const ContourLoop& loop : contours.loops) {
+    const std::span<const Point> points = contours.points_of(loop);
+    PixelPoint last = map.to_pixels(points.back());
+    for (const Point& point : points) {
+      const PixelPoint next = map.to_pixels(point);
+      add_side(last, next);
+      last = next;
+    }
+  }
 }
 
 const Mask& Rasterizer::paint() {
@@ -225,10 +219,13 @@ const Mask& Rasterizer::paint() {
 }
 
 void Rasterizer::paint_band(std::int32_t first_row) {
-  work_off(covered_sides_, first_row);
-  work_off(center_sides_, first_row);
-  const std::size_t chunks = band_.chunks();
   const std::int32_t end_row = std::min(first_row + band_.rows(), height_);
+  if (anti_aliasing_ == AntiAliasing::On) {
+    work_off_covered_sides(first_row, end_row);
+  } else {
+    work_off_center_sides(first_row, end_row);
+  }
+  const std::size_t chunks = band_.chunks();
   for (std::int32_t row = first_row; row < end_row; ++row) {
     const std::size_t at = static_cast<std::size_t>(row) * chunks;
     band_.paint(row - first_row, mask_.row(row),
@@ -237,25 +234,41 @@ void Rasterizer::paint_band(std::int32_t first_row) {
 }
 
 // Adds the band's part of all sides that reach into it; what is left of a side goes to the next band's list.
-template <typename Side>
-void Rasterizer::work_off(std::vector<Side>& sides, std::int32_t first_row) {
-  if (sides.empty()) return;
-  const std::int32_t end_row = std::min(first_row + band_.rows(), height_);
+void Rasterizer::work_off_covered_sides(std::int32_t first_row, std::int32_t end_row) {
+  const std::int32_t band_end_y = end_row << kOneBits;
+  // A row at a time, of whichever side: how many rows a side has cannot be foreseen.
   for (std::uint32_t i = std::exchange(first_side_at(first_row), kNone); i != kNone;) {
-    Side& side = sides[i];
+    CoveredSide& side = covered_sides_[i];
     const std::uint32_t next = side.next;
-    if (!work_off_in_band(side, first_row, end_row)) side.next = std::exchange(first_side_at(end_row), i);
-    i = next;
+    const std::int32_t next_y = std::min((side.y | (kOne - 1)) + 1, side.end_y);
+    const std::int32_t cover = (next_y - side.y) * side.sign;
+    const double next_x = side.x + side.slope * cover;
+    add_piece(band_.row((side.y >> kOneBits) - first_row),
+              {std::min(side.x, next_x), std::max(side.x, next_x), cover, side.half_steepness});
+    side.x = next_x;
+    side.y = next_y;
+    if (next_y == band_end_y && next_y != side.end_y) [[unlikely]] {
+      side.next = std::exchange(first_side_at(end_row), i);
+      i = next;
+    } else {
+      i = chosen(next_y == side.end_y, next, i);
+    }
   }
 }
 
-bool Rasterizer::work_off_in_band(CenterSide& side, std::int32_t first_row, std::int32_t end_row) {
-  for (; side.row < std::min(side.end_row, end_row); ++side.row) {
-    const double column = std::max(first_column(side), 0.0);
-    if (column >= width_) continue;
-    band_.row(side.row - first_row).add(static_cast<std::size_t>(column), side.sign * kOne);
+// The same.
+void Rasterizer::work_off_center_sides(std::int32_t first_row, std::int32_t end_row) {
+  for (std::uint32_t i = std::exchange(first_side_at(first_row), kNone); i != kNone;) {
+    CenterSide& side = center_sides_[i];
+    const std::uint32_t next = side.next;
+    for (; side.row < std::min(side.end_row, end_row); ++side.row) {
+      const double column = std::max(first_column(side), 0.0);
+      if (column >= width_) continue;
+      band_.row(side.row - first_row).add(static_cast<std::size_t>(column), side.sign * kOne);
+    }
+    if (side.row != side.end_row) side.next = std::exchange(first_side_at(end_row), i);
+    i = next;
   }
-  return side.row == side.end_row;
 }
 
 // The first column whose centre is not left of the side in its present row.

@@ -48,7 +48,7 @@ class Rasterizer {
   // What of a side is still to be worked off, from the top down.
   struct CoveredSide {
     double x;               // column at y
-    double slope;           // columns for each unit of height
+    double slope;           // columns for each unit of height; turned when it runs upwards
     double half_steepness;  // units of height for each column, halved; negative when it runs upwards
     std::int32_t y, end_y;  // rows, in units of 1 / CoverageBand::kOne
     std::int32_t sign;      // +1 when it runs downwards
@@ -68,11 +68,8 @@ class Rasterizer {
   void add_centers(PixelPoint from, PixelPoint to);
   [[nodiscard]] static double first_column(const CenterSide& side);
   void paint_band(std::int32_t first_row);
-  template <typename Side>
-  void work_off(std::vector<Side>& sides, std::int32_t first_row);
-  // Whether the side ends there.
-  bool work_off_in_band(CoveredSide& side, std::int32_t first_row, std::int32_t end_row);
-  bool work_off_in_band(CenterSide& side, std::int32_t first_row, std::int32_t end_row);
+  void work_off_covered_sides(std::int32_t first_row, std::int32_t end_row);
+  void work_off_center_sides(std::int32_t first_row, std::int32_t end_row);
   [[nodiscard]] std::uint32_t& first_side_at(std::int32_t row) {
     return first_side_[static_cast<std::size_t>(row >> band_bits_)];
   }

@@ -7,6 +7,8 @@
 #include <limits>
 #include <span>
 
+#include "core/double_pair.hpp"
+
 namespace contourd {
 namespace {
 
@@ -68,23 +70,37 @@ void fetch(const Facet& facet) {
   __builtin_prefetch(bytes + sizeof facet - 1);
 }
 
-// REQUIRES: the facet is crossed. `float_z` is z rounded down.
+// REQUIRES: the facet is crossed. `float_z` is z rounded down. Both ends by intersect_side(), bit for bit,
+// but that a coordinate of -0 becomes 0: points that are equal have equal bits.
 Segment segment_of(const Facet& facet, double z, float float_z) {
   const auto& v = facet.vertices;
   const unsigned above =
       unsigned{v[0].z > float_z} | unsigned{v[1].z > float_z} << 1U | unsigned{v[2].z > float_z} << 2U;
   const CrossedSides sides = kCrossedSides[above];
-  return {intersect_side(v[sides.from_lower], v[sides.from_upper], z),
-          intersect_side(v[sides.to_lower], v[sides.to_upper], z)};
+  const Vertex& from_lower = v[sides.from_lower];
+  const Vertex& from_upper = v[sides.from_upper];
+  const Vertex& to_lower = v[sides.to_lower];
+  const Vertex& to_upper = v[sides.to_upper];
+  const DoublePair lower_z = pair_of(from_lower.z, to_lower.z);
+  const DoublePair s = (z - lower_z) / (pair_of(from_upper.z, to_upper.z) - lower_z);
+  const auto at = [](const Vertex& lower, const Vertex& upper, double part) {
+    const DoublePair lower_xy = xy_of(lower);
+    return point_of(lower_xy + part * (xy_of(upper) - lower_xy) + 0.0);
+  };
+  return {at(from_lower, from_upper, s[0]), at(to_lower, to_upper, s[1])};
+}
+
+// REQUIRES: no -0.
+std::uint64_t hash_of_bits(const Point& point) {
+  // Neither constant is a number's bits, so that no factor becomes 0.
+  return mix(std::bit_cast<std::uint64_t>(point.x) ^ 0xFFF4D049BB133111U,
+             std::bit_cast<std::uint64_t>(point.y) ^ 0xFFF8476D1CE4E5B9U);
 }
 
 }  // namespace
 
 std::uint64_t hash_of(const Point& point) {
-  // Neither constant is a number's bits, so that no factor becomes 0.
-  const std::uint64_t x = std::bit_cast<std::uint64_t>(point.x + 0.0);  // -0 + 0 is 0
-  const std::uint64_t y = std::bit_cast<std::uint64_t>(point.y + 0.0);
-  return mix(x ^ 0xFFF4D049BB133111U, y ^ 0xFFF8476D1CE4E5B9U);
+  return hash_of_bits({point.x + 0.0, point.y + 0.0});  // -0 + 0 is 0
 }
 
 void slice_at(const HeightIndex& model, double z, Section& section) {
@@ -104,8 +120,11 @@ void slice_at(const HeightIndex& model, double z, Section& section) {
         // Facets lie in the file's order, far from each other.
         if (i + kAhead < count) fetch(facets[crossed[i + kAhead]]);
         const Segment segment = segment_of(facets[crossed[i]], z, float_z);
-        if (segment.from == segment.to) continue;
-        imbalance += hash_of(segment.from) - hash_of(segment.to);
+        const std::uint64_t from = hash_of_bits(segment.from), to = hash_of_bits(segment.to);
+        if (from == to) [[unlikely]] {
+          if (segment.from == segment.to) continue;
+        }
+        imbalance += from - to;
         section.segments.push_back(segment);
       }
     }

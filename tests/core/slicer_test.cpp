@@ -137,6 +137,35 @@ TEST_CASE("A side is cut at its ends' bits where the plane meets them and betwee
   }));
 }
 
+TEST_CASE("A facet's segment has the very ends that its two sides alone have, and no -0") {
+  CHECK(rc::check([] {
+    const Facet facet = testing::draw_facet(30);
+    const double z = testing::draw_real(-30, 30);
+    const Section section = section_of({facet}, z);
+    std::vector<Point> ends;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vertex& a = facet.vertices[i];
+      const Vertex& b = facet.vertices[(i + 1) % 3];
+      if (a.z <= z && b.z > z) ends.push_back(intersect_side(a, b, z));
+      if (b.z <= z && a.z > z) ends.push_back(intersect_side(b, a, z));
+    }
+    const bool cut = ends.size() == 2 && ends[0] != ends[1];
+    RC_PRE(cut);
+    RC_ASSERT(section.segments.size() == 1U);
+    const Segment& segment = section.segments[0];
+    RC_ASSERT((segment.from == ends[0] && segment.to == ends[1]) ||
+              (segment.from == ends[1] && segment.to == ends[0]));
+  }));
+  const Vertex zero{-0.0F, -0.0F, 0};
+  CHECK(section_of({Facet{{zero, {-1, -1, 1}, {-2, 3, 1}}}}, 0.0).segments.empty());
+  const Section along_zero = section_of({Facet{{zero, {-0.0F, 2, 0}, {-2, -3, 1}}}}, 0.0);
+  REQUIRE(along_zero.segments.size() == 1);
+  for (const Point& end : {along_zero.segments[0].from, along_zero.segments[0].to}) {
+    CHECK_FALSE(std::signbit(end.x));
+    CHECK_FALSE(std::signbit(end.y));
+  }
+}
+
 TEST_CASE("A closed mesh's section closes at every height and at every vertex's own") {
   CHECK(rc::check([] {
     models::Facets facets = testing::draw_blobs(8);
