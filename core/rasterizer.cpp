@@ -84,9 +84,9 @@ void add_piece(const CoverageBand::Row& row, const Piece& piece) {
   const double edge = column + 1.0;
   const double beyond = piece.right - edge;
   if (beyond > 1.0) return add_long_piece(row, piece);
-  // One pixel or two, without a branch, since which it is cannot be foreseen. Its middle
-  // tells what is right of it up to the first pixel's edge; what lies beyond, a triangle, counts less than
-  // nothing there.
+  // One pixel or two, without a branch, since which it is cannot be foreseen. Its middle tells what lies
+  // right of it up to the first pixel's edge; what is beyond that, a triangle, counts less than nothing
+  // there.
   const double cover = piece.cover;
   const double in_second = 0.5 * (beyond + std::fabs(beyond));  // 0 when it is negative
   const double triangle = piece.half_steepness * in_second * in_second;
@@ -256,7 +256,7 @@ void Rasterizer::work_off_covered_sides(std::int32_t first_row, std::int32_t end
   }
 }
 
-// The same.
+// The same, without anti-aliasing.
 void Rasterizer::work_off_center_sides(std::int32_t first_row, std::int32_t end_row) {
   for (std::uint32_t i = std::exchange(first_side_at(first_row), kNone); i != kNone;) {
     CenterSide& side = center_sides_[i];
