@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/point_hash.hpp"
+
 namespace contourd {
 namespace {
 

@@ -8,16 +8,10 @@
 #include <span>
 
 #include "core/double_pair.hpp"
+#include "core/point_hash.hpp"
 
 namespace contourd {
 namespace {
-
-// 64 bits by 64 bits, both halves of the product mixed (as in wyhash): cheap, and every bit of both tells.
-std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
-  __extension__ using Wide = unsigned __int128;
-  const Wide product = static_cast<Wide>(a) * b;
-  return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
-}
 
 // Which vertices a crossed facet's segment comes from: it runs from the side (from_lower, from_upper) to the
 // side (to_lower, to_upper).
@@ -90,18 +84,7 @@ Segment segment_of(const Facet& facet, double z, float float_z) {
   return {at(from_lower, from_upper, s[0]), at(to_lower, to_upper, s[1])};
 }
 
-// REQUIRES: no -0.
-std::uint64_t hash_of_bits(const Point& point) {
-  // Neither constant is a number's bits, so that no factor becomes 0.
-  return mix(std::bit_cast<std::uint64_t>(point.x) ^ 0xFFF4D049BB133111U,
-             std::bit_cast<std::uint64_t>(point.y) ^ 0xFFF8476D1CE4E5B9U);
-}
-
 }  // namespace
-
-std::uint64_t hash_of(const Point& point) {
-  return hash_of_bits({point.x + 0.0, point.y + 0.0});  // -0 + 0 is 0
-}
 
 void slice_at(const HeightIndex& model, double z, Section& section) {
   section.segments.clear();

@@ -51,7 +51,4 @@ void slice_at(const HeightIndex& model, double z, Section& section);
           lower_y + s * (static_cast<double>(upper.y) - lower_y)};
 }
 
-// A 64-bit hash of a point's exact bits; -0 and 0 are the same.
-[[nodiscard]] std::uint64_t hash_of(const Point& point);
-
 }  // namespace contourd

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -18,6 +19,10 @@ using Pointer = nlohmann::json::json_pointer;
 // A computer's GPIO lines are toggled by software: beyond this many steps a second, no Raspberry Pi keeps
 // time.
 constexpr double kMostStepsPerSecond = 20'000;
+
+// A switch at the bottom closes about where the plate touches the film. One that is said to lie elsewhere is
+// more likely one at the top, to which homing downwards would drive the plate through the film.
+constexpr double kFarthestBottomSwitchMm = 10;
 
 bool has(const JsonDocument& printer, const std::string& pointer) {
   return printer.value().contains(Pointer(pointer));
@@ -134,11 +139,20 @@ void check_speeds(JsonDocument& printer) {
 void check_homing(JsonDocument& printer) {
   const auto travel = printer.sound_number("/z_axis/travel_mm");
   const auto height = printer.sound_number("/z_axis/switch_height_mm");
-  if (!travel || !height || !has(printer, "/z_axis/homes_upwards")) return;
-  if (printer.value().at(Pointer("/z_axis/homes_upwards")) != true || *height >= *travel) return;
-  printer.add_violation("/z_axis/switch_height_mm",
-                        plain(*height) + " is less than z_axis/travel_mm, " + plain(*travel) +
-                            " mm, but the switch is at the top: the plate would run into it");
+  if (!travel || !height) return;
+  const bool upwards =
+      has(printer, "/z_axis/homes_upwards") && printer.value().at(Pointer("/z_axis/homes_upwards")) == true;
+  if (upwards && *height < *travel) {
+    printer.add_violation("/z_axis/switch_height_mm",
+                          plain(*height) + " is less than z_axis/travel_mm, " + plain(*travel) +
+                              " mm, but the switch is at the top: the plate would run into it");
+  }
+  if (!upwards && std::fabs(*height) > kFarthestBottomSwitchMm) {
+    printer.add_violation("/z_axis/switch_height_mm",
+                          plain(*height) + " is more than " + plain(kFarthestBottomSwitchMm) +
+                              " mm away from where the plate touches the film, but the switch is at the "
+                              "bottom; one at the top needs z_axis/homes_upwards");
+  }
 }
 
 void check_projector(JsonDocument& printer) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/placement.hpp"
+#include "core/point_hash.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/random_shapes.hpp"
 #include "tests/core/section_fixture.hpp"

@@ -261,6 +261,21 @@ TEST_CASE("a switch at the top is above the travel") {
   CHECK(printer.complaints().empty());
 }
 
+TEST_CASE("a switch at the bottom lies where the plate touches the film, or nearly") {
+  RealPrinter printer;
+  for (const double height : {-10.0, -0.5, 10.0}) {
+    printer.at("/z_axis/switch_height_mm") = height;
+    CHECK(printer.complaints().empty());
+  }
+  printer.at("/z_axis/switch_height_mm") = 160;
+  CHECK(printer.complaints() ==
+        Complaints{"/z_axis/switch_height_mm: 160 is more than 10 mm away from where the plate touches the "
+                   "film, but the switch is at the bottom; one at the top needs z_axis/homes_upwards"});
+  printer.at("/z_axis/switch_height_mm") = -10.5;
+  printer.at("/z_axis/homes_upwards") = false;
+  CHECK(printer.complaints().size() == 1);
+}
+
 TEST_CASE("a projector's port and table need each other, and somebody must be able to turn the light off") {
   const auto complaints_without = [](const char* key) {
     RealPrinter printer;
