@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/config/json_schema.hpp"
+#include "hw/gpio/gpio_axis_config.hpp"
 
 namespace contourd {
 namespace {
@@ -155,6 +156,18 @@ void check_homing(JsonDocument& printer) {
   }
 }
 
+void check_encoder(JsonDocument& printer) {
+  const auto counts_per_mm = printer.sound_number("/z_axis/encoder/counts_per_mm");
+  if (!counts_per_mm) return;
+  const double tolerance_um = printer.sound_number("/z_axis/encoder/tolerance_um")
+                                  .value_or(to_millimeters(EncoderConfig{}.tolerance).count() * 1000);
+  const double count_um = 1000 / *counts_per_mm;
+  if (tolerance_um >= count_um) return;
+  printer.add_violation("/z_axis/encoder/tolerance_um",
+                        plain(tolerance_um) + " is less than one count of the encoder, " + plain(count_um) +
+                            " um: every move would look as if steps were lost");
+}
+
 void check_projector(JsonDocument& printer) {
   for (const auto& [one, other] : std::array{std::pair{"/projector/port", "/projector/table"},
                                              std::pair{"/projector/table", "/projector/port"},
@@ -190,6 +203,7 @@ void check_hardware_rules(JsonDocument& printer) {
   check_double_use(printer);
   check_speeds(printer);
   check_homing(printer);
+  check_encoder(printer);
   check_projector(printer);
 }
 

@@ -276,6 +276,20 @@ TEST_CASE("a switch at the bottom lies where the plate touches the film, or near
   CHECK(printer.complaints().size() == 1);
 }
 
+TEST_CASE("an encoder's tolerance is one of its counts at least") {
+  RealPrinter printer;
+  printer.at("/z_axis/encoder") =
+      nlohmann::json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 20})");
+  CHECK(printer.complaints().empty());  // 50 um, as without the key
+  printer.at("/z_axis/encoder/tolerance_um") = 49;
+  CHECK(printer.complaints() ==
+        Complaints{"/z_axis/encoder/tolerance_um: 49 is less than one count of the encoder, 50 um: every "
+                   "move would look as if steps were lost"});
+  printer.at("/z_axis/encoder") =
+      nlohmann::json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 19})");
+  CHECK(printer.complaints().size() == 1);
+}
+
 TEST_CASE("a projector's port and table need each other, and somebody must be able to turn the light off") {
   const auto complaints_without = [](const char* key) {
     RealPrinter printer;
