@@ -17,6 +17,16 @@ namespace {
   throw HardwareError(output + " does not take its mode " + describe(mode) + ": " + std::strerror(error));
 }
 
+// What a card refuses, it refuses for this output.
+template <typename Act>
+auto for_output(const std::string& output, Act act) {
+  try {
+    return act();
+  } catch (const HardwareError& error) {
+    throw HardwareError(output + ": " + error.what());
+  }
+}
+
 TimePoint now() {
   return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
 }
@@ -34,9 +44,11 @@ Output::Output(Card card, const Connector& connector, const DrmDisplayConfig& co
       monotonic_(card_.has_monotonic_timestamps()) {
   mode_ = choose_mode(connector.modes, connector.size, config, name_);
   check_format(routes_to(card_, connector).front(), config.format, name_);
-  card_.become_master();
+  for_output(name_, [&] { card_.become_master(); });
   const auto picture = [&] {
-    return std::make_unique<Framebuffer>(card_, config.width, config.height, config.format);
+    return for_output(name_, [&] {
+      return std::make_unique<Framebuffer>(card_, config.width, config.height, config.format);
+    });
   };
   black_ = picture();
   for (int i = 0; i < config.buffers; ++i)
@@ -55,8 +67,10 @@ Connector Output::connector() const {
 
 void Output::set_mode(const Connector& connector, const DrmDisplayConfig& config) {
   mode_ = choose_mode(connector.modes, connector.size, config, name_);
-  card_.become_master();
-  crtc_ = make_crtc(card_, connector, mode_, *black_, config.legacy);
+  for_output(name_, [&] {
+    card_.become_master();
+    crtc_ = make_crtc(card_, connector, mode_, *black_, config.legacy);
+  });
   if (const int error = crtc_->set_mode(*black_); error != 0) fail_to_set_mode(name_, mode_, error);
   now_on_screen(*black_);
 }
