@@ -1,0 +1,99 @@
+// What the real-time threads do while the motor turns takes no memory: their calls alone, in one thread under
+// a clock of the test's own.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+#include <span>
+
+#include "hw/gpio/axis_inputs.hpp"
+#include "hw/gpio/step_engine.hpp"
+#include "tests/allocation_counter.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+namespace {
+
+TimePoint test_time{};  // StepEngine wants a plain function
+
+class CountingLine final : public OutputLine {
+ public:
+  [[nodiscard]] bool set(bool active) noexcept override {
+    if (active) ++rises;
+    return true;
+  }
+  int rises = 0;
+};
+
+// Gives one edge whenever it is told to.
+class TellingLine final : public InputLine {
+ public:
+  [[nodiscard]] int descriptor() const noexcept override { return -1; }
+  [[nodiscard]] bool level() noexcept override { return level_; }
+  [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
+    if (!pending_ || edges.empty()) return 0;
+    pending_ = false;
+    edges[0] = {level_, test_time};
+    return 1;
+  }
+  void toggle() {
+    level_ = !level_;
+    pending_ = true;
+  }
+
+ private:
+  bool level_ = false, pending_ = false;
+};
+
+// A move up to its end, with an encoder that ticks at every step and a lid that opens and closes.
+struct Machine {
+  Machine() {
+    AxisInputs::Lines lines;
+    lines.contacts[static_cast<std::size_t>(AxisInput::Lid)] = {&lid, 1ms};
+    lines.encoder_a = &encoder_a;
+    lines.encoder_b = &encoder_b;
+    inputs.emplace(engine, lines, []() noexcept { return test_time; });
+  }
+  // Whether it came to its end.
+  bool run(std::int64_t steps, const MotionLimits& limits) {
+    engine.start({steps, limits});
+    if (!engine.begin()) return false;
+    for (int made = 0; engine.running(); ++made) {
+      test_time = std::max(test_time, engine.due());
+      engine.act();
+      (made % 2 == 0 ? encoder_a : encoder_b).toggle();
+      if (made % 1'000 == 0) lid.toggle();
+      (void)inputs->serve();
+      while (inputs->take_change()) {
+      }
+    }
+    return engine.last_end() == StepEnd::Completed;
+  }
+
+  CountingLine step, direction;
+  TellingLine lid, encoder_a, encoder_b;
+  StepEngine engine{step, direction, {}, []() noexcept { return test_time; }};
+  std::optional<AxisInputs> inputs;
+};
+
+}  // namespace
+
+TEST_CASE("Neither steps nor edges take memory, from the first on") {
+  Machine machine;
+  const MotionLimits trapezoid{4'000, 20'000};
+  MotionLimits s_curve = trapezoid;
+  s_curve.jerk = 400'000;
+  for (const MotionLimits& limits : {trapezoid, s_curve}) {
+    const long before = testing::allocations();
+    const bool completed = machine.run(5'000, limits);
+    const long taken = testing::allocations() - before;
+    CHECK(completed);
+    CHECK(taken == 0);
+  }
+  CHECK(machine.step.rises == 10'000);
+  CHECK(std::abs(machine.inputs->encoder_count()) >= 10'000);
+}
