@@ -14,8 +14,8 @@
 namespace contourd {
 namespace {
 
-constexpr std::size_t kStack = 256 * 1024;
-constexpr std::size_t kStackTouched = 64 * 1024;  // many times what a step takes
+constexpr std::size_t kStack = std::size_t{256} * 1024;
+constexpr std::size_t kStackTouched = std::size_t{64} * 1024;  // many times what a step takes
 
 // Brings the stack into memory before it is locked there.
 [[gnu::noinline]] void touch_stack() noexcept {
