@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <cstdio>
 #include <stdexcept>
 
 #include "core/layers.hpp"
 #include "core/stl_reader.hpp"
+#include "hw/gpio/step_engine.hpp"
+#include "hw/gpio/step_planner.hpp"
 #include "tests/bench/bench.hpp"
 #include "tests/bench/measured_call.hpp"
 #include "tests/bench/process.hpp"
@@ -51,6 +54,46 @@ Work read(const std::filesystem::path& model) {
   return {1, static_cast<double>(std::filesystem::file_size(model))};
 }
 
+// 40 mm at 10 mm/s of a screw with 800 microsteps a mm.
+constexpr std::int64_t kSteps = 32'000;
+MotionLimits step_limits(bool s_curve) {
+  MotionLimits limits{8'000, 20'000};
+  if (s_curve) limits.jerk = 100'000;
+  return limits;
+}
+
+Work plan_steps(bool s_curve) {
+  StepPlanner planner(kSteps, step_limits(s_curve));
+  Duration sum{};
+  contourd_measured_call([&] {
+    for (; !planner.finished(); planner.advance())
+      sum += planner.next();
+  });
+  if (sum <= Duration{}) throw std::runtime_error("steps without a time");
+  return {1, static_cast<double>(kSteps)};
+}
+
+class SunkLine final : public OutputLine {
+ public:
+  [[nodiscard]] bool set(bool) noexcept override { return true; }
+};
+TimePoint time_of_steps{};  // StepEngine wants a plain function
+
+// What the stepping thread does, but for its waits and the kernel's calls.
+Work make_steps(bool s_curve) {
+  SunkLine step, direction;
+  StepEngine engine(step, direction, {}, []() noexcept { return time_of_steps; });
+  engine.start({kSteps, step_limits(s_curve)});
+  contourd_measured_call([&] {
+    (void)engine.begin();
+    while (engine.running()) {
+      time_of_steps = engine.due();
+      engine.act();
+    }
+  });
+  return {1, static_cast<double>(engine.position())};
+}
+
 // callgrind's "Collected : 123", in what the child and valgrind print.
 double number_after(const std::string& text, const std::string& word) {
   const std::size_t at = text.find(word);
@@ -86,6 +129,10 @@ void do_measured(const std::string& thing, const std::filesystem::path& model) {
     work = load(model);
   } else if (thing == "read") {
     work = read(model);
+  } else if (thing.starts_with("plan-")) {
+    work = plan_steps(thing == "plan-s-curve");
+  } else if (thing.starts_with("step-")) {
+    work = make_steps(thing == "step-s-curve");
   } else {
     ContourEngine engine = fitted_engine(model, Pixels{1920}, Pixels{1080});
     work = at_planes(engine, [&](Millimeters z) {
@@ -115,7 +162,14 @@ std::vector<Row> instruction_rows(const Bench& bench) {
       row_of({"instructions-load", "gyroid, instructions a facet read and indexed", "facet", false, "load"},
              gyroid),
       row_of({"instructions-ascii", "ASCII, instructions a byte read", "byte", false, "read"},
-             bench.models.ascii_gyroid())};
+             bench.models.ascii_gyroid()),
+      row_of({"instructions-plan", "trapezoid, instructions a step planned", "step", false, "plan-trapezoid"},
+             {}),
+      row_of({"instructions-plan-s-curve", "S-curve, the same", "step", false, "plan-s-curve"}, {}),
+      row_of({"instructions-step", "trapezoid, instructions a step of the thread", "step", false,
+              "step-trapezoid"},
+             {}),
+      row_of({"instructions-step-s-curve", "S-curve, the same", "step", false, "step-s-curve"}, {})};
 }
 
 }  // namespace contourd::bench
