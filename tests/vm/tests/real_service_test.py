@@ -27,17 +27,38 @@ def _prints(machine):
     check(motion_checks.direction_setups(edges, MotionLimits()))
 
 
-def _is_killed_in_an_exposure(machine):
-    """How long the light stayed on, in ns."""
-    submit(machine, "killed")
+def _is_killed_in_an_exposure(machine, name):
+    """When the light went off and when systemd started the daemon again, in ns after the kill."""
+    submit(machine, name)
     machine.wait_for(". /root/lib.sh; light_is_on", limit_s=120)
-    machine.run("kill -9 $(systemctl show -P MainPID contourd)")
-    killed_ns = int(float(machine.run("cut -d' ' -f1 /proc/uptime")) * 1e9)
-    machine.wait_for("test $(systemctl show -P NRestarts contourd) = 1 && systemctl is-active contourd", limit_s=60)
-    machine.wait_for(f"test -e {SPOOL}/failed/killed.reason.txt")
+    restarts = int(unit_property(machine, "NRestarts"))
+    # The time first: what it is compared with cannot have happened before.
+    killed = machine.run("cut -d' ' -f1 /proc/uptime; kill -9 $(systemctl show -P MainPID contourd)")
+    killed_ns = int(float(killed) * 1e9)
+    again = f"test $(systemctl show -P NRestarts contourd) = {restarts + 1} && systemctl is-active contourd"
+    machine.wait_for(again, limit_s=60)
+    machine.wait_for(f"test -e {SPOOL}/failed/{name}.reason.txt")
+    started_ns = int(unit_property(machine, "ExecMainStartTimestampMonotonic")) * 1000
     edges, frames = device_logs(machine)
     check(exposure_checks.dark_at_the_end(frames, edges))
-    return edges.active(edges.lines.light)[-1][1] - killed_ns
+    return edges.active(edges.lines.light)[-1][1] - killed_ns, started_ns - killed_ns
+
+
+def _clean_up_turns_the_light_off(machine):
+    """zplant's lines keep their level when they are given back, so that the kernel turns no light off."""
+    off_ns, started_ns = _is_killed_in_an_exposure(machine, "killed")
+    assert 0 < off_ns < started_ns, f"light off {off_ns} ns after the kill, the next start after {started_ns} ns"
+    return f"killed in an exposure: light off {off_ns / 1e6:.0f} ms later, before the next start at {started_ns / 1e6:.0f} ms"
+
+
+def _without_the_clean_up_the_next_start_does(machine):
+    """What is known to be the clean-up's work above is not done without it."""
+    machine.run("mkdir -p /run/systemd/system/contourd.service.d")
+    machine.run(r"printf '[Service]\nExecStopPost=\n' >/run/systemd/system/contourd.service.d/no-clean-up.conf")
+    machine.run("systemctl daemon-reload")
+    off_ns, started_ns = _is_killed_in_an_exposure(machine, "killed-again")
+    assert started_ns < off_ns, f"light off {off_ns} ns after the kill, the next start only after {started_ns} ns"
+    return f"without the clean-up: {off_ns / 1e6:.0f} ms, after the start at {started_ns / 1e6:.0f} ms"
 
 
 def _run(debian=None):
@@ -47,14 +68,15 @@ def _run(debian=None):
         with booted(initramfs, disk) as machine:
             machine.run(_PROJECTOR)
             _prints(machine)
-            lit_ns = _is_killed_in_an_exposure(machine)
+            notes = [_clean_up_turns_the_light_off(machine), _without_the_clean_up_the_next_start_does(machine)]
             machine.power_off()
-    return f"killed in an exposure: light off {lit_ns / 1e6:.0f} ms later"
+    return "; ".join(notes)
 
 
 @vm_test("full")
 def real_service():
-    """The installed service prints with real devices as its own user; killed in an exposure it leaves no light on."""
+    """The installed service prints with real devices as its own user; when it is killed in an exposure the
+    unit's clean-up turns the light off, and were there none, the next start would."""
     return _run()
 
 
