@@ -448,6 +448,14 @@ void PrinterService::layer_done(const LayerRecord& layer) {
                   layer.layer + 1, count, to_millimeters(layer.plate_height).count(), layer.area_mm2,
                   layer.loops, milliseconds(layer.mask_time), milliseconds(layer.exposure_measured)),
       fields);
+  // By more than a refresh: something kept this process from turning the light off.
+  if (layer.exposure_measured > layer.exposure_asked + machine_.display().frame()) {
+    log_.warning(
+        "overexposed",
+        fmt::format("layer {}: the light was on for {:.1f} ms, {:.1f} ms were asked for", layer.layer + 1,
+                    milliseconds(layer.exposure_measured), milliseconds(layer.exposure_asked)),
+        fields);
+  }
   if (layer.cracks.open_chains > 0) {
     log_.warning("gaps",
                  fmt::format("layer {}: {} contours did not close; the widest gap bridged is {:.3f} mm",
