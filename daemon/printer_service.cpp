@@ -197,7 +197,11 @@ void PrinterService::plate_waits(const std::string& file, const std::vector<std:
 }
 
 void PrinterService::model_withdrawn(const std::string& file) {
-  if (std::erase_if(queue_, [&](const QueuedJob& job) { return job.file == file; }) == 0) return;
+  // What is refused is taken away by the spool itself.
+  const auto is_gone = [&](const QueuedJob& job) {
+    return job.file == file && job.check != QueuedJob::Check::Refused;
+  };
+  if (std::erase_if(queue_, is_gone) == 0) return;
   log_.info("withdrawn", fmt::format("{}: taken away by the owner", printable(file)), file_fields(file));
   pump();
 }
@@ -254,8 +258,8 @@ void PrinterService::take_what_is_due() {
 
 void PrinterService::begin_next() {
   const QueuedJob job = queue_.front();
-  // Its check is being made right now: its end comes back here.
-  if (job.check == QueuedJob::Check::Running) return;
+  // Its check is being made right now, or a refused file looks for a name: the end comes back here.
+  if (job.check == QueuedJob::Check::Running || rejections_ > 0) return;
   queue_.pop_front();
   // The owner is writing it anew: it comes back when it is whole.
   if (spool_.is_unfinished(job.file)) {
@@ -294,8 +298,8 @@ void PrinterService::check_waiting() {
   wanted->check = QueuedJob::Check::Running;
   const std::string file = wanted->file;
   worker_.run(
-      [files = spool_.files_of(Spool::Folder::Incoming, file), this]() -> std::optional<std::string> {
-        auto result = try_to_prepare(files, config_);
+      [file, this]() -> std::optional<std::string> {
+        auto result = try_to_prepare(spool_.files_of(Spool::Folder::Incoming, file), config_);
         if (auto* refusal = std::get_if<std::string>(&result)) return std::move(*refusal);
         return std::nullopt;
       },
@@ -307,23 +311,38 @@ void PrinterService::checked(const std::string& file, const std::optional<std::s
       std::find_if(queue_.begin(), queue_.end(), [&](const QueuedJob& q) { return q.file == file; });
   // Gone, or written again meanwhile: what was found out is about another file.
   if (job != queue_.end() && job->check == QueuedJob::Check::Running) {
+    if (refusal) return reject(*job, *refusal);
     job->check = QueuedJob::Check::Passed;
-    if (refusal && !spool_.is_unfinished(file)) {
-      queue_.erase(job);
-      reject(file, *refusal);
-    }
   }
   pump();
 }
 
-void PrinterService::reject(const std::string& file, const std::string& reason) {
-  log_.error("refused", fmt::format("{}: {}", printable(file), reason), file_fields(file));
-  try {
-    spool_.reject(file, reason + "\n");
-  } catch (const std::system_error& error) {
-    log_.error("refused", fmt::format("{}: cannot be moved to failed: {}", printable(file), error.what()));
+void PrinterService::reject(QueuedJob& job, const std::string& reason) {
+  job.check = QueuedJob::Check::Refused;
+  ++rejections_;
+  spool_.reject(job.file, reason + "\n",
+                [this, file = job.file, reason](Spool::Rejection rejection, const std::string& trouble) {
+                  rejected(file, reason, rejection, trouble);
+                });
+}
+
+void PrinterService::rejected(const std::string& file, const std::string& reason, Spool::Rejection rejection,
+                              const std::string& trouble) {
+  --rejections_;
+  const auto job = std::find_if(queue_.begin(), queue_.end(), [&](const QueuedJob& q) {
+    return q.file == file && q.check == QueuedJob::Check::Refused;
+  });
+  if (rejection == Spool::Rejection::Unfinished) {
+    // It comes back when it is whole, and is checked then.
+    if (job != queue_.end()) job->check = QueuedJob::Check::Passed;
+    return pump();
   }
+  if (job != queue_.end()) queue_.erase(job);
+  log_.error("refused", fmt::format("{}: {}", printable(file), reason), file_fields(file));
+  if (rejection == Spool::Rejection::Impossible)
+    log_.error("refused", fmt::format("{}: cannot be moved to failed: {}", printable(file), trouble));
   ended(job_name_of(file), "failed", reason);
+  pump();
 }
 
 void PrinterService::prepared(std::variant<PreparedJob, std::string> result) {
@@ -429,6 +448,14 @@ void PrinterService::layer_done(const LayerRecord& layer) {
                   layer.layer + 1, count, to_millimeters(layer.plate_height).count(), layer.area_mm2,
                   layer.loops, milliseconds(layer.mask_time), milliseconds(layer.exposure_measured)),
       fields);
+  // By more than a refresh: something kept this process from turning the light off.
+  if (layer.exposure_measured > layer.exposure_asked + machine_.display().frame()) {
+    log_.warning(
+        "overexposed",
+        fmt::format("layer {}: the light was on for {:.1f} ms, {:.1f} ms were asked for", layer.layer + 1,
+                    milliseconds(layer.exposure_measured), milliseconds(layer.exposure_asked)),
+        fields);
+  }
   if (layer.cracks.open_chains > 0) {
     log_.warning("gaps",
                  fmt::format("layer {}: {} contours did not close; the widest gap bridged is {:.3f} mm",

@@ -40,7 +40,12 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   struct QueuedJob {
     std::string file;  // in incoming/
     TimePoint arrived;
-    enum class Check { Wanted, Running, Passed } check = Check::Wanted;
+    enum class Check {
+      Wanted,
+      Running,
+      Passed,
+      Refused,  // on its way to failed/
+    } check = Check::Wanted;
     bool waited = false;  // for another print, or for the plate
   };
   // The job between its claim and its end.
@@ -86,7 +91,9 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void check_waiting();
   void prepared(std::variant<PreparedJob, std::string> result);
   void checked(const std::string& file, const std::optional<std::string>& refusal);
-  void reject(const std::string& file, const std::string& reason);
+  void reject(QueuedJob& job, const std::string& reason);
+  void rejected(const std::string& file, const std::string& reason, Spool::Rejection rejection,
+                const std::string& trouble);
   void start_print();
   void start_analysis();
   void analyzed(const AnalyzedPrint& print);
@@ -117,6 +124,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   Spool spool_;
   PrintProcess process_;
   std::deque<QueuedJob> queue_;
+  int rejections_ = 0;  // under way
   std::optional<ActiveJob> active_;
   std::deque<EndedJob> ended_;  // the latest last
   std::optional<std::string> plate_occupant_;

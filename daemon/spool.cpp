@@ -48,6 +48,13 @@ Writers writers_of(const fs::path& path) {
   return errno == EAGAIN ? Writers::Some : Writers::Unknown;
 }
 
+// In nanoseconds; 0 when it is not there.
+std::int64_t change_time(const fs::path& path) {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0) return 0;
+  return status.st_ctim.tv_sec * std::int64_t{1'000'000'000} + status.st_ctim.tv_nsec;
+}
+
 constexpr std::uint32_t kChanges =
     IN_CREATE | IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
 
@@ -86,7 +93,7 @@ bool is_model_name(const std::string& file) {
 }
 
 Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
-    : root_(std::move(root)), loop_(loop), observer_(observer) {
+    : root_(std::move(root)), loop_(loop), observer_(observer), disk_(loop) {
   for (const Folder each : {Folder::Incoming, Folder::Printing, Folder::Done, Folder::Failed}) {
     fs::create_directories(folder(each));
   }
@@ -117,18 +124,30 @@ void Spool::open() {
   // Watched before it is read, so that nothing can come in between.
   watch_incoming();
   inotify_source_ = loop_.on_ready(inotify_.get(), EPOLLIN, [this](std::uint32_t) { read_events(); });
+  consider_all();
+}
 
-  // Oldest first. The change time, since a copied or moved file may keep an old modification time.
+// Oldest first. The change time, since a copied or moved file may keep an old modification time.
+std::vector<std::string> Spool::names_in_incoming() const {
   std::vector<std::pair<std::int64_t, std::string>> found;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Incoming))) {
-    const std::string file = entry.path().filename().string();
-    struct stat status {};
-    if (::lstat(entry.path().c_str(), &status) != 0) continue;
-    found.emplace_back(status.st_ctim.tv_sec * std::int64_t{1'000'000'000} + status.st_ctim.tv_nsec, file);
+  std::error_code code;
+  for (fs::directory_iterator entry(folder(Folder::Incoming), code), end; !code && entry != end;
+       entry.increment(code)) {
+    found.emplace_back(change_time(entry->path()), entry->path().filename().string());
   }
   std::sort(found.begin(), found.end());
-  for (const auto& [changed, file] : found)
-    consider(file, Look::Event);
+  std::vector<std::string> names;
+  for (auto& [changed, name] : found)
+    names.push_back(std::move(name));
+  return names;
+}
+
+void Spool::consider_all() {
+  disk_.run([this] { return names_in_incoming(); },
+            [this](const std::vector<std::string>& names) {
+              for (const std::string& file : names)
+                consider(file, Look::Event);
+            });
 }
 
 void Spool::watch_incoming() {
@@ -169,10 +188,7 @@ void Spool::read_events() {
 void Spool::take_event(const inotify_event& event) {
   if ((event.mask & IN_Q_OVERFLOW) != 0) {
     // Events were lost: everything in the folder is looked at afresh.
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Incoming))) {
-      consider(entry.path().filename().string(), Look::Event);
-    }
-    return;
+    return consider_all();
   }
   if (const auto plate = plate_watches_.find(event.wd); plate != plate_watches_.end()) {
     const std::string file = plate->second;
@@ -185,6 +201,7 @@ void Spool::take_event(const inotify_event& event) {
   if ((event.mask & IN_IGNORED) != 0) return watch_incoming();
   const std::string file = event.len > 0 ? event.name : "";
   if ((event.mask & (IN_DELETE | IN_MOVED_FROM)) == 0) return consider(file, Look::Event);
+  looks_.erase(file);
   candidates_.erase(file);
   incomplete_.erase(file);
   if ((event.mask & IN_ISDIR) != 0) stop_watching_plate(file);
@@ -225,13 +242,45 @@ Spool::Sight Spool::look_at_plate(const fs::path& path) const {
 }
 
 void Spool::consider(const std::string& file, Look look) {
+  if (file.empty() || file.starts_with('.')) return;  // hidden: none of ours
+  const std::uint64_t number = looks_[file] = ++looks_begun_;
+  disk_.run([this, file] { return look_at(file); },
+            [this, file, look, number](const Sight& sight) {
+              // Changed since, or gone: what was seen is not how it is.
+              const auto latest = looks_.find(file);
+              if (latest == looks_.end() || latest->second != number) return;
+              looks_.erase(latest);
+              seen(file, look, sight);
+            });
+}
+
+// On the disk's thread.
+Spool::Sight Spool::look_at(const std::string& file) const noexcept {
   const fs::path path = folder(Folder::Incoming) / file;
-  const bool plate = is_plate(Folder::Incoming, file);
-  std::error_code code;
-  if (!plate && (!is_model_name(file) || !fs::exists(fs::symlink_status(path, code)))) return;
-  // Watched before it is looked at, so that nothing can come in between.
-  const bool watched = !plate || watch_plate(file);
-  const Sight sight = plate ? look_at_plate(path) : look_at_model(path);
+  Sight sight;
+  try {
+    const bool plate = is_plate(Folder::Incoming, file);
+    std::error_code code;
+    if (!plate && (!is_model_name(file) || !fs::exists(fs::symlink_status(path, code)))) return sight;
+    sight = plate ? look_at_plate(path) : look_at_model(path);
+    sight.is_plate = plate;
+  } catch (const std::exception&) {
+    sight.being_written = true;  // cannot be looked at now: looked at again
+  }
+  sight.is_there = true;
+  return sight;
+}
+
+void Spool::seen(const std::string& file, Look look, const Sight& sight) {
+  if (!sight.is_there) {
+    candidates_.erase(file);
+    return;
+  }
+  const auto is_this = [&](const auto& watched) { return watched.second == file; };
+  const bool watched = !sight.is_plate || std::ranges::any_of(plate_watches_, is_this);
+  // Watched before it is looked at, so that nothing can come in between. (The disk was asked for its path
+  // just now, the kernel knows it.)
+  if (!watched && watch_plate(file)) return consider(file, look);
   note_missing(file, sight.missing);
   if (!sight.missing.empty()) {
     candidates_.erase(file);
@@ -277,14 +326,8 @@ void Spool::look_again() {
   std::vector<std::string> files;
   for (const auto& [file, candidate] : candidates_)
     files.push_back(file);
-  for (const std::string& file : files) {
-    struct stat status {};
-    if (::lstat((folder(Folder::Incoming) / file).c_str(), &status) != 0) {
-      candidates_.erase(file);
-    } else {
-      consider(file, Look::Timer);
-    }
-  }
+  for (const std::string& file : files)
+    consider(file, Look::Timer);
 }
 
 bool Spool::is_unfinished(const std::string& file) const {
@@ -380,11 +423,33 @@ bool Spool::give_back(const JobFiles& files) {
   return true;
 }
 
-void Spool::reject(const std::string& file, const std::string& reason) {
+void Spool::reject(const std::string& file, const std::string& reason, Rejected done) {
+  using Result = std::pair<Rejection, std::string>;
+  disk_.run(
+      [this, file, reason]() -> Result {
+        try {
+          return {file_rejected(file, reason), ""};
+        } catch (const std::system_error& error) {
+          return {Rejection::Impossible, error.what()};
+        }
+      },
+      [done = std::move(done)](const Result& result) { done(result.first, result.second); });
+}
+
+// On the disk's thread.
+Spool::Rejection Spool::file_rejected(const std::string& file, const std::string& reason) const {
+  if (is_unfinished(file)) return Rejection::Unfinished;
   const JobFiles from = files_of(Folder::Incoming, file);
   const JobFiles to = named(Folder::Failed, unused_name(from.name), from);
+  const std::int64_t changed = change_time(from.model);
   write_beside(Folder::Failed, to.name, "reason.txt", reason);
+  // The disk took its time, and the owner wrote it anew meanwhile.
+  if (change_time(from.model) != changed) {
+    fs::remove(folder(Folder::Failed) / (to.name + ".reason.txt"));
+    return Rejection::Unfinished;
+  }
   move_job(from, to);
+  return Rejection::Filed;
 }
 
 void Spool::write_beside(Folder where, const std::string& name, const std::string& suffix,

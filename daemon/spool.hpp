@@ -1,6 +1,9 @@
 // The spool folder: incoming/ printing/ done/ failed/. Jobs move through it by rename, so that after a power
 // cut at any moment every file is in exactly one place and its folder says how it stands. Event loop's thread
-// only.
+// only, but for files_of() and is_unfinished(), which any may call.
+//
+// A disk may take seconds. What comes at any time, also while the light is on (looks at incoming/, refusals),
+// waits for it on a thread of its own; the rest is for when there is no light.
 //
 //   incoming/NAME.stl (+ NAME.json)     waits its turn, checked already
 //   incoming/NAME/                      a plate: plate.json, and the STL files that it names
@@ -21,6 +24,7 @@
 
 #include "daemon/event_loop.hpp"
 #include "daemon/print_job.hpp"
+#include "daemon/worker.hpp"
 
 namespace contourd {
 
@@ -77,8 +81,14 @@ class Spool {
   // printing/ -> incoming/, for a job that has not begun. False when incoming/ has another of that name by
   // now. Throws std::system_error.
   bool give_back(const JobFiles& files);
-  // incoming/ -> failed/, with a reason file. Throws std::system_error.
-  void reject(const std::string& file, const std::string& reason);
+  // incoming/ -> failed/, with a reason file. Returns at once; `done` is called from the loop.
+  enum class Rejection {
+    Filed,
+    Unfinished,  // somebody writes it anew: it stays where it is
+    Impossible,  // it stays where it is, `trouble` says why
+  };
+  using Rejected = std::function<void(Rejection, const std::string& trouble)>;
+  void reject(const std::string& file, const std::string& reason, Rejected done);
 
   // Writes NAME.`suffix`, all of it or nothing, and has it on the disk before it returns. Throws
   // std::system_error.
@@ -107,6 +117,8 @@ class Spool {
     bool being_written = false;
     bool known_to_be_whole = false;    // else it counts as whole when it stays as it is
     std::vector<std::string> missing;  // of a plate: what it lacks, its plate.json alone if it lacks that
+    bool is_there = false;             // else there is nothing to be taken, and the rest says nothing
+    bool is_plate = false;
   };
 
   void watch_incoming();
@@ -116,7 +128,11 @@ class Spool {
   void read_events();
   void take_event(const inotify_event& event);
   enum class Look { Event, Timer };
+  void consider_all();
   void consider(const std::string& file, Look look);
+  void seen(const std::string& file, Look look, const Sight& sight);
+  [[nodiscard]] std::vector<std::string> names_in_incoming() const;
+  [[nodiscard]] Sight look_at(const std::string& file) const noexcept;
   void look_later(const std::string& file);
   void note_missing(const std::string& file, const std::vector<std::string>& missing);
   [[nodiscard]] Sight look_at_model(const std::filesystem::path& path) const;
@@ -126,6 +142,7 @@ class Spool {
   [[nodiscard]] std::string unused_name(const std::string& full_stem) const;
   void move_job(const JobFiles& from, const JobFiles& to) const;
   [[nodiscard]] JobFiles named(Folder folder, const std::string& name, const JobFiles& like) const;
+  [[nodiscard]] Rejection file_rejected(const std::string& file, const std::string& reason) const;
 
   std::filesystem::path root_;
   EventLoop& loop_;
@@ -138,6 +155,9 @@ class Spool {
   std::map<int, std::string> plate_watches_;     // inotify's number: the plate in incoming/
   std::map<std::string, Candidate> candidates_;  // not known to be whole yet
   std::map<std::string, std::vector<std::string>> incomplete_;
+  std::map<std::string, std::uint64_t> looks_;  // under way: the number of the latest at each file
+  std::uint64_t looks_begun_ = 0;
+  Worker disk_;  // last: its thread ends before what its tasks use
 };
 
 // Whether a file in incoming/ is a model, by its name.

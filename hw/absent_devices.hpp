@@ -47,6 +47,7 @@ class AbsentDisplay final : public MaskDisplay {
 
   [[nodiscard]] Pixels width() const override { return width_; }
   [[nodiscard]] Pixels height() const override { return height_; }
+  [[nodiscard]] Duration frame() const override { return Duration{0}; }
   void show(const Mask&, Presented done) override { black(std::move(done)); }
   void black(Presented done) override {
     answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(std::nullopt); });

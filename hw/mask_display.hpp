@@ -22,6 +22,8 @@ class MaskDisplay {
 
   [[nodiscard]] virtual Pixels width() const = 0;
   [[nodiscard]] virtual Pixels height() const = 0;
+  // From one refresh to the next.
+  [[nodiscard]] virtual Duration frame() const = 0;
 
   // Puts the mask on the screen at the next refresh. Returns at once and keeps no reference to the mask.
   // REQUIRES: the mask has the display's size; no other show() or black() is waiting for its `done`.

@@ -18,6 +18,7 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
 
   [[nodiscard]] Pixels width() const override { return config_.width; }
   [[nodiscard]] Pixels height() const override { return config_.height; }
+  [[nodiscard]] Duration frame() const override { return config_.frame; }
 
   void show(const Mask& mask, Presented done) override {
     const bool unplugged_now = config_.lost_after_frames && frames_++ == *config_.lost_after_frames;

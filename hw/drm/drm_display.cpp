@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <system_error>
 #include <utility>
@@ -62,6 +63,10 @@ class DrmDisplay::Implementation {
   void on_disturbance(std::function<void(const Disturbance&)> call) { on_disturbance_ = std::move(call); }
 
   [[nodiscard]] const DrmDisplayConfig& config() const { return config_; }
+  [[nodiscard]] Duration frame() const {
+    if (!output_) return Duration{0};
+    return Duration{std::llround(1e9 / refresh_hz(output_->mode()))};
+  }
   [[nodiscard]] const std::optional<std::string>& problem() const { return problem_; }
   [[nodiscard]] const std::optional<std::string>& warning() const { return warning_; }
   [[nodiscard]] std::size_t bytes_written() const { return bytes_written_; }
@@ -209,6 +214,9 @@ Pixels DrmDisplay::width() const {
 }
 Pixels DrmDisplay::height() const {
   return implementation_->config().height;
+}
+Duration DrmDisplay::frame() const {
+  return implementation_->frame();
 }
 
 void DrmDisplay::show(const Mask& mask, Presented done) {

@@ -36,6 +36,8 @@ class DrmDisplay final : public MaskDisplay {
 
   [[nodiscard]] Pixels width() const override;
   [[nodiscard]] Pixels height() const override;
+  // Of its mode; 0 before the display was there.
+  [[nodiscard]] Duration frame() const override;
 
   // Neither allocates nor blocks unless the display is lost; then it looks whether it is back.
   void show(const Mask& mask, Presented done) override;

@@ -337,6 +337,7 @@ class Daemon:
         self.test = test
         self.folder = test.folder
         self.process = None
+        self.environment = {}
         self.clients = []
         self.log_path = os.path.join(self.folder, "contourd.log")
         self.spool = os.path.join(self.folder, "spool")
@@ -388,7 +389,7 @@ class Daemon:
         with open(self.log_path, "ab") as log:
             self.process = subprocess.Popen(
                 [CONTOURD, "--config", self.config_path, *arguments], stdin=subprocess.DEVNULL, stdout=log,
-                stderr=log, env={**os.environ, **environment})  # fmt: skip
+                stderr=log, env={**os.environ, **self.environment, **environment})  # fmt: skip
 
     def log(self):
         with open(self.log_path, encoding="utf-8", errors="replace") as file:
@@ -409,6 +410,14 @@ class Daemon:
 
     def status(self):
         return self.rpc("status")["result"]
+
+    def put_on_slow_disk(self):
+        """The spool's disk does not answer while there is a file slow/reads or slow/writes (slow_disk.cpp). Before the
+        start. Returns the folder slow/."""
+        folder = os.path.join(self.folder, "slow")
+        os.mkdir(folder)
+        self.environment = {"LD_PRELOAD": os.path.join(BIN, "libslow-disk.so"), "SLOW_DISK": folder}
+        return folder
 
     def ctl(self, command, *arguments, **options):
         return contourctl(command, "--socket", self.socket_path, *arguments, **options)

@@ -6,6 +6,8 @@ import html.parser
 import json
 import os
 import re
+import signal
+import time
 
 from harness import (
     NIMBLE_RESIN, OK, REALTIME, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box, contourctl, cube, inside_out,
@@ -306,6 +308,22 @@ class Report(PrintTest):
             self.assertGreaterEqual(record["exposure_measured_ms"], record["exposure_asked_ms"] - 0.01)
             self.assertLess(record["exposure_measured_ms"], record["exposure_asked_ms"] + 50)
         self.assertGreater(report["print_time_s"], 20 * 0.02)
+
+    def test_an_exposure_that_was_too_long_is_warned_about_with_both_figures(self):
+        resin = {**NIMBLE_RESIN, "exposure_ms": 200, "bottom_exposure_ms": 200}
+        daemon = self.daemon(REALTIME, resin=resin)
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        # As if the machine had something better to do.
+        daemon.process.send_signal(signal.SIGSTOP)
+        stopped = time.monotonic()
+        wait_until(lambda: time.monotonic() - stopped > 0.5, "an exposure's time and more")
+        daemon.process.send_signal(signal.SIGCONT)
+        layer = daemon.wait_done("part")["layer_records"][0]
+        daemon.stop()
+        self.assertGreater(layer["exposure_measured_ms"], 500)
+        self.assertIn("layer 1: the light was on for %.1f ms, 200.0 ms were asked for" % layer["exposure_measured_ms"],
+                      daemon.log())  # fmt: skip
 
     def test_warnings_about_the_model_are_in_it(self):
         report = self.printed(binary_stl(cube(2)[1:]))

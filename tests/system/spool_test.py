@@ -8,7 +8,7 @@ import time
 import unittest
 
 from harness import (
-    CONTOURD, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, Daemon, FolderTest, ascii_stl, binary_stl, box, cube, main, merge, run,
+    CONTOURD, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, SANITIZED, Daemon, FolderTest, ascii_stl, binary_stl, box, cube, main, merge, run,
     wait_until,
 )  # fmt: skip
 
@@ -507,6 +507,59 @@ class NotAFile(SpoolTest):
         os.rename(path, os.fsencode(self.printer.file("incoming", "secret.stl")))
         self.assertIn("ermission", self.printer.wait_refused("secret"))
         self.next_is_printed()
+
+
+@unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
+class SlowDisk(SpoolTest):
+    """A card that takes seconds for what others do at once. While it does not answer, a print goes on."""
+
+    def printing_on_slow_disk(self):
+        daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, "exposure_ms": 150, "bottom_exposure_ms": 150})
+        slow = daemon.put_on_slow_disk()
+        daemon.start()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        return daemon, slow
+
+    def goes_on(self, daemon, slow, gate):
+        """That layers are printed while something waits for the disk. Then the disk answers again."""
+        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "something that waits for the disk")
+        done = daemon.status()["job"]["layers_done"]
+        daemon.watcher.wait_for(
+            lambda m: m.get("method") == "layer" and m["params"]["job"]["layers_done"] >= done + 3, "three layers")
+        self.assertTrue(os.path.exists(os.path.join(slow, gate)))
+        os.unlink(os.path.join(slow, gate))
+
+    def test_a_refusal_that_waits_for_the_disk_keeps_no_light_on(self):
+        daemon, slow = self.printing_on_slow_disk()
+        open(os.path.join(slow, "writes"), "wb").close()
+        daemon.drop("bad.stl", b"no model")
+        self.goes_on(daemon, slow, "writes")
+        self.assertIn("bad.stl", "".join(daemon.names_in("failed") + daemon.names_in("incoming")))
+        daemon.wait_refused("bad")
+        self.assertTrue(daemon.has("failed", "bad.stl"))
+        self.assertEqual(daemon.wait_done("part")["layers_exposed"], 20)
+        self.assertNotIn("taken away", daemon.log())
+        daemon.stop()
+
+    def arrives(self, name):
+        daemon, slow = self.printing_on_slow_disk()
+        open(os.path.join(slow, "reads"), "wb").close()
+        os.rename(self.path(name), daemon.file("incoming", name))
+        self.goes_on(daemon, slow, "reads")
+        daemon.wait_done("part")
+        daemon.wait_done("next")
+        daemon.stop()
+
+    def test_a_look_at_a_model_that_waits_for_the_disk_keeps_no_light_on(self):
+        self.write("next.stl", SMALL)
+        self.arrives("next.stl")
+
+    def test_a_look_at_a_plate_that_waits_for_the_disk_keeps_no_light_on(self):
+        os.mkdir(self.path("next"))
+        self.write("next/next.stl", SMALL)
+        self.write("next/plate.json", json.dumps({"models": [{"file": "next.stl"}]}))
+        self.arrives("next")
 
 
 class Plate(SpoolTest):
