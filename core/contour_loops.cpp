@@ -23,6 +23,9 @@ double left_turn(const Segment& arriving, const Segment& leaving) {
   return cross > 0.0 || off_straight == 0.0 ? off_straight : -off_straight;
 }
 
+// At so many segments is looked in all for doubled ones: a soup of them must not take seconds.
+constexpr std::size_t kMostLooksASegment = 64;
+
 }  // namespace
 
 double perimeter_mm(const Contours& contours) {
@@ -163,27 +166,55 @@ ContourLinker::UnevenPoint* ContourLinker::uneven_at(const Point& point) {
 void ContourLinker::walk_chains(std::span<const Segment> segments, Contours& contours) {
   chain_points_.clear();
   chains_.clear();
-  for (const std::uint32_t start : starts_)
-    drop_duplicates(uneven_[start], segments);
+  drop_duplicates(segments);
   for (const std::uint32_t start : starts_)
     walk_chains_from(uneven_[start], segments, contours);
 }
 
-// A facet that is in the file twice gives the same segment twice. The second is dropped where it is one too
-// many at both of its ends; where two solids share a wall it is not.
-void ContourLinker::drop_duplicates(UnevenPoint& start, std::span<const Segment> segments) {
-  const std::uint32_t first = slot_of(start.point, start.hash, segments);
-  for (std::uint32_t i = first; i != kNone && start.leaving_minus_arriving > 0; i = next_leaving_[i]) {
-    std::uint32_t same = next_leaving_[i];
-    while (same != kNone && !(segments[same].to == segments[i].to))
-      same = next_leaving_[same];
-    if (same == kNone) continue;
-    UnevenPoint* const end = uneven_at(segments[i].to);
-    if (end == nullptr || end->leaving_minus_arriving >= 0) continue;
-    used_[i] = 1;
-    --start.leaving_minus_arriving;
-    ++end->leaving_minus_arriving;
+// A facet that is in the file twice gives the same segment twice, and such neighbours a run of them. One of
+// each is dropped where the run is one too many at both of its ends; where two solids share a wall it is not.
+void ContourLinker::drop_duplicates(std::span<const Segment> segments) {
+  looks_left_ = kMostLooksASegment * segments.size();
+  for (const std::uint32_t number : starts_) {
+    UnevenPoint& start = uneven_[number];
+    const std::uint32_t first = slot_of(start.point, start.hash, segments);
+    for (std::uint32_t i = first; i != kNone && start.leaving_minus_arriving > 0; i = next_leaving_[i]) {
+      if (!is_doubled(i, segments) || !drop_run(i, segments)) continue;
+      --start.leaving_minus_arriving;
+    }
   }
+}
+
+// Whether another segment leads from the same point to the same point, neither of them used.
+bool ContourLinker::is_doubled(std::uint32_t segment, std::span<const Segment> segments) {
+  if (used_[segment] != 0) return false;
+  const Segment& s = segments[segment];
+  std::uint32_t i = slot_of(s.from, hash_of(s.from), segments);
+  for (; i != kNone && looks_left_ > 0; i = next_leaving_[i], --looks_left_) {
+    if (i != segment && used_[i] == 0 && segments[i].to == s.to) return true;
+  }
+  return false;
+}
+
+// Follows doubled segments to a point that too many reach, which is mended with it; else drops nothing.
+bool ContourLinker::drop_run(std::uint32_t first, std::span<const Segment> segments) {
+  run_.clear();
+  for (std::uint32_t i = first; i != kNone;) {
+    used_[i] = 1;
+    run_.push_back(i);
+    const Point& here = segments[i].to;
+    UnevenPoint* const end = uneven_at(here);
+    if (end != nullptr && end->leaving_minus_arriving < 0) {
+      ++end->leaving_minus_arriving;
+      return true;
+    }
+    i = slot_of(here, hash_of(here), segments);
+    while (i != kNone && !is_doubled(i, segments))
+      i = next_leaving_[i];
+  }
+  for (const std::uint32_t i : run_)
+    used_[i] = 0;
+  return false;
 }
 
 // A point that more segments leave than reach starts as many chains as it has too many.

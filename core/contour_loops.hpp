@@ -86,7 +86,9 @@ class ContourLinker {
   void find_uneven_points(std::span<const Segment> segments);
   [[nodiscard]] UnevenPoint* uneven_at(const Point& point);
   void walk_chains(std::span<const Segment> segments, Contours& contours);
-  void drop_duplicates(UnevenPoint& start, std::span<const Segment> segments);
+  void drop_duplicates(std::span<const Segment> segments);
+  [[nodiscard]] bool is_doubled(std::uint32_t segment, std::span<const Segment> segments);
+  bool drop_run(std::uint32_t first, std::span<const Segment> segments);
   void walk_chains_from(UnevenPoint& start, std::span<const Segment> segments, Contours& contours);
   [[nodiscard]] std::uint32_t leftmost_leaving(std::uint32_t arrived_by, std::span<const Segment> segments);
   // Walks from an unused segment until its start point comes again or nothing leaves; true when it came
@@ -104,6 +106,8 @@ class ContourLinker {
   std::array<std::uint64_t, 1024> imbalance_{};
   std::vector<End> ends_;
   std::vector<UnevenPoint> uneven_;    // by hash
+  std::vector<std::uint32_t> run_;     // of doubled segments
+  std::size_t looks_left_ = 0;         // for them
   std::vector<std::uint32_t> starts_;  // those of uneven_ with more leaving, in the segments' order
   std::vector<Point> chain_points_;
   std::vector<Chain> chains_;

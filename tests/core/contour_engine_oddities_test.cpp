@@ -53,6 +53,37 @@ TEST_CASE("Duplicate facets do not show") {
   }
 }
 
+TEST_CASE("Neighbouring facets that are there twice do not show, and are no cracks") {
+  struct Patch {
+    Facets clean;
+    double reach;  // less than any loop's: at a height, runs of doubled segments
+  };
+  for (const auto& [clean, reach] :
+       {Patch{clean_models()[0], 8.5}, Patch{clean_models()[1], 1.6}, Patch{clean_models()[2], 1.6}}) {
+    CAPTURE(clean.size());
+    Facets odd = clean;
+    for (const Facet& facet : clean) {
+      const Vertex& v = facet.vertices[0];
+      const double x = v.x - 6.0, y = v.y - 2.0, z = v.z - 4.0;
+      if (x * x + y * y + z * z < reach * reach) odd.push_back(facet);
+    }
+    CHECK(odd.size() > clean.size() + 1);
+    CHECK(odd.size() < 2 * clean.size());
+    CHECK(same_masks(clean, odd));
+    ContourEngine engine = engine_for(odd, AntiAliasing::On);
+    for (double z = 0.3; z < 8; z += 0.7) {
+      (void)engine.mask_at_z(Millimeters{z});
+      CHECK(engine.cracks() == LayerCracks{});
+    }
+  }
+}
+
+TEST_CASE("A box and its copy with a hole are a box") {
+  const Facets clean = models::box({-6, -5, 0}, {6, 5, 8});
+  const Facets holed(clean.begin() + 1, clean.end());
+  CHECK(same_masks(clean, together(clean, holed)));
+}
+
 TEST_CASE("Facets without area do not show") {
   for (const Facets& clean : clean_models()) {
     models::Dice dice(5);
