@@ -159,8 +159,11 @@ class TableReader {
         checksum_(checksum_of_table(root_.text("checksum"))) {}
 
   [[nodiscard]] ProjectorTable read() const;
+  [[nodiscard]] std::optional<ProjectorTable> read_light() const;
 
  private:
+  // What it has beside its commands.
+  [[nodiscard]] ProjectorTable read_line() const;
   [[nodiscard]] Message message(const JsonSection& section) const;
   [[nodiscard]] ProjectorCommand command(const std::string& key) const;
   [[nodiscard]] std::optional<ProjectorCommand> optional_command(const std::string& key) const;
@@ -225,34 +228,63 @@ std::vector<UnaskedLine> TableReader::unasked() const {
   return lines;
 }
 
+ProjectorTable TableReader::read_line() const {
+  ProjectorTable table;
+  table.name = root_.text("brand");
+  table.baud = root_.integer<int>("baud");
+  table.echo = root_.boolean("echo");
+  table.retries = root_.integer<int>("retries");
+  table.gap = root_.duration("gap_ms");
+  return table;
+}
+
 ProjectorTable TableReader::read() const {
-  return {
-      .name = root_.text("brand"),
-      .baud = root_.integer<int>("baud"),
-      .echo = root_.boolean("echo"),
-      .retries = root_.integer<int>("retries"),
-      .gap = root_.duration("gap_ms"),
-      .warm_up = root_.duration("warm_up_s"),
-      .cool_down = root_.duration("cool_down_s"),
-      .power_on = command("power_on"),
-      .power_off = command("power_off"),
-      .light_on = optional_command("light_on"),
-      .light_off = optional_command("light_off"),
-      .brightness = brightness(),
-      .power = optional_command("power"),
-      .lamp_hours = optional_command("lamp_hours"),
-      .unasked = unasked(),
-  };
+  ProjectorTable table = read_line();
+  table.warm_up = root_.duration("warm_up_s");
+  table.cool_down = root_.duration("cool_down_s");
+  table.power_on = command("power_on");
+  table.power_off = command("power_off");
+  table.light_on = optional_command("light_on");
+  table.light_off = optional_command("light_off");
+  table.brightness = brightness();
+  table.power = optional_command("power");
+  table.lamp_hours = optional_command("lamp_hours");
+  table.unasked = unasked();
+  return table;
+}
+
+std::optional<ProjectorTable> TableReader::read_light() const {
+  if (!commands_.has("light_off")) return std::nullopt;
+  ProjectorTable table = read_line();
+  table.light_off = command("light_off");
+  try {
+    table.power = optional_command("power");
+  } catch (const std::exception&) {
+    // Without it, nobody can tell that a projector which does not confirm light off is off altogether.
+  }
+  return table;
 }
 
 }  // namespace
 
-ProjectorTable load_projector_table(const std::filesystem::path& path) {
-  JsonDocument document = JsonDocument::from_file(path);
+void check_table(JsonDocument& document) {
   projector_schema().check(document);
   check_rules(document);
+}
+
+ProjectorTable read_projector_table(JsonDocument& document) {
+  check_table(document);
   document.throw_if_violated();
   return TableReader(JsonSection(document)).read();
+}
+
+ProjectorTable load_projector_table(const std::filesystem::path& path) {
+  JsonDocument document = JsonDocument::from_file(path);
+  return read_projector_table(document);
+}
+
+std::optional<ProjectorTable> read_light_table(const JsonSection& table) {
+  return TableReader(table).read_light();
 }
 
 }  // namespace contourd

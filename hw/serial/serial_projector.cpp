@@ -289,7 +289,7 @@ void SerialProjector::light_on(Done done) {
 
 void SerialProjector::light_off() noexcept {
   make_way();
-  if (!table_.switches_light() || power_ == Power::Off) return;
+  if (!table_.light_off || power_ == Power::Off) return;
   want_dark();
 }
 

@@ -119,11 +119,9 @@ TEST_CASE("A look at the hardware tells of every device, whatever is wrong with 
 TEST_CASE("The light of a process that died is turned off as far as its devices can be reached") {
   VirtualClock clock;
   NoDescriptors watcher;
-  RealMachineConfig config = nowhere();
-  CHECK(turn_light_off(clock, watcher, config).size() == 1);  // this table switches no light
-  config.projector->table.light_on = config.projector->table.light_off = ProjectorCommand{};
-  CHECK(turn_light_off(clock, watcher, config).size() == 2);
-  config.light.reset();
-  config.projector.reset();
-  CHECK(turn_light_off(clock, watcher, config).empty());
+  LightConfig light{.line = nowhere().light, .projector = nowhere().projector};
+  CHECK(turn_light_off(clock, watcher, light).size() == 1);  // this table switches no light
+  light.projector->table.light_off = ProjectorCommand{};
+  CHECK(turn_light_off(clock, watcher, light).size() == 2);
+  CHECK(turn_light_off(clock, watcher, {}).empty());
 }
