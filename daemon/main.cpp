@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <vector>
 
 #include "daemon/config/light_config.hpp"
 #include "daemon/config/printer_config.hpp"
@@ -20,6 +21,7 @@
 #include "daemon/readable.hpp"
 #include "daemon/supervisor.hpp"
 #include "hw/hardware_check.hpp"
+#include "hw/light_off.hpp"
 #include "hw/real_machine.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
@@ -116,7 +118,13 @@ int light_off(const std::string& config_file) {
   EventLoop loop;
   EventLoopClock clock(loop);
   EventLoopWatcher watcher(loop);
-  const std::vector<std::string> problems = turn_light_off(clock, watcher, found.light);
+  LightOff light(clock, watcher, found.light);
+  std::vector<std::string> problems;
+  light.run([&](const std::vector<std::string>& what) {
+    problems = what;
+    loop.stop();
+  });
+  loop.run();
   for (const std::string& problem : problems)
     say_light_may_be_on(problem);
   if (!found.problems.empty()) return kBadConfig;

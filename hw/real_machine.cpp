@@ -163,22 +163,4 @@ std::vector<std::string> RealMachine::warnings() const {
   return sentences;
 }
 
-std::vector<std::string> turn_light_off(Clock& clock, DescriptorWatcher& watcher, const LightConfig& light) {
-  std::vector<std::string> problems;
-  try {
-    if (light.line) GpioLightLine(*light.line).off();
-  } catch (const std::exception& error) {
-    problems.emplace_back(error.what());
-  }
-  if (!light.projector || !light.projector->table.light_off) return problems;
-  try {
-    SerialPort port(light.projector->port, light.projector->table.baud, watcher);
-    SerialProjector projector(port, clock, light.projector->table);
-    projector.light_off();  // and once more when it goes, as no event loop hears the answer
-  } catch (const std::exception& error) {
-    problems.emplace_back(error.what());
-  }
-  return problems;
-}
-
 }  // namespace contourd

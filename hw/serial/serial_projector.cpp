@@ -238,8 +238,7 @@ void SerialProjector::prepare(const Done& done) {
   power_ = Power::On;
   off_at_.reset();
   if (!table_.switches_light()) return set_brightness(done);
-  light_may_be_on_ = true;
-  want_dark();
+  suspect_light();
   when_dark_ = [this, done](const Answer& answer) {
     answer.reply == ProjectorReply::Ok ? set_brightness(done) : done(answer.reply);
   };
@@ -293,6 +292,11 @@ void SerialProjector::light_off() noexcept {
   want_dark();
 }
 
+void SerialProjector::confirm_dark(Done done) {
+  light_off();
+  when_dark_ = [done = std::move(done)](const Answer& answer) { done(answer.reply); };
+}
+
 void SerialProjector::want_dark() {
   // A reply to an earlier light off confirms this one only if no light on came in between.
   if (!dark_wanted_) dark_id_ = ++last_id_;
@@ -302,15 +306,39 @@ void SerialProjector::want_dark() {
 }
 
 void SerialProjector::darkened(const Answer& answer) {
-  const auto when_dark = std::exchange(when_dark_, nullptr);
   if (answer.reply == ProjectorReply::Ok) {
     dark_wanted_ = light_may_be_on_ = dark_reported_ = false;
-  } else if (!light_may_be_on_ || lost_) {
-    dark_wanted_ = false;  // nobody asked it for light; or the loss was reported, with the light
-  } else {
+  } else if (lost_) {
+    dark_wanted_ = false;  // the loss was reported, with the light
+  } else if (light_may_be_on_) {
     keep_trying();
+  } else {
+    return ask_whether_on(answer);
   }
-  if (when_dark) when_dark(answer);
+  tell_darkness(answer);
+}
+
+void SerialProjector::tell_darkness(const Answer& answer) {
+  if (const auto when_dark = std::exchange(when_dark_, nullptr)) when_dark(answer);
+}
+
+// Nobody has asked it for light, and it does not confirm that there is none: as many do while they are off.
+void SerialProjector::ask_whether_on(const Answer& answer) {
+  dark_wanted_ = false;
+  if (!reader_.unexplained().empty()) return suspect_light();
+  if (!table_.power) return tell_darkness(answer);
+  ask(*table_.power, [this, answer, problem = problem_](const Answer& power) {
+    const bool says_off = power.reply == ProjectorReply::Ok && power.meaning == ReplyMeaning::Off;
+    const bool says_on = power.reply == ProjectorReply::Ok && !says_off;
+    if (says_on || !reader_.unexplained().empty()) return suspect_light();
+    problem_ = problem;
+    tell_darkness(says_off ? Answer{} : answer);
+  });
+}
+
+void SerialProjector::suspect_light() {
+  light_may_be_on_ = true;
+  want_dark();
 }
 
 void SerialProjector::keep_trying() {
@@ -319,7 +347,7 @@ void SerialProjector::keep_trying() {
     next();
   });
   // No light on behind a light off that failed.
-  std::erase_if(queue_, [this](const Request& request) { return request.command != &table_.power_off; });
+  std::erase_if(queue_, [this](const Request& request) { return request.command == light_on_command(); });
   if (!std::exchange(dark_reported_, true))
     report(Disturbance::Kind::Fault, "the light may be on: " + problem_);
 }

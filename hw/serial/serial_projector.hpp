@@ -39,14 +39,18 @@ class SerialProjector final : public Projector {
   void light_on(Done done) override;
   void light_off() noexcept override;
   void power_off() noexcept override;
+  // Light off, and whether it is: Ok when the projector confirms it, or says that it is not even on; else,
+  // when the table's retries are over, what came of them (see last_problem()). REQUIRES: the table has a
+  // light off; nothing was asked for before.
+  void confirm_dark(Done done);
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }
 
   // The line is lost, for good: a new channel and a new projector may find it again.
   [[nodiscard]] bool lost() const { return lost_; }
 
-  // The projector does not confirm that the light is off, says by itself that something is wrong, or its line
-  // is lost.
+  // The projector does not confirm that the light is off, where it is on or its answers make no sense; it
+  // says by itself that something is wrong; or its line is lost.
   void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
 
  private:
@@ -84,6 +88,9 @@ class SerialProjector final : public Projector {
   void powered_off(const Answer& answer);
   void want_dark();
   void darkened(const Answer& answer);
+  void ask_whether_on(const Answer& answer);
+  void suspect_light();
+  void tell_darkness(const Answer& answer);
   void keep_trying();
   void ask_lamp_hours(ProjectorStatus status, StatusDone done);
 
