@@ -72,6 +72,7 @@ void SerialProjector::next() {
   if (current_) return;
   if (dark_wanted_ && !dark_timer_) {
     current_ = Request{dark_id_, light_off_command(), [this](const Answer& answer) { darkened(answer); }};
+    dark_asked_at_ = clock_.now();
   } else if (!queue_.empty()) {
     current_ = std::move(queue_.front());
     queue_.pop_front();
@@ -207,12 +208,15 @@ void SerialProjector::switch_on_when_cool(Done done) {
 }
 
 void SerialProjector::switch_on(Done done, TimePoint ready_by) {
+  power_ = Power::Unknown;
   ask(table_.power_on, [this, ready_by, done = std::move(done)](const Answer& answer) mutable {
     if (answer.reply != ProjectorReply::Ok) return done(answer.reply);
-    step_ = clock_.call_after(table_.warm_up, [this, ready_by, done = std::move(done)]() mutable {
+    warm_at_ = clock_.now() + table_.warm_up;
+    step_ = clock_.call_at(warm_at_, [this, ready_by, done = std::move(done)]() mutable {
       if (!table_.power) return prepare(done);
       wait_until_on(std::move(done), ready_by);
     });
+    if (table_.light_off) suspect_light();  // it comes up with a picture of its own
   });
 }
 
@@ -310,6 +314,8 @@ void SerialProjector::darkened(const Answer& answer) {
     dark_wanted_ = light_may_be_on_ = dark_reported_ = false;
   } else if (lost_) {
     dark_wanted_ = false;  // the loss was reported, with the light
+  } else if (dark_asked_at_ < warm_at_) {
+    return try_later();  // whoever waits for darkness goes on waiting
   } else if (light_may_be_on_) {
     keep_trying();
   } else {
@@ -341,11 +347,15 @@ void SerialProjector::suspect_light() {
   want_dark();
 }
 
-void SerialProjector::keep_trying() {
+void SerialProjector::try_later() {
   dark_timer_ = clock_.call_after(table_.light_off->timeout, [this] {
     dark_timer_.reset();
     next();
   });
+}
+
+void SerialProjector::keep_trying() {
+  try_later();
   // No light on behind a light off that failed.
   std::erase_if(queue_, [this](const Request& request) { return request.command == light_on_command(); });
   if (!std::exchange(dark_reported_, true))

@@ -212,7 +212,7 @@ TEST_CASE("Anhua's table mixes bytes and text, and sets the brightness") {
                   {led_off, bytes({0x2A, 0x47, 0, 0x0D})},
                   {"CM+LEDS=440\r\n", "OK\r\n"}};
   CHECK(talk.power_on() == ProjectorReply::Ok);
-  CHECK(talk.channel.messages() == Messages{on, led_off, "CM+LEDS=440\r\n"});
+  CHECK(talk.channel.messages() == Messages{on, led_off, led_off, "CM+LEDS=440\r\n"});
   CHECK(talk.light_on() == ProjectorReply::Ok);
   CHECK(talk.channel.messages() == Messages{led_on});
   talk.answers[2].second[2] = 1;

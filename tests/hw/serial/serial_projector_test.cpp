@@ -92,10 +92,79 @@ TEST_CASE("a serial projector that is off is turned on, warmed up, asked again a
   bench.start_power_on();
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::Ok);
-  CHECK(bench.channel.messages() == Messages{"~00124 1\r", "~0000 1\r", "~00124 1\r", "~0002 1\r"});
+  CHECK(bench.channel.messages() ==
+        Messages{"~00124 1\r", "~0000 1\r", "~0002 1\r", "~00124 1\r", "~0002 1\r"});
   CHECK_FALSE(bench.light);
   CHECK(bench.now() >= 30s);
   CHECK(bench.now() < 31s);  // four commands and their gaps beside the warm-up
+}
+
+TEST_CASE("a projector that refuses light off while it warms up is told again and again from power on on") {
+  Bench bench;
+  std::optional<TimePoint> on_at;
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0000 1\r") on_at = bench.clock.now(), bench.light = true;  // its start-up picture
+    if (message == "~0002 1\r" && bench.clock.now() - *on_at < 25s) return bench.channel.send("F\r");
+    bench.behave(message);
+  };
+  bench.start_power_on();
+  bench.pass(20s);
+  REQUIRE(bench.channel.sent.size() > 12);  // a second between attempts, and a reply and a gap
+  CHECK(bench.channel.sent[2].message == "~0002 1\r");
+  CHECK(bench.channel.sent[2].at - *on_at < 200ms);  // power on's reply after 20 ms, and the gap of 100 ms
+  CHECK(bench.light);
+  bench.pass(7s);
+  CHECK_FALSE(bench.light);
+  CHECK_FALSE(bench.answer);  // it is not warm yet
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+  CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE("a projector that is deaf while it warms up is made dark behind that, and is no disturbance") {
+  Bench bench;
+  std::optional<TimePoint> on_at;
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0000 1\r" && !on_at) on_at = bench.clock.now(), bench.light = bench.is_on = true;
+    if (on_at && message != "~0000 1\r" && bench.clock.now() - *on_at < 29900ms) return;
+    bench.behave(message);
+  };
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+  CHECK_FALSE(bench.light);
+  CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE("a projector that refuses light off when it is warm is told of") {
+  Bench bench;
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0002 1\r") return bench.channel.send("F\r");
+    bench.behave(message);
+  };
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Refused);
+  CHECK(bench.now() >= 30s);
+  CHECK(bench.now() < 33s);  // an attempt a second
+  CHECK(bench.disturbances.size() == 1);
+}
+
+TEST_CASE("a projector that warms up a second time can be turned off") {
+  Bench bench;
+  bench.power_on();
+  bench.projector.power_off();
+  bench.pass(70s);
+  REQUIRE_FALSE(bench.is_on);
+  bench.start_power_on();
+  bench.pass(10s);
+  REQUIRE(bench.is_on);
+  bench.light = true;
+  bench.projector.power_off();
+  bench.pass(5s);
+  CHECK_FALSE(bench.is_on);
+  CHECK_FALSE(bench.light);
+  CHECK_FALSE(bench.answer);
 }
 
 TEST_CASE("a serial projector that is on already is not warmed up again") {
@@ -460,7 +529,7 @@ TEST_CASE("power on right after power off waits until the lamp has cooled down")
   bench.start_power_on();
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::Ok);
-  REQUIRE(bench.channel.sent.size() == 4);
+  REQUIRE(bench.channel.sent.size() == 5);
   CHECK(bench.channel.sent[1].message == "~0000 1\r");
   CHECK(bench.channel.sent[1].at - off >= 60s);
   CHECK(bench.channel.sent[1].at - off < 61s);  // power off was confirmed a few replies after it was asked
@@ -638,7 +707,7 @@ TEST_CASE("a projector's brightness is set when it is warm and dark") {
   while (!answer && clock.run_next()) {
   }
   CHECK(answer == ProjectorReply::Ok);
-  CHECK(channel.messages() == Messages{"~0000 1\r", "~0002 1\r", "CM+LEDS=440\r"});
+  CHECK(channel.messages() == Messages{"~0000 1\r", "~0002 1\r", "~0002 1\r", "CM+LEDS=440\r"});
 }
 
 TEST_CASE("a table without a light has its projector shine as long as it is on") {
