@@ -28,8 +28,9 @@ void LightOff::run(Done done) {
 
 void LightOff::turn_line_off() {
   try {
-    line_ = std::make_unique<GpioLightLine>(*config_.line);
+    line_ = std::make_unique<GpioLightLine>(*config_.line, clock_);
     line_->off();
+    if (const std::string refusal = line_->refusal(); !refusal.empty()) problems_.push_back(refusal);
   } catch (const std::exception& error) {
     problems_.emplace_back(error.what());
   }

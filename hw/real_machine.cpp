@@ -45,13 +45,15 @@ RealMachine::~RealMachine() {
 // In this order: nothing else may fail before the light is off.
 std::vector<std::string> RealMachine::open_missing() {
   std::vector<std::string> found;
+  const auto tell_owner = [this](const Disturbance& disturbance) { tell(disturbance); };
   if (config_.light &&
-      open(light_, missing_.light, [&] { return std::make_unique<GpioLightLine>(*config_.light); }))
+      open(light_, missing_.light, [&] { return std::make_unique<GpioLightLine>(*config_.light, clock_); })) {
+    light_->on_disturbance(tell_owner);
     found.push_back(light_words());
+  }
   if (config_.projector && open_projector()) found.push_back(projector_words());
   combine_projector();
   projector().light_off();
-  const auto tell_owner = [this](const Disturbance& disturbance) { tell(disturbance); };
   if (open(display_, missing_.display,
            [&] { return std::make_unique<DrmDisplay>(watcher_, config_.display); })) {
     display_->on_disturbance(tell_owner);
