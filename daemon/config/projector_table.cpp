@@ -138,11 +138,59 @@ void check_light(JsonDocument& document) {
   }
 }
 
+// Hex digits as they are compared: "2A0D" for "2a  0d".
+std::string digits_of(std::string hex) {
+  std::erase(hex, ' ');
+  std::transform(hex.begin(), hex.end(), hex.begin(),
+                 [](char c) { return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c; });
+  return hex;
+}
+
+// What a pattern for "the light is off" fits that does not mean it; empty when there is no such thing.
+std::string wrongly_fitted(const ReplyPattern& accepted, const std::string& text,
+                           const std::optional<std::string>& refused) {
+  if (accepted.fits_noise()) return "noise";
+  if (!refused) return "";
+  const bool fits = accepted.is_of_bytes() ? digits_of(text) == digits_of(*refused)
+                                           : text == *refused || accepted.match_line(*refused).has_value();
+  return fits ? "what refuses" : "";
+}
+
+// Of a command that is sound.
+std::optional<std::string> bytes_of(const JsonDocument& document, const std::string& place) {
+  const auto hex = document.sound_text(place + "/hex"), text = document.sound_text(place + "/text");
+  const auto checksum = document.sound_text("/checksum"), line_end = document.sound_text("/line_end");
+  if (text && line_end) return parse_text(*text, *line_end).bytes;
+  if (!hex || !checksum) return std::nullopt;
+  return parse_hex(*hex, checksum_of_table(*checksum)).bytes;
+}
+
+// Darkness must not be confirmed by mistake. REQUIRES: the commands were checked.
+void check_light_off(JsonDocument& document) {
+  const std::string place = "/commands/light_off";
+  const auto bytes = bytes_of(document, place);
+  if (bytes && bytes == bytes_of(document, "/commands/light_on"))
+    document.add_violation(place, "it sends the same bytes as light_on");
+  const auto accepted = document.sound_text(place + "/accepted");
+  const auto checksum = document.sound_text("/checksum");
+  if (!accepted || !checksum) return;
+  const bool of_bytes = document.sound_text(place + "/hex").has_value();
+  if (of_bytes == document.sound_text(place + "/text").has_value()) return;
+  const std::string fitted = wrongly_fitted(parse_reply(*accepted, of_bytes, checksum_of_table(*checksum)),
+                                            *accepted, document.sound_text(place + "/refused"));
+  if (!fitted.empty()) {
+    document.add_violation(place + "/accepted",
+                           in_quotes(*accepted) + " fits " + fitted +
+                               " too: the light would be taken for off when it may be on");
+  }
+}
+
 void check_rules(JsonDocument& document) {
   for (const char* key : kCommands)
     check_command(document, std::string("/commands/") + key);
   check_brightness(document);
   check_light(document);
+  check_light_off(document);
   const nlohmann::json::json_pointer unasked("/unasked");
   const std::size_t lines = document.value().contains(unasked) ? document.value().at(unasked).size() : 0;
   for (std::size_t i = 0; i < lines; ++i)

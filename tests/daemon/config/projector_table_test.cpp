@@ -300,6 +300,45 @@ TEST_CASE("light on and light off come together, and with a reply to know them b
   CHECK(complaints_about(table).size() == 1);
 }
 
+TEST_CASE("a reply that noise could give does not confirm that the light is off") {
+  for (const std::string any : {".*", ".+", ".", "....", "[^F]*", "\\w+", "\\w{3,}", "(?:P|.{5})", "\\S+"}) {
+    json table = optoma();
+    table["commands"]["light_off"]["accepted"] = any;
+    CHECK(complaints_about(table) ==
+          Complaints{"/commands/light_off/accepted: " + json(any).dump() +
+                     " fits noise too: the light would be taken for off when it may be on"});
+  }
+  json table = shipped("projectors/anhua-df10.json");
+  table["commands"]["light_off"]["accepted"] = ".. .. ..";
+  CHECK(complaints_about(table) ==
+        Complaints{"/commands/light_off/accepted: \".. .. ..\" fits noise too: the light would be taken for "
+                   "off when it may be on"});
+}
+
+TEST_CASE("a reply that refuses does not confirm that the light is off") {
+  const std::string rest = " fits what refuses too: the light would be taken for off when it may be on";
+  json table = optoma();
+  table["commands"]["light_off"]["accepted"] = "F";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"F\"" + rest});
+  table["commands"]["light_off"]["accepted"] = "[PF]";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"[PF]\"" + rest});
+  table["commands"]["light_off"]["accepted"] = table["commands"]["light_off"]["refused"] = "(?:NG|ERR)\\d";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"(?:NG|ERR)\\\\d\"" + rest});
+  table = shipped("projectors/anhua-df10.json");
+  table["commands"]["light_off"]["accepted"] = "2a  .. ff 0d";
+  table["commands"]["light_off"]["refused"] = "2A .. FF 0D";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"2a  .. ff 0d\"" + rest});
+}
+
+TEST_CASE("light off that sends what light on sends turns nothing off") {
+  json table = optoma();
+  table["commands"]["light_off"]["text"] = "~0002 0";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off: it sends the same bytes as light_on"});
+  table = shipped("projectors/anhua-df10.json");
+  table["commands"]["light_on"]["hex"] = "2A 47 0d";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off: it sends the same bytes as light_on"});
+}
+
 TEST_CASE("a brightness has a place for its number and a range") {
   json table = shipped("projectors/anhua-df10.json");
   table["commands"]["brightness"]["text"] = "CM+LEDS=";
