@@ -55,7 +55,12 @@ Message parse_hex(const std::string& hex, Checksum checksum) {
 }
 
 ReplyPattern parse_reply(const std::string& text, bool of_bytes, Checksum checksum) {
-  return of_bytes ? ReplyPattern::of_bytes(text, checksum) : ReplyPattern::of_line(text);
+  if (of_bytes) return ReplyPattern::of_bytes(text, checksum);
+  try {
+    return ReplyPattern::of_line(text);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(in_quotes(text) + " is no regular expression: " + error.what());
+  }
 }
 
 // --- The rules beyond the schema, for what is sound of a document ---
