@@ -187,16 +187,21 @@ int start(int argc, char** argv) {
   std::string config_file = kDefaultConfig, checked_file, pace;
   bool print_states = false, look_at_hardware = false, only_light_off = false;
   app.add_option("--config", config_file, "Printer configuration")->capture_default_str();
-  const CLI::Option* check =
+  CLI::Option* const check =
       app.add_option("--check-config", checked_file, "Say what is wrong with a configuration, and exit");
-  app.add_flag(
+  CLI::Option* const look = app.add_flag(
       "--check-hardware", look_at_hardware,
       "Open the configuration's devices, say what is there, and exit; moves nothing, lights nothing");
-  app.add_flag("--light-off", only_light_off,
-               "Turn off the light that a process which has died may have left on, and exit");
+  CLI::Option* const dark =
+      app.add_flag("--light-off", only_light_off,
+                   "Turn off the light that a process which has died may have left on, and exit");
   app.add_option("--pace", pace, "Overrides the configuration's simulation.pace")
       ->check(CLI::IsMember({"realtime", "fast"}));
-  app.add_flag("--print-states", print_states, "Print the print process as a Graphviz graph, and exit");
+  CLI::Option* const draw =
+      app.add_flag("--print-states", print_states, "Print the print process as a Graphviz graph, and exit");
+  check->excludes(look, dark, draw);
+  look->excludes(dark, draw);
+  dark->excludes(draw);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -67,6 +67,18 @@ class Check(RealHardwareTest):
         self.assertEqual(result.returncode, UNAVAILABLE)
         self.assert_one_line(result.stderr, "the light may be on: the serial port /dev/tty-of-nobody")
 
+    def test_only_one_thing_is_done_at_a_time(self):
+        daemon = self.daemon()
+        modes = [["--check-hardware"], ["--light-off"], ["--print-states"], ["--check-config", daemon.config_path]]
+        for one in modes:
+            for other in modes:
+                if one == other:
+                    continue
+                result = self.check(daemon, *one, *other)
+                self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), one + other)
+                for option in (one[0], other[0]):
+                    self.assertIn(os.fsencode(option), result.stderr)
+
     def test_a_pace_is_for_the_simulated_printer(self):
         result = self.check(self.daemon(), "--pace", "fast")
         self.assertEqual(result.returncode, BAD_USAGE)
