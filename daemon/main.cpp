@@ -4,16 +4,24 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
+#include <optional>
+#include <system_error>
+#include <vector>
 
+#include "daemon/config/light_config.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/control_defaults.hpp"
+#include "daemon/durable_file.hpp"
 #include "daemon/event_loop.hpp"
+#include "daemon/light_record.hpp"
 #include "daemon/log.hpp"
 #include "daemon/printer_service.hpp"
 #include "daemon/readable.hpp"
 #include "daemon/supervisor.hpp"
 #include "hw/hardware_check.hpp"
+#include "hw/light_off.hpp"
 #include "hw/real_machine.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
@@ -80,15 +88,65 @@ int check_hardware(const PrinterConfig& config) {
   return kMissingDevice;
 }
 
-int light_off(const PrinterConfig& config) {
-  if (!config.real) return EXIT_SUCCESS;
+void say_light_may_be_on(const std::string& why) {
+  fmt::print(stderr, "the light may be on: {}\n", printable(why));
+}
+
+// What there is of the record; nothing when there is none, or none that can be read, which is said.
+std::optional<LightConfig> recorded_light(const std::filesystem::path& record) {
+  std::error_code error;
+  if (!std::filesystem::exists(record, error)) return std::nullopt;
+  try {
+    return read_light_record(record);
+  } catch (const ConfigError& unreadable) {
+    fmt::print(stderr, "{}\n", printable(unreadable.what()));
+    return std::nullopt;
+  }
+}
+
+// By the record of the daemon that ran last, else by the configuration, as far as that can be read.
+int light_off(const std::string& config_file) {
+  FoundLight found = find_light(config_file);
+  const std::filesystem::path record = light_record_path(found.control_socket.value_or(kDefaultSocket));
+  const std::optional<LightConfig> recorded = recorded_light(record);
+  if (recorded) found = {.light = *recorded, .control_socket = {}, .problems = {}, .elsewhere = {}};
+  for (const Violation& violation : found.elsewhere)
+    fmt::print(stderr, "{}\n", ConfigError({violation}).what());
+  for (const Violation& violation : found.problems)
+    say_light_may_be_on(ConfigError({violation}).what());
+
   EventLoop loop;
   EventLoopClock clock(loop);
   EventLoopWatcher watcher(loop);
-  const std::vector<std::string> problems = turn_light_off(clock, watcher, *config.real);
+  LightOff light(clock, watcher, found.light);
+  std::vector<std::string> problems;
+  light.run([&](const std::vector<std::string>& what) {
+    problems = what;
+    loop.stop();
+  });
+  loop.run();
   for (const std::string& problem : problems)
-    fmt::print(stderr, "the light may be on: {}\n", printable(problem));
-  return problems.empty() ? EXIT_SUCCESS : kMissingDevice;
+    say_light_may_be_on(problem);
+  if (!found.problems.empty()) return kBadConfig;
+  std::error_code ignored;
+  if (problems.empty()) {
+    std::filesystem::remove(record, ignored);
+    return EXIT_SUCCESS;
+  }
+  if (recorded) fmt::print(stderr, "that is by {}, which the last contourd left\n", record.string());
+  return kMissingDevice;
+}
+
+void leave_light_record(const PrinterConfig& config, const Log& log) {
+  if (!config.real) return;
+  try {
+    write_durably(light_record_path(config.control_socket), config.light_record);
+  } catch (const std::system_error& error) {
+    log.warning(
+        "machine",
+        fmt::format("{}: should contourd die, --light-off has to go by the configuration, as it is then",
+                    printable(error.what())));
+  }
 }
 
 int run(const PrinterConfig& config) {
@@ -114,6 +172,7 @@ int run(const PrinterConfig& config) {
   PrinterService service(config, loop, clock.get(), *machine, log, supervisor);
   running = &service;
   service.start();
+  leave_light_record(config, log);  // nothing is lit before the loop runs
   log.info("ready", fmt::format("contourd {} is ready: {}, spool {}, socket {}", CONTOURD_VERSION,
                                 config.name, config.spool_folder.string(), config.control_socket.string()));
   supervisor.ready();
@@ -128,16 +187,21 @@ int start(int argc, char** argv) {
   std::string config_file = kDefaultConfig, checked_file, pace;
   bool print_states = false, look_at_hardware = false, only_light_off = false;
   app.add_option("--config", config_file, "Printer configuration")->capture_default_str();
-  const CLI::Option* check =
+  CLI::Option* const check =
       app.add_option("--check-config", checked_file, "Say what is wrong with a configuration, and exit");
-  app.add_flag(
+  CLI::Option* const look = app.add_flag(
       "--check-hardware", look_at_hardware,
       "Open the configuration's devices, say what is there, and exit; moves nothing, lights nothing");
-  app.add_flag("--light-off", only_light_off,
-               "Turn off the light that a process which has died may have left on, and exit");
+  CLI::Option* const dark =
+      app.add_flag("--light-off", only_light_off,
+                   "Turn off the light that a process which has died may have left on, and exit");
   app.add_option("--pace", pace, "Overrides the configuration's simulation.pace")
       ->check(CLI::IsMember({"realtime", "fast"}));
-  app.add_flag("--print-states", print_states, "Print the print process as a Graphviz graph, and exit");
+  CLI::Option* const draw =
+      app.add_flag("--print-states", print_states, "Print the print process as a Graphviz graph, and exit");
+  check->excludes(look, dark, draw);
+  look->excludes(dark, draw);
+  dark->excludes(draw);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -152,9 +216,9 @@ int start(int argc, char** argv) {
     fmt::print("{}: good\n", checked_file);
     return EXIT_SUCCESS;
   }
+  if (only_light_off) return light_off(config_file);
   PrinterConfig config = load_printer_config(config_file);
   if (look_at_hardware) return check_hardware(config);
-  if (only_light_off) return light_off(config);
   if (!pace.empty() && config.real) {
     fmt::print(stderr, "--pace is for the simulated printer; the hardware of {} is real\n", config_file);
     return kBadUsage;

@@ -45,13 +45,15 @@ RealMachine::~RealMachine() {
 // In this order: nothing else may fail before the light is off.
 std::vector<std::string> RealMachine::open_missing() {
   std::vector<std::string> found;
+  const auto tell_owner = [this](const Disturbance& disturbance) { tell(disturbance); };
   if (config_.light &&
-      open(light_, missing_.light, [&] { return std::make_unique<GpioLightLine>(*config_.light); }))
+      open(light_, missing_.light, [&] { return std::make_unique<GpioLightLine>(*config_.light, clock_); })) {
+    light_->on_disturbance(tell_owner);
     found.push_back(light_words());
+  }
   if (config_.projector && open_projector()) found.push_back(projector_words());
   combine_projector();
   projector().light_off();
-  const auto tell_owner = [this](const Disturbance& disturbance) { tell(disturbance); };
   if (open(display_, missing_.display,
            [&] { return std::make_unique<DrmDisplay>(watcher_, config_.display); })) {
     display_->on_disturbance(tell_owner);
@@ -161,25 +163,6 @@ std::vector<std::string> RealMachine::warnings() const {
   if (axis_) sentences = axis_->refusals();
   if (const auto warning = display_ ? display_->warning() : std::nullopt) sentences.push_back(*warning);
   return sentences;
-}
-
-std::vector<std::string> turn_light_off(Clock& clock, DescriptorWatcher& watcher,
-                                        const RealMachineConfig& config) {
-  std::vector<std::string> problems;
-  try {
-    if (config.light) GpioLightLine(*config.light).off();
-  } catch (const std::exception& error) {
-    problems.emplace_back(error.what());
-  }
-  if (!config.projector || !config.projector->table.switches_light()) return problems;
-  try {
-    SerialPort port(config.projector->port, config.projector->table.baud, watcher);
-    SerialProjector projector(port, clock, config.projector->table);
-    projector.light_off();  // and once more when it goes, as no event loop hears the answer
-  } catch (const std::exception& error) {
-    problems.emplace_back(error.what());
-  }
-  return problems;
 }
 
 }  // namespace contourd

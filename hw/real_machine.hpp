@@ -82,9 +82,4 @@ class RealMachine final : public Machine {
   std::unique_ptr<Projector> combined_;  // of the light line, and of the serial projector where there is one
 };
 
-// Turns the light off that a process which has died may have left on: by its line, and by the projector's
-// serial line. Blocks for some seconds at most. Returns a sentence for each that could not be reached.
-[[nodiscard]] std::vector<std::string> turn_light_off(Clock& clock, DescriptorWatcher& watcher,
-                                                      const RealMachineConfig& config);
-
 }  // namespace contourd

@@ -26,4 +26,10 @@ struct RealMachineConfig {
   Duration warm_up{};  // of the lamp, at least
 };
 
+// What of a machine turns its light off. Of the table, only that is looked at.
+struct LightConfig {
+  std::optional<GpioLineConfig> line;
+  std::optional<SerialProjectorConfig> projector;
+};
+
 }  // namespace contourd

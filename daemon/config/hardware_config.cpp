@@ -8,12 +8,6 @@
 namespace contourd {
 namespace {
 
-GpioLineConfig read_gpio_line(const JsonSection& line) {
-  return {.chip = line.text("chip"),
-          .line = line.text_or_digits("line"),
-          .active_low = line.boolean("active_low")};
-}
-
 LineBias read_bias(const JsonSection& section) {
   const std::string word = section.text("bias");
   if (word == "pull_up") return LineBias::PullUp;
@@ -88,6 +82,12 @@ DrmDisplayConfig read_drm_display(const JsonSection& display) {
 }
 
 }  // namespace
+
+GpioLineConfig read_gpio_line(const JsonSection& line) {
+  return {.chip = line.text("chip"),
+          .line = line.text_or_digits("line"),
+          .active_low = line.boolean("active_low")};
+}
 
 RealMachineConfig read_real_machine(const JsonSection& printer, std::optional<ProjectorTable> table) {
   const JsonSection projector = printer.section("projector");

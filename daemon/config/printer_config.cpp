@@ -11,6 +11,7 @@
 #include "daemon/config/json_document.hpp"
 #include "daemon/config/json_schema.hpp"
 #include "daemon/config/json_section.hpp"
+#include "daemon/config/light_config.hpp"
 #include "daemon/config/profile_file.hpp"
 #include "daemon/config/projector_table.hpp"
 #include "hw/png_file.hpp"
@@ -19,16 +20,6 @@ namespace contourd {
 namespace {
 
 namespace fs = std::filesystem;
-
-// What relative paths of the file start from.
-fs::path folder_of(const fs::path& file) {
-  return fs::absolute(file).parent_path();
-}
-
-fs::path resolved(const fs::path& folder, const std::string& text) {
-  fs::path path = (folder / text).lexically_normal();
-  return path.has_filename() ? path : path.parent_path();  // "spool/" is "spool"
-}
 
 void check_rules(JsonDocument& document, const fs::path& folder) {
   const auto start = document.sound_number("/simulation/start_height_mm");
@@ -79,9 +70,14 @@ std::optional<ResinProfile> load_default_resin(JsonDocument& printer, const fs::
   }
 }
 
+struct LoadedTable {
+  ProjectorTable table;
+  nlohmann::json json;  // as in its file, with its defaults
+};
+
 // The projector's table, as the default resin.
-std::optional<ProjectorTable> load_table(JsonDocument& printer, const fs::path& folder,
-                                         std::vector<Violation>& violations) {
+std::optional<LoadedTable> load_table(JsonDocument& printer, const fs::path& folder,
+                                      std::vector<Violation>& violations) {
   const auto tables = printer.sound_text("/projectors_folder");
   const auto name = printer.sound_text("/projector/table");
   if (!tables || !name) return std::nullopt;
@@ -92,7 +88,9 @@ std::optional<ProjectorTable> load_table(JsonDocument& printer, const fs::path& 
     return std::nullopt;
   }
   try {
-    return load_projector_table(*file);
+    JsonDocument document = JsonDocument::from_file(*file);
+    ProjectorTable table = read_projector_table(document);
+    return LoadedTable{std::move(table), document.value()};
   } catch (const ConfigError& error) {
     violations.insert(violations.end(), error.violations().begin(), error.violations().end());
     return std::nullopt;
@@ -175,14 +173,24 @@ std::optional<MillimetersPerSecond> read_top_speed(const JsonSection& z_axis) {
 struct Companions {
   std::optional<ResinProfile> resin;
   std::optional<Mask> lamp;
-  std::optional<ProjectorTable> table;
+  std::optional<LoadedTable> table;
 };
 
-PrinterConfig read_printer(const JsonSection& root, const fs::path& folder, Companions companions) {
+// What only a real machine has.
+void read_real(const JsonDocument& document, std::optional<LoadedTable> table, PrinterConfig& config) {
+  std::optional<nlohmann::json> json;
+  if (table) json = std::move(table->json);
+  config.light_record = light_record(document, json);
+  config.real =
+      read_real_machine(JsonSection(document), table ? std::optional(std::move(table->table)) : std::nullopt);
+}
+
+PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder, Companions companions) {
+  const JsonSection root(document);
   const JsonSection display = root.section("display");
   const bool real = root.text("hardware") == "real";
   constexpr std::uintmax_t bytes_per_mb = 1'000'000;
-  return {
+  PrinterConfig config{
       .name = root.text("name"),
       .spool_folder = resolved(folder, root.text("spool_folder")),
       .control_socket = resolved(folder, root.text("control_socket")),
@@ -204,8 +212,11 @@ PrinterConfig read_printer(const JsonSection& root, const fs::path& folder, Comp
       .irradiance_mw_cm2 = root.section("projector").number("irradiance_mw_cm2"),
       .pace = !real && root.section("simulation").text("pace") == "fast" ? Pace::Fast : Pace::Realtime,
       .simulated = read_simulated(root, folder),
-      .real = real ? std::optional(read_real_machine(root, std::move(companions.table))) : std::nullopt,
+      .real = {},
+      .light_record = {},
   };
+  if (real) read_real(document, std::move(companions.table), config);
+  return config;
 }
 
 }  // namespace
@@ -221,12 +232,12 @@ PrinterConfig load_printer_config(const fs::path& path) {
   companions.resin = load_default_resin(document, folder, elsewhere);
   companions.lamp = load_lamp(document, folder);
   companions.table = load_table(document, folder, elsewhere);
-  if (companions.table) check_projector_table(document, *companions.table);
+  if (companions.table) check_projector_table(document, companions.table->table);
 
   std::vector<Violation> violations = document.violations();
   violations.insert(violations.end(), elsewhere.begin(), elsewhere.end());
   if (!violations.empty()) throw ConfigError(std::move(violations));
-  return read_printer(JsonSection(document), folder, std::move(companions));
+  return read_printer(document, folder, std::move(companions));
 }
 
 ResinProfile find_resin(const PrinterConfig& printer, std::string_view name) {

@@ -50,6 +50,8 @@ struct PrinterConfig {
   Pace pace = Pace::Realtime;
   SimulatedPrinterConfig simulated;
   std::optional<RealMachineConfig> real;  // nothing when the machine is simulated
+  std::string
+      light_record;  // what is to be left for `--light-off`; see light_config.hpp. Real machines' only
 };
 
 // Throws ConfigError with everything that is wrong with the file and with the resin profile it names.

@@ -30,6 +30,15 @@ std::string profile_names(const fs::path& folder) {
 
 }  // namespace
 
+fs::path folder_of(const fs::path& file) {
+  return fs::absolute(file).parent_path();
+}
+
+fs::path resolved(const fs::path& folder, const std::string& text) {
+  fs::path path = (folder / text).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();  // "spool/" is "spool"
+}
+
 std::optional<fs::path> profile_file(const fs::path& folder, std::string_view name) {
   constexpr std::string_view forbidden("/\0", 2);
   if (name.empty() || name.front() == '.' || name.find_first_of(forbidden) != std::string_view::npos) {

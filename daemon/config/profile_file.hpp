@@ -1,4 +1,5 @@
-// Profiles by name: NAME is the file NAME.json in a folder. Thread-safe (no shared state).
+// Where an owner's file refers to: paths, and profiles by name, NAME being the file NAME.json in a folder.
+// Thread-safe (no shared state).
 #pragma once
 
 #include <filesystem>
@@ -7,6 +8,11 @@
 #include <string_view>
 
 namespace contourd {
+
+// What relative paths of the file start from.
+[[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& file);
+// The absolute path that the text means in a file of that folder.
+[[nodiscard]] std::filesystem::path resolved(const std::filesystem::path& folder, const std::string& text);
 
 // Nothing when there is no such profile. The name may come from anywhere: it can never lead out of the
 // folder.

@@ -55,7 +55,12 @@ Message parse_hex(const std::string& hex, Checksum checksum) {
 }
 
 ReplyPattern parse_reply(const std::string& text, bool of_bytes, Checksum checksum) {
-  return of_bytes ? ReplyPattern::of_bytes(text, checksum) : ReplyPattern::of_line(text);
+  if (of_bytes) return ReplyPattern::of_bytes(text, checksum);
+  try {
+    return ReplyPattern::of_line(text);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(in_quotes(text) + " is no regular expression: " + error.what());
+  }
 }
 
 // --- The rules beyond the schema, for what is sound of a document ---
@@ -138,11 +143,59 @@ void check_light(JsonDocument& document) {
   }
 }
 
+// Hex digits as they are compared: "2A0D" for "2a  0d".
+std::string digits_of(std::string hex) {
+  std::erase(hex, ' ');
+  std::transform(hex.begin(), hex.end(), hex.begin(),
+                 [](char c) { return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c; });
+  return hex;
+}
+
+// What a pattern for "the light is off" fits that does not mean it; empty when there is no such thing.
+std::string wrongly_fitted(const ReplyPattern& accepted, const std::string& text,
+                           const std::optional<std::string>& refused) {
+  if (accepted.fits_noise()) return "noise";
+  if (!refused) return "";
+  const bool fits = accepted.is_of_bytes() ? digits_of(text) == digits_of(*refused)
+                                           : text == *refused || accepted.match_line(*refused).has_value();
+  return fits ? "what refuses" : "";
+}
+
+// Of a command that is sound.
+std::optional<std::string> bytes_of(const JsonDocument& document, const std::string& place) {
+  const auto hex = document.sound_text(place + "/hex"), text = document.sound_text(place + "/text");
+  const auto checksum = document.sound_text("/checksum"), line_end = document.sound_text("/line_end");
+  if (text && line_end) return parse_text(*text, *line_end).bytes;
+  if (!hex || !checksum) return std::nullopt;
+  return parse_hex(*hex, checksum_of_table(*checksum)).bytes;
+}
+
+// Darkness must not be confirmed by mistake. REQUIRES: the commands were checked.
+void check_light_off(JsonDocument& document) {
+  const std::string place = "/commands/light_off";
+  const auto bytes = bytes_of(document, place);
+  if (bytes && bytes == bytes_of(document, "/commands/light_on"))
+    document.add_violation(place, "it sends the same bytes as light_on");
+  const auto accepted = document.sound_text(place + "/accepted");
+  const auto checksum = document.sound_text("/checksum");
+  if (!accepted || !checksum) return;
+  const bool of_bytes = document.sound_text(place + "/hex").has_value();
+  if (of_bytes == document.sound_text(place + "/text").has_value()) return;
+  const std::string fitted = wrongly_fitted(parse_reply(*accepted, of_bytes, checksum_of_table(*checksum)),
+                                            *accepted, document.sound_text(place + "/refused"));
+  if (!fitted.empty()) {
+    document.add_violation(place + "/accepted",
+                           in_quotes(*accepted) + " fits " + fitted +
+                               " too: the light would be taken for off when it may be on");
+  }
+}
+
 void check_rules(JsonDocument& document) {
   for (const char* key : kCommands)
     check_command(document, std::string("/commands/") + key);
   check_brightness(document);
   check_light(document);
+  check_light_off(document);
   const nlohmann::json::json_pointer unasked("/unasked");
   const std::size_t lines = document.value().contains(unasked) ? document.value().at(unasked).size() : 0;
   for (std::size_t i = 0; i < lines; ++i)
@@ -159,8 +212,11 @@ class TableReader {
         checksum_(checksum_of_table(root_.text("checksum"))) {}
 
   [[nodiscard]] ProjectorTable read() const;
+  [[nodiscard]] std::optional<ProjectorTable> read_light() const;
 
  private:
+  // What it has beside its commands.
+  [[nodiscard]] ProjectorTable read_line() const;
   [[nodiscard]] Message message(const JsonSection& section) const;
   [[nodiscard]] ProjectorCommand command(const std::string& key) const;
   [[nodiscard]] std::optional<ProjectorCommand> optional_command(const std::string& key) const;
@@ -225,34 +281,63 @@ std::vector<UnaskedLine> TableReader::unasked() const {
   return lines;
 }
 
+ProjectorTable TableReader::read_line() const {
+  ProjectorTable table;
+  table.name = root_.text("brand");
+  table.baud = root_.integer<int>("baud");
+  table.echo = root_.boolean("echo");
+  table.retries = root_.integer<int>("retries");
+  table.gap = root_.duration("gap_ms");
+  return table;
+}
+
 ProjectorTable TableReader::read() const {
-  return {
-      .name = root_.text("brand"),
-      .baud = root_.integer<int>("baud"),
-      .echo = root_.boolean("echo"),
-      .retries = root_.integer<int>("retries"),
-      .gap = root_.duration("gap_ms"),
-      .warm_up = root_.duration("warm_up_s"),
-      .cool_down = root_.duration("cool_down_s"),
-      .power_on = command("power_on"),
-      .power_off = command("power_off"),
-      .light_on = optional_command("light_on"),
-      .light_off = optional_command("light_off"),
-      .brightness = brightness(),
-      .power = optional_command("power"),
-      .lamp_hours = optional_command("lamp_hours"),
-      .unasked = unasked(),
-  };
+  ProjectorTable table = read_line();
+  table.warm_up = root_.duration("warm_up_s");
+  table.cool_down = root_.duration("cool_down_s");
+  table.power_on = command("power_on");
+  table.power_off = command("power_off");
+  table.light_on = optional_command("light_on");
+  table.light_off = optional_command("light_off");
+  table.brightness = brightness();
+  table.power = optional_command("power");
+  table.lamp_hours = optional_command("lamp_hours");
+  table.unasked = unasked();
+  return table;
+}
+
+std::optional<ProjectorTable> TableReader::read_light() const {
+  if (!commands_.has("light_off")) return std::nullopt;
+  ProjectorTable table = read_line();
+  table.light_off = command("light_off");
+  try {
+    table.power = optional_command("power");
+  } catch (const std::exception&) {
+    // Without it, nobody can tell that a projector which does not confirm light off is off altogether.
+  }
+  return table;
 }
 
 }  // namespace
 
-ProjectorTable load_projector_table(const std::filesystem::path& path) {
-  JsonDocument document = JsonDocument::from_file(path);
+void check_table(JsonDocument& document) {
   projector_schema().check(document);
   check_rules(document);
+}
+
+ProjectorTable read_projector_table(JsonDocument& document) {
+  check_table(document);
   document.throw_if_violated();
   return TableReader(JsonSection(document)).read();
+}
+
+ProjectorTable load_projector_table(const std::filesystem::path& path) {
+  JsonDocument document = JsonDocument::from_file(path);
+  return read_projector_table(document);
+}
+
+std::optional<ProjectorTable> read_light_table(const JsonSection& table) {
+  return TableReader(table).read_light();
 }
 
 }  // namespace contourd

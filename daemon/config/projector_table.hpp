@@ -2,7 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
+#include "daemon/config/json_document.hpp"
+#include "daemon/config/json_section.hpp"
 #include "hw/serial/projector_table.hpp"
 
 namespace contourd {
@@ -10,5 +13,14 @@ namespace contourd {
 // Throws ConfigError with everything that is wrong with the table: patterns and bytes that cannot be read,
 // checksums that are not right, commands that need one another.
 [[nodiscard]] ProjectorTable load_projector_table(const std::filesystem::path& path);
+// The same of a document; gives it its defaults.
+[[nodiscard]] ProjectorTable read_projector_table(JsonDocument& document);
+
+// Adds what is wrong with the table to its document, and gives that its defaults.
+void check_table(JsonDocument& document);
+// What of a table turns the light off, and asks whether the projector is on where that can be read; nothing
+// where the table cannot switch the light. Looks at nothing else. Throws ConfigError or
+// std::invalid_argument. REQUIRES: the table has its defaults.
+[[nodiscard]] std::optional<ProjectorTable> read_light_table(const JsonSection& table);
 
 }  // namespace contourd

@@ -1,24 +1,43 @@
 // The light by a GPIO line. Event loop's thread only.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 
+#include "hw/clock.hpp"
 #include "hw/gpio/gpio_lines.hpp"
 #include "hw/light_line.hpp"
+#include "hw/machine.hpp"
 
 namespace contourd {
 
 class GpioLightLine final : public LightLine {
  public:
-  // Takes the line, dark. Throws HardwareError.
-  explicit GpioLightLine(const GpioLineConfig& config);
+  // Takes the line, dark. Throws HardwareError. The clock must outlive it.
+  GpioLightLine(const GpioLineConfig& config, Clock& clock);
+  // Of a line that is there; `words` are what an owner calls it: "line 24 of gpiochip0".
+  GpioLightLine(std::unique_ptr<OutputLine> line, std::string words, Clock& clock);
 
+  // The line refuses to go off; said once, and tried again and again until it does.
+  void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
+  // Throws HardwareError too as long as the line refuses to go off.
   void on() override;
   void off() noexcept override;
+  // Why the line is not off though it should be, in a sentence; else empty.
+  [[nodiscard]] std::string refusal() const { return refuses_off_ ? cannot_be_set() : ""; }
 
  private:
+  [[nodiscard]] std::string cannot_be_set() const;
+  void insist();
+
   std::string words_;
-  GpioOutput line_;
+  Clock& clock_;
+  std::unique_ptr<OutputLine> line_;
+  std::function<void(const Disturbance&)> disturbed_;
+  bool refuses_off_ = false;
+  bool told_ = false;  // of that
+  std::unique_ptr<Timer> again_;
 };
 
 }  // namespace contourd

@@ -62,7 +62,8 @@ struct ProjectorTable {
   Duration cool_down{};  // after power off, for which power on is ignored
 
   ProjectorCommand power_on, power_off;
-  std::optional<ProjectorCommand> light_on, light_off;  // both or neither; each with an Accepted
+  std::optional<ProjectorCommand> light_on,
+      light_off;  // both or neither, but see LightConfig; each with an Accepted
   std::optional<BrightnessCommand> brightness;
   std::optional<ProjectorCommand> power;       // query: On, Off
   std::optional<ProjectorCommand> lamp_hours;  // query: Value

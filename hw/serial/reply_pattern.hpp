@@ -38,6 +38,8 @@ class ReplyPattern {
   [[nodiscard]] bool is_of_bytes() const { return !bytes_.empty(); }
   // How many values a match gives: groups, or 1 where there are value bytes.
   [[nodiscard]] std::size_t values() const;
+  // Whether bytes that mean nothing fit it, such as those of a line at the wrong speed.
+  [[nodiscard]] bool fits_noise() const;
 
   // Nothing when the line is another, or its value no number that fits.
   [[nodiscard]] std::optional<Match> match_line(std::string_view line) const;

@@ -72,6 +72,7 @@ void SerialProjector::next() {
   if (current_) return;
   if (dark_wanted_ && !dark_timer_) {
     current_ = Request{dark_id_, light_off_command(), [this](const Answer& answer) { darkened(answer); }};
+    dark_asked_at_ = clock_.now();
   } else if (!queue_.empty()) {
     current_ = std::move(queue_.front());
     queue_.pop_front();
@@ -207,12 +208,15 @@ void SerialProjector::switch_on_when_cool(Done done) {
 }
 
 void SerialProjector::switch_on(Done done, TimePoint ready_by) {
+  power_ = Power::Unknown;
   ask(table_.power_on, [this, ready_by, done = std::move(done)](const Answer& answer) mutable {
     if (answer.reply != ProjectorReply::Ok) return done(answer.reply);
-    step_ = clock_.call_after(table_.warm_up, [this, ready_by, done = std::move(done)]() mutable {
+    warm_at_ = clock_.now() + table_.warm_up;
+    step_ = clock_.call_at(warm_at_, [this, ready_by, done = std::move(done)]() mutable {
       if (!table_.power) return prepare(done);
       wait_until_on(std::move(done), ready_by);
     });
+    if (table_.light_off) suspect_light();  // it comes up with a picture of its own
   });
 }
 
@@ -238,8 +242,7 @@ void SerialProjector::prepare(const Done& done) {
   power_ = Power::On;
   off_at_.reset();
   if (!table_.switches_light()) return set_brightness(done);
-  light_may_be_on_ = true;
-  want_dark();
+  suspect_light();
   when_dark_ = [this, done](const Answer& answer) {
     answer.reply == ProjectorReply::Ok ? set_brightness(done) : done(answer.reply);
   };
@@ -289,8 +292,13 @@ void SerialProjector::light_on(Done done) {
 
 void SerialProjector::light_off() noexcept {
   make_way();
-  if (!table_.switches_light() || power_ == Power::Off) return;
+  if (!table_.light_off || power_ == Power::Off) return;
   want_dark();
+}
+
+void SerialProjector::confirm_dark(Done done) {
+  light_off();
+  when_dark_ = [done = std::move(done)](const Answer& answer) { done(answer.reply); };
 }
 
 void SerialProjector::want_dark() {
@@ -302,24 +310,54 @@ void SerialProjector::want_dark() {
 }
 
 void SerialProjector::darkened(const Answer& answer) {
-  const auto when_dark = std::exchange(when_dark_, nullptr);
   if (answer.reply == ProjectorReply::Ok) {
     dark_wanted_ = light_may_be_on_ = dark_reported_ = false;
-  } else if (!light_may_be_on_ || lost_) {
-    dark_wanted_ = false;  // nobody asked it for light; or the loss was reported, with the light
-  } else {
+  } else if (lost_) {
+    dark_wanted_ = false;  // the loss was reported, with the light
+  } else if (dark_asked_at_ < warm_at_) {
+    return try_later();  // whoever waits for darkness goes on waiting
+  } else if (light_may_be_on_) {
     keep_trying();
+  } else {
+    return ask_whether_on(answer);
   }
-  if (when_dark) when_dark(answer);
+  tell_darkness(answer);
 }
 
-void SerialProjector::keep_trying() {
+void SerialProjector::tell_darkness(const Answer& answer) {
+  if (const auto when_dark = std::exchange(when_dark_, nullptr)) when_dark(answer);
+}
+
+// Nobody has asked it for light, and it does not confirm that there is none: as many do while they are off.
+void SerialProjector::ask_whether_on(const Answer& answer) {
+  dark_wanted_ = false;
+  if (!reader_.unexplained().empty()) return suspect_light();
+  if (!table_.power) return tell_darkness(answer);
+  ask(*table_.power, [this, answer, problem = problem_](const Answer& power) {
+    const bool says_off = power.reply == ProjectorReply::Ok && power.meaning == ReplyMeaning::Off;
+    const bool says_on = power.reply == ProjectorReply::Ok && !says_off;
+    if (says_on || !reader_.unexplained().empty()) return suspect_light();
+    problem_ = problem;
+    tell_darkness(says_off ? Answer{} : answer);
+  });
+}
+
+void SerialProjector::suspect_light() {
+  light_may_be_on_ = true;
+  want_dark();
+}
+
+void SerialProjector::try_later() {
   dark_timer_ = clock_.call_after(table_.light_off->timeout, [this] {
     dark_timer_.reset();
     next();
   });
+}
+
+void SerialProjector::keep_trying() {
+  try_later();
   // No light on behind a light off that failed.
-  std::erase_if(queue_, [this](const Request& request) { return request.command != &table_.power_off; });
+  std::erase_if(queue_, [this](const Request& request) { return request.command == light_on_command(); });
   if (!std::exchange(dark_reported_, true))
     report(Disturbance::Kind::Fault, "the light may be on: " + problem_);
 }

@@ -4,9 +4,9 @@
 //
 // Commands go one at a time: the next when the one before was answered or given up, or when light off comes:
 // that is sent at once, or as soon as the table's gap has passed, ahead of all others, and again and again
-// until it is confirmed. "Light on" is reported when the projector's reply has come. At 9600 baud a command
-// of 8 bytes takes 8 ms and so does its reply, and the projector thinks in between: the light comes on within
-// that time, before the report.
+// until it is confirmed, from power on on. "Light on" is reported when the projector's reply has come. At
+// 9600 baud a command of 8 bytes takes 8 ms and so does its reply, and the projector thinks in between: the
+// light comes on within that time, before the report.
 #pragma once
 
 #include <cstdint>
@@ -39,14 +39,18 @@ class SerialProjector final : public Projector {
   void light_on(Done done) override;
   void light_off() noexcept override;
   void power_off() noexcept override;
+  // Light off, and whether it is: Ok when the projector confirms it, or says that it is not even on; else,
+  // when the table's retries are over, what came of them (see last_problem()). REQUIRES: the table has a
+  // light off; nothing was asked for before.
+  void confirm_dark(Done done);
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }
 
   // The line is lost, for good: a new channel and a new projector may find it again.
   [[nodiscard]] bool lost() const { return lost_; }
 
-  // The projector does not confirm that the light is off, says by itself that something is wrong, or its line
-  // is lost.
+  // The projector does not confirm that the light is off, where it is on or its answers make no sense; it
+  // says by itself that something is wrong; or its line is lost.
   void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
 
  private:
@@ -84,6 +88,10 @@ class SerialProjector final : public Projector {
   void powered_off(const Answer& answer);
   void want_dark();
   void darkened(const Answer& answer);
+  void ask_whether_on(const Answer& answer);
+  void suspect_light();
+  void tell_darkness(const Answer& answer);
+  void try_later();
   void keep_trying();
   void ask_lamp_hours(ProjectorStatus status, StatusDone done);
 
@@ -121,6 +129,8 @@ class SerialProjector final : public Projector {
   bool light_may_be_on_ = false;  // asked for, or just powered on, and not confirmed dark since
   bool dark_wanted_ = false;      // light off is to be sent until it is confirmed
   bool dark_reported_ = false;
+  TimePoint warm_at_{};        // until then nobody wonders at a light off that is refused
+  TimePoint dark_asked_at_{};  // light off was sent first, of this attempt
   ReplyReader::RequestId dark_id_ = 0;
   std::unique_ptr<Timer> dark_timer_;  // to the next attempt, after the first few
   std::function<void(const Answer&)> when_dark_;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hw/hardware_check.hpp"
+#include "hw/light_off.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 
@@ -119,11 +120,18 @@ TEST_CASE("A look at the hardware tells of every device, whatever is wrong with 
 TEST_CASE("The light of a process that died is turned off as far as its devices can be reached") {
   VirtualClock clock;
   NoDescriptors watcher;
-  RealMachineConfig config = nowhere();
-  CHECK(turn_light_off(clock, watcher, config).size() == 1);  // this table switches no light
-  config.projector->table.light_on = config.projector->table.light_off = ProjectorCommand{};
-  CHECK(turn_light_off(clock, watcher, config).size() == 2);
-  config.light.reset();
-  config.projector.reset();
-  CHECK(turn_light_off(clock, watcher, config).empty());
+  const auto problems = [&](const LightConfig& config) {
+    LightOff light(clock, watcher, config);
+    std::optional<std::vector<std::string>> told;
+    light.run([&](const std::vector<std::string>& what) { told = what; });
+    CHECK_FALSE(told);
+    while (!told && clock.run_next()) {
+    }
+    return told.value();
+  };
+  LightConfig light{.line = nowhere().light, .projector = nowhere().projector};
+  CHECK(problems(light).size() == 1);  // this table switches no light
+  light.projector->table.light_off = ProjectorCommand{};
+  CHECK(problems(light).size() == 2);
+  CHECK(problems({}).empty());
 }

@@ -362,14 +362,14 @@ class Daemon:
         with open(os.path.join(self.folder, "resins", name + ".json"), "w", encoding="utf-8") as file:
             json.dump(profile, file)
 
-    def start(self, *arguments):
+    def start(self, *arguments, **environment):
         """Returns when the daemon has said that it is ready."""
         notify_path = os.path.join(self.folder, "notify.sock")
         with contextlib.suppress(FileNotFoundError):
             os.unlink(notify_path)
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notify:
             notify.bind(notify_path)
-            self.launch(*arguments, NOTIFY_SOCKET=notify_path)
+            self.launch(*arguments, NOTIFY_SOCKET=notify_path, **environment)
             notify.settimeout(0.02)
             end = time.monotonic() + DEADLINE_S
             while True:

@@ -1,10 +1,11 @@
 """A configuration of real hardware on a computer that has none of it: the daemon says so and waits."""
 
+import json
 import os
 import re
 
 from harness import (
-    BAD_USAGE, CONTOURD, OK, SOURCE, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, main, run, source_json,
+    BAD_CONFIG, BAD_USAGE, CONTOURD, OK, SOURCE, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, main, run, source_json,
     wait_until,
 )  # fmt: skip
 
@@ -31,8 +32,8 @@ class RealHardwareTest(FolderTest):
         daemon.write_config()
         return daemon
 
-    def check(self, daemon, *arguments):
-        return run(CONTOURD, "--config", daemon.config_path, *arguments)
+    def check(self, daemon, *arguments, **options):
+        return run(CONTOURD, "--config", daemon.config_path, *arguments, **options)
 
 
 class Check(RealHardwareTest):
@@ -66,10 +67,120 @@ class Check(RealHardwareTest):
         self.assertEqual(result.returncode, UNAVAILABLE)
         self.assert_one_line(result.stderr, "the light may be on: the serial port /dev/tty-of-nobody")
 
+    def test_only_one_thing_is_done_at_a_time(self):
+        daemon = self.daemon()
+        modes = [["--check-hardware"], ["--light-off"], ["--print-states"], ["--check-config", daemon.config_path]]
+        for one in modes:
+            for other in modes:
+                if one == other:
+                    continue
+                result = self.check(daemon, *one, *other)
+                self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), one + other)
+                for option in (one[0], other[0]):
+                    self.assertIn(os.fsencode(option), result.stderr)
+
     def test_a_pace_is_for_the_simulated_printer(self):
         result = self.check(self.daemon(), "--pace", "fast")
         self.assertEqual(result.returncode, BAD_USAGE)
         self.assert_one_line(result.stderr, "--pace")
+
+
+LOST = "the light may be on: the serial port /dev/tty-of-nobody"
+
+
+class LightOff(RealHardwareTest):
+    """What turns the light off when the daemon has died, whatever has become of its configuration meanwhile."""
+
+    def record(self):
+        return self.path("light.json")
+
+    def killed(self, **environment):
+        """A daemon that was killed."""
+        daemon = self.daemon()
+        daemon.start(**environment)
+        daemon.process.kill()
+        daemon.process.wait()
+        return daemon
+
+    def light_off(self, daemon, **environment):
+        return self.check(daemon, "--light-off", env={**os.environ, **environment})
+
+    def assert_tried(self, daemon, *words, **environment):
+        result = self.light_off(daemon, **environment)
+        self.assertEqual(result.returncode, UNAVAILABLE, result.stderr)
+        for word in (LOST, *words):
+            self.assertIn(os.fsencode(word), result.stderr)
+        return result
+
+    def test_a_mistake_elsewhere_is_only_mentioned(self):
+        daemon = self.daemon(display={**real_config()["display"], "colour": "blue"}, resin="of-nobody")
+        result = self.assert_tried(daemon, "/display/colour: ")
+        self.assertEqual(result.stderr.count(b"\n"), 2, result.stderr)
+
+    def test_a_mistake_elsewhere_in_the_projectors_table_is_only_mentioned(self):
+        table = source_json("projectors", "optoma.json")
+        table["commands"]["power_on"]["accepted"] = "[P"
+        self.write("optoma.json", json.dumps(table))
+        self.assert_tried(self.daemon(projectors_folder="."), "/commands/power_on/accepted: ")
+
+    def test_a_mistake_in_what_turns_the_light_off_is_a_wrong_configuration(self):
+        for projector in ({"light": {"line": True}}, {"port": 5}, {"table": "of-nobody"}):
+            config = real_config()
+            config["projector"].update(projector)
+            result = self.light_off(self.daemon(projector=config["projector"]))
+            self.assertEqual(result.returncode, BAD_CONFIG, result.stderr)
+            self.assertIn(b"/projector/" + os.fsencode(next(iter(projector))), result.stderr)
+            self.assertIn(b"the light may be on: ", result.stderr)
+
+    def test_without_any_configuration_the_light_may_be_on(self):
+        daemon = self.daemon()
+        os.unlink(daemon.config_path)
+        result = self.light_off(daemon)
+        self.assertEqual(result.returncode, BAD_CONFIG)
+        self.assert_one_line(result.stderr, "the light may be on: ", "contourd.json: there is no such file")
+
+    def test_the_daemon_notes_what_its_light_off_needs(self):
+        daemon = self.killed()
+        with open(self.record(), encoding="utf-8") as file:
+            record = json.load(file)
+        self.assertEqual(record["projector"]["port"], "/dev/tty-of-nobody")
+        self.assertEqual(record["projector"]["table"]["commands"]["light_off"],
+                         source_json("projectors", "optoma.json")["commands"]["light_off"])  # fmt: skip
+        # Broken, simulated, or with another port by now: it is what was running that counts.
+        daemon.config["hardware"] = "simulated"
+        daemon.config["projector"]["port"] = "/dev/tty-of-somebody"
+        daemon.write_config()
+        self.assert_tried(daemon, self.record())
+        self.assertTrue(os.path.exists(self.record()))
+        self.write("contourd.json", '{"control_socket": "control.sock", "display": 7}')
+        self.assert_tried(daemon)
+
+    def test_the_note_is_in_the_service_managers_folder_where_there_is_one(self):
+        os.mkdir(self.path("run"))
+        environment = {"RUNTIME_DIRECTORY": self.path("run") + ":/run/other"}
+        daemon = self.killed(**environment)
+        self.assertFalse(os.path.exists(self.record()))
+        self.write("contourd.json", "no JSON")
+        self.assert_tried(daemon, self.path("run", "light.json"), **environment)
+
+    def test_a_note_that_cannot_be_read_is_mentioned_and_the_configuration_used(self):
+        daemon = self.daemon()
+        self.write("light.json", '{"projector": {"port": ')
+        self.assert_tried(daemon, self.record())
+
+    def test_a_note_goes_when_the_light_is_off(self):
+        daemon = self.daemon()
+        self.write("light.json", "{}")  # a machine without a light: there is nothing that could stay on
+        result = self.light_off(daemon)
+        self.assertEqual((result.returncode, result.stderr), (OK, b""))
+        self.assertFalse(os.path.exists(self.record()))
+        self.assert_tried(daemon)  # by the configuration again
+
+    def test_a_simulated_printer_notes_nothing(self):
+        daemon = self.daemon(hardware="simulated")
+        daemon.start()
+        daemon.stop()
+        self.assertFalse(os.path.exists(self.record()))
 
 
 class Degraded(RealHardwareTest):

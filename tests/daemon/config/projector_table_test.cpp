@@ -212,7 +212,7 @@ TEST_CASE("Anhua's table mixes bytes and text, and sets the brightness") {
                   {led_off, bytes({0x2A, 0x47, 0, 0x0D})},
                   {"CM+LEDS=440\r\n", "OK\r\n"}};
   CHECK(talk.power_on() == ProjectorReply::Ok);
-  CHECK(talk.channel.messages() == Messages{on, led_off, "CM+LEDS=440\r\n"});
+  CHECK(talk.channel.messages() == Messages{on, led_off, led_off, "CM+LEDS=440\r\n"});
   CHECK(talk.light_on() == ProjectorReply::Ok);
   CHECK(talk.channel.messages() == Messages{led_on});
   talk.answers[2].second[2] = 1;
@@ -263,11 +263,10 @@ TEST_CASE("a bad reply pattern is found when the table is read, with what is wro
   CHECK(
       complaints[0] ==
       "/commands/lamp_hours/value: it has 0 groups; the value's digits need one, others are written (?:...)");
-  // What libstdc++ says of it.
-  CHECK(complaints[1].starts_with("/commands/power/on: "));
-  CHECK(complaints[1].size() > std::string("/commands/power/on: ").size());
+  // And what libstdc++ says of it.
+  CHECK(complaints[1].starts_with("/commands/power/on: \"OK(1\" is no regular expression: "));
   CHECK(complaints[2] == "/commands/power_off/accepted: no value is expected here: write groups as (?:...)");
-  CHECK(complaints[3].starts_with("/unasked/2/line: "));
+  CHECK(complaints[3].starts_with("/unasked/2/line: \"INFO[2\" is no regular expression: "));
 }
 
 TEST_CASE("bytes that are none and sums that are wrong are found when the table is read") {
@@ -298,6 +297,45 @@ TEST_CASE("light on and light off come together, and with a reply to know them b
   table = optoma();
   table["commands"]["light_off"].erase("accepted");
   CHECK(complaints_about(table).size() == 1);
+}
+
+TEST_CASE("a reply that noise could give does not confirm that the light is off") {
+  for (const std::string any : {".*", ".+", ".", "....", "[^F]*", "\\w+", "\\w{3,}", "(?:P|.{5})", "\\S+"}) {
+    json table = optoma();
+    table["commands"]["light_off"]["accepted"] = any;
+    CHECK(complaints_about(table) ==
+          Complaints{"/commands/light_off/accepted: " + json(any).dump() +
+                     " fits noise too: the light would be taken for off when it may be on"});
+  }
+  json table = shipped("projectors/anhua-df10.json");
+  table["commands"]["light_off"]["accepted"] = ".. .. ..";
+  CHECK(complaints_about(table) ==
+        Complaints{"/commands/light_off/accepted: \".. .. ..\" fits noise too: the light would be taken for "
+                   "off when it may be on"});
+}
+
+TEST_CASE("a reply that refuses does not confirm that the light is off") {
+  const std::string rest = " fits what refuses too: the light would be taken for off when it may be on";
+  json table = optoma();
+  table["commands"]["light_off"]["accepted"] = "F";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"F\"" + rest});
+  table["commands"]["light_off"]["accepted"] = "[PF]";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"[PF]\"" + rest});
+  table["commands"]["light_off"]["accepted"] = table["commands"]["light_off"]["refused"] = "(?:NG|ERR)\\d";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"(?:NG|ERR)\\\\d\"" + rest});
+  table = shipped("projectors/anhua-df10.json");
+  table["commands"]["light_off"]["accepted"] = "2a  .. ff 0d";
+  table["commands"]["light_off"]["refused"] = "2A .. FF 0D";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"2a  .. ff 0d\"" + rest});
+}
+
+TEST_CASE("light off that sends what light on sends turns nothing off") {
+  json table = optoma();
+  table["commands"]["light_off"]["text"] = "~0002 0";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off: it sends the same bytes as light_on"});
+  table = shipped("projectors/anhua-df10.json");
+  table["commands"]["light_on"]["hex"] = "2A 47 0d";
+  CHECK(complaints_about(table) == Complaints{"/commands/light_off: it sends the same bytes as light_on"});
 }
 
 TEST_CASE("a brightness has a place for its number and a range") {

@@ -92,10 +92,79 @@ TEST_CASE("a serial projector that is off is turned on, warmed up, asked again a
   bench.start_power_on();
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::Ok);
-  CHECK(bench.channel.messages() == Messages{"~00124 1\r", "~0000 1\r", "~00124 1\r", "~0002 1\r"});
+  CHECK(bench.channel.messages() ==
+        Messages{"~00124 1\r", "~0000 1\r", "~0002 1\r", "~00124 1\r", "~0002 1\r"});
   CHECK_FALSE(bench.light);
   CHECK(bench.now() >= 30s);
   CHECK(bench.now() < 31s);  // four commands and their gaps beside the warm-up
+}
+
+TEST_CASE("a projector that refuses light off while it warms up is told again and again from power on on") {
+  Bench bench;
+  std::optional<TimePoint> on_at;
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0000 1\r") on_at = bench.clock.now(), bench.light = true;  // its start-up picture
+    if (message == "~0002 1\r" && bench.clock.now() - *on_at < 25s) return bench.channel.send("F\r");
+    bench.behave(message);
+  };
+  bench.start_power_on();
+  bench.pass(20s);
+  REQUIRE(bench.channel.sent.size() > 12);  // a second between attempts, and a reply and a gap
+  CHECK(bench.channel.sent[2].message == "~0002 1\r");
+  CHECK(bench.channel.sent[2].at - *on_at < 200ms);  // power on's reply after 20 ms, and the gap of 100 ms
+  CHECK(bench.light);
+  bench.pass(7s);
+  CHECK_FALSE(bench.light);
+  CHECK_FALSE(bench.answer);  // it is not warm yet
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+  CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE("a projector that is deaf while it warms up is made dark behind that, and is no disturbance") {
+  Bench bench;
+  std::optional<TimePoint> on_at;
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0000 1\r" && !on_at) on_at = bench.clock.now(), bench.light = bench.is_on = true;
+    if (on_at && message != "~0000 1\r" && bench.clock.now() - *on_at < 29900ms) return;
+    bench.behave(message);
+  };
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+  CHECK_FALSE(bench.light);
+  CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE("a projector that refuses light off when it is warm is told of") {
+  Bench bench;
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0002 1\r") return bench.channel.send("F\r");
+    bench.behave(message);
+  };
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Refused);
+  CHECK(bench.now() >= 30s);
+  CHECK(bench.now() < 33s);  // an attempt a second
+  CHECK(bench.disturbances.size() == 1);
+}
+
+TEST_CASE("a projector that warms up a second time can be turned off") {
+  Bench bench;
+  bench.power_on();
+  bench.projector.power_off();
+  bench.pass(70s);
+  REQUIRE_FALSE(bench.is_on);
+  bench.start_power_on();
+  bench.pass(10s);
+  REQUIRE(bench.is_on);
+  bench.light = true;
+  bench.projector.power_off();
+  bench.pass(5s);
+  CHECK_FALSE(bench.is_on);
+  CHECK_FALSE(bench.light);
+  CHECK_FALSE(bench.answer);
 }
 
 TEST_CASE("a serial projector that is on already is not warmed up again") {
@@ -231,14 +300,141 @@ TEST_CASE("light on that is not confirmed is followed by light off") {
   CHECK_FALSE(bench.light);
 }
 
-TEST_CASE("before a projector is known to be on, a light off that is not confirmed is no disturbance") {
+TEST_CASE("a projector that is silent from the start is asked whether it is on, and is no disturbance") {
   Bench bench;
   bench.fall_silent();
   bench.projector.light_off();
   CHECK(bench.channel.messages() == Messages{"~0002 1\r"});
   bench.pass(60s);
-  CHECK(bench.channel.sent.size() == 3);
+  CHECK(bench.channel.messages() ==
+        Messages{"~0002 1\r", "~0002 1\r", "~0002 1\r", "~00124 1\r", "~00124 1\r", "~00124 1\r"});
   CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE("a projector that is off and refuses light off is dark") {
+  Bench bench;
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0002 1\r") return bench.channel.send("F\r");  // as Optoma's do in standby
+    bench.behave(message);
+  };
+  bench.projector.light_off();
+  bench.pass(60s);
+  CHECK(bench.channel.messages() == Messages{"~0002 1\r", "~00124 1\r"});
+  CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE(
+    "a projector found on that does not confirm its light off is told of once, and told again and again") {
+  Bench bench;
+  bench.is_on = bench.light = true;
+  bool hears = false;
+  bench.channel.projector = [&](const std::string& message) {
+    if (hears || message != "~0002 1\r") bench.behave(message);
+  };
+  bench.projector.light_off();
+  bench.pass(60s);
+  REQUIRE(bench.disturbances.size() == 1);
+  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
+  CHECK(bench.disturbances[0].what.starts_with(
+      "the light may be on: the projector at /dev/ttyUSB7 did not answer \"light off\""));
+  CHECK(bench.channel.sent.size() > 15);
+  hears = true;
+  bench.pass(2s);
+  CHECK_FALSE(bench.light);
+  bench.channel.sent.clear();
+  bench.pass(60s);
+  CHECK(bench.channel.sent.empty());
+  CHECK(bench.disturbances.size() == 1);
+}
+
+TEST_CASE("garbage for an answer to the first light off is told of once") {
+  Bench bench;
+  bench.answer_always("\x8f\xe0\x03\xff");
+  bench.projector.light_off();
+  bench.pass(60s);
+  REQUIRE(bench.disturbances.size() == 1);
+  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
+  CHECK(
+      bench.disturbances[0].what.starts_with("the light may be on: the projector at /dev/ttyUSB7 answered "
+                                             "\"light off\" in 3 tries of 1000 ms with what "
+                                             "is no reply of its kind"));
+}
+
+TEST_CASE("whether the light is off is told when the projector has said so, or was asked often enough") {
+  const auto reply_of = [](Bench& bench) {
+    std::optional<ProjectorReply> reply;
+    bench.projector.confirm_dark([&](ProjectorReply r) { reply = r; });
+    CHECK_FALSE(reply);
+    bench.pass(30s);
+    REQUIRE(reply);
+    return *reply;
+  };
+  {
+    Bench on;
+    on.is_on = on.light = true;
+    CHECK(reply_of(on) == ProjectorReply::Ok);
+    CHECK(on.channel.messages() == Messages{"~0002 1\r"});
+    CHECK_FALSE(on.light);
+  }
+  {
+    Bench standby;
+    standby.channel.projector = [&](const std::string& message) {
+      standby.channel.send(message == "~00124 1\r" ? "OK0\r" : "F\r");
+    };
+    CHECK(reply_of(standby) == ProjectorReply::Ok);
+  }
+  {
+    Bench refuses;
+    refuses.channel.projector = [&](const std::string& message) {
+      refuses.channel.send(message == "~00124 1\r" ? "OK1\r" : "F\r");
+    };
+    CHECK(reply_of(refuses) == ProjectorReply::Refused);
+    CHECK(refuses.projector.last_problem() ==
+          "the projector at /dev/ttyUSB7 refused \"light off\": it answered \"F\"");
+  }
+  {
+    Bench silent;
+    silent.fall_silent();
+    CHECK(reply_of(silent) == ProjectorReply::NoAnswer);
+    CHECK(
+        silent.projector.last_problem() ==
+        "the projector at /dev/ttyUSB7 did not answer \"light off\" in 3 tries of 1000 ms: is it connected, "
+        "and set to 9600 baud?");
+  }
+  {
+    Bench garbled;
+    garbled.answer_always("\x8f\xe0");
+    CHECK(reply_of(garbled) == ProjectorReply::NoAnswer);
+  }
+  {
+    Bench lost;
+    lost.channel.unplug();
+    CHECK(reply_of(lost) == ProjectorReply::NoAnswer);
+  }
+  {
+    // All that --light-off knows of a table.
+    ProjectorTable table = text_table();
+    table.light_on.reset();
+    table.power.reset();
+    Bench partial(table);
+    partial.fall_silent();
+    CHECK(reply_of(partial) == ProjectorReply::NoAnswer);
+    CHECK(partial.channel.messages() == Messages{"~0002 1\r", "~0002 1\r", "~0002 1\r"});
+  }
+}
+
+TEST_CASE("a print that begins while the light is not yet known to be off gets its answer") {
+  Bench bench;
+  bench.is_on = bench.light = true;
+  bool hears = false;
+  bench.channel.projector = [&](const std::string& message) {
+    if (hears || message != "~0002 1\r") bench.behave(message);
+  };
+  bench.projector.light_off();
+  bench.start_power_on();
+  bench.pass(20s);
+  CHECK(bench.answer == ProjectorReply::NoAnswer);
+  CHECK(bench.disturbances.size() == 1);
 }
 
 TEST_CASE("a silent projector is asked again as often as its table says, then given up") {
@@ -333,7 +529,7 @@ TEST_CASE("power on right after power off waits until the lamp has cooled down")
   bench.start_power_on();
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::Ok);
-  REQUIRE(bench.channel.sent.size() == 4);
+  REQUIRE(bench.channel.sent.size() == 5);
   CHECK(bench.channel.sent[1].message == "~0000 1\r");
   CHECK(bench.channel.sent[1].at - off >= 60s);
   CHECK(bench.channel.sent[1].at - off < 61s);  // power off was confirmed a few replies after it was asked
@@ -511,7 +707,7 @@ TEST_CASE("a projector's brightness is set when it is warm and dark") {
   while (!answer && clock.run_next()) {
   }
   CHECK(answer == ProjectorReply::Ok);
-  CHECK(channel.messages() == Messages{"~0000 1\r", "~0002 1\r", "CM+LEDS=440\r"});
+  CHECK(channel.messages() == Messages{"~0000 1\r", "~0002 1\r", "~0002 1\r", "CM+LEDS=440\r"});
 }
 
 TEST_CASE("a table without a light has its projector shine as long as it is on") {

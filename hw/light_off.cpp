@@ -1,0 +1,44 @@
+#include "hw/light_off.hpp"
+
+#include <exception>
+#include <utility>
+
+namespace contourd {
+
+LightOff::LightOff(Clock& clock, DescriptorWatcher& watcher, LightConfig config)
+    : clock_(clock), watcher_(watcher), config_(std::move(config)) {}
+
+void LightOff::run(Done done) {
+  done_ = std::move(done);
+  if (config_.line) turn_line_off();
+  if (!config_.projector || !config_.projector->table.light_off) return end();
+  const SerialProjectorConfig& wanted = *config_.projector;
+  try {
+    port_ = std::make_unique<SerialPort>(wanted.port, wanted.table.baud, watcher_);
+  } catch (const std::exception& error) {
+    problems_.emplace_back(error.what());
+    return end();
+  }
+  projector_ = std::make_unique<SerialProjector>(*port_, clock_, wanted.table);
+  projector_->confirm_dark([this](ProjectorReply reply) {
+    if (reply != ProjectorReply::Ok) problems_.push_back(projector_->last_problem());
+    end();
+  });
+}
+
+void LightOff::turn_line_off() {
+  try {
+    line_ = std::make_unique<GpioLightLine>(*config_.line, clock_);
+    line_->off();
+    if (const std::string refusal = line_->refusal(); !refusal.empty()) problems_.push_back(refusal);
+  } catch (const std::exception& error) {
+    problems_.emplace_back(error.what());
+  }
+}
+
+// Not from inside the projector's callback: whoever waits may destroy it.
+void LightOff::end() {
+  end_ = clock_.call_after(Duration{0}, [this] { done_(problems_); });
+}
+
+}  // namespace contourd

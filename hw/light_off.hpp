@@ -1,0 +1,46 @@
+// Turns the light off that a process which has died may have left on: by its line, and by the projector's
+// serial line. Event loop's thread only.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hw/clock.hpp"
+#include "hw/descriptor_watcher.hpp"
+#include "hw/gpio/gpio_light_line.hpp"
+#include "hw/real_machine_config.hpp"
+#include "hw/serial/serial_port.hpp"
+#include "hw/serial/serial_projector.hpp"
+
+namespace contourd {
+
+class LightOff {
+ public:
+  // Why the light may still be on, a sentence for each device; empty when it is off.
+  using Done = std::function<void(const std::vector<std::string>& problems)>;
+
+  // Clock and watcher must outlive it.
+  LightOff(Clock& clock, DescriptorWatcher& watcher, LightConfig config);
+
+  // Blocks for as long as the devices take to open. Calls `done` from the event loop: when the projector has
+  // confirmed that its light is off, or it was told as often as its table says.
+  void run(Done done);
+
+ private:
+  void turn_line_off();
+  void end();
+
+  Clock& clock_;
+  DescriptorWatcher& watcher_;
+  LightConfig config_;
+  Done done_;
+  std::vector<std::string> problems_;
+  std::unique_ptr<GpioLightLine> line_;
+  std::unique_ptr<SerialPort> port_;
+  std::unique_ptr<SerialProjector> projector_;
+  std::unique_ptr<Timer> end_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,163 @@
+#include "daemon/config/light_config.hpp"
+
+#include <string>
+
+#include "daemon/config/printer_config.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/config/config_fixture.hpp"
+
+namespace contourd {
+namespace {
+
+using nlohmann::json;
+using testing::ConfigFolder;
+using testing::shipped;
+
+// The shipped profile of a real machine with a light line too, and its projector's table.
+class RealPrinter {
+ public:
+  RealPrinter() : printer(shipped("raspberry-pi.json")), table(shipped("projectors/optoma.json")) {
+    printer["projector"]["light"] = {{"line", 24}, {"active_low", true}};
+  }
+  [[nodiscard]] std::filesystem::path file() const {
+    folder.write_json("resins/standard.json", shipped("resins/standard.json"));
+    folder.write_json("projectors/optoma.json", table);
+    return folder.write_json("printer.json", printer);
+  }
+  [[nodiscard]] FoundLight find() const { return find_light(file()); }
+
+  ConfigFolder folder;
+  json printer, table;
+};
+
+void check_whole(const LightConfig& light) {
+  REQUIRE(light.line);
+  CHECK(light.line->chip == "gpiochip0");
+  CHECK(light.line->line == "24");
+  CHECK(light.line->active_low);
+  REQUIRE(light.projector);
+  CHECK(light.projector->port == "/dev/ttyUSB0");
+  const ProjectorTable& table = light.projector->table;
+  CHECK(table.name == "Optoma");
+  CHECK(table.baud == 9600);
+  CHECK(table.gap == std::chrono::milliseconds{100});
+  REQUIRE(table.light_off);
+  CHECK(table.light_off->bytes == "~0002 1\r");
+  CHECK(table.light_off->timeout == std::chrono::seconds{1});
+  REQUIRE(table.light_off->replies.size() == 2);
+  CHECK(table.light_off->replies[0].pattern.match_line("P"));
+}
+
+TEST_CASE("a record of a sound configuration has in it what turns the light off") {
+  const RealPrinter real;
+  const PrinterConfig config = load_printer_config(real.file());
+  const LightConfig light = read_light_record(real.folder.write("light.json", config.light_record));
+  check_whole(light);
+  REQUIRE(light.projector->table.power);
+  CHECK(light.projector->table.power->bytes == "~00124 1\r");
+}
+
+TEST_CASE("a record of a line alone, or of a table that switches no light, has the line in it") {
+  RealPrinter real;
+  for (const char* key : {"port", "table"})
+    real.printer["projector"].erase(key);
+  LightConfig light =
+      read_light_record(real.folder.write("light.json", load_printer_config(real.file()).light_record));
+  CHECK(light.line->line == "24");
+  CHECK_FALSE(light.projector);
+  RealPrinter acer;
+  acer.table = shipped("projectors/acer.json");
+  light = read_light_record(acer.folder.write("light.json", load_printer_config(acer.file()).light_record));
+  CHECK(light.line->line == "24");
+  CHECK_FALSE(light.projector);
+}
+
+TEST_CASE("a simulated machine has no record") {
+  RealPrinter real;
+  real.printer["hardware"] = "simulated";
+  CHECK(load_printer_config(real.file()).light_record.empty());
+  CHECK_FALSE(real.find().light.line);
+  CHECK(real.find().problems.empty());
+}
+
+TEST_CASE("a record that is none is an error with its place") {
+  const ConfigFolder folder;
+  const auto places = [&](const json& record) {
+    std::vector<std::string> all;
+    for (const Violation& one :
+         testing::violations_of([&] { (void)read_light_record(folder.write_json("light.json", record)); }))
+      all.push_back(one.pointer);
+    return all;
+  };
+  using Places = std::vector<std::string>;
+  CHECK(places(json::array()) == Places{""});
+  CHECK(places({{"light", {{"chip", "gpiochip0"}, {"line", 24}}}}) == Places{"/light/active_low"});
+  CHECK(places({{"projector", {{"port", "/dev/ttyUSB0"}}}}) == Places{"/projector/table"});
+  json table = json::parse(
+      R"({"brand": "A", "baud": 9600, "echo": false, "retries": 2, "gap_ms": 1, "checksum": "none",
+    "timeout_ms": 9, "line_end": "", "commands": {"light_off": {"text": "x", "accepted": "(("}}})");
+  CHECK(places({{"projector", {{"port", "p"}, {"table", table}}}}) == Places{"/projector/table"});
+  table["commands"]["light_off"]["accepted"] = "P";
+  CHECK(places({{"projector", {{"port", "p"}, {"table", table}}}}).empty());
+}
+
+TEST_CASE("mistakes elsewhere do not keep the light from being found") {
+  RealPrinter real;
+  real.printer["display"]["colour"] = "blue";
+  real.printer["resin"] = "of-nobody";
+  real.printer.erase("z_axis");
+  real.printer["projector"]["lamp"] = 5;
+  real.table["commands"].erase("power_off");
+  real.table["commands"]["power"]["on"] = "((";
+  real.table["commands"].erase("light_on");
+  real.table["warm_up_s"] = -1;
+  const FoundLight found = real.find();
+  check_whole(found.light);
+  CHECK_FALSE(found.light.projector->table.power);
+  std::vector<std::string> places;
+  for (const Violation& violation : found.elsewhere)
+    places.push_back(violation.pointer);
+  CHECK(places == std::vector<std::string>{"/commands/power/on", "/commands/power_off", "/warm_up_s",
+                                           "/display/colour", "/projector/lamp", "/z_axis"});
+  // That the light cannot be turned on again is a mistake in what turns it off, and off it goes all the same.
+  REQUIRE(found.problems.size() == 1);
+  CHECK(found.problems[0].pointer == "/commands/light_off");
+}
+
+TEST_CASE("mistakes in what turns the light off are told once, and leave the rest of it") {
+  RealPrinter real;
+  real.printer["projector"]["port"] = 5;
+  FoundLight found = real.find();
+  CHECK(found.light.line);
+  CHECK_FALSE(found.light.projector);
+  REQUIRE(found.problems.size() == 1);
+  CHECK(found.problems[0].pointer == "/projector/port");
+
+  real.printer["projector"]["port"] = "/dev/ttyUSB0";
+  real.printer["projector"]["light"] = {{"line", true}};
+  found = real.find();
+  CHECK_FALSE(found.light.line);
+  CHECK(found.light.projector);
+  REQUIRE(found.problems.size() == 1);
+  CHECK(found.problems[0].pointer == "/projector/light/line");
+
+  real.table["commands"]["light_off"]["accepted"] = "((";
+  real.printer["projector"].erase("light");
+  found = real.find();
+  CHECK_FALSE(found.light.projector);
+  REQUIRE(found.problems.size() == 1);
+  CHECK(found.problems[0].pointer == "/commands/light_off/accepted");
+  CHECK(found.elsewhere.empty());
+}
+
+TEST_CASE("a configuration in which nothing turns the light off has a problem") {
+  RealPrinter real;
+  real.printer["projector"].erase("light");
+  real.table = shipped("projectors/acer.json");
+  CHECK(real.find().problems.size() == 1);
+  CHECK(find_light(real.folder.path() / "none.json").problems.size() == 1);
+  CHECK(find_light(real.folder.write("none.json", "{")).problems.size() == 1);
+}
+
+}  // namespace
+}  // namespace contourd

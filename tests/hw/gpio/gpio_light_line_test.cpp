@@ -1,0 +1,105 @@
+#include "hw/gpio/gpio_light_line.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hw/hardware_error.hpp"
+#include "hw/virtual_clock.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+namespace {
+
+struct Wire {
+  bool active = false;
+  bool refuses_off = false, refuses_on = false;
+  int sets = 0;
+};
+
+class FakeLine final : public OutputLine {
+ public:
+  explicit FakeLine(Wire& wire) : wire_(wire) {}
+  [[nodiscard]] bool set(bool active) noexcept override {
+    ++wire_.sets;
+    if (active ? wire_.refuses_on : wire_.refuses_off) return false;
+    wire_.active = active;
+    return true;
+  }
+
+ private:
+  Wire& wire_;
+};
+
+struct Bench {
+  Bench() {
+    line.on_disturbance([this](const Disturbance& one) {
+      disturbances.push_back(one);
+      line.off();  // as a print does that ends
+    });
+  }
+  void pass(Duration time) {
+    bool over = false;
+    const auto timer = clock.call_after(time, [&over] { over = true; });
+    while (!over)
+      clock.run_next();
+  }
+
+  VirtualClock clock;
+  Wire wire;
+  std::vector<Disturbance> disturbances;
+  GpioLightLine line{std::make_unique<FakeLine>(wire), "line 24 of gpiochip0", clock};
+};
+
+}  // namespace
+
+TEST_CASE("a light line that refuses to go off is a fault, told once and not from inside the call") {
+  Bench bench;
+  bench.line.on();
+  bench.wire.refuses_off = true;
+  bench.line.off();
+  bench.line.off();  // again before anybody could be told
+  CHECK(bench.disturbances.empty());
+  CHECK(bench.line.refusal() == "the light's line 24 of gpiochip0 cannot be set: the kernel refuses");
+  bench.pass(10s);
+  REQUIRE(bench.disturbances.size() == 1);
+  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
+  CHECK(bench.disturbances[0].what ==
+        "the light may be on: the light's line 24 of gpiochip0 cannot be set: the kernel refuses");
+}
+
+TEST_CASE("a light line that refuses to go off is tried again until it does, and not turned on before") {
+  Bench bench;
+  bench.line.on();
+  bench.wire.refuses_off = true;
+  bench.line.off();
+  bench.pass(10s);
+  CHECK(bench.wire.sets > 10);
+  CHECK_THROWS_AS(bench.line.on(), HardwareError);
+  bench.wire.refuses_off = false;
+  bench.pass(2s);
+  CHECK_FALSE(bench.wire.active);
+  CHECK(bench.line.refusal().empty());
+  bench.wire.sets = 0;
+  bench.pass(10s);
+  CHECK(bench.wire.sets == 0);
+  CHECK(bench.disturbances.size() == 1);
+  bench.line.on();
+  CHECK(bench.wire.active);
+  // And another time it is told again.
+  bench.wire.refuses_off = true;
+  bench.line.off();
+  bench.pass(2s);
+  CHECK(bench.disturbances.size() == 2);
+}
+
+TEST_CASE("a light line that refuses to go on goes off, and is no fault of its own") {
+  Bench bench;
+  bench.wire.refuses_on = true;
+  CHECK_THROWS_AS(bench.line.on(), HardwareError);
+  bench.pass(10s);
+  CHECK(bench.disturbances.empty());
+  CHECK(bench.wire.sets == 2);
+}
