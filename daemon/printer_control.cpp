@@ -41,6 +41,7 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
            }},
           {"resume",
            [this] {
+             if (held_ && !active_) return resume_queue();
              require_print("resume");
              const PrintState state = process_.state();
              const bool pausing = state == PrintState::Raising || process_.pause_pending();
@@ -50,6 +51,7 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
              if (const std::string hindrance = machine_.hindrance(); !hindrance.empty()) {
                throw ControlRefusal("the print cannot go on: " + hindrance);
              }
+             let_go();
              process_.resume();
              return status();
            }},
@@ -58,6 +60,7 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
              if (active_) throw ControlRefusal(fmt::format("{} is being printed", active_->files.name));
              if (plate_occupant_) log_.info("plate", "the plate is clear");
              set_plate_occupant(std::nullopt);
+             let_go();
              pump();
              return status();
            }}};
@@ -66,6 +69,15 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
 void PrinterService::require_print(std::string_view what) const {
   if (process_.state() == PrintState::Idle)
     throw ControlRefusal(fmt::format("there is no print to {}", what));
+}
+
+PrinterService::Json PrinterService::resume_queue() {
+  if (const std::string hindrance = machine_.hindrance(); !hindrance.empty()) {
+    throw ControlRefusal("the queue cannot go on: " + hindrance);
+  }
+  let_go();
+  pump();
+  return status();
 }
 
 PrinterService::Json PrinterService::cancel() {
@@ -114,6 +126,7 @@ PrinterService::Json PrinterService::status() const {
   status["plate_job"] = plate_occupant_ ? Json(*plate_occupant_) : Json();
   const std::string hindrance = machine_.hindrance();
   status["hindrance"] = hindrance.empty() ? Json() : Json(hindrance);
+  status["held"] = held_ ? Json(hold_sentence()) : Json();
   status["waiting_for"] = waiting_for_.empty() ? Json() : Json(waiting_for_);
   status["last"] = ended_.empty() ? Json() : ended_json(ended_.back());
   return status;

@@ -105,7 +105,9 @@ void PrinterService::start() {
   if (const std::string hindrance = machine_.hindrance(); !hindrance.empty())
     log_.error("machine", fmt::format("the printer cannot print: {}", printable(hindrance)));
   plate_occupant_ = spool_.plate_occupant();
+  held_ = spool_.hold();
   file_interrupted_prints();
+  if (held_) log_.warning("held", hold_sentence());
   control_ = std::make_unique<ControlServer>(loop_, config_.control_socket, methods());
   spool_.open();
   supervisor_.status(readiness());
@@ -152,6 +154,7 @@ void PrinterService::disturbed(const Disturbance& disturbance) {
   // What happens to a print is told with the print.
   if (!bad || !printing)
     log_.write(bad ? LogLevel::Warning : LogLevel::Info, "machine", printable(disturbance.what));
+  if (disturbance.owner_decides) hold(disturbance.what);
   if (process_.state() == PrintState::Idle) supervisor_.status(readiness());
   notify("machine", ControlServer::Delivery::Lossy);
   pump_soon();
@@ -214,6 +217,7 @@ void PrinterService::pump_soon() {
 
 std::string PrinterService::reason_to_wait() const {
   if (std::string hindrance = machine_.hindrance(); !hindrance.empty()) return hindrance;
+  if (held_) return hold_sentence();
   if (config_.wait_for_plate_cleared && plate_occupant_) {
     return fmt::format("the plate holds {}; say \"contourctl plate-cleared\" when it is clear",
                        *plate_occupant_);
@@ -228,7 +232,40 @@ std::string PrinterService::reason_to_wait() const {
 
 std::string PrinterService::readiness() const {
   const std::string hindrance = machine_.hindrance();
-  return hindrance.empty() ? "Ready" : "Cannot print: " + printable(hindrance);
+  if (!hindrance.empty()) return "Cannot print: " + printable(hindrance);
+  return held_ ? "Waits for its owner: " + hold_sentence() : "Ready";
+}
+
+std::string PrinterService::hold_sentence() const {
+  if (!held_) return "";
+  const bool plate_too = config_.wait_for_plate_cleared && plate_occupant_;
+  return fmt::format("the queue is held: {}; see to the printer{}, then say \"contourctl {}\"",
+                     printable(*held_), plate_too ? " and clear the plate" : "",
+                     plate_too ? "plate-cleared" : "resume");
+}
+
+void PrinterService::hold(const std::string& why) {
+  if (held_) return;
+  held_ = why;
+  log_.warning("held", hold_sentence());
+  keep_hold();
+}
+
+void PrinterService::let_go() {
+  if (!held_) return;
+  held_.reset();
+  log_.info("held", "the queue goes on: the owner has seen to the printer");
+  keep_hold();
+}
+
+void PrinterService::keep_hold() {
+  try {
+    spool_.set_hold(held_);
+  } catch (const std::system_error& error) {
+    log_.error("spool",
+               fmt::format("a restart will not know {}: {}",
+                           held_ ? "that the queue is held" : "that the queue goes on", error.what()));
+  }
 }
 
 void PrinterService::pump() {
@@ -388,7 +425,11 @@ void PrinterService::start_print() {
   start_analysis();
   process_.start(std::move(active_->prepared->plan));
   // It may have come while the model was read.
-  if (const std::string hindrance = machine_.hindrance(); !hindrance.empty()) process_.interrupt(hindrance);
+  if (const std::string hindrance = machine_.hindrance(); !hindrance.empty()) {
+    process_.interrupt(hindrance);
+  } else if (held_) {
+    process_.interrupt(*held_);
+  }
 }
 
 void PrinterService::start_analysis() {
@@ -493,6 +534,8 @@ void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason
   log_.write(outcome == PrintOutcome::Failed ? LogLevel::Error : LogLevel::Info, name_of(outcome), summary,
              job_fields(name));
   active_->report = std::move(report);
+  // What is wrong with the machine would be wrong for the next job too, and that begins with a motion.
+  if (outcome == PrintOutcome::Failed && !shutting_down_) hold(fmt::format("{} failed: {}", name, reason));
   // A print on a machine takes much longer than its analysis; a simulated one need not.
   if (outcome == PrintOutcome::Done && analyst_.busy()) return;
   finish_job();

@@ -107,12 +107,19 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
              Json analysis = {});
   void notify(const std::string& what, ControlServer::Delivery delivery);
   void set_plate_occupant(const std::optional<std::string>& job);
+  // No job begins from now on until the owner has spoken, whatever the plate holds.
+  void hold(const std::string& why);
+  void let_go();
+  // That it is held, why, and what the owner is to do; empty when it is not.
+  [[nodiscard]] std::string hold_sentence() const;
+  void keep_hold();
 
   [[nodiscard]] std::map<std::string, ControlServer::Method> methods();
   [[nodiscard]] Json status() const;
   [[nodiscard]] Json job_json() const;
   [[nodiscard]] static Json ended_json(const EndedJob& job);
   Json cancel();
+  Json resume_queue();
   void require_print(std::string_view what) const;
 
   const PrinterConfig& config_;
@@ -128,7 +135,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   std::optional<ActiveJob> active_;
   std::deque<EndedJob> ended_;  // the latest last
   std::optional<std::string> plate_occupant_;
-  std::string waiting_for_;  // why the next job does not start, already told
+  std::optional<std::string> held_;  // why
+  std::string waiting_for_;          // why the next job does not start, already told
   bool shutting_down_ = false;
   std::unique_ptr<ControlServer> control_;
   EventLoop::SourcePtr pump_timer_;

@@ -23,6 +23,7 @@ using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 constexpr const char* kOccupied = "plate-occupied";
+constexpr const char* kHeld = "queue-held";
 constexpr const char* kLock = ".lock";
 
 // File names have at most 255 bytes; a job's name leaves room for a number and for what is written beside it.
@@ -481,21 +482,35 @@ std::vector<JobFiles> Spool::interrupted() {
   return jobs;
 }
 
-std::optional<std::string> Spool::plate_occupant() const {
-  std::ifstream file(root_ / kOccupied);
+std::optional<std::string> Spool::first_line_of(const char* name) const {
+  std::ifstream file(root_ / name);
   if (!file) return std::nullopt;
-  std::string job;
-  std::getline(file, job);
-  return job;
+  std::string line;
+  std::getline(file, line);
+  return line;
 }
 
-void Spool::set_plate_occupant(const std::optional<std::string>& job) const {
-  if (job) {
-    write_durably(root_ / kOccupied, *job + "\n");
+void Spool::keep_line(const char* name, const std::optional<std::string>& line) const {
+  if (line) {
+    write_durably(root_ / name, *line + "\n");
   } else {
-    fs::remove(root_ / kOccupied);
+    fs::remove(root_ / name);
     sync_folder(root_);
   }
+}
+
+std::optional<std::string> Spool::plate_occupant() const {
+  return first_line_of(kOccupied);
+}
+void Spool::set_plate_occupant(const std::optional<std::string>& job) const {
+  keep_line(kOccupied, job);
+}
+
+std::optional<std::string> Spool::hold() const {
+  return first_line_of(kHeld);
+}
+void Spool::set_hold(const std::optional<std::string>& why) const {
+  keep_line(kHeld, why);
 }
 
 std::uintmax_t Spool::free_bytes() const {

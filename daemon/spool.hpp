@@ -11,6 +11,7 @@
 //   done/NAME.stl ... NAME.report.json NAME.report.html; or done/NAME/ ...
 //   failed/NAME.stl ... NAME.reason.txt; or failed/NAME/ ...
 //   plate-occupied                      the plate holds a part: the job's name is in it
+//   queue-held                          no job begins until the owner has spoken: why is in it
 #pragma once
 
 #include <sys/inotify.h>
@@ -103,6 +104,10 @@ class Spool {
   [[nodiscard]] std::optional<std::string> plate_occupant() const;
   void set_plate_occupant(const std::optional<std::string>& job) const;
 
+  // Why no job is to begin until the owner has spoken, or nothing. Survives restarts.
+  [[nodiscard]] std::optional<std::string> hold() const;
+  void set_hold(const std::optional<std::string>& why) const;
+
   [[nodiscard]] std::uintmax_t free_bytes() const;
 
  private:
@@ -139,6 +144,8 @@ class Spool {
   [[nodiscard]] Sight look_at_plate(const std::filesystem::path& path) const;
   void look_again();
   [[nodiscard]] bool is_plate(Folder where, const std::string& file) const;
+  [[nodiscard]] std::optional<std::string> first_line_of(const char* file) const;
+  void keep_line(const char* file, const std::optional<std::string>& line) const;
   [[nodiscard]] std::string unused_name(const std::string& full_stem) const;
   void move_job(const JobFiles& from, const JobFiles& to) const;
   [[nodiscard]] JobFiles named(Folder folder, const std::string& name, const JobFiles& like) const;

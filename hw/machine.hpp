@@ -22,6 +22,8 @@ struct Disturbance {
   };
   Kind kind = Kind::Fault;
   std::string what;  // one sentence, with the line, connector or port
+  // Somebody had a reason to stop everything, or has let the stop go: nothing moves by itself after that.
+  bool owner_decides = false;
 };
 
 class Machine {

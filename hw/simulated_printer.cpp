@@ -192,8 +192,8 @@ void SimulatedPrinter::on_disturbance(std::function<void(const Disturbance&)> ca
   disturbed_ = std::move(call);
 }
 
-void SimulatedPrinter::disturb(Disturbance::Kind kind, const std::string& what) {
-  if (disturbed_) disturbed_({kind, what});
+void SimulatedPrinter::disturb(Disturbance::Kind kind, const std::string& what, bool owner_decides) {
+  if (disturbed_) disturbed_({kind, what, owner_decides});
 }
 
 std::string SimulatedPrinter::hindrance() const {
@@ -226,7 +226,7 @@ void SimulatedPrinter::plug_display() {
 
 void SimulatedPrinter::press_emergency_stop() {
   axis_->abort();
-  disturb(Disturbance::Kind::Fault, "the emergency stop was pressed");
+  disturb(Disturbance::Kind::Fault, "the emergency stop was pressed", true);
 }
 
 void SimulatedPrinter::light_switched(bool on) {

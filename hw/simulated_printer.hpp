@@ -78,7 +78,7 @@ class SimulatedPrinter final : public Machine {
   class Screen;
   class Lamp;
 
-  void disturb(Disturbance::Kind kind, const std::string& what);
+  void disturb(Disturbance::Kind kind, const std::string& what, bool owner_decides = false);
   void light_switched(bool on);
 
   Clock& clock_;

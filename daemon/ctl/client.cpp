@@ -94,7 +94,8 @@ void print_status(const Json& status) {
   fmt::print("queue     {}\n", status.value("queued", 0));
   if (status["hindrance"].is_string())
     fmt::print("machine   {}\n", printable(status["hindrance"].get<std::string>()));
-  if (status["waiting_for"].is_string())
+  if (status["held"].is_string()) fmt::print("held      {}\n", printable(status["held"].get<std::string>()));
+  if (status["waiting_for"].is_string() && status["waiting_for"] != status["held"])
     fmt::print("waiting   {}\n", printable(status["waiting_for"].get<std::string>()));
   if (status["last"].is_object()) {
     const Json& last = status["last"];

@@ -270,7 +270,7 @@ class CommandLine {
     add_client("status", "What the printer is doing", "status");
     add_client("queue", "The jobs that wait", "queue");
     add_client("pause", "Pause after the layer under way", "pause");
-    add_client("resume", "Go on after a pause", "resume");
+    add_client("resume", "Go on after a pause, or with the queue after a failure", "resume");
     add_client("cancel", "End the print under way: light off, plate up", "cancel");
     add_client("plate-cleared", "Tell contourd that the plate is free for the next job", "plate_cleared");
     CLI::App* command = add_command("watch", "Follow the print with a progress bar until it ends",

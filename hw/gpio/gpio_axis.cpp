@@ -177,7 +177,7 @@ void GpioAxis::take_change(const InputChange& change) {
       emergency_told_ = false;
       engine_.allow();
       return disturb(Disturbance::Kind::Recovery,
-                     "the emergency stop was let go (" + words_of(config_.emergency_stop->line) + ")");
+                     "the emergency stop was let go (" + words_of(config_.emergency_stop->line) + ")", true);
     case AxisInput::Lid:
       if (!change.changed) return;
       return change.active ? disturb(Disturbance::Kind::Interruption,
@@ -210,8 +210,8 @@ void GpioAxis::blocked() {
                                   " can no longer be read: their chip has gone, or they change without end"});
   }
   emergency_told_ = true;
-  fail({HomingResult::Fault,
-        "the emergency stop is pressed (" + words_of(config_.emergency_stop->line) + ")"});
+  fail({HomingResult::Fault, "the emergency stop is pressed (" + words_of(config_.emergency_stop->line) + ")",
+        true});
 }
 
 // Moves.
@@ -313,13 +313,13 @@ void GpioAxis::fail(const Trip& trip) {
     forget();
   }
   // The one who is told may abort: nothing is left to answer then.
-  disturb(Disturbance::Kind::Fault, trip.what);
+  disturb(Disturbance::Kind::Fault, trip.what, trip.emergency_stop);
   if (homing_done_) return end_homing(trip.homing);
   if (move_done_) end_move(MoveResult::Fault);
 }
 
-void GpioAxis::disturb(Disturbance::Kind kind, const std::string& what) {
-  if (disturbed_) disturbed_({kind, what});
+void GpioAxis::disturb(Disturbance::Kind kind, const std::string& what, bool owner_decides) {
+  if (disturbed_) disturbed_({kind, what, owner_decides});
 }
 
 // Where the plate is.

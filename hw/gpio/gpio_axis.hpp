@@ -86,6 +86,7 @@ class GpioAxis final : public ZAxis {
   struct Trip {
     HomingResult homing;
     std::string what;
+    bool emergency_stop = false;
   };
   // A run towards the limit switch.
   struct Seek {
@@ -123,7 +124,7 @@ class GpioAxis final : public ZAxis {
   void end_move(MoveResult result);
   void end_stopped();
   void fail(const Trip& trip);
-  void disturb(Disturbance::Kind kind, const std::string& what);
+  void disturb(Disturbance::Kind kind, const std::string& what, bool owner_decides = false);
   void forget() noexcept;
 
   // Encoder.

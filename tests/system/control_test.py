@@ -66,7 +66,7 @@ class Protocol(ControlTest):
         result = self.client.call("status")["result"]
         self.assertEqual(result, {
             "printer": "Simulated printer", "state": "idle", "job": None, "queued": 0, "incomplete": {}, "plate": "clear",
-            "plate_job": None, "hindrance": None, "waiting_for": None, "last": None,
+            "plate_job": None, "hindrance": None, "held": None, "waiting_for": None, "last": None,
         })  # fmt: skip
 
     def test_an_unknown_method_names_those_there_are(self):

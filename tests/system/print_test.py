@@ -10,7 +10,7 @@ import signal
 import time
 
 from harness import (
-    NIMBLE_RESIN, OK, REALTIME, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box, contourctl, cube, inside_out,
+    ENDLESS, NIMBLE_RESIN, OK, REALTIME, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box, contourctl, cube, inside_out,
     main, read_png, source_json, wait_until, wedge,
 )  # fmt: skip
 
@@ -367,12 +367,95 @@ class Report(PrintTest):
         daemon.config["simulation"].pop("projector_silent_after_commands")
         daemon.write_config()
         daemon.start()
+        daemon.rpc("resume")
         daemon.drop("whole.stl", binary_stl(cube(20)))
         daemon.wait_done("whole")
         whole = read_png(daemon.file("done", "whole.preview.png")).lit_box()
         daemon.stop()
         self.assertGreater(part[1], whole[1] + 100)  # its top is lower
         self.assertLessEqual(abs(part[3] - whole[3]), 1)  # its bottom is the same
+
+
+class HeldQueue(PrintTest):
+    """After a print that failed on the hardware nothing moves by itself, whatever wait_for_plate_cleared says."""
+
+    def held(self, wait_for_plate_cleared=False):
+        daemon = self.daemon({"simulation": {"limit_switch": "stuck_open"}, "wait_for_plate_cleared": wait_for_plate_cleared})
+        for name in ("one", "two", "three"):
+            daemon.drop(name + ".stl", SMALL)
+        daemon.wait_refused("one")
+        return daemon, self.waiting(daemon, "homing failed")
+
+    def waiting(self, daemon, words):
+        def waits():
+            status = daemon.status()
+            return status if status["waiting_for"] and words in status["waiting_for"] else None
+        return wait_until(waits, f"jobs to wait because of {words}")
+
+    def test_jobs_wait_until_the_owner_resumes_and_are_told_why(self):
+        daemon, status = self.held()
+        self.assertEqual((status["queued"], status["plate"]), (2, "clear"))
+        sentence = status["held"]
+        self.assertEqual(status["waiting_for"], sentence)
+        self.assertRegex(sentence, 'the queue is held: one failed: homing failed: .*; see to the printer, then say "contourctl resume"')
+        self.assertIn(sentence, daemon.log())
+        self.assertIn(sentence.encode(), daemon.ctl("status").stdout)
+        self.assertEqual(sorted(daemon.names_in("incoming")), ["three.stl", "two.stl"])
+        # The owner speaks: the next job tries, and fails as well.
+        self.assertEqual(daemon.ctl("resume").returncode, OK)
+        daemon.wait_refused("two")
+        self.waiting(daemon, "two failed")
+        self.assertEqual(daemon.names_in("incoming"), ["three.stl"])
+        self.assertNotIn("error", daemon.rpc("plate_cleared"))
+        daemon.wait_refused("three")
+        # Nothing waits: it is told all the same.
+        self.assertIn("three failed", wait_until(lambda: daemon.status()["held"], "the hold"))
+        self.assertIn(b"held      the queue is held: three failed", daemon.ctl("status").stdout)
+        self.assertIsNone(daemon.rpc("resume")["result"]["held"])
+        self.assertIn("no print", daemon.rpc("resume")["error"]["message"])
+        daemon.stop()
+
+    def test_a_restart_does_not_let_the_queue_go(self):
+        daemon, _ = self.held()
+        daemon.stop()
+        daemon.config["simulation"]["limit_switch"] = "works"
+        daemon.write_config()
+        daemon.start()
+        self.waiting(daemon, "one failed: homing failed")
+        daemon.rpc("resume")
+        daemon.wait_done("two")
+        daemon.wait_done("three")
+        daemon.stop()
+        self.assertFalse(daemon.has("queue-held"))
+
+    def test_with_a_part_on_the_plate_one_command_says_that_both_are_seen_to(self):
+        daemon = self.daemon({"simulation": {"projector_silent_after_commands": 8}, "wait_for_plate_cleared": True})
+        daemon.drop("one.stl", SMALL)
+        daemon.drop("two.stl", SMALL)
+        daemon.wait_refused("one")
+        sentence = self.waiting(daemon, "one failed: light on")["waiting_for"]
+        self.assertIn('see to the printer and clear the plate, then say "contourctl plate-cleared"', sentence)
+        daemon.rpc("plate_cleared")
+        daemon.wait_refused("two")
+        daemon.stop()
+
+    def test_a_job_that_fails_for_its_own_file_holds_nothing(self):
+        daemon = self.daemon()
+        daemon.drop("bad.stl", b"no model")
+        daemon.drop("good.stl", SMALL)
+        daemon.wait_refused("bad")
+        daemon.wait_done("good")
+        self.assertIsNone(daemon.status()["held"])
+        daemon.stop()
+
+    def test_a_stop_of_the_daemon_holds_nothing(self):
+        daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, **ENDLESS})
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        daemon.stop()
+        daemon.start()
+        self.assertIsNone(daemon.status()["held"])
+        daemon.stop()
 
 
 class Fault(PrintTest):
@@ -390,6 +473,7 @@ class Fault(PrintTest):
                 self.assertEqual(len(report["layer_records"]), layers_exposed)
                 first = reason
             self.assertTrue(daemon.has("failed", name + ".report.html"))
+            daemon.rpc("resume")
         self.assertEqual(daemon.status()["state"], "idle")
         self.daemon_under_test = daemon
         return first
