@@ -336,6 +336,8 @@ std::string describe_correction(const JobSummary& summary) {
 PreparedJob prepare_job(const JobFiles& files, const PrinterConfig& printer) {
   try {
     return prepare(files, printer);
+  } catch (const JobRefused&) {
+    throw;
   } catch (const ConfigError& error) {
     throw JobRefused(fmt::format("the job ticket is wrong:\n{}", error.what()));
   } catch (const std::system_error& error) {
@@ -344,6 +346,8 @@ PreparedJob prepare_job(const JobFiles& files, const PrinterConfig& printer) {
     throw JobRefused(error.what());
   } catch (const std::bad_alloc&) {
     throw JobRefused("the model does not fit into this machine's memory");
+  } catch (const std::exception& error) {
+    throw JobRefused(fmt::format("the job cannot be prepared: {}", error.what()));
   }
 }
 

@@ -154,6 +154,8 @@ void PrinterService::disturbed(const Disturbance& disturbance) {
   // What happens to a print is told with the print.
   if (!bad || !printing)
     log_.write(bad ? LogLevel::Warning : LogLevel::Info, "machine", printable(disturbance.what));
+  for (const std::string& warning : disturbance.warnings)
+    log_.warning("machine", printable(warning));
   if (disturbance.owner_decides) hold(disturbance.what);
   if (process_.state() == PrintState::Idle) supervisor_.status(readiness());
   notify("machine", ControlServer::Delivery::Lossy);

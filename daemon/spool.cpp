@@ -247,10 +247,11 @@ void Spool::consider(const std::string& file, Look look) {
   const std::uint64_t number = looks_[file] = ++looks_begun_;
   disk_.run([this, file] { return look_at(file); },
             [this, file, look, number](const Sight& sight) {
-              // Changed since, or gone: what was seen is not how it is.
               const auto latest = looks_.find(file);
-              if (latest == looks_.end() || latest->second != number) return;
-              looks_.erase(latest);
+              if (latest == looks_.end()) return;  // gone since
+              // Where there is a later look it is still told, so that files arrive in the order of their
+              // first looks; the later one tells it again.
+              if (latest->second == number) looks_.erase(latest);
               seen(file, look, sight);
             });
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hw/mask_display.hpp"
 #include "hw/projector.hpp"
@@ -24,6 +25,8 @@ struct Disturbance {
   std::string what;  // one sentence, with the line, connector or port
   // Somebody had a reason to stop everything, or has let the stop go: nothing moves by itself after that.
   bool owner_decides = false;
+  // What an owner should know of a device that has come, though it works; a sentence each.
+  std::vector<std::string> warnings{};
 };
 
 class Machine {

@@ -28,9 +28,15 @@ void add(std::string& sentences, const std::string& sentence) {
 }  // namespace
 
 RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config)
+    : RealMachine(clock, watcher, config, {.axis = [&clock, &watcher, axis = config.axis] {
+                    return std::make_unique<GpioAxis>(clock, watcher, axis);
+                  }}) {}
+
+RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config, Openers openers)
     : clock_(clock),
       watcher_(watcher),
       config_(std::move(config)),
+      openers_(std::move(openers)),
       no_projector_(clock),
       no_display_(clock, config_.display.width, config_.display.height),
       no_axis_(clock, config_.axis.travel) {
@@ -43,26 +49,28 @@ RealMachine::~RealMachine() {
 }
 
 // In this order: nothing else may fail before the light is off.
-std::vector<std::string> RealMachine::open_missing() {
-  std::vector<std::string> found;
+std::vector<RealMachine::Found> RealMachine::open_missing() {
+  std::vector<Found> found;
   const auto tell_owner = [this](const Disturbance& disturbance) { tell(disturbance); };
   if (config_.light &&
       open(light_, missing_.light, [&] { return std::make_unique<GpioLightLine>(*config_.light, clock_); })) {
     light_->on_disturbance(tell_owner);
-    found.push_back(light_words());
+    found.push_back({light_words(), {}});
   }
-  if (config_.projector && open_projector()) found.push_back(projector_words());
+  if (config_.projector && open_projector()) found.push_back({projector_words(), {}});
   combine_projector();
   projector().light_off();
   if (open(display_, missing_.display,
            [&] { return std::make_unique<DrmDisplay>(watcher_, config_.display); })) {
     display_->on_disturbance(tell_owner);
-    if (!display_->problem()) found.push_back("display: " + display_->description());
+    std::vector<std::string> warnings;
+    if (const auto warning = display_->warning()) warnings.push_back(*warning);
+    if (!display_->problem()) found.push_back({"display: " + display_->description(), std::move(warnings)});
   }
-  if (open(axis_, missing_.axis,
-           [&] { return std::make_unique<GpioAxis>(clock_, watcher_, config_.axis); })) {
+  if (axis_ && axis_->lost()) axis_.reset();
+  if (open(axis_, missing_.axis, openers_.axis)) {
     axis_->on_disturbance(tell_owner);
-    found.push_back(axis_words());
+    found.push_back({axis_words(), axis_->refusals()});
   }
   return found;
 }
@@ -96,19 +104,25 @@ void RealMachine::search_again() {
 }
 
 void RealMachine::search() {
-  const std::vector<std::string> found = open_missing();
+  const std::vector<Found> found = open_missing();
   if (missing_.any()) search_again();
-  for (const std::string& device : found)
-    tell({Disturbance::Kind::Recovery, "found " + device});
+  for (const Found& each : found)
+    tell({.kind = Disturbance::Kind::Recovery, .what = "found " + each.device, .warnings = each.warnings});
 }
 
-// Somebody lost a device, perhaps the serial line.
 void RealMachine::tell(const Disturbance& disturbance) {
+  note_losses(disturbance.what);
   if (disturbed_) disturbed_(disturbance);
-  if (serial_ && serial_->lost() && missing_.projector.empty()) {
-    missing_.projector = disturbance.what;
-    search_again();
-  }
+}
+
+// A device that says that it is lost is missing from now on; it is closed when it is looked for, not from
+// within its own call.
+void RealMachine::note_losses(const std::string& what) {
+  const bool serial_lost = serial_ && serial_->lost() && missing_.projector.empty();
+  const bool axis_lost = axis_ && axis_->lost() && missing_.axis.empty();
+  if (serial_lost) missing_.projector = what;
+  if (axis_lost) missing_.axis = what;
+  if (serial_lost || axis_lost) search_again();
 }
 
 ZAxis& RealMachine::z_axis() {

@@ -26,6 +26,11 @@ class RealMachine final : public Machine {
   // Clock (of CLOCK_MONOTONIC) and watcher must outlive the machine. Blocks for as long as the devices take,
   // a second as a rule. A device that is not there is no error: see hindrance().
   RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config);
+  // Other ways to open devices, for a test.
+  struct Openers {
+    std::function<std::unique_ptr<GpioAxis>()> axis;
+  };
+  RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config, Openers openers);
   ~RealMachine() override;
 
   [[nodiscard]] ZAxis& z_axis() override;
@@ -52,13 +57,19 @@ class RealMachine final : public Machine {
     }
   };
 
-  // What it has found now that was missing before, a sentence each.
-  std::vector<std::string> open_missing();
+  struct Found {
+    std::string device;
+    std::vector<std::string> warnings;
+  };
+
+  // What it has found now that was missing before.
+  std::vector<Found> open_missing();
   bool open_projector();
   void combine_projector();
   void search_again();
   void search();
   void tell(const Disturbance& disturbance);
+  void note_losses(const std::string& what);
   [[nodiscard]] std::string light_words() const;
   [[nodiscard]] std::string projector_words() const;
   [[nodiscard]] std::string axis_words() const;
@@ -66,6 +77,7 @@ class RealMachine final : public Machine {
   Clock& clock_;
   DescriptorWatcher& watcher_;
   RealMachineConfig config_;
+  Openers openers_;
   std::function<void(const Disturbance&)> disturbed_;
   Missing missing_;
   std::unique_ptr<Timer> search_;

@@ -174,7 +174,12 @@ class DrmDisplay::Implementation {
     if (on_disturbance_) on_disturbance_({kind, what});
   }
 
-  void tell_recovery() { tell(Disturbance::Kind::Recovery, "the display is back: " + description()); }
+  void tell_recovery() {
+    Disturbance recovery{.kind = Disturbance::Kind::Recovery,
+                         .what = "the display is back: " + description()};
+    if (warning_) recovery.warnings.push_back(*warning_);
+    if (on_disturbance_) on_disturbance_(recovery);
+  }
 
   // For a show() or black() that must not call back from within itself.
   void deny_later() { ::eventfd_write(wake_.get(), 1); }

@@ -89,6 +89,7 @@ void GpioAxis::when_ready(std::function<void()> call) {
   if (enabled_ || !lines_.enable) return call();
   if (!lines_.enable->set(true)) {
     return after(Duration{0}, [this] {
+      line_refused_ = true;
       fail({HomingResult::Fault,
             "the kernel refuses to set the motor's enable line, " + words_of(*config_.enable)});
     });
@@ -146,6 +147,7 @@ void GpioAxis::run_ended() {
   if (trip_) return fail(Trip(*trip_));
   switch (engine_.last_end()) {
     case StepEnd::LineRefused:
+      line_refused_ = true;
       return fail({HomingResult::Fault, "the kernel refuses to set the step line, " + words_of(config_.step) +
                                             ", or the direction line, " + words_of(config_.direction)});
     case StepEnd::Halted:

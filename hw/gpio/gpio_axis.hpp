@@ -71,6 +71,8 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] bool lid_open() const { return inputs_.active(AxisInput::Lid); }
   [[nodiscard]] bool emergency_stop_pressed() const { return inputs_.active(AxisInput::EmergencyStop); }
 
+  // Its chip has gone, or its lines can no longer be relied on: nothing moves any more. For good.
+  [[nodiscard]] bool lost() const { return inputs_.lost() || line_refused_; }
   // A sentence for each thing that the system refused the threads (priority, locked memory); none as a rule.
   [[nodiscard]] std::vector<std::string> refusals() const { return threads_->refusals(); }
   [[nodiscard]] LateSteps late_steps() const { return engine_.late_steps(); }
@@ -149,7 +151,7 @@ class GpioAxis final : public ZAxis {
 
   bool enabled_ = false, position_known_ = false, stop_wanted_ = false;
   bool running_ = false;  // a run is under way, its end not taken yet
-  bool emergency_told_ = false, loss_told_ = false;
+  bool emergency_told_ = false, loss_told_ = false, line_refused_ = false;
   Screw::Rest rest_;  // before the run under way
   std::function<void(HomingResult)> homing_done_;
   std::function<void(MoveResult)> move_done_;

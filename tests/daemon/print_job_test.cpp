@@ -70,6 +70,15 @@ TEST_CASE("A cube lies in the middle of the display, at its true size") {
   CHECK(mask.lit_area() == 160000.0);
 }
 
+TEST_CASE("Whatever goes wrong while a job is prepared refuses that job, in a sentence") {
+  // On the worker's thread nothing else would catch it, and another job's exposure may be under way.
+  Desk desk;
+  desk.printer.lamp.emplace(Pixels{3}, Pixels{2});
+  std::string reason;
+  CHECK_NOTHROW(reason = desk.refusal_of(kCube));
+  CHECK(reason == "the job cannot be prepared: the lamp's mask is not as large as the display");
+}
+
 TEST_CASE("A ticket's position moves the part to the right and up") {
   Desk desk;
   const PreparedJob job = desk.prepare(kCube, R"({"position_mm": {"x": 10, "y": 5}})");

@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "hw/hardware_check.hpp"
+#include "hw/hardware_error.hpp"
 #include "hw/light_off.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/gpio/plant.hpp"
 
 using namespace contourd;
 
@@ -93,6 +95,78 @@ TEST_CASE(
   }
   CHECK(told == 0);
   CHECK_FALSE(machine.hindrance().empty());
+}
+
+namespace {
+
+// A machine of nothing but an axis, which is opened as a test wants it.
+struct AxisBench {
+  AxisBench() {
+    config.light.reset();
+    config.projector.reset();
+  }
+  void start() {
+    machine = std::make_unique<RealMachine>(plant.clock, plant, config,
+                                            RealMachine::Openers{.axis = [this] { return open_axis(); }});
+    machine->on_disturbance([this](const Disturbance& disturbance) { told.push_back(disturbance); });
+  }
+  std::unique_ptr<GpioAxis> open_axis() {
+    ++opened;
+    if (missing) throw HardwareError("the axis is missing");
+    plant.build();
+    return std::move(plant.axis);
+  }
+
+  RealMachineConfig config = nowhere();
+  testing::Plant plant{GpioAxisConfig{}};
+  bool missing = false;
+  int opened = 0;
+  std::vector<Disturbance> told;
+  std::unique_ptr<RealMachine> machine;
+};
+
+}  // namespace
+
+TEST_CASE("An axis whose chip is pulled stands in the way from then on, and is looked for") {
+  AxisBench bench;
+  bench.start();
+  CHECK(count(bench.machine->hindrance(), "axis") == 0);
+  bench.missing = true;
+  bench.plant.pull_chip();
+  REQUIRE(bench.told.size() == 1);
+  CHECK(bench.told[0].kind == Disturbance::Kind::Fault);
+  CHECK(count(bench.machine->hindrance(), "the axis' inputs on") == 1);
+  CHECK(bench.opened == 1);
+  bench.plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(bench.opened >= 2);
+  CHECK(count(bench.machine->hindrance(), "the axis is missing") == 1);
+  CHECK(bench.told.size() == 1);
+}
+
+TEST_CASE("An axis whose lines the kernel refuses to set is a lost one") {
+  AxisBench bench;
+  bench.start();
+  bench.plant.step->refuses = true;
+  std::optional<HomingResult> homed;
+  bench.machine->z_axis().home([&](HomingResult result) { homed = result; });
+  bench.plant.run([&] { return homed.has_value(); });
+  CHECK(homed == HomingResult::Fault);
+  CHECK(count(bench.machine->hindrance(), "line") >= 1);
+  bench.missing = true;
+  bench.plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(bench.opened >= 2);
+}
+
+TEST_CASE("What an owner should know of a device that comes late is told when it is found") {
+  AxisBench bench;
+  bench.missing = true;
+  bench.plant.refusals = {"no real-time priority"};
+  bench.start();
+  bench.missing = false;
+  bench.plant.run_for(2 * RealMachine::kSearchInterval);
+  REQUIRE(bench.told.size() == 1);
+  CHECK(bench.told[0].kind == Disturbance::Kind::Recovery);
+  CHECK(bench.told[0].warnings == std::vector<std::string>{"no real-time priority"});
 }
 
 TEST_CASE("A look at the hardware tells of every device, whatever is wrong with the others") {

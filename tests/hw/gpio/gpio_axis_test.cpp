@@ -524,11 +524,13 @@ TEST_CASE("The emergency stop halts the motor before the event loop hears of it"
   CHECK(plant.disturbances.empty());
   CHECK(plant.home() == HomingResult::Fault);  // still pressed
   CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "the emergency stop is pressed"));
+  CHECK(plant.disturbances.back().owner_decides);
   plant.disturbances.clear();
   plant.press(AxisInput::EmergencyStop, false);
   plant.run_for(100ms);
   CHECK(only_disturbance_says(plant, Disturbance::Kind::Recovery,
                               "the emergency stop was let go (line 5 of gpiochip0)"));
+  CHECK(plant.disturbances.back().owner_decides);  // the motor does not start for that alone
   CHECK(plant.home() == HomingResult::Homed);
 }
 

@@ -148,6 +148,11 @@ class Plant final : public DescriptorWatcher {
     run([&] { return result.has_value(); });
     return result;
   }
+  // The chip with the inputs is gone.
+  void pull_chip() {
+    inputs_engine_->lose();
+    dispatch();
+  }
   void press(AxisInput which, bool active) {
     lines[static_cast<std::size_t>(which)]->set(active, clock.now());
   }
@@ -163,6 +168,7 @@ class Plant final : public DescriptorWatcher {
   GpioAxisConfig config;
   std::unique_ptr<GpioAxis> axis;
   std::vector<Disturbance> disturbances;
+  std::vector<std::string> refusals;  // of the threads
   std::function<void()> on_disturbance;
 
   std::int64_t motor = 4'000;
@@ -205,7 +211,7 @@ class Plant final : public DescriptorWatcher {
       plant_.next_act_.reset();
       plant_.next_serve_.reset();
     }
-    [[nodiscard]] std::vector<std::string> refusals() const override { return {}; }
+    [[nodiscard]] std::vector<std::string> refusals() const override { return plant_.refusals; }
 
    private:
     Plant& plant_;
