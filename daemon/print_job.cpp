@@ -224,7 +224,7 @@ void count_layers(PrintPlan& plan, JobSummary& summary) {
 void inspect(const PlateModel& model, const std::string& prefix, ModelSummary& figures,
              std::vector<std::string>& warnings) {
   if (model.model->turned_outwards())
-    warnings.push_back(prefix + "the model is inside out: its facets were turned outwards");
+    warnings.push_back(prefix + std::string(kTurnedOutwardsWarning));
   figures.mesh = inspect_mesh(model.model->facets());
   const MeshReport& mesh = figures.mesh;
   if (!mesh.watertight) {

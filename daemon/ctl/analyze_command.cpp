@@ -45,6 +45,7 @@ Subject subject_alone(const AnalyzeOptions& options) {
   StlModel model = read_model(options.model);
   subject.model.warnings = std::move(model.warnings);
   HeightIndex index(std::move(model.facets));
+  if (index.turned_outwards()) subject.model.warnings.emplace_back(kTurnedOutwardsWarning);
   const Bounds bounds = index.bounds();
   subject.model.layers = uniform_layers(Millimeters{bounds.size_z()}, options.layer_height).all();
   subject.model.display = options.display;

@@ -175,6 +175,7 @@ int slice_layers(const SliceOptions& options, const std::shared_ptr<const Height
 int slice(SliceOptions options) {
   if (options.lamp) options.engine.lamp = read_lamp(*options.lamp, options.engine.display);
   const auto model = std::make_shared<const HeightIndex>(read_model(options.model).facets);
+  if (model->turned_outwards()) fmt::print(stderr, "contourctl: warning: {}\n", kTurnedOutwardsWarning);
   return options.z ? slice_at_height(options, model) : slice_layers(options, model);
 }
 

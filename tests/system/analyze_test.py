@@ -262,9 +262,11 @@ class BadInput(AnalyzeTest):
             self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), (more, result))
         self.assertEqual(contourctl("analyze").returncode, BAD_USAGE)
 
-    def test_a_model_inside_out_is_analysed_all_the_same(self):
-        found = self.analyze(binary_stl(inside_out(cube(20))))
-        self.assertAlmostEqual(found["resin_ml"], 8, delta=1e-9)
+    def test_a_model_inside_out_is_analysed_all_the_same_and_told(self):
+        for more in ([], ["--printer", WithPrinter.CONFIG]):
+            found = self.analyze(binary_stl(inside_out(cube(20))), *more)
+            self.assertAlmostEqual(found["resin_ml"], 8, delta=1e-9)
+            self.assertEqual(found["model_warnings"], ["the model is inside out: its facets were turned outwards"])
 
 
 if __name__ == "__main__":

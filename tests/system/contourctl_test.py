@@ -13,6 +13,8 @@ from harness import (
     inside_out, limit_memory, main, read_png, wedge,
 )  # fmt: skip
 
+# As the daemon says it.
+INSIDE_OUT = "the model is inside out: its facets were turned outwards"
 # File names that people really have, or that show whether a program was careful.
 ODD_NAMES = [
     b"two words.stl", b" leading blank.stl", b"line\nbreak.stl", b"carriage\rreturn.stl", b"not utf-8 \xff\xfe\x80.stl",
@@ -71,6 +73,9 @@ class Inspect(FolderTest):
         found = self.inspect(self.write("inverted.stl", binary_stl(inside_out(cube(20)))))
         self.assertAlmostEqual(found["volume_mm3"], -8000, delta=8000 * 1e-12)
         self.assertTrue(found["watertight"])
+        self.assertEqual(found["warnings"], [INSIDE_OUT])
+        result = contourctl("inspect", self.path("inverted.stl"))
+        self.assertIn(f"warning      {INSIDE_OUT}\n".encode(), result.stdout)
 
     def test_a_file_without_facets_is_not_an_error(self):
         for data in (binary_stl([]), b"solid nothing\nendsolid nothing\n"):
@@ -161,11 +166,11 @@ class Inspect(FolderTest):
 
 
 class SliceAtOneHeight(FolderTest):
-    def slice(self, facets, z, *arguments):
+    def slice(self, facets, z, *arguments, warning=b""):
         path = self.write("model.stl", binary_stl(facets))
         result = contourctl("slice", path, "--z", str(z), "--json", *arguments)
         self.assertEqual(result.returncode, OK, result.stderr)
-        self.assertEqual(result.stderr, b"")
+        self.assertEqual(result.stderr, warning)
         return json.loads(result.stdout)
 
     def test_a_cube_has_every_figure(self):
@@ -206,8 +211,9 @@ class SliceAtOneHeight(FolderTest):
         self.assertAlmostEqual(found["area_mm2"], 300, delta=1e-9)
         self.assertEqual(found["contours"], 2)
 
-    def test_an_inside_out_cube_is_as_large_as_any(self):
-        self.assertAlmostEqual(self.slice(inside_out(cube(20)), 10)["area_mm2"], 400, delta=1e-9)
+    def test_an_inside_out_cube_is_as_large_as_any_and_told(self):
+        found = self.slice(inside_out(cube(20)), 10, warning=f"contourctl: warning: {INSIDE_OUT}\n".encode())
+        self.assertAlmostEqual(found["area_mm2"], 400, delta=1e-9)
 
     def test_a_hole_is_closed_and_told(self):
         # Both facets of the side x = 20 are missing.
