@@ -105,8 +105,9 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
 std::vector<Nanometers> layer_middles(const SliceOptions& options,
                                       const std::shared_ptr<const HeightIndex>& model) {
   const PrintLayers layers =
-      options.adaptive ? PrintLayers({model}, *options.adaptive)
-                       : uniform_layers(Millimeters{model->bounds().size_z()}, *options.layer_height);
+      options.adaptive
+          ? PrintLayers({model}, *options.adaptive)
+          : PrintLayers(layers_for(Millimeters{model->bounds().size_z()}, *options.layer_height));
   return middles_of(layers.all());
 }
 

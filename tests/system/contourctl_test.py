@@ -492,6 +492,23 @@ class Measurements(FolderTest):
         self.assertEqual((rows, printed["layers"]), ([], 0))
 
 
+class NoSuchLayers(FolderTest):
+    def test_more_layers_than_can_be_printed_are_bad_data_and_told_at_once(self):
+        counted = "the model has 2000000000 layers, at most 10000000 can be printed"
+        uncounted = "the model has more than 10000000 layers"
+        for height, arguments, sentence in (
+            (1e8, ["slice", "--layer-height-um", "50"], counted), (1e8, ["analyze"], counted),
+            (3e38, ["slice", "--layer-height-um", "50"], uncounted), (3e38, ["analyze"], uncounted),
+            (3e38, ["slice", "--cusp-um", "15"], uncounted),
+        ):  # fmt: skip
+            with self.subTest(height=height, arguments=arguments):
+                path = self.write("tall.stl", binary_stl(box((0, 0, 0), (5, 5, height))))
+                # A list of all of them would take 16 GB, or for ever.
+                result = contourctl(*arguments, path, timeout=20, preexec_fn=lambda: limit_memory(256 << 20))
+                self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
+                self.assertEqual(result.stderr, f"contourctl: {sentence}\n".encode())
+
+
 class BadUsage(FolderTest):
     def test_it_gives_64_and_says_why(self):
         model = self.write("model.stl", binary_stl(cube(20)))
