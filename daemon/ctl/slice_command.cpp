@@ -157,6 +157,10 @@ void report_measurements(const SliceOptions& options, std::size_t facets,
 
 int slice_layers(const SliceOptions& options, const std::shared_ptr<const HeightIndex>& model) {
   const std::vector<Nanometers> layers = layer_middles(options, model);
+  if (layers.empty()) {
+    throw StlError(fmt::format("{}: the model is {:.6g} mm high, too thin for a layer",
+                               options.model.string(), model->bounds().size_z()));
+  }
   for (const auto& folder : {options.masks, options.contours}) {
     if (folder) make_folder(*folder);
   }

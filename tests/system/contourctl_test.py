@@ -487,10 +487,6 @@ class Measurements(FolderTest):
         self.assertEqual(len(os.listdir(self.path("masks"))), 5)
         self.assertEqual(len(os.listdir(self.path("contours"))), 5)
 
-    def test_a_model_without_facets_has_no_rows(self):
-        rows, printed = self.measure([], 50)
-        self.assertEqual((rows, printed["layers"]), ([], 0))
-
 
 class NoSuchLayers(FolderTest):
     def test_more_layers_than_can_be_printed_are_bad_data_and_told_at_once(self):
@@ -507,6 +503,22 @@ class NoSuchLayers(FolderTest):
                 result = contourctl(*arguments, path, timeout=20, preexec_fn=lambda: limit_memory(256 << 20))
                 self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
                 self.assertEqual(result.stderr, f"contourctl: {sentence}\n".encode())
+
+
+    def test_a_model_without_a_layer_is_bad_data_and_says_so(self):
+        flat = [((0, 0, 3), (9, 0, 3), (0, 9, 3))]
+        for facets, layers, height in (
+            (flat, ["--layer-height-um", "50"], "0"), (flat, ["--cusp-um", "15"], "0"), ([], ["--layer-height-um", "50"], "0"),
+            (cube(2), ["--layer-height-um", "1e6"], "2"),
+        ):  # fmt: skip
+            for more in ([], ["--json"], ["--masks", self.path("masks")], ["--csv", self.path("out.csv")]):
+                with self.subTest(facets=len(facets), arguments=layers + more):
+                    path = self.write("model.stl", binary_stl(facets))
+                    result = contourctl("slice", path, *layers, *more)
+                    self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
+                    sentence = f"contourctl: {os.fsdecode(path)}: the model is {height} mm high, too thin for a layer\n"
+                    self.assertEqual(result.stderr.decode(), sentence)
+        self.assertEqual(os.listdir(self.folder), ["model.stl"])
 
 
 class BadUsage(FolderTest):
@@ -543,6 +555,16 @@ class BadUsage(FolderTest):
                 self.assertEqual(result.stdout, b"")
                 self.assertGreater(len(result.stderr.strip()), 10)
         self.assertEqual(os.listdir(self.folder), ["model.stl"])
+
+    def test_a_length_outside_its_limits_is_told_with_both(self):
+        model = self.write("model.stl", binary_stl(cube(20)))
+        for arguments, sentence in (
+            (["--cusp-um", "15", "--min-layer-um", "1e30"], "--min-layer-um 1e+30: expected 1 to 1000000"),
+            (["--layer-height-um", "1000001"], "--layer-height-um 1000001: expected 1 to 1000000"),
+            (["--cusp-um", "0"], "--cusp-um 0: expected 0.1 to 1000000"),
+        ):  # fmt: skip
+            result = contourctl("slice", model, *arguments)
+            self.assertEqual((result.returncode, result.stderr), (BAD_USAGE, f"contourctl: {sentence}\n".encode()))
 
     def test_an_output_without_a_name_is_not_left_out_in_silence(self):
         # As from a shell variable that is not set.
