@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/layers.hpp"
+
 namespace contourd {
 namespace {
 
@@ -23,8 +25,10 @@ double steepness(const Facet& facet) {
   return length > 0 ? std::fabs(nz) / length : 0.0;
 }
 
+// Beyond what a print can have, the nearest that it can: a facet may be 1e38 mm away.
 std::int64_t nearest_um(double length_mm) {
-  return std::llround(length_mm * 1e3);
+  constexpr double kFarthestUm = kThickestLayer.count() / kLayerStep.count() * double{kMostLayers};
+  return std::llround(std::clamp(length_mm * 1e3, -kFarthestUm, kFarthestUm));
 }
 
 std::int64_t thinnest_um(const AdaptiveLayers& layers) {

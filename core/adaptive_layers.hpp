@@ -26,7 +26,8 @@ inline constexpr Nanometers kLayerStep{1000};
 // allows, unless that is less than the thinnest. The next flat face or the model's top is approached so that
 // the layer that ends there is not too thin, where that can be. What is left below the top may be less than
 // the thinnest: then the layer reaches beyond it. The thickest when nothing is left. Its cost is in
-// proportion to the facets near the layer. REQUIRES: 1 um <= thinnest <= thickest, cusp > 0.
+// proportion to the facets near the layer. REQUIRES: 1 um <= thinnest <= thickest <= kThickestLayer, cusp >
+// 0.
 [[nodiscard]] Nanometers next_thickness(const HeightIndex& model, Nanometers bottom,
                                         const AdaptiveLayers& layers);
 

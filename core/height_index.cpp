@@ -40,8 +40,7 @@ std::size_t halvings_above(double part) {
 
 HeightIndex::HeightIndex(std::vector<Facet> facets)
     : facets_(std::move(facets)), bounds_(bounds_of(facets_)) {
-  const EnclosedVolume volume = enclosed_volume(facets_, bounds_);
-  if (volume.mm3 < -volume.uncertainty_mm3) turn_outwards();
+  if (enclosed_volume(facets_, bounds_).inside_out()) turn_outwards();
   make_levels();
   sort_into_cells();
 }

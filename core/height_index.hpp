@@ -14,11 +14,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "core/facet.hpp"
 
 namespace contourd {
+
+// What is said of a model whose facets had to be turned.
+inline constexpr std::string_view kTurnedOutwardsWarning =
+    "the model is inside out: its facets were turned outwards";
 
 class HeightIndex {
  public:

@@ -106,7 +106,9 @@ MeshReport inspect_mesh(std::span<const Facet> facets) {
   MeshReport report;
   report.facets = facets.size();
   report.bounds = bounds_of(facets);
-  report.volume_mm3 = enclosed_volume(facets, report.bounds).mm3;
+  const EnclosedVolume volume = enclosed_volume(facets, report.bounds);
+  report.volume_mm3 = volume.mm3;
+  report.inside_out = volume.inside_out();
   report.zero_area_facets = static_cast<std::uint64_t>(std::count_if(
       facets.begin(), facets.end(), [](const Facet& facet) { return twice_area(facet) == 0.0; }));
   const std::vector<Corners> corners = number_vertices(facets);

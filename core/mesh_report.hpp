@@ -14,6 +14,7 @@ struct MeshReport {
   std::uint64_t facets = 0;
   Bounds bounds;
   double volume_mm3 = 0;                 // signed: negative when the facets face inwards
+  bool inside_out = false;               // so that a print turns them
   std::uint64_t degenerate_facets = 0;   // two equal vertices
   std::uint64_t zero_area_facets = 0;    // degenerate ones included
   std::uint64_t duplicate_facets = 0;    // facets over the same three vertices as an earlier one

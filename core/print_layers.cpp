@@ -27,9 +27,14 @@ std::optional<Nanometers> PrintLayers::thickness_at(Nanometers bottom) const {
 }
 
 std::vector<Nanometers> PrintLayers::all() const {
+  // Where even the thickest are too many, they need not be counted. Rounding to whole steps adds less than
+  // one.
+  const double thickest_mm = to_millimeters(adaptive_.thickest + kLayerStep).count();
+  if (!models_.empty() && !(height_mm_ / thickest_mm <= kMostLayers)) throw TooManyLayers();
   std::vector<Nanometers> thicknesses;
   Nanometers bottom{};
   while (const std::optional<Nanometers> thickness = thickness_at(bottom)) {
+    if (thicknesses.size() == kMostLayers) throw TooManyLayers();
     thicknesses.push_back(*thickness);
     bottom += *thickness;
   }

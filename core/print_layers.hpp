@@ -16,7 +16,7 @@ namespace contourd {
 class PrintLayers {
  public:
   PrintLayers() = default;  // none
-  // All of one thickness.
+  // All of one thickness. REQUIRES: as layers_for() has them.
   explicit PrintLayers(const LayerStack& uniform) : uniform_(uniform) {}
   // As the models' surfaces allow: of several models, what the most demanding one says. REQUIRES: as
   // next_thickness() does; no null pointers.
@@ -27,7 +27,7 @@ class PrintLayers {
   [[nodiscard]] std::optional<Nanometers> thickness_at(Nanometers bottom) const;
 
   // All thicknesses, from the plate up: for an estimate of how long the print takes. Makes every decision
-  // that the print will make, but no mask.
+  // that the print will make, but no mask. Throws TooManyLayers.
   [[nodiscard]] std::vector<Nanometers> all() const;
 
  private:

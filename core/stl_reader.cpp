@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <stdexcept>
 #include <system_error>
 
 #include "core/stl_formats.hpp"
@@ -24,6 +25,18 @@ using File = std::unique_ptr<std::FILE, CloseFile>;
 std::system_error cannot_read(const std::filesystem::path& path, std::error_code code) {
   return std::system_error(code, "cannot read " + path.string());
 }
+
+// A code says why, but what() is the sentence alone: "Invalid argument" after it would tell nothing.
+class NotARegularFile : public std::system_error {
+ public:
+  explicit NotARegularFile(const std::filesystem::path& path)
+      : std::system_error(std::make_error_code(std::errc::invalid_argument)),
+        sentence_("cannot read " + path.string() + ": it is not a regular file") {}
+  [[nodiscard]] const char* what() const noexcept override { return sentence_.what(); }
+
+ private:
+  std::runtime_error sentence_;  // its copies cannot fail
+};
 
 void read_exactly(std::FILE* file, std::span<std::byte> into, const std::filesystem::path& path) {
   errno = 0;
@@ -92,8 +105,7 @@ StlModel read_stl_file(const std::filesystem::path& path) {
     throw cannot_read(path, std::make_error_code(std::errc::is_a_directory));
   }
   if (!std::filesystem::is_regular_file(status)) {
-    throw std::system_error(std::make_error_code(std::errc::invalid_argument),
-                            "cannot read " + path.string() + ": it is not a regular file");
+    throw NotARegularFile(path);
   }
   const File file(std::fopen(path.c_str(), "rb"));
   if (!file) throw cannot_read(path, std::error_code(errno, std::generic_category()));

@@ -29,6 +29,17 @@ std::vector<PlotPoint> thinned(std::span<const PlotPoint> points) {
   return thin;
 }
 
+std::string without_tags(const std::string& html) {
+  std::string text;
+  bool in_tag = false;
+  for (const char c : html) {
+    in_tag = in_tag || c == '<';
+    if (!in_tag) text += c;
+    in_tag = in_tag && c != '>';
+  }
+  return text;
+}
+
 // The next of 1, 2, 2.5, 5 times a power of ten.
 double round_up(double value) {
   if (!(value > 0)) return 1;
@@ -92,7 +103,7 @@ std::string svg_plot(const std::string& title, std::span<const PlotPoint> all) {
     return kPlotTop + (1 - value / top) * (kPlotHeight - kPlotTop - kPlotBottom);
   };
   std::string svg = fmt::format("<h2>{}</h2>\n<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n",
-                                title, kPlotWidth, kPlotHeight, title);
+                                title, kPlotWidth, kPlotHeight, without_tags(title));
   for (const double part : {0.0, 0.5, 1.0}) {
     svg += fmt::format(
         "<line class=\"grid\" x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>"

@@ -203,10 +203,8 @@ PrintLayers choose_layers(const JobTicket& ticket, const PrinterConfig& printer,
   }
   const Nanometers thickness = ticket.layer_height.value_or(resin.layer_height);
   check_layer_height(thickness, resin, printer);
-  const std::optional<LayerStack> layers = layers_for(Millimeters{summary.height_mm}, thickness);
-  if (!layers) throw JobRefused("the model has more layers than can be counted");
   summary.layers.thinnest = thickness;
-  return PrintLayers(*layers);
+  return PrintLayers(layers_for(Millimeters{summary.height_mm}, thickness));
 }
 
 // Asks for every layer beforehand, for the estimates. Refuses a print without any.
@@ -223,8 +221,7 @@ void count_layers(PrintPlan& plan, JobSummary& summary) {
 
 void inspect(const PlateModel& model, const std::string& prefix, ModelSummary& figures,
              std::vector<std::string>& warnings) {
-  if (model.model->turned_outwards())
-    warnings.push_back(prefix + "the model is inside out: its facets were turned outwards");
+  if (model.model->turned_outwards()) warnings.push_back(prefix + std::string(kTurnedOutwardsWarning));
   figures.mesh = inspect_mesh(model.model->facets());
   const MeshReport& mesh = figures.mesh;
   if (!mesh.watertight) {
@@ -340,6 +337,8 @@ PreparedJob prepare_job(const JobFiles& files, const PrinterConfig& printer) {
     throw;
   } catch (const ConfigError& error) {
     throw JobRefused(fmt::format("the job ticket is wrong:\n{}", error.what()));
+  } catch (const TooManyLayers& error) {
+    throw JobRefused(error.what());
   } catch (const std::system_error& error) {
     throw JobRefused(error.what());
   } catch (const std::range_error& error) {

@@ -45,8 +45,9 @@ Subject subject_alone(const AnalyzeOptions& options) {
   StlModel model = read_model(options.model);
   subject.model.warnings = std::move(model.warnings);
   HeightIndex index(std::move(model.facets));
+  if (index.turned_outwards()) subject.model.warnings.emplace_back(kTurnedOutwardsWarning);
   const Bounds bounds = index.bounds();
-  subject.model.layers = uniform_layers(Millimeters{bounds.size_z()}, options.layer_height).all();
+  subject.model.layers = PrintLayers(layers_for(Millimeters{bounds.size_z()}, options.layer_height)).all();
   subject.model.display = options.display;
   subject.model.size_x_mm = bounds.size_x();
   subject.model.size_y_mm = bounds.size_y();

@@ -2,8 +2,6 @@
 // what is wrong with the data or the daemon comes out as an exception (see exit_codes.hpp).
 #pragma once
 
-#include <fmt/format.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -11,7 +9,6 @@
 
 #include "core/adaptive_layers.hpp"
 #include "core/contour_engine.hpp"
-#include "core/print_layers.hpp"
 #include "core/stl_reader.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 
@@ -24,14 +21,6 @@ namespace contourd::ctl {
   } catch (const StlError& error) {
     throw StlError(path.string() + ": " + error.what());
   }
-}
-
-// Layers of one height. Throws UsageError when there are more than can be counted.
-[[nodiscard]] inline PrintLayers uniform_layers(Millimeters model_height, Nanometers layer_height) {
-  if (const std::optional<LayerStack> stack = layers_for(model_height, layer_height))
-    return PrintLayers(*stack);
-  throw UsageError(fmt::format("a model {:.6g} mm high has more layers of that height than can be counted",
-                               model_height.count()));
 }
 
 struct InspectOptions {

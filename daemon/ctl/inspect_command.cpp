@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/height_index.hpp"
 #include "core/mesh_report.hpp"
 #include "core/stl_reader.hpp"
 #include "daemon/ctl/commands.hpp"
@@ -56,8 +57,9 @@ void print(const StlModel& model, const MeshReport& report) {
 }  // namespace
 
 int inspect(const InspectOptions& options) {
-  const StlModel model = read_model(options.model);
+  StlModel model = read_model(options.model);
   const MeshReport report = inspect_mesh(model.facets);
+  if (report.inside_out) model.warnings.emplace_back(kTurnedOutwardsWarning);
   if (options.json) {
     fmt::print("{}\n", to_json(model, report).dump(2));
   } else {

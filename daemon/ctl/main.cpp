@@ -12,6 +12,7 @@
 #include <optional>
 #include <system_error>
 
+#include "core/layers.hpp"
 #include "core/stl_reader.hpp"
 #include "daemon/config/config_error.hpp"
 #include "daemon/control_defaults.hpp"
@@ -105,10 +106,13 @@ AntiAliasing parse_anti_aliasing(const std::string& word) {
   return word == "on" ? AntiAliasing::On : AntiAliasing::Off;
 }
 
+// A layer's height, or a length that is compared with one.
 Nanometers parse_um(const char* option, double um, double least) {
   const auto length = to_nanometers(to_millimeters(Micrometers{um}));
-  if (!length || !(um >= least))
-    throw UsageError(fmt::format("{} {}: expected {} or more", option, um, least));
+  if (!length || !(um >= least) || *length > kThickestLayer) {
+    throw UsageError(fmt::format("{} {}: expected {} to {:.0f}", option, um, least,
+                                 to_millimeters(kThickestLayer).count() * 1000));
+  }
   return *length;
 }
 
@@ -319,6 +323,8 @@ int main(int argc, char** argv) {
   } catch (const UsageError& error) {
     return complain(kBadUsage, error.what());
   } catch (const contourd::StlError& error) {
+    return complain(kBadData, error.what());
+  } catch (const contourd::TooManyLayers& error) {
     return complain(kBadData, error.what());
   } catch (const OutputError& error) {
     return complain(kCannotCreate, error.what());

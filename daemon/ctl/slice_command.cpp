@@ -105,8 +105,9 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
 std::vector<Nanometers> layer_middles(const SliceOptions& options,
                                       const std::shared_ptr<const HeightIndex>& model) {
   const PrintLayers layers =
-      options.adaptive ? PrintLayers({model}, *options.adaptive)
-                       : uniform_layers(Millimeters{model->bounds().size_z()}, *options.layer_height);
+      options.adaptive
+          ? PrintLayers({model}, *options.adaptive)
+          : PrintLayers(layers_for(Millimeters{model->bounds().size_z()}, *options.layer_height));
   return middles_of(layers.all());
 }
 
@@ -156,6 +157,10 @@ void report_measurements(const SliceOptions& options, std::size_t facets,
 
 int slice_layers(const SliceOptions& options, const std::shared_ptr<const HeightIndex>& model) {
   const std::vector<Nanometers> layers = layer_middles(options, model);
+  if (layers.empty()) {
+    throw StlError(fmt::format("{}: the model is {:.6g} mm high, too thin for a layer",
+                               options.model.string(), model->bounds().size_z()));
+  }
   for (const auto& folder : {options.masks, options.contours}) {
     if (folder) make_folder(*folder);
   }
@@ -175,6 +180,7 @@ int slice_layers(const SliceOptions& options, const std::shared_ptr<const Height
 int slice(SliceOptions options) {
   if (options.lamp) options.engine.lamp = read_lamp(*options.lamp, options.engine.display);
   const auto model = std::make_shared<const HeightIndex>(read_model(options.model).facets);
+  if (model->turned_outwards()) fmt::print(stderr, "contourctl: warning: {}\n", kTurnedOutwardsWarning);
   return options.z ? slice_at_height(options, model) : slice_layers(options, model);
 }
 

@@ -21,7 +21,7 @@ struct Subject {
 };
 
 std::vector<double> layer_heights(const Bounds& bounds, bool quick) {
-  const LayerStack layers = layers_for(Millimeters{bounds.size_z()}, kLayer).value();
+  const LayerStack layers = layers_for(Millimeters{bounds.size_z()}, kLayer);
   const std::int32_t step = quick ? std::max(layers.count / kQuickLayers, 1) : 1;
   std::vector<double> heights;
   for (std::int32_t layer = 0; layer < layers.count; layer += step)

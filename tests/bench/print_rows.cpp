@@ -21,7 +21,7 @@ Row masks_in_memory(const Bench& bench, const std::filesystem::path& file) {
   const Times times = time_runs(bench.runs(5), [&] {
     HeightIndex model(read_stl_file(file).facets);
     const PixelMap map = PixelMap::true_scale(kDisplay, model.bounds().center());
-    const LayerStack layers = layers_for(Millimeters{model.bounds().size_z()}, kLayer).value();
+    const LayerStack layers = layers_for(Millimeters{model.bounds().size_z()}, kLayer);
     ContourEngine engine(std::move(model), EngineSettings{kDisplay, AntiAliasing::On}, {map});
     const std::int32_t step = bench.quick ? 300 : 1;
     masks = 0;

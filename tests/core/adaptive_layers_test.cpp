@@ -182,3 +182,16 @@ TEST_CASE("Layers of one thickness are as many as the stack has") {
   CHECK(PrintLayers().all().empty());
   CHECK(PrintLayers(LayerStack{um(50), 0}).all().empty());
 }
+
+TEST_CASE("Adaptive layers of a model of any height are counted up to the most a print can have") {
+  const auto tower = [](float height_mm) {
+    return std::vector{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {5, 5, height_mm}))};
+  };
+  constexpr AdaptiveLayers kThin{um(1), um(1), um(1)};
+  // Refused before any is counted, and only when one too many was.
+  CHECK_THROWS_AS((void)PrintLayers(tower(3e38F), kLimits).all(), TooManyLayers);
+  CHECK_THROWS_AS((void)PrintLayers(tower(10'001), kThin).all(), TooManyLayers);
+  CHECK(PrintLayers(tower(10'000), kThin).all().size() == 10'000'000);
+  // The next layer of such a model is one like any other.
+  CHECK(next_thickness(*tower(3e38F).front(), Nanometers{}, kLimits) == um(100));
+}

@@ -1,6 +1,7 @@
 #include "core/layers.hpp"
 
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "tests/catch.hpp"
@@ -13,7 +14,7 @@ namespace {
 constexpr Nanometers kFiftyMicrometers{50'000};
 
 std::int32_t count_for(double height_mm, Nanometers thickness) {
-  return layers_for(Millimeters{height_mm}, thickness).value().count;
+  return layers_for(Millimeters{height_mm}, thickness).count;
 }
 
 }  // namespace
@@ -36,14 +37,23 @@ TEST_CASE("A model without height has no layers") {
   CHECK(count_for(-1.0, kFiftyMicrometers) == 0);
 }
 
-TEST_CASE("More layers than a print can have are none at all") {
-  CHECK_FALSE(layers_for(Millimeters{3000.0}, Nanometers{1}).has_value());
-  CHECK_FALSE(layers_for(Millimeters{1e300}, kFiftyMicrometers).has_value());
-  CHECK_FALSE(
-      layers_for(Millimeters{std::numeric_limits<double>::infinity()}, kFiftyMicrometers).has_value());
-  CHECK_FALSE(
-      layers_for(Millimeters{std::numeric_limits<double>::quiet_NaN()}, kFiftyMicrometers).has_value());
-  CHECK(count_for(2000.0, Nanometers{1}) == 2'000'000'000);
+TEST_CASE("More layers than a print can have are refused with their number, as far as it can be told") {
+  const auto complaint = [](double height_mm) -> std::string {
+    try {
+      (void)layers_for(Millimeters{height_mm}, kFiftyMicrometers);
+    } catch (const TooManyLayers& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string uncounted = "the model has more than 10000000 layers";
+  CHECK(count_for(500'000, kFiftyMicrometers) == 10'000'000);
+  CHECK(complaint(500'000.01) == "the model has 10000001 layers, at most 10000000 can be printed");
+  CHECK(complaint(1e8) == "the model has 2000000000 layers, at most 10000000 can be printed");
+  CHECK(complaint(3e38) == uncounted);
+  CHECK(complaint(1e300) == uncounted);
+  CHECK(complaint(std::numeric_limits<double>::infinity()) == uncounted);
+  CHECK(complaint(std::numeric_limits<double>::quiet_NaN()) == uncounted);
 }
 
 TEST_CASE("Each layer is cut at its middle") {
@@ -67,7 +77,7 @@ TEST_CASE("The layers cover the model and none lies above it") {
   CHECK(rc::check([] {
     const Nanometers thickness{testing::draw(1'000, 200'000)};
     const Nanometers height{testing::draw(1, 200'000'000)};
-    const LayerStack layers = layers_for(to_millimeters(height), thickness).value();
+    const LayerStack layers = layers_for(to_millimeters(height), thickness);
     // A hundredth of a layer may be left out; 1 nm for the rounding of that hundredth.
     const std::int64_t noise_nm = thickness.count() / 100 + 1;
     RC_ASSERT(layers.count >= 0);

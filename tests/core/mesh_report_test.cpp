@@ -24,6 +24,7 @@ TEST_CASE("A sound model has nothing to report") {
   CHECK(report.facets == 12);
   CHECK(report.watertight);
   CHECK(report.volume_mm3 == 6);
+  CHECK_FALSE(report.inside_out);
   CHECK(report.open_edges == 0);
   CHECK(report.non_manifold_edges == 0);
   CHECK(report.flipped_edges == 0);
@@ -49,6 +50,7 @@ TEST_CASE("A model that faces inwards is watertight and of negative volume") {
   CHECK(report.watertight);
   CHECK(report.flipped_edges == 0);
   CHECK(report.volume_mm3 == -1);
+  CHECK(report.inside_out);
 }
 
 TEST_CASE("A missing facet leaves three open edges") {

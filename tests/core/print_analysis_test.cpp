@@ -27,7 +27,7 @@ ContourEngine engine_for(models::Facets facets, const DisplayGeometry& display =
 
 PrintFindings analyze(const models::Facets& facets, Nanometers thickness = kLayer,
                       const DisplayGeometry& display = kDisplay) {
-  const LayerStack layers = layers_for(Millimeters{bounds_of(facets).size_z()}, thickness).value();
+  const LayerStack layers = layers_for(Millimeters{bounds_of(facets).size_z()}, thickness);
   ContourEngine engine = engine_for(facets, display);
   return analyze_print(engine, display, PrintLayers(layers).all(), [](std::int32_t) { return 0s; }).value();
 }

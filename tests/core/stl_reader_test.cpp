@@ -525,6 +525,7 @@ TEST_CASE("What is not a readable regular file is a system error that names it")
   CHECK(code_of(folder.path() / "missing" / "part.stl") == std::errc::no_such_file_or_directory);
   CHECK(code_of(folder.path()) == std::errc::is_a_directory);
   CHECK(code_of("/dev/null") == std::errc::invalid_argument);
+  CHECK_THROWS_WITH((void)read_stl_file("/dev/null"), "cannot read /dev/null: it is not a regular file");
 }
 
 TEST_CASE("A named pipe is refused without waiting for its writer") {

@@ -157,6 +157,15 @@ TEST_CASE("A wrong ticket refuses the job with all that is wrong with it") {
   CHECK(refusal.find("colour") != std::string::npos);
 }
 
+TEST_CASE("More layers than can be printed are refused with their number") {
+  Desk desk;
+  // As no machine is, so that nothing else is wrong.
+  desk.printer.travel = Nanometers{20'000'000'000'000};
+  desk.printer.resin.layer_height = desk.printer.resin.layer_height_min = Nanometers{1'000};
+  CHECK(desk.refusal_of(models::box({0, 0, 0}, {5, 5, 16'384})) ==
+        "the model has 16384000 layers, at most 10000000 can be printed");
+}
+
 TEST_CASE("A layer height that the resin does not allow is refused") {
   Desk desk;
   CHECK(desk.refusal_of(kCube, R"({"layer_height_um": 5})").find("the layer height cannot be printed") == 0);

@@ -136,11 +136,13 @@ class Parser(html.parser.HTMLParser):
     def __init__(self):
         super().__init__()
         self.open, self.tags, self.references, self.scripts, self.text = [], [], [], [], ""
+        self.labels = []
 
     def handle_starttag(self, tag, attributes):
         self.tags.append(tag)
         if tag not in self.VOID:
             self.open.append(tag)
+        self.labels += [value for name, value in attributes if name == "aria-label"]
         self.references += [value for name, value in attributes if name in ("src", "href", "data", "action")]
 
     def handle_startendtag(self, tag, attributes):
@@ -194,6 +196,12 @@ class Page(AnalyzeTest):
         for words in ("model.stl", "Slicing time", "Contour time", "Total time", "Intersecting facets", "Contour loops",
                       "Exposed area", "Normalized correlation", "1 island begins", "0.10 ml"):  # fmt: skip
             self.assertIn(words, page.text)
+
+    def test_a_plot_is_labelled_with_its_title_as_plain_text(self):
+        _, page, _ = self.page(FLOATING)
+        # Two boxes of 20 layers, and as many layers of nothing.
+        self.assertIn("Intersecting facets mean 5.333, SD 3.803", page.labels)
+        self.assertNotRegex("".join(page.labels), "[<>&]")
 
     def test_the_picture_holds_the_contours_where_they_are_on_the_plate(self):
         _, _, data = self.page(FLOATING)
@@ -262,9 +270,11 @@ class BadInput(AnalyzeTest):
             self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), (more, result))
         self.assertEqual(contourctl("analyze").returncode, BAD_USAGE)
 
-    def test_a_model_inside_out_is_analysed_all_the_same(self):
-        found = self.analyze(binary_stl(inside_out(cube(20))))
-        self.assertAlmostEqual(found["resin_ml"], 8, delta=1e-9)
+    def test_a_model_inside_out_is_analysed_all_the_same_and_told(self):
+        for more in ([], ["--printer", WithPrinter.CONFIG]):
+            found = self.analyze(binary_stl(inside_out(cube(20))), *more)
+            self.assertAlmostEqual(found["resin_ml"], 8, delta=1e-9)
+            self.assertEqual(found["model_warnings"], ["the model is inside out: its facets were turned outwards"])
 
 
 if __name__ == "__main__":

@@ -13,6 +13,8 @@ from harness import (
     inside_out, limit_memory, main, read_png, wedge,
 )  # fmt: skip
 
+# As the daemon says it.
+INSIDE_OUT = "the model is inside out: its facets were turned outwards"
 # File names that people really have, or that show whether a program was careful.
 ODD_NAMES = [
     b"two words.stl", b" leading blank.stl", b"line\nbreak.stl", b"carriage\rreturn.stl", b"not utf-8 \xff\xfe\x80.stl",
@@ -71,6 +73,9 @@ class Inspect(FolderTest):
         found = self.inspect(self.write("inverted.stl", binary_stl(inside_out(cube(20)))))
         self.assertAlmostEqual(found["volume_mm3"], -8000, delta=8000 * 1e-12)
         self.assertTrue(found["watertight"])
+        self.assertEqual(found["warnings"], [INSIDE_OUT])
+        result = contourctl("inspect", self.path("inverted.stl"))
+        self.assertIn(f"warning      {INSIDE_OUT}\n".encode(), result.stdout)
 
     def test_a_file_without_facets_is_not_an_error(self):
         for data in (binary_stl([]), b"solid nothing\nendsolid nothing\n"):
@@ -161,11 +166,11 @@ class Inspect(FolderTest):
 
 
 class SliceAtOneHeight(FolderTest):
-    def slice(self, facets, z, *arguments):
+    def slice(self, facets, z, *arguments, warning=b""):
         path = self.write("model.stl", binary_stl(facets))
         result = contourctl("slice", path, "--z", str(z), "--json", *arguments)
         self.assertEqual(result.returncode, OK, result.stderr)
-        self.assertEqual(result.stderr, b"")
+        self.assertEqual(result.stderr, warning)
         return json.loads(result.stdout)
 
     def test_a_cube_has_every_figure(self):
@@ -206,8 +211,9 @@ class SliceAtOneHeight(FolderTest):
         self.assertAlmostEqual(found["area_mm2"], 300, delta=1e-9)
         self.assertEqual(found["contours"], 2)
 
-    def test_an_inside_out_cube_is_as_large_as_any(self):
-        self.assertAlmostEqual(self.slice(inside_out(cube(20)), 10)["area_mm2"], 400, delta=1e-9)
+    def test_an_inside_out_cube_is_as_large_as_any_and_told(self):
+        found = self.slice(inside_out(cube(20)), 10, warning=f"contourctl: warning: {INSIDE_OUT}\n".encode())
+        self.assertAlmostEqual(found["area_mm2"], 400, delta=1e-9)
 
     def test_a_hole_is_closed_and_told(self):
         # Both facets of the side x = 20 are missing.
@@ -481,9 +487,38 @@ class Measurements(FolderTest):
         self.assertEqual(len(os.listdir(self.path("masks"))), 5)
         self.assertEqual(len(os.listdir(self.path("contours"))), 5)
 
-    def test_a_model_without_facets_has_no_rows(self):
-        rows, printed = self.measure([], 50)
-        self.assertEqual((rows, printed["layers"]), ([], 0))
+
+class NoSuchLayers(FolderTest):
+    def test_more_layers_than_can_be_printed_are_bad_data_and_told_at_once(self):
+        counted = "the model has 2000000000 layers, at most 10000000 can be printed"
+        uncounted = "the model has more than 10000000 layers"
+        for height, arguments, sentence in (
+            (1e8, ["slice", "--layer-height-um", "50"], counted), (1e8, ["analyze"], counted),
+            (3e38, ["slice", "--layer-height-um", "50"], uncounted), (3e38, ["analyze"], uncounted),
+            (3e38, ["slice", "--cusp-um", "15"], uncounted),
+        ):  # fmt: skip
+            with self.subTest(height=height, arguments=arguments):
+                path = self.write("tall.stl", binary_stl(box((0, 0, 0), (5, 5, height))))
+                # A list of all of them would take 16 GB, or for ever.
+                result = contourctl(*arguments, path, timeout=20, preexec_fn=lambda: limit_memory(256 << 20))
+                self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
+                self.assertEqual(result.stderr, f"contourctl: {sentence}\n".encode())
+
+
+    def test_a_model_without_a_layer_is_bad_data_and_says_so(self):
+        flat = [((0, 0, 3), (9, 0, 3), (0, 9, 3))]
+        for facets, layers, height in (
+            (flat, ["--layer-height-um", "50"], "0"), (flat, ["--cusp-um", "15"], "0"), ([], ["--layer-height-um", "50"], "0"),
+            (cube(2), ["--layer-height-um", "1e6"], "2"),
+        ):  # fmt: skip
+            for more in ([], ["--json"], ["--masks", self.path("masks")], ["--csv", self.path("out.csv")]):
+                with self.subTest(facets=len(facets), arguments=layers + more):
+                    path = self.write("model.stl", binary_stl(facets))
+                    result = contourctl("slice", path, *layers, *more)
+                    self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
+                    sentence = f"contourctl: {os.fsdecode(path)}: the model is {height} mm high, too thin for a layer\n"
+                    self.assertEqual(result.stderr.decode(), sentence)
+        self.assertEqual(os.listdir(self.folder), ["model.stl"])
 
 
 class BadUsage(FolderTest):
@@ -520,6 +555,16 @@ class BadUsage(FolderTest):
                 self.assertEqual(result.stdout, b"")
                 self.assertGreater(len(result.stderr.strip()), 10)
         self.assertEqual(os.listdir(self.folder), ["model.stl"])
+
+    def test_a_length_outside_its_limits_is_told_with_both(self):
+        model = self.write("model.stl", binary_stl(cube(20)))
+        for arguments, sentence in (
+            (["--cusp-um", "15", "--min-layer-um", "1e30"], "--min-layer-um 1e+30: expected 1 to 1000000"),
+            (["--layer-height-um", "1000001"], "--layer-height-um 1000001: expected 1 to 1000000"),
+            (["--cusp-um", "0"], "--cusp-um 0: expected 0.1 to 1000000"),
+        ):  # fmt: skip
+            result = contourctl("slice", model, *arguments)
+            self.assertEqual((result.returncode, result.stderr), (BAD_USAGE, f"contourctl: {sentence}\n".encode()))
 
     def test_an_output_without_a_name_is_not_left_out_in_silence(self):
         # As from a shell variable that is not set.
