@@ -191,7 +191,6 @@ TEST_CASE("Adaptive layers of a model of any height are counted up to the most a
   // Refused before any is counted, and only when one too many was.
   CHECK_THROWS_AS((void)PrintLayers(tower(3e38F), kLimits).all(), TooManyLayers);
   CHECK_THROWS_AS((void)PrintLayers(tower(10'001), kThin).all(), TooManyLayers);
-  CHECK(PrintLayers(tower(10'000), kThin).all().size() == 10'000'000);
   // The next layer of such a model is one like any other.
   CHECK(next_thickness(*tower(3e38F).front(), Nanometers{}, kLimits) == um(100));
 }
