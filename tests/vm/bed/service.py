@@ -3,6 +3,7 @@
 import base64
 import gzip
 import json
+import traceback
 from contextlib import contextmanager
 
 from bed.architecture import AMD64
@@ -27,7 +28,8 @@ def booted(initramfs, disk):
         try:
             yield machine
         except AssertionError as error:
-            raise AssertionError(f"{error}\n{_circumstances(machine)}") from None
+            what = str(error) or "".join(traceback.format_tb(error.__traceback__))
+            raise AssertionError(f"{what}\n{_circumstances(machine)}") from None
 
 
 def _circumstances(machine):

@@ -20,7 +20,8 @@ def _prints(machine):
     machine.wait_for(f"test -e {SPOOL}/done/part.stl", limit_s=240)
     assert [entry["LAYER"] for entry in journal(machine, "layer")] == ["1", "2"]
     edges, frames = device_logs(machine)
-    assert [edges.position_at(picture.start_ns) for picture in frames.lit_pictures()] == [40, 80]
+    shown_at = [edges.position_at(picture.start_ns) for picture in frames.lit_pictures()]
+    assert shown_at == [40, 80], f"masks were shown with the plate at the steps {shown_at}"
     check(exposure_checks.light_only_on_masks(frames, edges))
     check(exposure_checks.dark_at_the_end(frames, edges))
     check(motion_checks.lost_steps(edges) + motion_checks.pulse_widths(edges, MotionLimits()))
