@@ -27,7 +27,7 @@ void add(std::string& sentences, const std::string& sentence) {
 
 }  // namespace
 
-RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config)
+RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, const RealMachineConfig& config)
     : RealMachine(clock, watcher, config, {.axis = [&clock, &watcher, axis = config.axis] {
                     return std::make_unique<GpioAxis>(clock, watcher, axis);
                   }}) {}

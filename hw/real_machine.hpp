@@ -25,7 +25,7 @@ class RealMachine final : public Machine {
  public:
   // Clock (of CLOCK_MONOTONIC) and watcher must outlive the machine. Blocks for as long as the devices take,
   // a second as a rule. A device that is not there is no error: see hindrance().
-  RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config);
+  RealMachine(Clock& clock, DescriptorWatcher& watcher, const RealMachineConfig& config);
   // Other ways to open devices, for a test.
   struct Openers {
     std::function<std::unique_ptr<GpioAxis>()> axis;
