@@ -27,7 +27,7 @@ double steepness(const Facet& facet) {
 
 // Beyond what a print can have, the nearest that it can: a facet may be 1e38 mm away.
 std::int64_t nearest_um(double length_mm) {
-  constexpr double kFarthestUm = kThickestLayer.count() / kLayerStep.count() * double{kMostLayers};
+  constexpr auto kFarthestUm = static_cast<double>(kThickestLayer / kLayerStep * kMostLayers);
   return std::llround(std::clamp(length_mm * 1e3, -kFarthestUm, kFarthestUm));
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/duplicate_facets.hpp"
 #include "core/enclosed_volume.hpp"
 
 namespace contourd {
@@ -39,7 +40,9 @@ std::size_t halvings_above(double part) {
 }  // namespace
 
 HeightIndex::HeightIndex(std::vector<Facet> facets)
-    : facets_(std::move(facets)), bounds_(bounds_of(facets_)) {
+    : facets_(std::move(facets)),
+      bounds_(bounds_of(facets_)),
+      may_have_duplicates_(contourd::may_have_duplicates(facets_)) {
   if (enclosed_volume(facets_, bounds_).inside_out()) turn_outwards();
   make_levels();
   sort_into_cells();

@@ -53,6 +53,13 @@ TEST_CASE("A warm engine allocates nothing for a cracked model") {
   CHECK(allocations_when_warm(facets) == 0);
 }
 
+TEST_CASE("A warm engine allocates nothing for a model that is there twice") {
+  models::Facets facets = models::gyroid_sphere(10, 6, 24);
+  const models::Facets copy = facets;
+  facets.insert(facets.end(), copy.begin(), copy.end());
+  CHECK(allocations_when_warm(facets) == 0);
+}
+
 TEST_CASE("Finding islands allocates nothing when warm") {
   const DisplayGeometry display{Pixels{480}, Pixels{480}};
   ContourEngine engine(HeightIndex(models::gyroid_sphere(10, 6, 24)),

@@ -1,6 +1,7 @@
 // Meshes as people really have them: what does not belong to a solid's outside does not show.
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -76,6 +77,36 @@ TEST_CASE("Neighbouring facets that are there twice do not show, and are no crac
       CHECK(engine.cracks() == LayerCracks{});
     }
   }
+}
+
+TEST_CASE("Loops that are there twice or thrice do not show, and do not fill a hole") {
+  for (const Facets& clean : clean_models()) {
+    Facets twice = together(clean, clean);
+    CHECK(same_masks(clean, twice));
+    CHECK(same_masks(clean, together(twice, clean)));
+  }
+  const Facets box = models::box({-6, -5, 0}, {6, 5, 8});
+  const Facets cavity = inverted(models::sphere(3, 16));
+  const Facets hollow = together(models::box({-6, -5, -8}, {6, 5, 8}), cavity);
+  CHECK(same_masks(hollow, together(hollow, cavity)));
+  // A ring around it alone: no facet of the caps is doubled.
+  Facets ring = box;
+  std::ranges::copy_if(box, std::back_inserter(ring), [](const Facet& facet) {
+    const auto& [a, b, c] = facet.vertices;
+    return a.z != b.z || b.z != c.z;
+  });
+  CHECK(ring.size() == box.size() + 8);
+  CHECK(same_masks(box, ring));
+}
+
+TEST_CASE("A wall that solids one within the other share is no crack") {
+  const Facets box = models::box({-6, -5, 0}, {6, 5, 8});
+  const Facets within = models::box({-3, -5, 0}, {6, 5, 8});
+  CHECK(same_masks(box, together(box, within)));
+  ContourEngine engine = engine_for(together(box, within), AntiAliasing::On);
+  (void)engine.mask_at_z(Millimeters{4});
+  CHECK(engine.cracks() == LayerCracks{});
+  CHECK(testing::signed_area(engine.contours_at(Nanometers{4'000'000})) == 12 * 10 + 9 * 10);
 }
 
 TEST_CASE("A box and its copy with a hole are a box") {
