@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -25,6 +26,7 @@ struct PrintReport {
   std::chrono::system_clock::time_point started,
       ended;                                   // for people; durations come from the monotonic clock
   Duration print_time{};                       // by the machine's clock
+  std::uint64_t late_steps = 0;                // of the motor
   Duration first_mask_after{};                 // from the file's arrival, or from the end of its wait
   std::optional<std::filesystem::path> masks;  // where the simulated display kept them
   std::vector<std::uint8_t> preview_png;

@@ -80,6 +80,8 @@ std::string facts(const PrintReport& report) {
   }
   for (const std::string& interruption : report.interruptions)
     rows += row("Interrupted", interruption);
+  if (report.late_steps > 0)
+    rows += row("Late steps", fmt::format("{}: the computer was too busy for them", report.late_steps));
   rows += row("First mask", fmt::format("{:.1f} ms after its turn came", ms(report.first_mask_after)));
   Duration slowest{0}, sum{0};
   for (const LayerRecord& layer : report.layers) {

@@ -131,6 +131,7 @@ std::string report_as_json(const PrintReport& report) {
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = report.layers.size();
   json["interruptions"] = report.interruptions;
+  json["late_steps"] = report.late_steps;
   json["reading_ms"] = ms(summary.reading);
   json["indexing_ms"] = ms(summary.indexing);
   json["first_mask_ms"] = ms(summary.first_mask);

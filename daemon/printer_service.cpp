@@ -423,6 +423,7 @@ void PrinterService::start_print() {
     return pump_soon();
   }
   active_->started = clock_.now();
+  active_->late_steps_then = machine_.z_axis().late_steps().count;
   active_->started_at = std::chrono::system_clock::now();
   start_analysis();
   process_.start(std::move(active_->prepared->plan));
@@ -535,6 +536,14 @@ void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason
                                           readable(report.print_time), reason.empty() ? "" : ": " + reason);
   log_.write(outcome == PrintOutcome::Failed ? LogLevel::Error : LogLevel::Info, name_of(outcome), summary,
              job_fields(name));
+  if (report.late_steps > 0) {
+    log_.warning(
+        "late",
+        fmt::format("{}: {} steps of the motor came late and shifted those behind them: this computer "
+                    "was too busy for them, or is too slow",
+                    printable(name), report.late_steps),
+        job_fields(name));
+  }
   active_->report = std::move(report);
   // What is wrong with the machine would be wrong for the next job too, and that begins with a motion.
   if (outcome == PrintOutcome::Failed && !shutting_down_) hold(fmt::format("{} failed: {}", name, reason));
@@ -573,6 +582,7 @@ PrintReport PrinterService::make_report(PrintOutcome outcome, const std::string&
   report.started = active_->started_at;
   report.ended = std::chrono::system_clock::now();
   report.print_time = clock_.now() - active_->started;
+  report.late_steps = late_steps_of_job();
   report.first_mask_after = active_->prepared->first_mask_at - active_->turn_came;
   report.masks = active_->masks;
   const Nanometers printed = active_->layers.empty()
@@ -582,6 +592,12 @@ PrintReport PrinterService::make_report(PrintOutcome outcome, const std::string&
   report.preview_png =
       encode_png(render_preview(parts, to_millimeters(printed), kPreviewWidth, kPreviewHeight));
   return report;
+}
+
+// An axis that was lost and opened again counts anew.
+std::uint64_t PrinterService::late_steps_of_job() const {
+  const std::uint64_t now = machine_.z_axis().late_steps().count;
+  return now >= active_->late_steps_then ? now - active_->late_steps_then : now;
 }
 
 void PrinterService::write_report(const PrintReport& report, Spool::Folder folder) {

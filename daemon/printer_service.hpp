@@ -55,7 +55,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
     std::optional<PreparedJob> prepared;  // nothing while it is being prepared; its plan moves to the process
     std::vector<LayerRecord> layers;
     std::vector<std::string> interruptions;
-    TimePoint started;  // machine's clock
+    TimePoint started;              // machine's clock
+    std::uint64_t late_steps_then;  // of the axis
     std::chrono::system_clock::time_point started_at;
     std::optional<std::filesystem::path> masks;
     Json analysis;               // the findings in short, for whoever asks; null while there are none
@@ -100,6 +101,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   // Files the print that is over, with its report.
   void finish_job();
   void file_job(const JobFiles& files, Spool::Folder to, const std::string& reason);
+  [[nodiscard]] std::uint64_t late_steps_of_job() const;
   [[nodiscard]] PrintReport make_report(PrintOutcome outcome, const std::string& reason,
                                         const PrintPlan& plan) const;
   void write_report(const PrintReport& report, Spool::Folder folder);

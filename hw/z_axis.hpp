@@ -2,6 +2,7 @@
 // vat's film; up is positive. Not thread-safe: calls and callbacks happen on the event loop's thread.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string_view>
@@ -30,6 +31,12 @@ enum class MoveResult {
   Fault,          // the machine is disturbed, its disturbance says how; the position is unknown
 };
 [[nodiscard]] std::string_view describe(MoveResult result);
+
+// What an axis could not do at its time, because the computer was too busy or is too slow.
+struct LateSteps {
+  std::uint64_t count = 0;  // steps that shifted all that came behind them
+  Duration worst{};         // of any step
+};
 
 class ZAxis {
  public:
@@ -65,6 +72,9 @@ class ZAxis {
 
   // How long a move over `distance` takes: for progress and for motion timeouts.
   [[nodiscard]] virtual Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const = 0;
+
+  // Of all moves since the axis was opened; none where no motor has to be stepped.
+  [[nodiscard]] virtual LateSteps late_steps() const { return {}; }
 };
 
 }  // namespace contourd

@@ -75,7 +75,7 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] bool lost() const { return inputs_.lost() || line_refused_; }
   // A sentence for each thing that the system refused the threads (priority, locked memory); none as a rule.
   [[nodiscard]] std::vector<std::string> refusals() const { return threads_->refusals(); }
-  [[nodiscard]] LateSteps late_steps() const { return engine_.late_steps(); }
+  [[nodiscard]] LateSteps late_steps() const override { return engine_.late_steps(); }
   // Edges of the encoder that were missed or made up by noise.
   [[nodiscard]] std::uint64_t illegal_encoder_edges() const { return inputs_.illegal_encoder_edges(); }
 

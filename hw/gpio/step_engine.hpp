@@ -18,6 +18,7 @@
 #include "hw/gpio/event_descriptor.hpp"
 #include "hw/gpio/step_history.hpp"
 #include "hw/gpio/step_planner.hpp"
+#include "hw/z_axis.hpp"
 
 namespace contourd {
 
@@ -38,11 +39,6 @@ enum class StepEnd {
   Stopped,      // slowed down to rest before the end
   Halted,       // no further step from that instant
   LineRefused,  // the kernel would not set a line
-};
-
-struct LateSteps {
-  std::uint64_t count = 0;  // steps that shifted their schedule
-  Duration worst{};         // of any step
 };
 
 class StepEngine {

@@ -4,7 +4,11 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "daemon/config/printer_config.hpp"
 #include "daemon/event_loop.hpp"
@@ -54,6 +58,51 @@ endsolid tetrahedron
 
 constexpr const char* kNoModel = "no model";
 
+// An axis whose motor could not keep its times.
+class LateAxis final : public ZAxis {
+ public:
+  explicit LateAxis(ZAxis& axis) : axis_(axis) {}
+  void home(std::function<void(HomingResult)> done) override { axis_.home(std::move(done)); }
+  void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override {
+    axis_.move_to(target, speed, std::move(done));
+  }
+  void stop() override { axis_.stop(); }
+  void abort() noexcept override { axis_.abort(); }
+  [[nodiscard]] bool moving() const override { return axis_.moving(); }
+  [[nodiscard]] std::optional<Nanometers> height() const override { return axis_.height(); }
+  [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override {
+    return axis_.height_at(time);
+  }
+  [[nodiscard]] Nanometers travel() const override { return axis_.travel(); }
+  [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
+    return axis_.move_duration(distance, speed);
+  }
+  [[nodiscard]] LateSteps late_steps() const override { return late; }
+
+  LateSteps late;
+
+ private:
+  ZAxis& axis_;
+};
+
+class LateMachine final : public Machine {
+ public:
+  explicit LateMachine(SimulatedPrinter& rest) : axis(rest.z_axis()), rest_(rest) {}
+  [[nodiscard]] ZAxis& z_axis() override { return axis; }
+  [[nodiscard]] MaskDisplay& display() override { return rest_.display(); }
+  [[nodiscard]] Projector& projector() override { return rest_.projector(); }
+  void on_disturbance(std::function<void(const Disturbance&)> call) override {
+    rest_.on_disturbance(std::move(call));
+  }
+  [[nodiscard]] std::string hindrance() const override { return rest_.hindrance(); }
+  std::optional<fs::path> begin_job(std::string_view name) override { return rest_.begin_job(name); }
+
+  LateAxis axis;
+
+ private:
+  SimulatedPrinter& rest_;
+};
+
 // A printer in a folder of its own, whose machine a test can lay hands on. Its time goes on as fast as it
 // can.
 class Bench {
@@ -69,7 +118,10 @@ class Bench {
 
   void start() {
     machine = std::make_unique<SimulatedPrinter>(clock, config.simulated);
-    service = std::make_unique<PrinterService>(config, loop, clock, *machine, log, supervisor);
+    start_with(*machine);
+  }
+  void start_with(Machine& whole) {
+    service = std::make_unique<PrinterService>(config, loop, clock, whole, log, supervisor);
     service->start();
   }
   void stop() {
@@ -81,22 +133,30 @@ class Bench {
     const fs::path staging = folder.write(name, text);
     fs::rename(staging, config.spool_folder / "incoming" / name);
   }
+  [[nodiscard]] nlohmann::json report_of(const std::string& job) const {
+    std::ifstream file(config.spool_folder / "done" / (job + ".report.json"));
+    return nlohmann::json::parse(file);
+  }
   [[nodiscard]] bool has(const std::string& name) const { return fs::exists(config.spool_folder / name); }
 
-  // Runs until a file that is no model, dropped behind the others, is refused: by then these have had their
-  // turn. `look` is called after every step. To be called once: an event loop does not run again.
-  void run_until_refused(const std::string& bad, const std::function<void()>& look) {
-    bool refused = false;
+  // Runs until this file lies in the spool. `look` is called after every step. To be called once: an event
+  // loop does not run again.
+  void run_until(const std::string& file, const std::function<void()>& look) {
+    bool there = false;
     const auto given_up = loop.at(std::chrono::steady_clock::now() + 20s, [this] { loop.stop(); });
     const auto steps = loop.when_idle([&] {
       look();
-      refused = has("failed/" + bad);
-      if (refused) loop.stop();
+      there = has(file);
+      if (there) loop.stop();
       (void)clock.run_next();
-      return !refused;
+      return !there;
     });
     loop.run();
-    CHECK(refused);
+    CHECK(there);
+  }
+  // Until a file that is no model, dropped behind the others, is refused: by then these have had their turn.
+  void run_until_refused(const std::string& bad, const std::function<void()>& look) {
+    run_until("failed/" + bad, look);
   }
 
   testing::TemporaryFolder folder;
@@ -110,6 +170,25 @@ class Bench {
 };
 
 }  // namespace
+
+TEST_CASE("The report has the steps that came late in its print, and no others") {
+  Bench bench;
+  bench.machine = std::make_unique<SimulatedPrinter>(bench.clock, bench.config.simulated);
+  LateMachine machine(*bench.machine);
+  machine.axis.late.count = 5;
+  bench.start_with(machine);
+  bench.drop("one.stl");
+  bool moved = false;
+  bench.run_until("done/two.stl", [&] {
+    if (moved || !machine.axis.moving()) return;
+    moved = true;
+    machine.axis.late.count = 12;
+    bench.drop("two.stl");
+  });
+  CHECK(bench.report_of("one")["late_steps"] == 7);
+  CHECK(bench.report_of("two")["late_steps"] == 0);
+  bench.stop();
+}
 
 TEST_CASE("An emergency stop in homing, let go again, starts no motor: the next job waits for the owner") {
   Bench bench;
