@@ -35,7 +35,7 @@ constexpr std::size_t kMostPicturePoints = 700'000;
 
 struct Subject {
   std::unique_ptr<ContourEngine> engine;
-  std::vector<Duration> layer_durations;  // by layer; none when no printer is known
+  std::vector<Duration> layer_durations;  // by layer
   AnalyzedModel model;
 };
 
@@ -48,6 +48,8 @@ Subject subject_alone(const AnalyzeOptions& options) {
   if (index.turned_outwards()) subject.model.warnings.emplace_back(kTurnedOutwardsWarning);
   const Bounds bounds = index.bounds();
   subject.model.layers = PrintLayers(layers_for(Millimeters{bounds.size_z()}, options.layer_height)).all();
+  subject.layer_durations.assign(subject.model.layers.size(), options.layer_time);
+  subject.model.assumed_layer_time = options.layer_time;
   subject.model.display = options.display;
   subject.model.size_x_mm = bounds.size_x();
   subject.model.size_y_mm = bounds.size_y();
@@ -141,8 +143,7 @@ AnalyzedModel analyze(Subject subject, bool with_contours) {
     model.facets += each.model->facets().size();
   model.layer_middles = middles_of(model.layers);
   model.findings = analyze_print(*subject.engine, model.display, model.layers, [&](std::int32_t layer) {
-                     const std::vector<Duration>& known = subject.layer_durations;
-                     return known.empty() ? Duration{0} : known[static_cast<std::size_t>(layer)];
+                     return subject.layer_durations[static_cast<std::size_t>(layer)];
                    }).value();
   Stopwatch stopwatch(*subject.engine);
   for (const Nanometers middle : model.layer_middles)
@@ -160,7 +161,7 @@ void print_findings(const AnalyzedModel& m) {
   fmt::print("facets        {}\nsize          {:.6g} x {:.6g} x {:.6g} mm\n", m.facets, m.size_x_mm,
              m.size_y_mm, m.size_z_mm);
   fmt::print("layers        {}\n", layers_text(m.layers));
-  if (found.layer_time > Duration{0}) fmt::print("layer time    {}\n", readable(found.layer_time));
+  fmt::print("layer time    {}\n", layer_time_text(m));
   fmt::print("resin         {:.3f} ml\n", found.resin_ml());
   fmt::print("largest area  {:.2f} mm2, layer {}\n", found.largest_area_mm2, found.largest_area_layer + 1);
   fmt::print("islands       {}\nempty layers  {}\n", found.island_count, found.empty_layers.size());
@@ -181,7 +182,8 @@ void print_json(const AnalyzedModel& m) {
   json["layer_height_um"] = m.layers.empty() ? 0.0 : to_millimeters(*thinnest).count() * 1000;
   json["layer_height_max_um"] = m.layers.empty() ? 0.0 : to_millimeters(*thickest).count() * 1000;
   json.update(findings_json(m.findings));
-  if (m.findings.layer_time == Duration{0}) json["layer_time_s"] = nullptr;
+  json["assumed_layer_time_s"] =
+      m.assumed_layer_time ? Json(std::chrono::duration<double>(*m.assumed_layer_time).count()) : Json();
   json["model_warnings"] = m.warnings;
   json["statistics"] = statistics_json(m.statistics);
   json["area_mm2"] = m.findings.area_mm2;

@@ -44,7 +44,7 @@ std::string facts(const AnalyzedModel& m) {
   rows += row("Model", fmt::format("{} facets, {:.2f} x {:.2f} x {:.2f} mm", m.facets, m.size_x_mm,
                                    m.size_y_mm, m.size_z_mm));
   rows += row("Layers", layers_text(m.layers));
-  if (found.layer_time > Duration{0}) rows += row("Time of the layers", readable(found.layer_time));
+  rows += row("Time of the layers", layer_time_text(m));
   rows += row("Resin", fmt::format("{:.2f} ml", found.resin_ml()));
   rows += row("Largest area",
               fmt::format("{:.2f} mm2, layer {}", found.largest_area_mm2, found.largest_area_layer + 1));
@@ -180,6 +180,15 @@ std::string json_in_html(const Json& json) {
 }
 
 }  // namespace
+
+std::string layer_time_text(const AnalyzedModel& model) {
+  std::string text = readable(model.findings.layer_time);
+  if (model.assumed_layer_time) {
+    text += fmt::format(", at {:g} s each (--printer tells a printer's own)",
+                        std::chrono::duration<double>(*model.assumed_layer_time).count());
+  }
+  return text;
+}
 
 std::string analysis_page(const AnalyzedModel& model) {
   return filled(analyze_page_html, {{"name", escaped(model.name)},

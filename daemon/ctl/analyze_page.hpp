@@ -2,6 +2,7 @@
 // stacked contours as a picture that can be turned. One file that needs nothing else. Thread-safe.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "core/layer_statistics.hpp"
 #include "core/print_analysis.hpp"
 #include "daemon/ctl/contour_stack.hpp"
+#include "hw/clock.hpp"
 
 namespace contourd::ctl {
 
@@ -17,14 +19,18 @@ struct AnalyzedModel {
   std::size_t facets = 0;
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as printed
   DisplayGeometry display;
-  std::vector<Nanometers> layers;         // their thicknesses, from the plate up
-  std::vector<Nanometers> layer_middles;  // where they are cut
-  std::vector<std::string> warnings;      // about the file and its mesh
+  std::vector<Nanometers> layers;              // their thicknesses, from the plate up
+  std::vector<Nanometers> layer_middles;       // where they are cut
+  std::optional<Duration> assumed_layer_time;  // when no printer is known
+  std::vector<std::string> warnings;           // about the file and its mesh
   PrintFindings findings;
   std::vector<LayerMeasurement> measurements;  // by layer; z above the plate
   LayerStatistics statistics;
   ContourStack contours;
 };
+
+// How long the layers take, and where that is from.
+[[nodiscard]] std::string layer_time_text(const AnalyzedModel& model);
 
 [[nodiscard]] std::string analysis_page(const AnalyzedModel& model);
 

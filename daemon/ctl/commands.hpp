@@ -11,6 +11,7 @@
 #include "core/contour_engine.hpp"
 #include "core/stl_reader.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "hw/clock.hpp"
 
 namespace contourd::ctl {
 
@@ -56,10 +57,11 @@ struct AnalyzeOptions {
 
   // As contourd would print it: with this configuration, and a job's ticket.
   std::optional<std::filesystem::path> printer, ticket;
-  // Without a printer: in the middle of this display, and no time estimate.
+  // Without a printer: in the middle of this display, and so much time for every layer.
   DisplayGeometry display;
   AntiAliasing anti_aliasing = AntiAliasing::On;
   Nanometers layer_height{50'000};
+  Duration layer_time{};
 };
 int analyze(const AnalyzeOptions& options);
 

@@ -42,6 +42,7 @@ struct SliceWords {
 
 struct AnalyzeWords {
   double layer_height_um = 50;
+  double layer_time_s = 10;
   DisplayWords display;
   std::string anti_aliasing = "on";
   std::string html, printer, ticket;
@@ -156,10 +157,17 @@ SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
   return options;
 }
 
+constexpr double kLongestLayerS = 3600;
+
 AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeWords& words) {
   options.display = parse_display(words.display);
   options.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
   options.layer_height = parse_um("--layer-height-um", words.layer_height_um, 1);
+  // Not the other way round: nan is none of the two.
+  if (!(words.layer_time_s >= 0 && words.layer_time_s <= kLongestLayerS))
+    throw UsageError(fmt::format("--layer-time-s {}: expected 0 to {}", words.layer_time_s, kLongestLayerS));
+  options.layer_time =
+      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(words.layer_time_s));
   set_if_given(options.html, words.html);
   set_if_given(options.printer, words.printer);
   set_if_given(options.ticket, words.ticket);
@@ -264,6 +272,7 @@ class CommandLine {
           ->excludes(printer);
     };
     add("--layer-height-um", analyze_words_.layer_height_um, "Layer height, um");
+    add("--layer-time-s", analyze_words_.layer_time_s, "What a layer takes on the printer, s");
     add("--display", analyze_words_.display.display, "Pixels, WIDTHxHEIGHT");
     add("--pixel-pitch-um", analyze_words_.display.pixel_pitch_um, "Side of a pixel on the plate, um");
     add("--aa", analyze_words_.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")

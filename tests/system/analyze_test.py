@@ -31,7 +31,7 @@ class Figures(AnalyzeTest):
         self.assertEqual((found["layers"], found["islands"], found["empty_layers"]), (200, 0, 0))
         self.assertEqual((found["cracked_layers"], found["open_chains"], found["gaps_closed"]), (0, 0, 0))
         self.assertEqual((found["warnings"], found["model_warnings"], found["island_list"]), ([], [], []))
-        self.assertIsNone(found["layer_time_s"])
+        self.assertEqual((found["layer_time_s"], found["assumed_layer_time_s"]), (200 * 10, 10))
         # Sides on the pixels' borders; what is left is double rounding.
         self.assertAlmostEqual(found["resin_ml"], 2, delta=1e-9)
         self.assertAlmostEqual(found["largest_area_mm2"], 200, delta=1e-9)
@@ -48,7 +48,8 @@ class Figures(AnalyzeTest):
         self.assertGreater(statistics["total_ms"]["mean"], 0)
 
     def test_a_wedge_is_largest_at_its_foot(self):
-        found = self.analyze(binary_stl(wedge(20, 10, 10)), "--layer-height-um", "100")
+        found = self.analyze(binary_stl(wedge(20, 10, 10)), "--layer-height-um", "100", "--layer-time-s", "7.5")
+        self.assertEqual(found["layer_time_s"], 750)
         self.assertEqual((found["layers"], found["largest_area_layer"]), (100, 1))
         # The midpoint rule is exact for a plane; grey pixels of one slanted edge are rounded to 1/255.
         self.assertAlmostEqual(found["resin_ml"], 1, delta=1e-3)
@@ -74,7 +75,7 @@ class Figures(AnalyzeTest):
     def test_it_prints_for_a_person_without_json(self):
         result = contourctl("analyze", self.write("model.stl", FLOATING))
         self.assertEqual((result.returncode, result.stderr), (OK, b""))
-        for words in (b"60 of 50 um", b"0.104 ml", b"100.00 mm2, layer 1", b"islands       1", b"empty layers  20",
+        for words in (b"60 of 50 um", b"10 min 00 s, at 10 s each", b"0.104 ml", b"100.00 mm2, layer 1", b"islands       1", b"empty layers  20",
                       b"1 island begins with nothing under it: layer 41", b"normalized correlation"):  # fmt: skip
             self.assertIn(words, result.stdout)
         self.assertNotIn(b"{", result.stdout)
@@ -102,6 +103,7 @@ class WithPrinter(AnalyzeTest):
         found = self.analyze(FLOATING, "--printer", daemon.config_path, "--ticket", ticket_path)
         self.assertEqual(found["islands"], 2)
         self.assertGreater(found["layer_time_s"], 30 * 6)
+        self.assertIsNone(found["assumed_layer_time_s"])
         self.assertEqual({key: found[key] for key in expected}, expected)
 
     def test_the_time_is_that_of_its_resin(self):
@@ -263,7 +265,8 @@ class BadInput(AnalyzeTest):
 
     def test_wrong_options_are_bad_usage(self):
         path = self.write("cube.stl", binary_stl(cube(2)))
-        for more in (["--layer-height-um", "0"], ["--layer-height-um", "nan"], ["--display", "0x5"], ["--aa", "maybe"],
+        for more in (["--layer-height-um", "0"], ["--layer-height-um", "nan"], ["--layer-time-s", "-1"], ["--layer-time-s", "nan"],
+                     ["--layer-time-s", "8", "--printer", WithPrinter.CONFIG], ["--display", "0x5"], ["--aa", "maybe"],
                      ["--html", ""], ["--pixel-pitch-um", "-1"], ["--ticket", "ticket.json"],
                      ["--printer", WithPrinter.CONFIG, "--display", "100x100"]):  # fmt: skip
             result = contourctl("analyze", path, *more)
