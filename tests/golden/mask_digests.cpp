@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "core/contour_engine.hpp"
 #include "core/mesh_report.hpp"
 #include "core/placement.hpp"
+#include "core/print_layers.hpp"
 #include "core/sine_cosine.hpp"
 #include "core/stl_reader.hpp"
 #include "tests/models/damage.hpp"
@@ -112,6 +114,7 @@ struct Setting {
   DisplayGeometry display;
   bool fit = false;
   bool copies = false;
+  bool corrected = false;  // moved outwards, less at the foot, and the greys changed
 };
 
 std::vector<Setting> settings() {
@@ -122,7 +125,27 @@ std::vector<Setting> settings() {
           {"1-bit", AntiAliasing::Off, straight},
           {"grey mirrored copies", AntiAliasing::On, mirrored, false, true},
           {"grey fit", AntiAliasing::On, straight, true},
-          {"1-bit mirrored fit", AntiAliasing::Off, mirrored, true}};
+          {"1-bit mirrored fit", AntiAliasing::Off, mirrored, true},
+          {"grey corrected", AntiAliasing::On, straight, false, false, true}};
+}
+
+// Three quarters of the light at one edge, all of it at the other.
+Mask lamp_of(const DisplayGeometry& display) {
+  Mask lamp(display.width, display.height);
+  const std::int32_t height = display.height.count();
+  for (std::int32_t y = 0; y < height; ++y)
+    std::ranges::fill(lamp.row(y), static_cast<std::uint8_t>(191 + y * 64 / height));
+  return lamp;
+}
+
+EngineSettings engine_settings(const Setting& setting) {
+  EngineSettings settings{setting.display, setting.anti_aliasing};
+  if (setting.corrected) {
+    settings.compensation = {Micrometers{37}, Micrometers{160}, Nanometers{3'000'000}};
+    settings.tone = {2.2, 10};
+    settings.lamp = lamp_of(setting.display);
+  }
+  return settings;
 }
 
 std::vector<PixelMap> maps_of(const Setting& setting, const Bounds& bounds) {
@@ -138,8 +161,7 @@ std::vector<PixelMap> maps_of(const Setting& setting, const Bounds& bounds) {
 
 void print_layers(const std::string& name, const HeightIndex& model, const Setting& setting) {
   const Bounds& bounds = model.bounds();
-  ContourEngine engine(model, EngineSettings{setting.display, setting.anti_aliasing},
-                       maps_of(setting, bounds));
+  ContourEngine engine(model, engine_settings(setting), maps_of(setting, bounds));
   // The bottom and the middle, where flat faces and vertices are, and heights between.
   for (const double part : {0.0, 0.07, 0.213, 0.41, 0.5, 0.6401, 0.83, 0.97}) {
     const double z = bounds.min_z + part * bounds.size_z();
@@ -159,6 +181,16 @@ void print_contours(const std::string& name, const HeightIndex& model) {
                 digest_of(contours), contours.loops.size(), contours.cracks.gaps_closed,
                 contours.cracks.open_chains);
   }
+}
+
+void print_adaptive_layers(const std::string& name, const models::Facets& facets) {
+  const auto model = std::make_shared<const HeightIndex>(facets);
+  const PrintLayers layers({model}, {Nanometers{20'000}, Nanometers{200'000}, Nanometers{12'000}});
+  Digest digest;
+  const std::vector<Nanometers> all = layers.all();
+  for (const Nanometers thickness : all)
+    digest.add(static_cast<std::uint64_t>(thickness.count()));
+  std::printf("%s, %zu adaptive layers: %016" PRIx64 "\n", name.c_str(), all.size(), digest.value());
 }
 
 // A model as a file's bytes, read back: the reader is part of what must agree.
@@ -181,6 +213,7 @@ void print_subject(const Subject& subject, const Orientation& orientation, const
   }
   digest.add(inspect_mesh(facets).volume_mm3);
   std::printf("%s, facets: %016" PRIx64 "\n", name.c_str(), digest.value());
+  if (subject.name != "huge") print_adaptive_layers(name, facets);
   const HeightIndex model(std::move(facets));
   for (const Setting& setting : settings())
     print_layers(name, model, setting);
@@ -200,6 +233,8 @@ void print_sines() {
 void print_everything() {
   print_sines();
   const Orientation turned{45, 30, 10.1, Scale(1.0)}, scaled{0, 90, -123.456, Scale(0.777)};
+  Orientation up;
+  up.up = Direction{1, -2, 3.5};
   for (const auto& subjects : {good_models(), bad_models()}) {
     for (const Subject& subject : subjects) {
       print_subject(subject, {}, "as it is", true);
@@ -207,6 +242,7 @@ void print_everything() {
       if (subject.name == "huge") continue;
       print_subject(subject, turned, "turned", false);
       print_subject(subject, scaled, "scaled", false);
+      print_subject(subject, up, "up", false);
     }
   }
 }
