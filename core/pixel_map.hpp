@@ -43,9 +43,8 @@ class PixelMap {
     return {point.x * scale_x_ + offset_x_, point.y * scale_y_ + offset_y_};
   }
 
-  // Pixels for each millimetre along x and along y; always positive.
-  [[nodiscard]] double pixels_per_mm_x() const { return scale_x_ < 0 ? -scale_x_ : scale_x_; }
-  [[nodiscard]] double pixels_per_mm_y() const { return scale_y_ < 0 ? -scale_y_ : scale_y_; }
+  // Along x and along y alike; always positive.
+  [[nodiscard]] double pixels_per_mm() const { return scale_x_ < 0 ? -scale_x_ : scale_x_; }
 
  private:
   PixelMap(double scale_x, double offset_x, double scale_y, double offset_y)

@@ -67,7 +67,7 @@ BuildVolume build_volume(const PrinterConfig& printer, const ResinProfile& resin
 // As large as the thesis's equations 3.6 to 3.19 draw it, but in all three directions alike, and no higher
 // than the machine: a part that is to be printed must keep its shape.
 double scale_to_fit(const Bounds& bounds, const BuildVolume& volume) {
-  const double pixels_per_mm = PixelMap::fit(volume.display, bounds).pixels_per_mm_x();
+  const double pixels_per_mm = PixelMap::fit(volume.display, bounds).pixels_per_mm();
   return std::min(pixels_per_mm * volume.pitch_mm(), volume.height_mm / bounds.size_z());
 }
 

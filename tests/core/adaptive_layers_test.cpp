@@ -98,6 +98,14 @@ TEST_CASE("A flat face too near to the one below is passed by the thinnest layer
   CHECK(layers[1].thickness == um(100));
 }
 
+TEST_CASE("A tip without a flat face leaves its last layer the thinnest, and no less") {
+  const std::vector<Layer> layers = layers_of({models::cone(0.1F, 2.01F, 40)});
+  REQUIRE(layers.size() == 21);
+  CHECK(layers[18].thickness == um(100));
+  CHECK(layers[19].thickness == um(90));
+  CHECK(layers[20].thickness == um(20));
+}
+
 TEST_CASE("A sphere's layers are thin at its poles and thick at its equator") {
   const models::Facets sphere = models::globe(5, 200, 64);
   const std::vector<Layer> layers = layers_of({sphere});

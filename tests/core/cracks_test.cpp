@@ -88,7 +88,7 @@ class Zone {
       box.min_y = std::min(box.min_y, at.y), box.max_y = std::max(box.max_y, at.y);
     }
     // A pixel is as near as its centre and half its diagonal.
-    const double far = reach * map_.pixels_per_mm_x() + std::sqrt(0.5);
+    const double far = reach * map_.pixels_per_mm() + std::sqrt(0.5);
     const auto [first_column, last_column] = within(box.min_x - far, box.max_x + far, kWidth);
     const auto [first_row, last_row] = within(box.min_y - far, box.max_y + far, kHeight);
     for (int row = first_row; row <= last_row; ++row) {

@@ -57,7 +57,9 @@ TEST_CASE("Fit to display is the thesis's equations with row 0 at the largest y"
     RC_ASSERT(near(pixel.x, expected.x));
     RC_ASSERT(near(pixel.y, image_height - expected.y));
     // The aspect ratio is kept, and the whole model is on the display.
-    RC_ASSERT(map.pixels_per_mm_x() == map.pixels_per_mm_y());
+    const PixelPoint right = map.to_pixels({p.x + 1, p.y}), behind = map.to_pixels({p.x, p.y + 1});
+    RC_ASSERT(near(std::fabs(right.x - pixel.x), map.pixels_per_mm()));
+    RC_ASSERT(near(std::fabs(behind.y - pixel.y), map.pixels_per_mm()));
     RC_ASSERT(pixel.x >= -kRoundingPx && pixel.x <= width - 1 + kRoundingPx);
     RC_ASSERT(pixel.y >= -kRoundingPx && pixel.y <= height - 1 + kRoundingPx);
   }));
@@ -121,8 +123,7 @@ TEST_CASE("Mirrors exchange left and right or top and bottom") {
         geometry.mirror_y = mirror_y;
         const PixelMap map =
             fitted ? PixelMap::fit(geometry, bounds) : PixelMap::true_scale(geometry, {7, 9});
-        RC_ASSERT(map.pixels_per_mm_x() > 0.0);
-        RC_ASSERT(map.pixels_per_mm_y() > 0.0);
+        RC_ASSERT(map.pixels_per_mm() > 0.0);
         return map.to_pixels(p);
       };
       const PixelPoint plain = pixel_of(false, false);
