@@ -6,6 +6,8 @@ import json
 import tempfile
 from pathlib import Path
 
+import numpy
+
 from bed import core_masks, exposure_checks, guests, models, motion_checks
 from bed.architecture import ARM64
 from bed.edge_log import EdgeLog
@@ -35,11 +37,11 @@ stop_daemon || fail "the daemon ended with $?"
 """
 
 
-def _print(arch, layers):
+def _print(arch, layers, **options):
     guest = guests.printer_guest(arch, guests.real_config(), model_height_mm=layers * _LAYER_NM / 1e6, resin=_RESIN)
     guest.add_text("/scenario", _SCENARIO)
     with guests.written(guest) as initramfs:
-        results = run_scenario(arch, initramfs)
+        results = run_scenario(arch, initramfs, **options)
     assert results.text("exit_code") == "0\n", results.text("output") + results.text("daemon.log")
     assert "spool/done/part.report.json" in results, results.text("daemon.log")
     return results
@@ -90,3 +92,25 @@ def exact_print_twice():
     differing = [name for name, digest in _fingerprint(first).items() if _fingerprint(second)[name] != digest]
     assert not differing, f"the second run's logs differ: {differing}"
     return note
+
+
+@vm_test("full")
+def exact_print_on_a_slow_computer():
+    """Two layers on a computer that has no time left while it makes steps (64 ns an instruction): the switch halts the
+    plate with the next step all the same, homing is exact, every picture is the core's mask for where the plate was."""
+    results = _print(ARM64, 2, shift=6)
+    edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
+    expected = _expected_layers(json.loads(results.text("spool/done/part.report.json")), edges, frames)
+    assert len(expected) == 2, f"{len(expected)} of 2 layers were shown"
+    check(exposure_checks.masks(frames, edges, expected))
+    check(exposure_checks.light_only_on_masks(frames, edges))
+    check(exposure_checks.dark_at_the_end(frames, edges))
+    # No more than this of the motion: steps that come late, as here, are no even acceleration.
+    check(motion_checks.lost_steps(edges))
+    check(motion_checks.pulse_widths(edges, MotionLimits()))
+    check(motion_checks.direction_setups(edges, MotionLimits()))
+    lowest = int(edges.steps()["position"].min())
+    # The step that was just being made when the switch closed.
+    assert lowest >= -1, f"the plate went to step {lowest}"
+    periods = numpy.diff(edges.steps()["time_ns"].astype(numpy.int64))
+    return f"shortest time between two steps {periods.min() / 1e3:.0f} us, lowest step {lowest}"
