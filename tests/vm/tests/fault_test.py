@@ -259,6 +259,93 @@ def slow_projector():
     run(projector=_projector("--delay-ms 900")).is_printed()
 
 
+# --- A light that is switched by the projector's commands
+
+_LIGHT_ON, _LIGHT_OFF = r"~0002 0\x0d", r"~0002 1\x0d"
+_OPTOMA = (
+    r"fake-projector /dev/ttyZ1 9600 /out/projector '~0000 1\r=>P\r' '~0000 0\r=>P\r' '~0002 0\r=>P\r' '~0002 1\r=>P\r' "
+    r"'~00124 1\r=>Ok0\r' '~00124 1\r=>Ok1\r' &"
+)
+# Eight bytes and two at 9600 baud; and how long the guest's one processor, which hashes the pictures besides, may be busy
+# with that before the kernel's worker for the line, and again before the program that reads it, has its turn.
+_BUSY_NS = 3_000_000
+_COMMAND_NS, _REPLY_NS = (8 * 10 * 1_000_000_000 // 9600 + 2 * _BUSY_NS, 2 * 10 * 1_000_000_000 // 9600 + 2 * _BUSY_NS)
+_LIT_BY_SERIAL = r"""
+lit_by_serial() {
+  still_printing && [ "$(lit_pictures)" -ge "$1" ] && grep '~0002' /out/projector | tail -n 1 | grep -q '~0002 0'
+}
+"""
+
+
+def _light_by_serial():
+    return guests.real_config(projector={"table": "optoma", "light": None})
+
+
+def _commanded_light(outcome):
+    """[(on_ns, off_ns)] as the projector was told, at the commands' last bytes."""
+    intervals, on = [], None
+    for line in outcome.results.text("projector").splitlines():
+        time_ns, request = line.split(" ", 1)
+        if request == _LIGHT_ON and on is None:
+            on = int(time_ns)
+        elif request == _LIGHT_OFF and on is not None:
+            intervals.append((on, int(time_ns)))
+            on = None
+    return intervals if on is None else [*intervals, (on, None)]
+
+
+@vm_test("full")
+def light_by_serial():
+    """The projector's light is switched by its commands: it is on once a layer, with the layer's mask on the screen and
+    the plate at rest, and off at the end."""
+    outcome = run(projector=_OPTOMA, config=_light_by_serial())
+    outcome.is_printed()
+    light = _commanded_light(outcome)
+    assert len(light) == 4, f"the light was on {len(light)} times"
+    check(exposure_checks.light_only_on_masks(outcome.frames, outcome.edges, light, _COMMAND_NS))
+    # Light on is known when its reply has come, and light off takes as long as the command.
+    beyond = [off - on - 2_000_000_000 for on, off in light]
+    assert all(0 <= ns <= _REPLY_NS + _COMMAND_NS for ns in beyond), f"{beyond} ns more than was asked"
+    return f"light {max(beyond) / 1e6:.1f} ms more than was asked at most"
+
+
+@vm_test("full")
+def killed_in_an_exposure_by_serial():
+    """The daemon is killed in an exposure with a light that the projector's commands switch: the kernel turns the screen
+    off at once, and the unit's clean-up tells the projector to turn the light off."""
+    outcome = run(
+        projector=_OPTOMA,
+        config=_light_by_serial(),
+        scenario="""\
+. /lib.sh
+{devices}
+{projector}
+{before}
+start_daemon
+print_model
+wait_for 300 "layer 2" lit_by_serial 2
+kill -9 $DAEMON
+uptime_s >/out/killed
+wait_for 5 "the screen to go dark" screen_is_off
+uptime_s >/out/dark
+# What the unit's ExecStopPost runs.
+contourd --config /etc/contourd/contourd.json --light-off >/out/light_off 2>&1 || fail "light off ended with $?"
+uptime_s >/out/cleaned_up
+keep_logs
+""",
+        before=_LIT_BY_SERIAL + 'screen_is_off() { tail -n 1 $SCREEN/log | grep -q OFF; }',
+    )
+    killed, cleaned_up = (round(float(outcome.results.text(name)) * 1e9) for name in ("killed", "cleaned_up"))
+    outcome.was_dark()
+    light = _commanded_light(outcome)
+    assert len(light) == 2, f"the light was on {len(light)} times"
+    on, off = light[-1]
+    assert on < killed, "the light was not on when the daemon was killed"
+    assert off is not None, "the projector was not told to turn its light off"
+    assert killed - 10_000_000 <= off <= cleaned_up, f"light off came {off - killed} ns after the kill"
+    return f"light off {(off - killed) / 1e6:.0f} ms after the kill"
+
+
 # --- What keeps the daemon from its devices
 
 _REFUSED = """\
