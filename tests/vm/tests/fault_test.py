@@ -3,7 +3,7 @@ log and beside the job, the light off and the screen dark. arm64, in determinist
 
 import re
 
-from bed import exposure_checks, guests
+from bed import edid, exposure_checks, guests
 from bed.architecture import ARM64
 from bed.edge_log import EdgeLog
 from bed.frame_log import FrameLog
@@ -65,6 +65,8 @@ class Outcome:
 
 def run(before="", during="", devices="load_devices", projector=_PROJECTOR, config=None, scenario=_SCENARIO):
     guest = guests.printer_guest(ARM64, config or guests.real_config(), _MODEL_MM, _RESIN)
+    guest.add_bytes("/edid-1080", edid.edid(edid.FULL_HD))
+    guest.add_bytes("/edid-720", edid.edid(edid.HD))
     text = scenario.format(devices=devices, projector=projector, before=before, during=during)
     guest.add_text("/scenario", text)
     with guests.written(guest) as initramfs:
@@ -226,6 +228,87 @@ contourctl resume || true"""
     unplugged = outcome.frames.times("UNPLUG")[0]
     off = [end for _, end in outcome.edges.active(outcome.edges.lines.light) if end > unplugged][0]
     assert off - unplugged < 100_000_000, f"the light went off {off - unplugged} ns after the display was unplugged"
+
+
+@vm_test("full")
+def mode_lost_in_an_exposure():
+    """The display says in an exposure that it has its mode no longer, only a smaller one: light off and the screen with
+    it; with the mode back and the print resumed, the layer gets what it had left."""
+    outcome = run(
+        before="cat /edid-1080 >$SCREEN/edid",
+        during=f"""wait_for 300 "layer 2" exposing 2
+sleep 1
+uptime_s >/out/changed
+cat /edid-720 >$SCREEN/edid
+wait_for 5 "the light to go off" light_is_off
+sleep 5
+light_is_off || fail "light on a display of another size"
+[ $(lit_pictures) = 2 ] || fail "a mask was shown on a display of another size"
+tail -n 1 $SCREEN/log | grep -q OFF || fail "the screen is not off"
+cat /edid-1080 >$SCREEN/edid
+sleep 2
+contourctl resume || true""",
+    )
+    outcome.is_printed()
+    said = re.search("HDMI-A-1 .* no longer has its mode 1920x1080 at 60.00 Hz; modes: 1280x720 at 60.00 Hz", outcome.log)
+    assert said, outcome.log
+    changed = round(float(outcome.results.text("changed")) * 1e9)
+    lit = outcome.edges.active(outcome.edges.lines.light)
+    off = [end for _, end in lit if end > changed][0]
+    assert off - changed < 100_000_000, f"the light went off {off - changed} ns after the mode was gone"
+    whole = sum(end - start for start, end in lit[1:3])
+    assert abs(whole - 2_000_000_000) < 20_000_000, f"layer 2 had light for {whole} ns in two parts"
+    return said.group()
+
+
+@vm_test("full")
+def card_taken_between_exposures():
+    """Another program takes the display's card while the plate moves: the next mask cannot be shown, so that there is no
+    light; the log says who has it; when it has let go and the print is resumed, the print is finished."""
+    outcome = run(
+        during="""wait_for 300 "layer 1" exposed 1
+sleep 0.5
+take-master $DAEMON /dev/dri/card0 &
+taker=$!
+sleep 20
+[ $(lit_pictures) = 1 ] || fail "a mask was shown on a card that is another's"
+light_is_off || fail "light without a mask"
+kill $taker
+# It is looked for every 5 s.
+sleep 6
+contourctl resume || true""",
+    )
+    outcome.is_printed()
+    said = re.search(r"another program took HDMI-A-1 .* over: take-master \(process \d+\) is its DRM master", outcome.log)
+    assert said and "the display is back" in outcome.log, outcome.log
+    assert len(outcome.frames.lit_pictures()) == 4
+    return said.group()
+
+
+@vm_test("full")
+def card_taken_in_an_exposure():
+    """Another program takes the display's card in an exposure, and may show what it likes: light off."""
+    outcome = run(
+        during="""wait_for 300 "layer 2" exposing 2
+sleep 0.5
+take-master $DAEMON /dev/dri/card0 &
+taker=$!
+uptime_s >/out/taken
+sleep 5
+light_is_off || fail "light on a card that is another's"
+kill $taker
+# It is looked for every 5 s.
+sleep 6
+contourctl resume || true""",
+    )
+    outcome.is_printed()
+    taken = round(float(outcome.results.text("taken")) * 1e9)
+    lit = outcome.edges.active(outcome.edges.lines.light)
+    off = [end for _, end in lit if end > taken][0]
+    assert off - taken < 100_000_000, f"the light went off {off - taken} ns after the card was taken"
+    whole = sum(end - start for start, end in lit[1:3])
+    assert abs(whole - 2_000_000_000) < 20_000_000, f"layer 2 had light for {whole} ns in two parts"
+    return f"light off {(off - taken) / 1e6:.0f} ms after the card was taken"
 
 
 # --- The projector
