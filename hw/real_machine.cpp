@@ -41,7 +41,7 @@ RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineCo
       no_display_(clock, config_.display.width, config_.display.height),
       no_axis_(clock, config_.axis.travel) {
   open_missing();
-  if (missing_.any()) search_again();
+  if (missing_.any() || display_lost()) search_again();
 }
 
 RealMachine::~RealMachine() {
@@ -104,8 +104,10 @@ void RealMachine::search_again() {
 }
 
 void RealMachine::search() {
-  const std::vector<Found> found = open_missing();
-  if (missing_.any()) search_again();
+  std::vector<Found> found;
+  if (missing_.any()) found = open_missing();
+  if (display_) display_->look_again();
+  if (missing_.any() || display_lost()) search_again();
   for (const Found& each : found)
     tell({.kind = Disturbance::Kind::Recovery, .what = "found " + each.device, .warnings = each.warnings});
 }
@@ -122,7 +124,7 @@ void RealMachine::note_losses(const std::string& what) {
   const bool axis_lost = axis_ && axis_->lost() && missing_.axis.empty();
   if (serial_lost) missing_.projector = what;
   if (axis_lost) missing_.axis = what;
-  if (serial_lost || axis_lost) search_again();
+  if (serial_lost || axis_lost || display_lost()) search_again();
 }
 
 ZAxis& RealMachine::z_axis() {

@@ -66,6 +66,7 @@ class RealMachine final : public Machine {
   std::vector<Found> open_missing();
   bool open_projector();
   void combine_projector();
+  [[nodiscard]] bool display_lost() const { return display_ && display_->problem(); }
   void search_again();
   void search();
   void tell(const Disturbance& disturbance);

@@ -1,10 +1,14 @@
 #include "hw/drm/drm_display.hpp"
 
 #include <sys/eventfd.h>
+#include <sys/timerfd.h>
+#include <time.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <system_error>
 #include <utility>
@@ -24,6 +28,15 @@ FileDescriptor made_eventfd() {
   return fd;
 }
 
+FileDescriptor made_timerfd() {
+  FileDescriptor fd(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
+  if (!fd.valid()) throw std::system_error(errno, std::generic_category(), "making a timerfd");
+  return fd;
+}
+
+// While a mask is on the screen its card is looked after this often: a refresh or so.
+constexpr timespec kLookInterval{0, 20'000'000};
+
 }  // namespace
 
 class DrmDisplay::Implementation {
@@ -32,8 +45,10 @@ class DrmDisplay::Implementation {
       : watcher_(watcher),
         config_(config),
         wake_(made_eventfd()),
+        look_(made_timerfd()),
         uevent_watch_(watcher.when_readable(uevents_.fd(), [this] { displays_changed(); })),
-        wake_watch_(watcher.when_readable(wake_.get(), [this] { deny_waiting(); })) {
+        wake_watch_(watcher.when_readable(wake_.get(), [this] { deny_waiting(); })),
+        look_watch_(watcher.when_readable(look_.get(), [this] { look_after_card(); })) {
     OutputSearch search = find_output(config_);
     if (search.found) {
       take(std::move(*search.found));
@@ -46,18 +61,30 @@ class DrmDisplay::Implementation {
     waiting_ = std::move(done);
     if (!is_usable()) return deny_later();
     bytes_written_ = output_->write(mask);
-    if (const int error = output_->show_written(); error != 0) lose_later(error);
+    if (const int error = output_->show_written(); error != 0) return lose_later(error);
+    keep_looking(true);
   }
 
   void black(Presented done) {
+    keep_looking(false);
     waiting_ = std::move(done);
     if (!is_usable()) return deny_later();
     if (const int error = output_->show_black(); error != 0) lose_later(error);
   }
 
   void black_now() noexcept {
+    keep_looking(false);
     waiting_ = nullptr;
     if (output_) output_->black_now();
+  }
+
+  void look_whether_back() {
+    if (!problem_) return;
+    // What else has become of it the kernel announces.
+    const std::string before = *problem_;
+    look_again();
+    if (!problem_) return tell_recovery();
+    problem_ = before;
   }
 
   void on_disturbance(std::function<void(const Disturbance&)> call) { on_disturbance_ = std::move(call); }
@@ -146,6 +173,20 @@ class DrmDisplay::Implementation {
     if (!output_->card().is_master()) lose_to(EACCES);
   }
 
+  void keep_looking(bool on) noexcept {
+    if (on == looking_) return;
+    looking_ = on;
+    const itimerspec every{on ? kLookInterval : timespec{}, on ? kLookInterval : timespec{}};
+    ::timerfd_settime(look_.get(), 0, &every, nullptr);
+  }
+
+  // The kernel does not say that another program has become the card's master, and may show what it likes.
+  void look_after_card() {
+    std::uint64_t times = 0;
+    if (::read(look_.get(), &times, sizeof times) != sizeof times || problem_) return;
+    if (!output_->card().is_master()) lose_to(EACCES);
+  }
+
   // A call that should have put a picture on the screen did not.
   void lose_to(int error) {
     if (error == EACCES || error == EPERM)
@@ -163,6 +204,7 @@ class DrmDisplay::Implementation {
 
   // The owner of the light is told first; then the screen, where a mask may still stand, goes off.
   void lose(const std::string& why) {
+    keep_looking(false);
     problem_ = why;
     const Presented waiting = std::exchange(waiting_, nullptr);
     tell(Disturbance::Kind::Interruption, why);
@@ -206,7 +248,9 @@ class DrmDisplay::Implementation {
 
   UeventSocket uevents_;
   FileDescriptor wake_;
-  std::unique_ptr<DescriptorWatcher::Watch> uevent_watch_, wake_watch_, card_watch_;
+  FileDescriptor look_;  // a timer's, that runs while a mask is on the screen
+  bool looking_ = false;
+  std::unique_ptr<DescriptorWatcher::Watch> uevent_watch_, wake_watch_, look_watch_, card_watch_;
 };
 
 DrmDisplay::DrmDisplay(DescriptorWatcher& watcher, const DrmDisplayConfig& config)
@@ -232,6 +276,10 @@ void DrmDisplay::black(Presented done) {
 }
 void DrmDisplay::black_now() noexcept {
   implementation_->black_now();
+}
+
+void DrmDisplay::look_again() {
+  implementation_->look_whether_back();
 }
 
 void DrmDisplay::on_disturbance(std::function<void(const Disturbance&)> call) {

@@ -2,8 +2,9 @@
 // black from its construction on, black and no signal when it goes, no console, no cursor.
 //
 // A display that is unplugged, whose mode is gone, or whose card another program took is lost: a waiting
-// `done` gets nothing, and a Disturbance says why. It is taken up again, black, when the kernel says that it
-// is back, or at the next show() or black(); those get nothing as long as it is lost.
+// `done` gets nothing, and a Disturbance says why, within 20 ms while a mask is on the screen. It is taken up
+// again, black, when the kernel says that it is back, at look_again(), or at the next show() or black();
+// those get nothing as long as it is lost.
 //
 // Presented times are those of the vblank at whose end the screen began to show the picture (CLOCK_MONOTONIC,
 // in whole microseconds); its last row follows a refresh later. Drivers without vblanks (virtio-gpu, bochs)
@@ -49,6 +50,10 @@ class DrmDisplay final : public MaskDisplay {
   // `call` runs when the display is lost, before its waiting `done`, and when the kernel's word that it is
   // back proves true; from the event loop.
   void on_disturbance(std::function<void(const Disturbance&)> call);
+
+  // Whether a lost display is back, which it then is: on_disturbance()'s `call` runs. That another program
+  // gave the card back the kernel does not say.
+  void look_again();
 
   // Why nothing can be shown: one sentence. Nothing when all is well.
   [[nodiscard]] std::optional<std::string> problem() const;

@@ -116,7 +116,7 @@ void AxisInputs::at_edge(AxisInput which, const LineEdge& edge) noexcept {
   contacts_[index(which)].edge(edge.active, edge.at);
   if (!edge.active) return;
   if (which == AxisInput::LimitSwitch && limit_rule_ == LimitRule::AtContact) {
-    engine_.halt();
+    engine_.halt_soon();
     limit_rule_ = LimitRule::Never;
     halted_[index(which)] = true;
   }
@@ -130,14 +130,16 @@ void AxisInputs::read_levels(TimePoint now) noexcept {
     InputLine* line = lines_.contacts[index(which)].line;
     if (line == nullptr) continue;
     const bool level = line->level();
-    if (level != contacts_[index(which)].raw()) at_edge(which, {level, now});
+    // No later than this; if its event is still to come, that has its time.
+    if (level != contacts_[index(which)].raw()) at_edge(which, {level, now_()});
   }
 }
 
 void AxisInputs::settle(AxisInput which, TimePoint now) noexcept {
   Debounce& contact = contacts_[index(which)];
   if (!contact.due() || now < *contact.due()) return;
-  contact.read(lines_.contacts[index(which)].line->level(), now);  // the level is the truth
+  const bool level = lines_.contacts[index(which)].line->level();  // the truth
+  contact.read(level, now_());
   const auto settled = contact.settle(now);
   if (!settled) return;
   settled_[index(which)] = settled->level;
@@ -160,12 +162,12 @@ void AxisInputs::apply_rules() noexcept {
     limit_rule_ = LimitRule::Never;
     tell({AxisInput::LimitSwitch, true, false, true,
           now_()});  // first, so that a halt never comes without its cause
-    engine_.halt();
+    engine_.halt_soon();
   }
   if (second_watched_ && contacts_[index(AxisInput::SecondSwitch)].settled()) {
     second_watched_ = false;
     tell({AxisInput::SecondSwitch, true, false, true, now_()});
-    engine_.halt();
+    engine_.halt_soon();
   }
 }
 

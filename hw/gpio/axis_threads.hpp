@@ -41,10 +41,10 @@ class InputThread {
 
 class RealtimeAxisThreads final : public AxisThreads {
  public:
-  // Both at the same priority: a halt by the one that reads waits for a step that the other is just making,
-  // and must let it run.
+  // The one that reads goes before the one that makes steps: where they share a processor that has no time
+  // left besides the steps, a switch must halt them all the same.
   RealtimeAxisThreads(StepEngine& engine, AxisInputs& inputs, int priority)
-      : steps_(engine, priority), inputs_(inputs, priority) {}
+      : steps_(engine, priority), inputs_(inputs, priority + 1) {}
 
   [[nodiscard]] std::vector<std::string> refusals() const override;
 

@@ -1,14 +1,16 @@
 #include "hw/gpio/debounce.hpp"
 
+#include <algorithm>
+
 namespace contourd {
 
 void Debounce::edge(bool level, TimePoint at) noexcept {
   if (!moving_) first_ = {};
+  last_ = moving_ ? std::max(last_, at) : at;
   moving_ = true;
   raw_ = level;
-  last_ = at;
   auto& first = first_[level ? 1 : 0];
-  if (!first) first = at;
+  if (!first || at < *first) first = at;
 }
 
 std::optional<TimePoint> Debounce::due() const noexcept {

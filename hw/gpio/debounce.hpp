@@ -16,10 +16,11 @@ class Debounce {
   struct Settled {
     bool level = false;
     bool changed = false;  // or else it only bounced, and is where it was
-    TimePoint since{};     // the first edge to this level
+    TimePoint since{};     // the earliest edge to this level
   };
 
   // An edge, by its own time. An edge to the level there was says that others were missed: it counts as well.
+  // They may come in another order than they were made in.
   void edge(bool level, TimePoint at) noexcept;
   // The level as read: an edge of its own when it is not the last known one.
   void read(bool level, TimePoint at) noexcept {

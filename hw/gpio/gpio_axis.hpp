@@ -5,6 +5,11 @@
 // switch's first edge the reading thread halts the steps: the motor goes on for as many steps as fall between
 // the kernel's time stamp of the edge and that thread's waking, one as a rule at 4,000 steps/s. The position
 // is exact all the same: the step count at the time stamp. Then the plate moves to the switch's height.
+//
+// What the time stamp cannot tell: an edge while a step is being made, from the look at the clock to the
+// level on the line, is one of two steps. And the kernel keeps a line's last edge only until its thread for
+// the interrupt has run: of a contact that bounces sooner, the first edge is lost. On one processor no step
+// is made meanwhile, since the threads go before the steps; with more of them, as many as fall within.
 #pragma once
 
 #include <array>

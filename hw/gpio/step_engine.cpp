@@ -65,7 +65,7 @@ void StepEngine::halt() noexcept {
 
 void StepEngine::bar() noexcept {
   barred_ = true;
-  halt();
+  halt_soon();
 }
 
 bool StepEngine::begin() noexcept {

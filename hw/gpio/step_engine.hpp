@@ -70,9 +70,11 @@ class StepEngine {
   // Any thread's.
 
   // Once it has returned no further step is made: of the move under way, if any. Waits for a step just being
-  // made.
+  // made. REQUIRES: a thread that does not keep the stepping thread from its processor.
   void halt() noexcept;
-  // Halts, and lets no move make a step until allow().
+  // The same without waiting: a step just being made is still made.
+  void halt_soon() noexcept { halt_ = true; }
+  // Halts so, and lets no move make a step until allow().
   void bar() noexcept;
   void allow() noexcept { barred_ = false; }
   [[nodiscard]] bool barred() const noexcept { return barred_; }

@@ -103,7 +103,7 @@ TEST_CASE("every key of a real machine arrives with its unit") {
     "emergency_stop": {"line": 5, "bias": "off"}, "lid": {"line": 6, "active_low": true},
     "encoder": {"a": {"line": 7}, "b": {"line": 8, "active_low": true}, "bias": "pull_up", "counts_per_mm": 200.5,
                 "reversed": true, "tolerance_um": 12.5, "policy": "correct"},
-    "realtime_priority": 60})"));
+    "realtime_priority": 30})"));
   printer.printer["display"].update(
       json::parse(R"({"card": "vc4", "format": "rgb565", "buffers": 3, "refresh_hz": 59.5, "width_px": 1280,
                       "height_px": 800, "legacy_kms": true, "ignore_edid_size": true})"));
@@ -136,7 +136,7 @@ TEST_CASE("every key of a real machine arrives with its unit") {
   CHECK(axis.encoder->reversed);
   CHECK(axis.encoder->tolerance == Nanometers{12'500});
   CHECK(axis.encoder->policy == EncoderConfig::Policy::Correct);
-  CHECK(axis.realtime_priority == 60);
+  CHECK(axis.realtime_priority == 30);
   const DrmDisplayConfig& display = config.real->display;
   CHECK(display.card == "vc4");
   CHECK(display.format == DrmDisplayConfig::Format::Rgb565);

@@ -21,6 +21,23 @@ TEST_CASE("A contact that bounces settles once, with the time of its first touch
   CHECK_FALSE(contact.settle(TimePoint{30ms}));
 }
 
+TEST_CASE("A level that was read before its edge was has the edge's time") {
+  Debounce contact(5ms, false);
+  contact.read(true, TimePoint{12ms});
+  contact.edge(true, TimePoint{10ms});
+  const auto settled = contact.settle(TimePoint{17ms});
+  REQUIRE(settled);
+  CHECK(settled->since == TimePoint{10ms});
+}
+
+TEST_CASE("An edge that is told late does not make a contact settle sooner") {
+  Debounce contact(5ms, false);
+  contact.read(true, TimePoint{12ms});
+  contact.edge(true, TimePoint{10ms});
+  CHECK(contact.due() == TimePoint{17ms});
+  CHECK_FALSE(contact.settle(TimePoint{16ms}));
+}
+
 TEST_CASE("A spike settles to where the contact was") {
   Debounce contact(5ms, false);
   contact.edge(true, TimePoint{10ms});

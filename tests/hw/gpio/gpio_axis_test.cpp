@@ -100,6 +100,22 @@ TEST_CASE("Homing is exact whatever the switch bounces, and however late the edg
   }));
 }
 
+TEST_CASE("Homing is exact when steps are made while the switch's level is read") {
+  // At one speed or the other the switch closes meanwhile: levels are read every 20 ms.
+  for (int speed = 400; speed < 440; ++speed) {
+    CAPTURE(speed);
+    GpioAxisConfig c = config();
+    c.homing_speed = MillimetersPerSecond{speed / 100.0};
+    Plant plant(c);
+    plant.motor = 1'000;
+    plant.input_latency = 3ms;  // longer than the reading: the edge's event is found after the level
+    plant.build();
+    plant.lines[0]->before_level = [&plant] { plant.preempt_for(2'500us); };
+    REQUIRE(plant.home() == HomingResult::Homed);
+    CHECK(plate_above_switch(plant) == 0);
+  }
+}
+
 TEST_CASE("Homing runs on past the edge by the steps within the reading thread's latency and no more") {
   Plant plant(config());
   plant.input_latency = 1ms;  // 4 steps at 4,000/s

@@ -25,7 +25,10 @@ namespace contourd::testing {
 class PlantInput final : public InputLine {
  public:
   [[nodiscard]] int descriptor() const noexcept override { return -1; }
-  [[nodiscard]] bool level() noexcept override { return level_; }
+  [[nodiscard]] bool level() noexcept override {
+    if (before_level) before_level();
+    return level_;
+  }
   [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
     const std::size_t count = std::min(edges.size(), edges_.size());
     std::copy_n(edges_.begin(), count, edges.begin());
@@ -42,6 +45,8 @@ class PlantInput final : public InputLine {
   }
   bool loses_edges = false;
   std::function<void()> changed;
+  std::function<void()>
+      before_level;  // what happens before the level is read, and after the reader has begun
 
  private:
   bool level_ = false;
@@ -153,6 +158,14 @@ class Plant final : public DescriptorWatcher {
     inputs_engine_->lose();
     dispatch();
   }
+  // The reading thread does not run for so long; steps and bounces go on.
+  void preempt_for(Duration time) {
+    if (preempted_) return;
+    preempted_ = true;
+    const auto timer = clock.call_after(time, [this] { preempted_ = false; });
+    while (preempted_)
+      clock.run_next();
+  }
   void press(AxisInput which, bool active) {
     lines[static_cast<std::size_t>(which)]->set(active, clock.now());
   }
@@ -258,6 +271,7 @@ class Plant final : public DescriptorWatcher {
     });
   }
   void serve() {
+    if (preempted_) return wake_inputs();
     next_serve_.reset();
     if (const auto next = inputs_engine_->serve()) {
       next_serve_ = clock.call_at(*next, [this] { serve(); });
@@ -324,7 +338,7 @@ class Plant final : public DescriptorWatcher {
   StepEngine* engine_ = nullptr;
   AxisInputs* inputs_engine_ = nullptr;
   std::int64_t plate_ = 0;
-  bool limit_closed_ = false, second_closed_ = false, woken_ = false;
+  bool limit_closed_ = false, second_closed_ = false, woken_ = false, preempted_ = false;
   TimePoint fell_at_{}, direction_changed_at_{};
   std::unique_ptr<Timer> next_act_, next_serve_, next_wake_;
   std::vector<std::unique_ptr<Timer>> bounces_;

@@ -1,7 +1,13 @@
 // The threads themselves, in real time: how long they wait is the machine's matter, what they do is not.
 #include "hw/gpio/step_thread.hpp"
 
+#include <fcntl.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <array>
 #include <atomic>
+#include <iostream>
 
 #include "hw/gpio/axis_threads.hpp"
 #include "tests/catch.hpp"
@@ -18,6 +24,63 @@ class CountingLine final : public OutputLine {
     return true;
   }
   std::atomic<int> rises{0};
+};
+
+// A contact that is a pipe: it closes when something is written.
+class PipeLine final : public InputLine {
+ public:
+  PipeLine() { REQUIRE(pipe2(ends_.data(), O_NONBLOCK) == 0); }
+  ~PipeLine() override {
+    for (const int end : ends_)
+      close(end);
+  }
+  void press() noexcept { pressed_ = write(ends_[1], "1", 1) == 1; }
+  [[nodiscard]] int descriptor() const noexcept override { return ends_[0]; }
+  [[nodiscard]] bool level() noexcept override { return pressed_; }
+  [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
+    char byte = 0;
+    if (read(ends_[0], &byte, 1) != 1) return 0;
+    edges[0] = {true, monotonic_now()};
+    return 1;
+  }
+
+ private:
+  std::array<int, 2> ends_{};
+  std::atomic<bool> pressed_{false};
+};
+
+// Each step takes the processor for longer than it should; with the 100th, the switch closes.
+class LaboriousLine final : public OutputLine {
+ public:
+  explicit LaboriousLine(PipeLine& contact) : contact_(contact) {}
+  [[nodiscard]] bool set(bool active) noexcept override {
+    if (active && ++rises == 100) contact_.press();
+    for (const TimePoint start = monotonic_now(); monotonic_now() < start + 100us;) {
+    }
+    return true;
+  }
+  std::atomic<int> rises{0};
+
+ private:
+  PipeLine& contact_;
+};
+
+// What is run in this thread, and in those that it makes, has one processor between them.
+class OneProcessor {
+ public:
+  OneProcessor() {
+    sched_getaffinity(0, sizeof before_, &before_);
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(sched_getcpu()), &one);
+    sched_setaffinity(0, sizeof one, &one);
+  }
+  OneProcessor(const OneProcessor&) = delete;
+  OneProcessor& operator=(const OneProcessor&) = delete;
+  ~OneProcessor() { sched_setaffinity(0, sizeof before_, &before_); }
+
+ private:
+  cpu_set_t before_{};
 };
 
 }  // namespace
@@ -51,6 +114,28 @@ TEST_CASE("The threads make a move's steps, then the next move's, and end when t
     engine.start({1'000'000, {1'000, 1'000'000}});  // the threads end under way
   }
   CHECK_FALSE(engine.moving());
+}
+
+TEST_CASE("A switch halts the steps with the next one on a processor that has no time beside them") {
+  PipeLine contact;
+  LaboriousLine step(contact);
+  CountingLine direction;
+  StepEngine engine(step, direction, {});
+  AxisInputs::Lines lines;
+  lines.contacts[static_cast<std::size_t>(AxisInput::LimitSwitch)] = {&contact, 5ms};
+  AxisInputs inputs(engine, lines);
+  const OneProcessor shared;
+  const RealtimeAxisThreads threads(engine, inputs, 40);
+  if (!threads.refusals().empty()) {
+    std::cout << "SKIPPED: " << threads.refusals()[0] << '\n';
+    return;
+  }
+  engine.start({5'000, {20'000, 2'000'000}});
+  inputs.set_limit_rule(LimitRule::AtContact);
+  while (engine.moving())
+    engine.ended().wait();
+  CHECK(engine.last_end() == StepEnd::Halted);
+  CHECK(step.rises == 100);  // the one that it closed with
 }
 
 TEST_CASE("A priority that the system refuses is told in a sentence, and the thread runs") {

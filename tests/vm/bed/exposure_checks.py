@@ -54,16 +54,18 @@ def exposures(frames, edges, layers, refresh_ns=REFRESH_NS):
     return broken
 
 
-def light_only_on_masks(frames, edges):
-    """While there is light, a mask is on the screen, the same one all the time, and the plate does not move."""
+def light_only_on_masks(frames, edges, light=None, on_the_way_ns=0):
+    """While there is light, a mask is on the screen, the same one all the time, and the plate does not move. Where the
+    light is not a line's, `light` is [(on_ns, off_ns)], and the screen may be black already while light off is on its
+    way."""
     pictures = frames.lit_pictures()
     steps = edges.steps()["time_ns"]
     broken = []
-    for on, off in edges.active(edges.lines.light):
+    for on, off in edges.active(edges.lines.light) if light is None else light:
         if off is None:
             broken.append(f"the light came on at {on} ns and never went off")
             continue
-        covering = [p for p in pictures if p.start_ns <= on and (p.end_ns is None or p.end_ns >= off)]
+        covering = [p for p in pictures if p.start_ns <= on and (p.end_ns is None or p.end_ns >= off - on_the_way_ns)]
         if not covering:
             broken.append(f"the light from {on} to {off} ns was not on one mask")
         moved = int(((steps >= on) & (steps <= off)).sum())

@@ -22,7 +22,7 @@ def printer_guest(arch, config, model_height_mm=0.2, resin=None):
     guest = Initramfs(arch)
     guest.add_kernel_modules(*_SCREEN_MODULES, *_VIRTIO_MODULES)
     guest.add_our_modules()
-    for program in ("contourd", "contourctl", "fake-projector"):
+    for program in ("contourd", "contourctl", "fake-projector", "take-master"):
         guest.add_program(program)
     guest.add_text("/etc/contourd/contourd.json", json.dumps(config, indent=1))
     guest.add_folder("/etc/contourd/projectors", SOURCE / "config" / "projectors")

@@ -62,10 +62,12 @@ keep_logs() {
   cp -r $SPOOL/done $SPOOL/failed $SPOOL/incoming $SPOOL/printing /out/spool/
 }
 
-# The printer's devices: load_devices [PARAMETER OF ZPLANT...]. The plate stands 2.5 mm above the switch.
+# The printer's devices: load_devices [PARAMETER OF ZPLANT...]; ZPROJ has those of zproj. The plate stands 2.5 mm above
+# the switch.
 load_devices() {
   insmod /mod/zplant.ko start_pos=2000 "$@"
-  insmod /mod/zproj.ko
+  # shellcheck disable=SC2086  # none, or some
+  insmod /mod/zproj.ko $ZPROJ
   insmod /mod/zserial.ko
 }
 

@@ -6,6 +6,8 @@ import json
 import tempfile
 from pathlib import Path
 
+import numpy
+
 from bed import core_masks, exposure_checks, guests, models, motion_checks
 from bed.architecture import ARM64
 from bed.edge_log import EdgeLog
@@ -23,9 +25,7 @@ _RESIN = {"exposure_ms": 1000, "bottom_exposure_ms": 2000, "bottom_layers": 2, "
 # The plate stands 2.5 mm above a switch that bounces for 1.2 ms.
 _SCENARIO = f"""\
 . /lib.sh
-insmod /mod/zplant.ko start_pos=2000 bounce_us=300
-insmod /mod/zproj.ko
-insmod /mod/zserial.ko
+{{devices}} bounce_us=300
 fake-projector /dev/ttyZ1 9600 /out/projector {guests.ACER} &
 start_daemon
 print_model
@@ -35,17 +35,17 @@ stop_daemon || fail "the daemon ended with $?"
 """
 
 
-def _print(arch, layers):
-    guest = guests.printer_guest(arch, guests.real_config(), model_height_mm=layers * _LAYER_NM / 1e6, resin=_RESIN)
-    guest.add_text("/scenario", _SCENARIO)
+def _print(arch, layers, config=None, devices="load_devices", **options):
+    guest = guests.printer_guest(arch, config or guests.real_config(), model_height_mm=layers * _LAYER_NM / 1e6, resin=_RESIN)
+    guest.add_text("/scenario", _SCENARIO.format(devices=devices))
     with guests.written(guest) as initramfs:
-        results = run_scenario(arch, initramfs)
+        results = run_scenario(arch, initramfs, **options)
     assert results.text("exit_code") == "0\n", results.text("output") + results.text("daemon.log")
     assert "spool/done/part.report.json" in results, results.text("daemon.log")
     return results
 
 
-def _expected_layers(report, edges, frames):
+def _expected_layers(report, edges, frames, crc=core_masks.xrgb_crc):
     """What the core shows at the heights that the axis' log has the plate at, and the light that was asked."""
     expected = []
     with tempfile.TemporaryDirectory() as folder:
@@ -57,14 +57,14 @@ def _expected_layers(report, edges, frames):
             mask = core_masks.mask_at(model, height_nm - _LAYER_NM // 2)
             exposure_ns = round(layer["exposure_asked_ms"] * 1e6)
             position = number * _LAYER_NM // _STEP_NM
-            expected.append(ExpectedLayer(number, position, core_masks.xrgb_crc(mask), exposure_ns))
+            expected.append(ExpectedLayer(number, position, crc(mask), exposure_ns))
     return expected
 
 
-def _verify(results, layers):
+def _verify(results, layers, crc=core_masks.xrgb_crc):
     edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
     report = json.loads(results.text("spool/done/part.report.json"))
-    expected = _expected_layers(report, edges, frames)
+    expected = _expected_layers(report, edges, frames, crc)
     assert len(expected) == layers, f"{len(expected)} of {layers} layers were shown"
     check(exposure_checks.all_checks(frames, edges, expected))
     check(motion_checks.all_checks(edges, MotionLimits()))
@@ -90,3 +90,41 @@ def exact_print_twice():
     differing = [name for name, digest in _fingerprint(first).items() if _fingerprint(second)[name] != digest]
     assert not differing, f"the second run's logs differ: {differing}"
     return note
+
+
+@vm_test("full")
+def exact_print_without_atomic():
+    """Two layers on a display whose driver has no atomic mode setting: the same checks."""
+    results = _print(ARM64, 2, devices="ZPROJ=atomic=0 load_devices")
+    log = results.text("daemon.log")
+    assert "1920x1080 at 60.00 Hz, legacy" in log, log
+    return _verify(results, 2)
+
+
+@vm_test("full")
+def exact_print_in_rgb565():
+    """Two layers in pixels of 16 bits: every picture is the core's mask as near as these can say it."""
+    results = _print(ARM64, 2, config=guests.real_config(display={"format": "rgb565"}))
+    return _verify(results, 2, core_masks.rgb565_crc)
+
+
+@vm_test("full")
+def exact_print_on_a_slow_computer():
+    """Two layers on a computer that has no time left while it makes steps (64 ns an instruction): the switch halts the
+    plate with the next step all the same, homing is exact, every picture is the core's mask for where the plate was."""
+    results = _print(ARM64, 2, shift=6)
+    edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
+    expected = _expected_layers(json.loads(results.text("spool/done/part.report.json")), edges, frames)
+    assert len(expected) == 2, f"{len(expected)} of 2 layers were shown"
+    check(exposure_checks.masks(frames, edges, expected))
+    check(exposure_checks.light_only_on_masks(frames, edges))
+    check(exposure_checks.dark_at_the_end(frames, edges))
+    # No more than this of the motion: steps that come late, as here, are no even acceleration.
+    check(motion_checks.lost_steps(edges))
+    check(motion_checks.pulse_widths(edges, MotionLimits()))
+    check(motion_checks.direction_setups(edges, MotionLimits()))
+    lowest = int(edges.steps()["position"].min())
+    # The step that was just being made when the switch closed.
+    assert lowest >= -1, f"the plate went to step {lowest}"
+    periods = numpy.diff(edges.steps()["time_ns"].astype(numpy.int64))
+    return f"shortest time between two steps {periods.min() / 1e3:.0f} us, lowest step {lowest}"

@@ -3,7 +3,7 @@ log and beside the job, the light off and the screen dark. arm64, in determinist
 
 import re
 
-from bed import exposure_checks, guests
+from bed import edid, exposure_checks, guests
 from bed.architecture import ARM64
 from bed.edge_log import EdgeLog
 from bed.frame_log import FrameLog
@@ -65,6 +65,8 @@ class Outcome:
 
 def run(before="", during="", devices="load_devices", projector=_PROJECTOR, config=None, scenario=_SCENARIO):
     guest = guests.printer_guest(ARM64, config or guests.real_config(), _MODEL_MM, _RESIN)
+    guest.add_bytes("/edid-1080", edid.edid(edid.FULL_HD))
+    guest.add_bytes("/edid-720", edid.edid(edid.HD))
     text = scenario.format(devices=devices, projector=projector, before=before, during=during)
     guest.add_text("/scenario", text)
     with guests.written(guest) as initramfs:
@@ -228,6 +230,87 @@ contourctl resume || true"""
     assert off - unplugged < 100_000_000, f"the light went off {off - unplugged} ns after the display was unplugged"
 
 
+@vm_test("full")
+def mode_lost_in_an_exposure():
+    """The display says in an exposure that it has its mode no longer, only a smaller one: light off and the screen with
+    it; with the mode back and the print resumed, the layer gets what it had left."""
+    outcome = run(
+        before="cat /edid-1080 >$SCREEN/edid",
+        during=f"""wait_for 300 "layer 2" exposing 2
+sleep 1
+uptime_s >/out/changed
+cat /edid-720 >$SCREEN/edid
+wait_for 5 "the light to go off" light_is_off
+sleep 5
+light_is_off || fail "light on a display of another size"
+[ $(lit_pictures) = 2 ] || fail "a mask was shown on a display of another size"
+tail -n 1 $SCREEN/log | grep -q OFF || fail "the screen is not off"
+cat /edid-1080 >$SCREEN/edid
+sleep 2
+contourctl resume || true""",
+    )
+    outcome.is_printed()
+    said = re.search("HDMI-A-1 .* no longer has its mode 1920x1080 at 60.00 Hz; modes: 1280x720 at 60.00 Hz", outcome.log)
+    assert said, outcome.log
+    changed = round(float(outcome.results.text("changed")) * 1e9)
+    lit = outcome.edges.active(outcome.edges.lines.light)
+    off = [end for _, end in lit if end > changed][0]
+    assert off - changed < 100_000_000, f"the light went off {off - changed} ns after the mode was gone"
+    whole = sum(end - start for start, end in lit[1:3])
+    assert abs(whole - 2_000_000_000) < 20_000_000, f"layer 2 had light for {whole} ns in two parts"
+    return said.group()
+
+
+@vm_test("full")
+def card_taken_between_exposures():
+    """Another program takes the display's card while the plate moves: the next mask cannot be shown, so that there is no
+    light; the log says who has it; when it has let go and the print is resumed, the print is finished."""
+    outcome = run(
+        during="""wait_for 300 "layer 1" exposed 1
+sleep 0.5
+take-master $DAEMON /dev/dri/card0 &
+taker=$!
+sleep 20
+[ $(lit_pictures) = 1 ] || fail "a mask was shown on a card that is another's"
+light_is_off || fail "light without a mask"
+kill $taker
+# It is looked for every 5 s.
+sleep 6
+contourctl resume || true""",
+    )
+    outcome.is_printed()
+    said = re.search(r"another program took HDMI-A-1 .* over: take-master \(process \d+\) is its DRM master", outcome.log)
+    assert said and "the display is back" in outcome.log, outcome.log
+    assert len(outcome.frames.lit_pictures()) == 4
+    return said.group()
+
+
+@vm_test("full")
+def card_taken_in_an_exposure():
+    """Another program takes the display's card in an exposure, and may show what it likes: light off."""
+    outcome = run(
+        during="""wait_for 300 "layer 2" exposing 2
+sleep 0.5
+take-master $DAEMON /dev/dri/card0 &
+taker=$!
+uptime_s >/out/taken
+sleep 5
+light_is_off || fail "light on a card that is another's"
+kill $taker
+# It is looked for every 5 s.
+sleep 6
+contourctl resume || true""",
+    )
+    outcome.is_printed()
+    taken = round(float(outcome.results.text("taken")) * 1e9)
+    lit = outcome.edges.active(outcome.edges.lines.light)
+    off = [end for _, end in lit if end > taken][0]
+    assert off - taken < 100_000_000, f"the light went off {off - taken} ns after the card was taken"
+    whole = sum(end - start for start, end in lit[1:3])
+    assert abs(whole - 2_000_000_000) < 20_000_000, f"layer 2 had light for {whole} ns in two parts"
+    return f"light off {(off - taken) / 1e6:.0f} ms after the card was taken"
+
+
 # --- The projector
 
 
@@ -257,6 +340,93 @@ def garbling_projector():
 def slow_projector():
     """The projector takes nine tenths of its time to answer: the print is made."""
     run(projector=_projector("--delay-ms 900")).is_printed()
+
+
+# --- A light that is switched by the projector's commands
+
+_LIGHT_ON, _LIGHT_OFF = r"~0002 0\x0d", r"~0002 1\x0d"
+_OPTOMA = (
+    r"fake-projector /dev/ttyZ1 9600 /out/projector '~0000 1\r=>P\r' '~0000 0\r=>P\r' '~0002 0\r=>P\r' '~0002 1\r=>P\r' "
+    r"'~00124 1\r=>Ok0\r' '~00124 1\r=>Ok1\r' &"
+)
+# Eight bytes and two at 9600 baud; and how long the guest's one processor, which hashes the pictures besides, may be busy
+# with that before the kernel's worker for the line, and again before the program that reads it, has its turn.
+_BUSY_NS = 3_000_000
+_COMMAND_NS, _REPLY_NS = (8 * 10 * 1_000_000_000 // 9600 + 2 * _BUSY_NS, 2 * 10 * 1_000_000_000 // 9600 + 2 * _BUSY_NS)
+_LIT_BY_SERIAL = r"""
+lit_by_serial() {
+  still_printing && [ "$(lit_pictures)" -ge "$1" ] && grep '~0002' /out/projector | tail -n 1 | grep -q '~0002 0'
+}
+"""
+
+
+def _light_by_serial():
+    return guests.real_config(projector={"table": "optoma", "light": None})
+
+
+def _commanded_light(outcome):
+    """[(on_ns, off_ns)] as the projector was told, at the commands' last bytes."""
+    intervals, on = [], None
+    for line in outcome.results.text("projector").splitlines():
+        time_ns, request = line.split(" ", 1)
+        if request == _LIGHT_ON and on is None:
+            on = int(time_ns)
+        elif request == _LIGHT_OFF and on is not None:
+            intervals.append((on, int(time_ns)))
+            on = None
+    return intervals if on is None else [*intervals, (on, None)]
+
+
+@vm_test("full")
+def light_by_serial():
+    """The projector's light is switched by its commands: it is on once a layer, with the layer's mask on the screen and
+    the plate at rest, and off at the end."""
+    outcome = run(projector=_OPTOMA, config=_light_by_serial())
+    outcome.is_printed()
+    light = _commanded_light(outcome)
+    assert len(light) == 4, f"the light was on {len(light)} times"
+    check(exposure_checks.light_only_on_masks(outcome.frames, outcome.edges, light, _COMMAND_NS))
+    # Light on is known when its reply has come, and light off takes as long as the command.
+    beyond = [off - on - 2_000_000_000 for on, off in light]
+    assert all(0 <= ns <= _REPLY_NS + _COMMAND_NS for ns in beyond), f"{beyond} ns more than was asked"
+    return f"light {max(beyond) / 1e6:.1f} ms more than was asked at most"
+
+
+@vm_test("full")
+def killed_in_an_exposure_by_serial():
+    """The daemon is killed in an exposure with a light that the projector's commands switch: the kernel turns the screen
+    off at once, and the unit's clean-up tells the projector to turn the light off."""
+    outcome = run(
+        projector=_OPTOMA,
+        config=_light_by_serial(),
+        scenario="""\
+. /lib.sh
+{devices}
+{projector}
+{before}
+start_daemon
+print_model
+wait_for 300 "layer 2" lit_by_serial 2
+kill -9 $DAEMON
+uptime_s >/out/killed
+wait_for 5 "the screen to go dark" screen_is_off
+uptime_s >/out/dark
+# What the unit's ExecStopPost runs.
+contourd --config /etc/contourd/contourd.json --light-off >/out/light_off 2>&1 || fail "light off ended with $?"
+uptime_s >/out/cleaned_up
+keep_logs
+""",
+        before=_LIT_BY_SERIAL + 'screen_is_off() { tail -n 1 $SCREEN/log | grep -q OFF; }',
+    )
+    killed, cleaned_up = (round(float(outcome.results.text(name)) * 1e9) for name in ("killed", "cleaned_up"))
+    outcome.was_dark()
+    light = _commanded_light(outcome)
+    assert len(light) == 2, f"the light was on {len(light)} times"
+    on, off = light[-1]
+    assert on < killed, "the light was not on when the daemon was killed"
+    assert off is not None, "the projector was not told to turn its light off"
+    assert killed - 10_000_000 <= off <= cleaned_up, f"light off came {off - killed} ns after the kill"
+    return f"light off {(off - killed) / 1e6:.0f} ms after the kill"
 
 
 # --- What keeps the daemon from its devices

@@ -29,10 +29,11 @@
 #include <drm/drm_simple_kms_helper.h>
 #include <drm/drm_vblank.h>
 
-static int width = 1920, height = 1080, refresh = 60, rehash, r8 = 1, log_entries = 65536;
+static int width = 1920, height = 1080, refresh = 60, rehash, r8 = 1, atomic = 1, log_entries = 65536;
 module_param(width, int, 0444); module_param(height, int, 0444); module_param(refresh, int, 0444);
 module_param(rehash, int, 0644);   /* >0: hash again every that many vblanks, log a change (drawing in place) */
 module_param(r8, int, 0444);       /* offer R8 next to XRGB8888 and RGB565 */
+module_param(atomic, int, 0444);   /* 0: programs find a driver without atomic mode setting */
 module_param(log_entries, int, 0444);
 
 enum { ON = 1, FLIP, REDRAW, OFF, PLUG, UNPLUG };
@@ -328,6 +329,8 @@ static int __init zinit(void)
 	z = devm_drm_dev_alloc(&pd->dev, &drv, struct zj, drm);
 	if (IS_ERR(z))
 		return PTR_ERR(z);
+	if (!atomic)
+		z->drm.driver_features &= ~DRIVER_ATOMIC;
 	spin_lock_init(&z->lk); mutex_init(&z->wl); INIT_LIST_HEAD(&z->dead); INIT_WORK(&z->work, work); z->connected = true;
 	z->log = vzalloc(array_size(log_entries, sizeof(struct ent)));
 #if LINUX_VERSION_CODE >= KERNEL_VERSION(6, 13, 0)
