@@ -318,6 +318,8 @@ void OpenChainJoiner::report() {
     }
     cracks.widest_gap = std::max(cracks.widest_gap, Millimeters{gap});
   }
+  for (const JoinedChains::Link& link : joined_.links)
+    cracks.turned_chains += link.reversed ? 1 : 0;
 }
 
 }  // namespace contourd
