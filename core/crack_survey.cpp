@@ -17,7 +17,7 @@ CrackSurvey survey_cracks(const HeightIndex& model, std::span<const Nanometers> 
     if (!section.balanced) {
       linker.link(section.segments, tolerance, contours);
       survey.cracks += contours.cracks;
-      if (contours.cracks.open_chains > 0) {
+      if (contours.cracks.has_guesses()) {
         ++survey.open_layers;
         if (!survey.first_open) survey.first_open = layer;
       }

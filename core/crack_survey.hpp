@@ -1,6 +1,6 @@
-// Finds the layers of a cracked model whose contours cannot be closed without a guess, before anything is
-// printed. Makes no masks, and links only the sections that do not close by themselves. Thread-safe (no
-// shared state).
+// Finds the layers of a cracked model whose contours cannot be closed without a guess (open or turned
+// chains), before anything is printed. Makes no masks, and links only the sections that do not close by
+// themselves. Thread-safe (no shared state).
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 namespace contourd {
 
 struct CrackSurvey {
-  std::int32_t open_layers = 0;            // with at least one open chain
+  std::int32_t open_layers = 0;            // with at least one open or turned chain
   std::optional<std::int32_t> first_open;  // the first of them, counted from 0
   LayerCracks cracks;                      // of all layers together
 };

@@ -17,12 +17,19 @@ struct LayerCracks {
   // loop), so that nothing can spill, but what they enclose is a guess.
   std::uint32_t open_chains = 0;
 
+  // Chains that were walked against their facets' winding, because nothing else closes them (turned facets).
+  std::uint32_t turned_chains = 0;
+
+  // Whether the contours are more than what the file says.
+  [[nodiscard]] bool has_guesses() const { return open_chains > 0 || turned_chains > 0; }
+
   bool operator==(const LayerCracks&) const = default;
 
   LayerCracks& operator+=(const LayerCracks& other) {
     gaps_closed += other.gaps_closed;
     widest_gap = std::max(widest_gap, other.widest_gap);
     open_chains += other.open_chains;
+    turned_chains += other.turned_chains;
     return *this;
   }
 };

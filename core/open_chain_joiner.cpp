@@ -17,23 +17,23 @@ constexpr int kRounds = 13;
 // square of it.
 constexpr std::size_t kMostEndsToPair = 1024;
 
-// Of the ends in a row of cells around an end so many are weighed when the nearest are joined and when ends
-// are paired anew; so many in one search, and so many in all of a section's: a soup of facets must not take
-// seconds.
-constexpr int kMostNeighbors = 64;
-constexpr int kMostSearchNeighbors = 400;
-constexpr int kMostSearchLooks = 20'000;
-constexpr int kMostLooks = 4'000'000;
+// Of the starts in a row of cells around an end so many are weighed; so many in one search, and so many in
+// all of a section's: a soup of facets must not take seconds.
+constexpr int kMostNeighbors = 400;
+constexpr int kMostSearchLooks = 1'000'000;
+constexpr int kMostLooks = 8'000'000;
 
-// A join this much narrower than a round's reach is beyond doubt, and not given up for a wider one.
-constexpr double kSureFactor = 1.0 / 64;
+// Once ends see more starts than this on average, those with a partner look no farther for another; an end
+// finds the starts that are free at any distance, when there are no more than these.
+constexpr int kMostLooksAnEnd = 100;
+constexpr std::size_t kMostFreeStarts = 64;
 
 // Joining two starts or two ends means that one of the chains runs against its facets' winding: only where
 // nothing four times as far fits in the right direction (up to eight times, as the rounds' reaches lie).
 constexpr double kTurnedFactor = 1.0 / 4;
 
 // A segment is alone when nothing eight times as far as its length is left to meet.
-constexpr double kAloneFactor = 1.0 / 8;
+constexpr double kAloneFactor = 8;
 
 bool is_start(std::uint32_t end) {
   return end % 2 == 0;
@@ -57,12 +57,18 @@ const JoinedChains& OpenChainJoiner::join() {
   partner_.assign(ends_.size(), kFree);
   seen_in_.assign(ends_.size(), 0);
   came_from_.assign(ends_.size(), kFree);
+  looked_at_in_.assign(ends_.size(), 0);
+  looking_ = 0;
+  cost_to_.assign(ends_.size(), 0);
+  potential_.assign(ends_.size(), 0);
   searches_ = 0;
   looks_ = 0;
-  all_.resize(ends_.size());
-  std::iota(all_.begin(), all_.end(), 0U);
+  starts_.clear();
+  for (std::uint32_t chain = 0; chain < weights_.size(); ++chain)
+    starts_.push_back(2 * chain);
   find_free_ends();
   double reach = std::max(tolerance_mm_, 1e-9);
+  change_reach_ = reach;
   for (int round = 0; round < kRounds && !free_.empty(); ++round, reach *= 2)
     join_within(reach);
   if (!free_.empty()) join_what_is_left();
@@ -75,6 +81,13 @@ double OpenChainJoiner::gap_between(std::uint32_t a, std::uint32_t b) const {
   // Not std::hypot, which differs between C libraries. Coordinates are floats' size: squares do not overflow.
   const double dx = ends_[a].x - ends_[b].x, dy = ends_[a].y - ends_[b].y;
   return std::sqrt(dx * dx + dy * dy);
+}
+
+// What a join is weighed by. A single segment closed on itself encloses nothing, and is missing elsewhere:
+// only when nothing else is near.
+double OpenChainJoiner::cost_of(std::uint32_t end, std::uint32_t start) const {
+  const bool single_segment = start == (end ^ 1U) && weights_[end / 2] <= 2;
+  return gap_between(end, start) * (single_segment ? kAloneFactor : 1.0);
 }
 
 void OpenChainJoiner::join_ends(std::uint32_t a, std::uint32_t b) {
@@ -90,90 +103,103 @@ void OpenChainJoiner::find_free_ends() {
 }
 
 void OpenChainJoiner::join_within(double reach) {
-  join_nearest(reach);
-  find_free_ends();
-  if (free_.empty()) return;
-  join_by_pairing_anew(reach);
+  join_cheapest(reach);
   find_free_ends();
   if (free_.empty()) return;
   join_turned_chains(reach * kTurnedFactor);
   find_free_ends();
 }
 
-void OpenChainJoiner::join_nearest(double reach) {
-  nearby_.sort(ends_, free_, reach);
-  pairs_.clear();
+// Pairs ends and starts so that the sum of all joins' costs is the least, where an end that stays free costs
+// the reach: successive shortest ways with potentials (the Hungarian method, on the pairs within the reach).
+// What the rounds before have found is the least for their reach, and so are their potentials: joins wider
+// than that were not worth a look.
+void OpenChainJoiner::join_cheapest(double reach) {
+  nearby_.sort(ends_, starts_, change_reach_);
+  free_starts_.clear();
+  for (const std::uint32_t end : free_) {
+    if (is_start(end)) free_starts_.push_back(end);
+  }
+  const int looks_before = looks_;
+  int ends_looked_from = 0;
   for (const std::uint32_t end : free_) {
     if (is_start(end)) continue;
-    nearby_.visit_near(ends_[end], kMostNeighbors, [&](std::uint32_t start) {
-      const double gap = may_meet(end, start, reach) ? gap_between(end, start) : reach * 2;
-      if (gap <= reach) pairs_.push_back({gap, end, start});
-      return true;
-    });
+    pair_anew(end, reach);
+    ends_looked_from += 1 + static_cast<int>(settled_.size());
   }
-  make_pairs();
+  if (looks_ - looks_before < kMostLooksAnEnd * ends_looked_from) change_reach_ = reach * 2;
 }
 
-// Every end that is still free looks for a start that is, by way of others that change their partners.
-void OpenChainJoiner::join_by_pairing_anew(double reach) {
-  nearby_.sort(ends_, all_, reach);
-  for (const std::uint32_t end : free_) {
-    if (!is_start(end)) pair_anew(end, reach);
-  }
-}
-
-bool OpenChainJoiner::pair_anew(std::uint32_t end, double reach) {
+// Finds the cheapest way to join this end: to a free start, or to one whose end changes to another, and so
+// on, or stays free.
+void OpenChainJoiner::pair_anew(std::uint32_t end, double reach) {
   ++searches_;
-  queue_.assign(1, {0, end, kFree});
-  // The cheapest way first, by what its new joins are wider than those that they replace. A way that costs
-  // more than a join across the round's reach is left to the next round, where that join may be.
-  const auto dearer = [](const Step& a, const Step& b) {
-    return std::tie(a.cost, a.end, a.start) > std::tie(b.cost, b.end, b.start);
-  };
+  queue_.clear();
+  settled_.clear();
   const int most_looks = std::min(looks_ + kMostSearchLooks, kMostLooks);
+  double least = reach - potential_[end];
+  std::uint32_t last = kFree;  // the start where the way ends
+  look_from(end, 0, least);
   while (!queue_.empty() && looks_ < most_looks) {
     std::pop_heap(queue_.begin(), queue_.end(), dearer);
     const Step step = queue_.back();
     queue_.pop_back();
-    std::uint32_t from = end;
-    if (step.start != kFree) {
-      if (seen_in_[step.start] == searches_) continue;
-      seen_in_[step.start] = searches_;
-      came_from_[step.start] = step.end;
-      if (partner_[step.start] == kFree) {
-        take_way_to(step.start);
-        return true;
-      }
-      from = partner_[step.start];
+    if (step.cost >= least) break;
+    if (step.cost > cost_to_[step.start]) continue;
+    const std::uint32_t from = partner_[step.start];
+    if (from == kFree) {
+      least = step.cost;
+      last = step.start;
+      break;
     }
-    nearby_.visit_near(ends_[from], kMostSearchNeighbors, [&](std::uint32_t start) {
-      ++looks_;
-      if (!may_meet(from, start, reach) || seen_in_[start] == searches_) return true;
-      const double gap = gap_between(from, start);
-      if (step.cost + gap > reach) return true;
-      double saved = 0;
-      if (partner_[start] != kFree) {
-        saved = gap_between(partner_[start], start);
-        // A start that has been joined to a start belongs to a turned chain, and stays.
-        if (is_start(partner_[start]) || saved < reach * kSureFactor) return true;
-      }
-      queue_.push_back({step.cost + std::max(gap - saved, 0.0), from, start});
-      std::push_heap(queue_.begin(), queue_.end(), dearer);
-      return true;
-    });
+    settled_.push_back(step.start);
+    const double leaving_free = step.cost + reach - potential_[from];
+    if (leaving_free < least) {
+      least = leaving_free;
+      last = step.start;
+    }
+    look_from(from, step.cost, least);
   }
-  return false;
+  if (looks_ >= most_looks) return;
+  potential_[end] += least;
+  for (const std::uint32_t start : settled_) {
+    const double less = least - cost_to_[start];
+    if (less <= 0) continue;
+    potential_[start] -= less;
+    potential_[partner_[start]] += less;
+  }
+  if (last != kFree) take_way_to(last);
 }
 
-// A single segment closed on itself encloses nothing, and is missing elsewhere: only when nothing else is
-// near.
-bool OpenChainJoiner::may_meet(std::uint32_t end, std::uint32_t start, double reach) const {
-  if (!is_start(start)) return false;
-  const bool single_segment = start == (end ^ 1U) && weights_[end / 2] <= 2;
-  return !single_segment || gap_between(end, start) <= reach * kAloneFactor;
+void OpenChainJoiner::look_from(std::uint32_t end, double cost_up_to, double least) {
+  ++looking_;
+  const auto look_at = [&](std::uint32_t start) {
+    if (looked_at_in_[start] == looking_) return;
+    looked_at_in_[start] = looking_;
+    ++looks_;
+    if (partner_[start] != kFree && is_start(partner_[start])) return;
+    // Not below zero by a rounding: no way may become cheaper after it has been gone.
+    const double more = cost_of(end, start) - potential_[end] - potential_[start];
+    const double cost = cost_up_to + std::max(more, 0.0);
+    if (cost >= least || (seen_in_[start] == searches_ && cost >= cost_to_[start])) return;
+    seen_in_[start] = searches_;
+    cost_to_[start] = cost;
+    came_from_[start] = end;
+    queue_.push_back({cost, start});
+    std::push_heap(queue_.begin(), queue_.end(), dearer);
+  };
+  nearby_.visit_near(ends_[end], kMostNeighbors, [&look_at](std::uint32_t start) {
+    look_at(start);
+    return true;
+  });
+  if (free_starts_.size() > kMostFreeStarts) return;
+  for (const std::uint32_t start : free_starts_) {
+    if (partner_[start] == kFree) look_at(start);
+  }
 }
 
 void OpenChainJoiner::take_way_to(std::uint32_t start) {
+  if (partner_[start] != kFree) partner_[partner_[start]] = kFree;
   while (start != kFree) {
     const std::uint32_t end = came_from_[start];
     const std::uint32_t given_up = partner_[end];
@@ -183,7 +209,8 @@ void OpenChainJoiner::take_way_to(std::uint32_t start) {
 }
 
 // A chain of turned facets has a start where a start is, and an end where an end is: both at once, or it is
-// not one.
+// not one. Chains that have been joined are not taken for one: the other ends that their two ends would take
+// may lie far from each other, and would be missing there.
 void OpenChainJoiner::join_turned_chains(double reach) {
   nearby_.sort(ends_, free_, reach);
   for (const std::uint32_t start : free_) {
@@ -191,8 +218,8 @@ void OpenChainJoiner::join_turned_chains(double reach) {
     const std::uint32_t other = free_end_like(start, reach);
     if (other == kFree) continue;
     for (const std::uint32_t turned : {start, other}) {
-      const std::uint32_t far = far_end_of(turned);
-      const std::uint32_t met = is_start(far) ? kFree : free_end_like(far, reach);
+      const std::uint32_t far = turned ^ 1U;
+      const std::uint32_t met = partner_[far] != kFree ? kFree : free_end_like(far, reach);
       if (met == kFree) continue;
       join_ends(start, other);
       join_ends(far, met);
@@ -245,7 +272,7 @@ void OpenChainJoiner::join_what_is_left() {
 
 void OpenChainJoiner::make_pairs() {
   std::sort(pairs_.begin(), pairs_.end(), [](const Pair& a, const Pair& b) {
-    return std::tie(a.gap, a.a, a.b) < std::tie(b.gap, b.a, b.b);
+    return std::tie(a.cost, a.a, a.b) < std::tie(b.cost, b.a, b.b);
   });
   for (const Pair& pair : pairs_) {
     if (partner_[pair.a] == kFree && partner_[pair.b] == kFree) join_ends(pair.a, pair.b);
@@ -291,6 +318,8 @@ void OpenChainJoiner::report() {
     }
     cracks.widest_gap = std::max(cracks.widest_gap, Millimeters{gap});
   }
+  for (const JoinedChains::Link& link : joined_.links)
+    cracks.turned_chains += link.reversed ? 1 : 0;
 }
 
 }  // namespace contourd

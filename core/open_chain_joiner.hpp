@@ -1,10 +1,10 @@
 // Closes what a cracked model leaves open: joins the ends of open chains until every chain is part of a
 // closed loop. Ends within the tolerance meet; what is left after that is closed all the same, as a guess.
 //
-// The reach doubles from round to round, beginning with the tolerance. In each round the nearest ends join
-// first, and then ends that were left over come to a partner by re-pairing joins on the way, if they can
-// within the round's reach. Without that, one wrong choice among crowded ends pushes the next one on, along a
-// whole contour, and in the end two ends are left on opposite sides of the part. Not thread-safe.
+// The reach doubles from round to round, beginning with the tolerance. In each round ends and starts are
+// paired so that all gaps together are the least (the assignment problem), where an end that stays free
+// counts as a gap of the reach. Pairs that are only the nearest would push the next one on, along a whole
+// contour, until two ends are left on opposite sides of the part. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -48,24 +48,27 @@ class OpenChainJoiner {
  private:
   // End 2i is chain i's start, 2i + 1 its end.
   struct Pair {
-    double gap;
+    double cost;
     std::uint32_t a, b;
   };
 
-  // A new join on a search's way, and what the way up to it costs.
+  // Where a search may go on, and what the way up to there costs, less potentials.
   struct Step {
     double cost;
-    std::uint32_t end, start;
+    std::uint32_t start;
   };
 
-  [[nodiscard]] bool may_meet(std::uint32_t end, std::uint32_t start, double reach) const;
+  [[nodiscard]] static bool dearer(const Step& a, const Step& b) {
+    return a.cost != b.cost ? a.cost > b.cost : a.start > b.start;
+  }
   [[nodiscard]] double gap_between(std::uint32_t a, std::uint32_t b) const;
+  [[nodiscard]] double cost_of(std::uint32_t end, std::uint32_t start) const;
   void join_ends(std::uint32_t a, std::uint32_t b);
   void find_free_ends();
   void join_within(double reach);
-  void join_nearest(double reach);
-  void join_by_pairing_anew(double reach);
-  bool pair_anew(std::uint32_t end, double reach);
+  void join_cheapest(double reach);
+  void pair_anew(std::uint32_t end, double reach);
+  void look_from(std::uint32_t end, double cost_up_to, double least);
   void take_way_to(std::uint32_t start);
   void join_turned_chains(double reach);
   [[nodiscard]] std::uint32_t free_end_like(std::uint32_t end, double reach) const;
@@ -80,12 +83,19 @@ class OpenChainJoiner {
   std::vector<std::uint32_t> weights_;
   std::vector<std::uint32_t> partner_;  // by end
   std::vector<std::uint32_t> free_;     // ends without a partner
-  std::vector<std::uint32_t> all_;
+  std::vector<std::uint32_t> starts_;   // of all chains
   NearbyEnds nearby_;
   std::vector<Pair> pairs_;
-  std::vector<std::uint32_t> seen_in_;    // by start: the search that came to it last
-  std::vector<std::uint32_t> came_from_;  // by start: the end that it was reached from
-  std::vector<Step> queue_;               // a heap: where a search may go on
+  std::vector<std::uint32_t> seen_in_;       // by start: the search that came to it last
+  std::vector<std::uint32_t> came_from_;     // by start: the end that it was reached from
+  std::vector<std::uint32_t> looked_at_in_;  // by start: the look around that came to it last
+  std::uint32_t looking_ = 0;
+  std::vector<double> cost_to_;         // by start: on that way
+  std::vector<double> potential_;       // by end: 0 or more of ends, 0 or less of starts
+  std::vector<std::uint32_t> settled_;  // starts that a search has passed
+  std::vector<std::uint32_t> free_starts_;
+  double change_reach_ = 0;  // of ends that have a partner
+  std::vector<Step> queue_;  // a heap
   std::uint32_t searches_ = 0;
   int looks_ = 0;                              // at ends, by all searches of a join()
   std::vector<std::uint32_t> heaviest_first_;  // chains

@@ -63,6 +63,15 @@ std::string open_contours_warning(const PrintFindings& findings) {
       count_of(open.size(), "layer", "layers"), stretches(open), findings.cracks.widest_gap.count());
 }
 
+std::string turned_chains_warning(const PrintFindings& findings) {
+  std::vector<std::int32_t> turned;
+  for (const CrackedLayer& each : findings.cracked_layers) {
+    if (each.cracks.turned_chains > 0) turned.push_back(each.layer);
+  }
+  return fmt::format("facets of {} ({}) are turned against the others; they were turned back",
+                     count_of(turned.size(), "layer", "layers"), stretches(turned));
+}
+
 }  // namespace
 
 std::string findings_line(const PrintFindings& findings) {
@@ -86,6 +95,7 @@ std::vector<std::string> warnings_about(const PrintFindings& findings) {
                                    one ? "" : "s", stretches(findings.empty_layers), one ? "is" : "are"));
   }
   if (findings.cracks.open_chains > 0) warnings.push_back(open_contours_warning(findings));
+  if (findings.cracks.turned_chains > 0) warnings.push_back(turned_chains_warning(findings));
   return warnings;
 }
 
@@ -100,6 +110,7 @@ Json findings_summary_json(const PrintFindings& findings) {
   json["empty_layers"] = findings.empty_layers.size();
   json["cracked_layers"] = findings.cracked_layers.size();
   json["open_chains"] = findings.cracks.open_chains;
+  json["turned_chains"] = findings.cracks.turned_chains;
   json["gaps_closed"] = findings.cracks.gaps_closed;
   json["widest_gap_mm"] = findings.cracks.widest_gap.count();
   json["warnings"] = warnings_about(findings);
@@ -120,6 +131,7 @@ Json findings_json(const PrintFindings& findings) {
   for (const CrackedLayer& each : findings.cracked_layers) {
     cracked.push_back({{"layer", each.layer + 1},
                        {"open_chains", each.cracks.open_chains},
+                       {"turned_chains", each.cracks.turned_chains},
                        {"gaps_closed", each.cracks.gaps_closed},
                        {"widest_gap_mm", each.cracks.widest_gap.count()}});
   }

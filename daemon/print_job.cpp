@@ -252,11 +252,14 @@ void refuse_guesses(const ModelToPlace& model, const PrintLayers& layers, const 
   const std::vector<Nanometers> heights = middles_of(layers.all());
   const CrackSurvey survey = survey_cracks(*model.model, heights, to_millimeters(volume.display.pixel_pitch));
   if (!survey.first_open) return;
+  const char* const fault = survey.cracks.turned_chains == 0 ? "contours do not close"
+                            : survey.cracks.open_chains == 0 ? "facets are turned against each other"
+                                                             : "contours do not close, or facets are turned,";
   throw JobRefused(
-      fmt::format("{} is cracked: contours do not close in {} of {} layers, first in layer {} at {:.3f} mm, "
+      fmt::format("{} is cracked: {} in {} of {} layers, first in layer {} at {:.3f} mm, "
                   "and the widest gap is {:.3f} mm; mend the model, or print it with \"cracks\": \"repair\" "
                   "in its ticket",
-                  model.name, survey.open_layers, heights.size(), *survey.first_open + 1,
+                  model.name, fault, survey.open_layers, heights.size(), *survey.first_open + 1,
                   to_millimeters(heights[static_cast<std::size_t>(*survey.first_open)]).count(),
                   survey.cracks.widest_gap.count()));
 }

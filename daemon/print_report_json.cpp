@@ -93,6 +93,7 @@ Json layer_json(const LayerRecord& layer) {
           {"intersecting_facets", layer.intersecting_facets},
           {"loops", layer.loops},
           {"open_chains", layer.cracks.open_chains},
+          {"turned_chains", layer.cracks.turned_chains},
           {"gaps_closed", layer.cracks.gaps_closed},
           {"widest_gap_mm", layer.cracks.widest_gap.count()}};
 }

@@ -506,6 +506,13 @@ void PrinterService::layer_done(const LayerRecord& layer) {
                              layer.layer + 1, layer.cracks.open_chains, layer.cracks.widest_gap.count()),
                  fields);
   }
+  if (layer.cracks.turned_chains > 0) {
+    log_.warning(
+        "turned",
+        fmt::format("layer {}: {} stretches of contours are turned against the others; they were turned back",
+                    layer.layer + 1, layer.cracks.turned_chains),
+        fields);
+  }
   if (layer.area_mm2 == 0 && layer.layer + 1 < count) {
     log_.warning("empty", fmt::format("layer {}: nothing to expose", layer.layer + 1), fields);
   }

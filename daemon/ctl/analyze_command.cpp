@@ -165,9 +165,9 @@ void print_findings(const AnalyzedModel& m) {
   fmt::print("resin         {:.3f} ml\n", found.resin_ml());
   fmt::print("largest area  {:.2f} mm2, layer {}\n", found.largest_area_mm2, found.largest_area_layer + 1);
   fmt::print("islands       {}\nempty layers  {}\n", found.island_count, found.empty_layers.size());
-  fmt::print("cracks        {} gaps closed, the widest {:.3f} mm, {} open chains, on {} layers\n",
+  fmt::print("cracks        {} gaps closed, the widest {:.3f} mm, {} open chains, {} turned, on {} layers\n",
              found.cracks.gaps_closed, found.cracks.widest_gap.count(), found.cracks.open_chains,
-             found.cracked_layers.size());
+             found.cracks.turned_chains, found.cracked_layers.size());
   for (const std::string& warning : m.warnings)
     fmt::print("warning       {}\n", warning);
   for (const std::string& warning : warnings_about(found))

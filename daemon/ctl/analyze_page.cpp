@@ -51,11 +51,12 @@ std::string facts(const AnalyzedModel& m) {
   rows += row("Islands", std::to_string(found.island_count));
   rows += row("Empty layers", std::to_string(found.empty_layers.size()));
   rows +=
-      row("Cracks", found.cracked_layers.empty()
-                        ? "none"
-                        : fmt::format("{} gaps closed and {} open chains on {} layers, the widest {:.3f} mm",
-                                      found.cracks.gaps_closed, found.cracks.open_chains,
-                                      found.cracked_layers.size(), found.cracks.widest_gap.count()));
+      row("Cracks",
+          found.cracked_layers.empty()
+              ? "none"
+              : fmt::format("{} gaps closed, {} open and {} turned chains on {} layers, the widest {:.3f} mm",
+                            found.cracks.gaps_closed, found.cracks.open_chains, found.cracks.turned_chains,
+                            found.cracked_layers.size(), found.cracks.widest_gap.count()));
   for (const std::string& warning : m.warnings)
     rows += row("Warning", warning);
   for (const std::string& warning : warnings_about(found))

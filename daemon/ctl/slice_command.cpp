@@ -86,6 +86,7 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
                     {"segments", section.segments.size()},
                     {"contours", contours.closed_loops()},
                     {"open_chains", contours.cracks.open_chains},
+                    {"turned_chains", contours.cracks.turned_chains},
                     {"gaps_closed", contours.cracks.gaps_closed},
                     {"widest_gap_mm", contours.cracks.widest_gap.count()},
                     {"area_mm2", area},
@@ -95,8 +96,9 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
   }
   fmt::print("z            {:.6g} mm\nsegments     {}\ncontours     {}\n", z, section.segments.size(),
              contours.closed_loops());
-  fmt::print("open chains  {}\ngaps closed  {}, the widest {:.6g} mm\n", contours.cracks.open_chains,
-             contours.cracks.gaps_closed, contours.cracks.widest_gap.count());
+  fmt::print("open chains  {}\nturned       {}\ngaps closed  {}, the widest {:.6g} mm\n",
+             contours.cracks.open_chains, contours.cracks.turned_chains, contours.cracks.gaps_closed,
+             contours.cracks.widest_gap.count());
   fmt::print("area         {:.6g} mm2\nperimeter    {:.6g} mm\n", area, perimeter);
   return kOk;
 }

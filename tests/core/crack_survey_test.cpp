@@ -1,5 +1,7 @@
 #include "core/crack_survey.hpp"
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "tests/catch.hpp"
@@ -58,4 +60,19 @@ TEST_CASE("The first layer with a hole is named and the layers with holes counte
   CHECK(survey.open_layers == 4);
   CHECK(survey.cracks.open_chains == 4);
   CHECK(survey.cracks.widest_gap == Millimeters{4});
+}
+
+TEST_CASE("Layers whose contours close only when a facet is turned back are guesses") {
+  models::Facets facets = tower(0, false);
+  // One of the upper front's, from its foot to its top.
+  const auto turned = std::ranges::find_if(facets, [](const Facet& facet) {
+    return std::ranges::all_of(facet.vertices, [](const Vertex& v) { return v.y == 0 && v.z >= 8; });
+  });
+  REQUIRE(turned != facets.end());
+  std::swap(turned->vertices[0], turned->vertices[1]);
+  const CrackSurvey survey = survey_cracks(HeightIndex(facets), layers(7), kPixel);
+  CHECK(survey.first_open == 3);
+  CHECK(survey.open_layers == 4);
+  CHECK(survey.cracks.open_chains == 0);
+  CHECK(survey.cracks.turned_chains == 4);
 }

@@ -15,6 +15,7 @@
 #include "core/placement.hpp"
 #include "core/stl_reader.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/random_shapes.hpp"
 #include "tests/models/damage.hpp"
 
 using namespace contourd;
@@ -312,6 +313,34 @@ TEST_CASE("A damaged gyroid's masks hardly differ from the intact ones but where
                       });
     }
   }
+}
+
+// At the height of a whole plane of vertices, within what they have moved by, facets are crossed at random; a
+// contour goes on at most at the other end of the next side.
+TEST_CASE("No bridge of a shaken lattice is longer than two of its sides") {
+  constexpr int kCells = 32;
+  constexpr double kRadius = 12, kPeriod = 2;
+  const Facets whole = models::gyroid_sphere(kRadius, kPeriod, kCells);
+  double longest = 0;
+  for (const auto& [corners] : whole) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vertex &a = corners[i], &b = corners[(i + 1) % 3];
+      longest = std::max(longest, std::hypot(double{a.x} - b.x, double{a.y} - b.y));
+    }
+  }
+  CHECK(rc::check([&] {
+    const auto& damage = testing::draw(0, 1) == 0 ? kDamages.front() : kDamages.back();
+    const Patient patient = patient_of(whole, damage, static_cast<std::uint64_t>(testing::draw(0, 1000)));
+    const HeightIndex broken(patient.broken);
+    // Around one of the vertices.
+    const auto at = static_cast<std::size_t>(testing::draw(0, static_cast<std::int64_t>(whole.size()) - 1));
+    const double z = whole[at].vertices[0].z + testing::draw_real(-kReachMm, kReachMm);
+    Section section;
+    slice_at(broken, z, section);
+    Contours contours;
+    ContourLinker().link(section.segments, Millimeters{0.05}, contours);
+    RC_ASSERT(contours.cracks.widest_gap.count() <= 2 * longest);
+  }));
 }
 
 TEST_CASE("Vertices that move in all their facets alike leave nothing to mend") {

@@ -113,6 +113,7 @@ TEST_CASE("Of chains that disagree the heaviest gives the loop its direction") {
     REQUIRE(result.links.size() == 2);
     for (const JoinedChains::Link& link : result.links)
       CHECK(link.reversed == (link.chain != heavy));
+    CHECK(result.cracks.turned_chains == 1);
   }
 }
 

@@ -56,6 +56,21 @@ TEST_CASE("Warnings name the largest islands, the empty layers and the open cont
         "the model is cracked: contours of 1 layer (4) did not close; the widest gap bridged is 1.500 mm");
 }
 
+TEST_CASE("Turned facets are a warning and a figure") {
+  PrintFindings findings;
+  findings.area_mm2 = {1, 1, 1};
+  LayerCracks turned;
+  turned.turned_chains = 2;
+  findings.cracked_layers = {{1, turned}};
+  findings.cracks = turned;
+  const auto warnings = warnings_about(findings);
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0] == "facets of 1 layer (2) are turned against the others; they were turned back");
+  const auto json = findings_json(findings);
+  CHECK(json["turned_chains"] == 2);
+  CHECK(json["cracked_layer_list"][0]["turned_chains"] == 2);
+}
+
 TEST_CASE("One island and one empty layer are told in the singular") {
   PrintFindings findings;
   findings.area_mm2 = {1, 0, 1};

@@ -12,6 +12,13 @@ CRACKED = binary_stl(box((0, 0, 0), (10, 10, 1)) + without_front(box((2, 2, 1), 
 SOUND = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 2, 1), (6, 6, 2)))
 
 
+# One of the slab's facets the wrong way round.
+_walls = box((0, 0, 0), (10, 10, 1))
+_at = next(i for i, facet in enumerate(_walls) if len({vertex[2] for vertex in facet}) > 1)
+_walls[_at] = [_walls[_at][1], _walls[_at][0], _walls[_at][2]]
+TURNED = binary_stl(_walls)
+
+
 class Policies(FolderTest):
     def daemon(self):
         return Daemon(self, None, NIMBLE_RESIN, False).start()
@@ -40,6 +47,19 @@ class Policies(FolderTest):
         # The plate is still clear: the next job begins by itself.
         daemon.drop("sound.stl", SOUND, {"layer_height_um": 100, "cracks": "refuse"})
         self.assertEqual(daemon.wait_done("sound")["layers"], 20)
+        daemon.stop()
+
+    def test_turned_facets_are_turned_back_and_told_unless_the_ticket_refuses_guesses(self):
+        daemon = self.daemon()
+        daemon.drop("turned.stl", TURNED, {"layer_height_um": 100})
+        layers = daemon.wait_done("turned")["layer_records"]
+        self.assertEqual([(layer["turned_chains"], layer["open_chains"]) for layer in layers], [(1, 0)] * 10)
+        self.assertEqual({round(layer["area_mm2"], 6) for layer in layers}, {100.0})
+        daemon.stop()
+        daemon = self.daemon()
+        daemon.drop("part.stl", TURNED, {"layer_height_um": 100, "cracks": "refuse"})
+        reason = daemon.wait_refused("part")
+        self.assert_one_line(reason.encode(), "facets are turned against each other in 10 of 10 layers")
         daemon.stop()
 
 
