@@ -23,6 +23,22 @@ double left_turn(const Segment& arriving, const Segment& leaving) {
   return cross > 0.0 || off_straight == 0.0 ? off_straight : -off_straight;
 }
 
+// Whether a chain that was closed on itself is a sheet within a solid, an internal wall of one side, instead
+// of what is left of a hole's contour: it runs clockwise, and more than half as far lies open. Closed, it
+// would cut a hole between itself and the straight line.
+bool is_sheet(std::span<const Point> chain) {
+  double twice_area = 0, length = 0;
+  for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+    const double ax = chain[i].x - chain[0].x, ay = chain[i].y - chain[0].y;
+    const double bx = chain[i + 1].x - chain[0].x, by = chain[i + 1].y - chain[0].y;
+    twice_area += ax * by - bx * ay;
+    length += std::hypot(bx - ax, by - ay);
+  }
+  const Point& first = chain.front();
+  const Point& last = chain.back();
+  return twice_area < 0 && std::hypot(last.x - first.x, last.y - first.y) > length / 2;
+}
+
 // At so many segments is looked in all for doubled ones: a soup of them must not take seconds.
 constexpr std::size_t kMostLooksASegment = 64;
 
@@ -302,7 +318,12 @@ void ContourLinker::join_chains(Millimeters tolerance, Contours& contours) {
         contours.points.insert(contours.points.end(), begin, end);
       }
     }
-    contours.loops.push_back({first, static_cast<std::uint32_t>(contours.points.size()) - first});
+    const ContourLoop closed{first, static_cast<std::uint32_t>(contours.points.size()) - first};
+    if (loop.repaired && loop.count == 1 && is_sheet(contours.points_of(closed))) {
+      contours.points.resize(first);
+      continue;
+    }
+    contours.loops.push_back(closed);
     if (loop.repaired) ++contours.repaired_loops;
   }
 }

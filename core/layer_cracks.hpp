@@ -14,7 +14,8 @@ struct LayerCracks {
   // The widest distance bridged, a closed open chain's included.
   Millimeters widest_gap{};
   // Chains that no join within the tolerance could close. They were closed all the same (each is part of a
-  // loop), so that nothing can spill, but what they enclose is a guess.
+  // loop) or, an internal wall of one side, left out, so that nothing can spill; what they enclose is a
+  // guess.
   std::uint32_t open_chains = 0;
 
   // Chains that were walked against their facets' winding, because nothing else closes them (turned facets).

@@ -1,8 +1,10 @@
 // Meshes as people really have them: what does not belong to a solid's outside does not show.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "core/contour_engine.hpp"
@@ -127,6 +129,50 @@ TEST_CASE("Facets without area do not show") {
     }
     CHECK(same_masks(clean, odd));
   }
+}
+
+namespace {
+
+// An upright strip of a cylinder's side of so many degrees, about the z axis.
+Facets bent_sheet(float radius, double degrees, float low, float high) {
+  Facets facets;
+  constexpr int kSteps = 12;
+  const auto at = [&](int step, float z) {
+    const double angle = degrees * std::numbers::pi / 180 * step / kSteps;
+    return Vertex{static_cast<float>(radius * std::cos(angle)), static_cast<float>(radius * std::sin(angle)),
+                  z};
+  };
+  for (int step = 0; step < kSteps; ++step) {
+    facets.push_back({{at(step, low), at(step + 1, low), at(step + 1, high)}});
+    facets.push_back({{at(step, low), at(step + 1, high), at(step, high)}});
+  }
+  return facets;
+}
+
+}  // namespace
+
+TEST_CASE("Internal walls of one side do not show, whichever it is, but are told") {
+  const Facets clean = models::box({-6, -5, 0}, {6, 5, 8});
+  for (const Facets& sheet : {bent_sheet(3, 20, 1, 7), bent_sheet(3, 100, 1, 7), bent_sheet(4, 180, 1, 7),
+                              Facets{{{Vertex{-3, -3, 1}, Vertex{3, 2, 1}, Vertex{0, 0, 7}}}}}) {
+    for (const Facets& wall : {sheet, inverted(sheet)}) {
+      CHECK(same_masks(clean, together(clean, wall)));
+      ContourEngine engine = engine_for(together(clean, wall), AntiAliasing::On);
+      (void)engine.mask_at_z(Millimeters{4});
+      CHECK(engine.cracks().open_chains == 1);
+    }
+  }
+}
+
+TEST_CASE("A shaft that lacks a wall is a shaft") {
+  const Facets box = models::box({-6, -5, 0}, {6, 5, 8});
+  const Facets shaft = inverted(models::box({-3, -2, 1}, {3, 2, 7}));
+  Facets three_walls = shaft;
+  std::erase_if(three_walls, [](const Facet& facet) {
+    return std::ranges::all_of(facet.vertices, [](const Vertex& v) { return v.x == 3; });
+  });
+  CHECK(three_walls.size() == shaft.size() - 2);
+  CHECK(same_masks(together(box, shaft), together(box, three_walls)));
 }
 
 TEST_CASE("Internal walls do not show") {
