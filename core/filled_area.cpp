@@ -13,6 +13,11 @@ namespace {
 // facets, not a solid) is measured on its middle line alone.
 constexpr std::size_t kMostCrossings = 4096;
 
+// How often a side may be looked at, all lines together (some seconds). Where that does not do, so many lines
+// at equal distances tell what they can.
+constexpr std::size_t kMostLooks = 100'000'000;
+constexpr int kLines = 500;
+
 struct Side {
   Point low, high;  // low.y < high.y
   int winding;      // +1 when it runs upwards
@@ -59,6 +64,7 @@ class Sweep {
       for (; next < sides_.size() && sides_[next].low.y <= ends[i]; ++next)
         active_.push_back(next);
       sum += strip_area(ends[i], ends[i + 1]);
+      if (looks_ > kMostLooks) return area_by_few_lines(ends.front(), ends.back());
     }
     return sum;
   }
@@ -69,10 +75,25 @@ class Sweep {
     double sum = 0;
     double from = bottom;
     for (const double crossing : crossings_) {
+      if (looks_ > kMostLooks) return 0;
       sum += (crossing - from) * filled_length(from + (crossing - from) / 2);
       from = crossing;
     }
     return sum + (top - from) * filled_length(from + (top - from) / 2);
+  }
+
+  double area_by_few_lines(double bottom, double top) {
+    const double apart = (top - bottom) / kLines;
+    double sum = 0;
+    for (int line = 0; line < kLines; ++line) {
+      const double y = bottom + apart * (line + 0.5);
+      active_.clear();
+      for (std::size_t s = 0; s < sides_.size() && sides_[s].low.y <= y; ++s) {
+        if (sides_[s].high.y > y) active_.push_back(s);
+      }
+      sum += apart * filled_length(y);
+    }
+    return sum;
   }
 
   // Heights strictly within the strip where two active sides change places, ascending.
@@ -86,7 +107,7 @@ class Sweep {
     double rightmost = -HUGE_VAL;
     for (std::size_t j = 0; j < order_.size(); ++j) {
       if (order_[j].second < rightmost) add_crossings_before(j, bottom, top);
-      if (crossings_.size() > kMostCrossings) {
+      if (crossings_.size() > kMostCrossings || looks_ > kMostLooks) {
         crossings_.clear();
         return;
       }
@@ -96,6 +117,7 @@ class Sweep {
   }
 
   void add_crossings_before(std::size_t j, double bottom, double top) {
+    looks_ += j;
     for (std::size_t i = 0; i < j; ++i) {
       const double apart_at_bottom = order_[j].first - order_[i].first;
       const double apart_at_top = order_[i].second - order_[j].second;
@@ -107,6 +129,7 @@ class Sweep {
 
   double filled_length(double y) {
     hits_.clear();
+    looks_ += active_.size();
     for (const std::size_t s : active_)
       hits_.push_back({x_at(sides_[s], y), sides_[s].winding});
     std::sort(hits_.begin(), hits_.end());
@@ -120,6 +143,7 @@ class Sweep {
   }
 
   std::vector<Side> sides_;
+  std::size_t looks_ = 0;
   std::vector<std::size_t> active_;
   std::vector<double> crossings_;
   std::vector<std::pair<double, double>> order_;

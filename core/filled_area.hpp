@@ -8,7 +8,7 @@ namespace contourd {
 
 // In square millimetres; exact but for rounding. For inspection, not for every layer: the cost is in
 // proportion to the number of sides times the number of sides that a horizontal line crosses, and crossing
-// sides cost extra.
+// sides cost extra. Where that would take more than some seconds (a soup of facets, no solid), an estimate.
 [[nodiscard]] double filled_area_mm2(const Contours& contours);
 
 }  // namespace contourd

@@ -47,6 +47,20 @@ TEST_CASE("A box within a box of the same winding adds nothing") {
   CHECK(near(area_of(facets, 10), 400));
 }
 
+TEST_CASE("Of more sides than can be swept in seconds the area is estimated") {
+  // Uprights beside each other, each a little higher than the one before: their tops are a slope.
+  constexpr int kCount = 12'000;
+  Contours contours;
+  for (int i = 0; i < kCount; ++i) {
+    const double left = 12.0 * i / kCount, right = left + 12.0 / kCount, top = 10 + 10.0 * i / kCount;
+    contours.loops.push_back({static_cast<std::uint32_t>(contours.points.size()), 4});
+    for (const Point& point : {Point{left, 0}, Point{right, 0}, Point{right, top}, Point{left, top}})
+      contours.points.push_back(point);
+  }
+  // The middle line's mean is exact on a slope but in the two strips where it begins and ends.
+  CHECK(near(filled_area_mm2(contours), 12 * 15, 12 * 20.0 / 500));
+}
+
 TEST_CASE("A cavity is not filled and a solid within it is") {
   const auto hollow =
       together(models::box({0, 0, 0}, {30, 30, 30}), inverted(models::box({5, 5, 5}, {25, 25, 25})));

@@ -15,6 +15,10 @@ from bed.architecture import VM
 _tests = []
 
 
+class Skipped(Exception):
+    """This machine cannot show what the test is about; says why."""
+
+
 @dataclass(frozen=True)
 class VmTest:
     name: str
@@ -63,17 +67,20 @@ def check(broken):
 def run(tests, jobs):
     """Runs them; the number that failed."""
     printing = threading.Lock()
-    failed = []
+    failed, skipped = [], []
 
     def one(test):
         start = time.monotonic()
-        note, trouble = "", None
+        note, trouble, word = "", None, "ok  "
         try:
             note = test.call() or ""
+        except Skipped as why:
+            note, word = str(why), "SKIP"
+            skipped.append(test.name)
         except Exception as error:  # whatever it is, it is this test's failure and no other's
             trouble = traceback.format_exc() if not isinstance(error, AssertionError) else str(error) or traceback.format_exc()
         with printing:
-            print(f"{'FAIL' if trouble else 'ok  '} {test.name} ({time.monotonic() - start:.1f} s) {note}", flush=True)
+            print(f"{'FAIL' if trouble else word} {test.name} ({time.monotonic() - start:.1f} s) {note}", flush=True)
             if trouble:
                 failed.append(test.name)
                 print("     " + trouble.rstrip().replace("\n", "\n     "), flush=True)
@@ -83,5 +90,6 @@ def run(tests, jobs):
     for test in tests:
         if test.alone:
             one(test)
-    print(f"{len(tests) - len(failed)} passed, {len(failed)} failed")
+    skips = f"{len(skipped)} skipped, " if skipped else ""
+    print(f"{len(tests) - len(failed) - len(skipped)} passed, {skips}{len(failed)} failed")
     return len(failed)

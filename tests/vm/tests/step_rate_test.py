@@ -2,16 +2,15 @@
 
 import base64
 import gzip
-import os
 
 import numpy
 
-from bed import guests, motion_checks
+from bed import guests, host_clock, motion_checks
 from bed.architecture import AMD64, ARM64
 from bed.edge_log import EdgeLog
 from bed.motion_checks import MotionLimits
 from bed.qemu import Machine, run_scenario
-from bed.registry import check, vm_test
+from bed.registry import Skipped, check, vm_test
 
 _STEPS_PER_MM = 800
 _ACCELERATION = 100.0
@@ -69,9 +68,37 @@ stop_daemon || fail "the daemon ended with $?"
     return text
 
 
+@vm_test("full")
+def four_thousand_steps_a_second_on_a_busy_processor():
+    """4,000 steps a second in deterministic time, with other programs that want the processor: none late by a period."""
+    guest = guests.printer_guest(ARM64, _config(4_000, travel_mm=20), 0.05, guests.QUICK_RESIN)
+    guest.add_text(
+        "/scenario",
+        """\
+. /lib.sh
+load_devices
+start_daemon
+for program in 1 2 3; do sh -c 'while :; do :; done' & done
+print_model
+wait_for_print
+keep_logs
+stop_daemon || fail "the daemon ended with $?"
+""",
+    )
+    with guests.written(guest) as initramfs:
+        results = run_scenario(ARM64, initramfs, shift=2)
+    assert results.text("exit_code") == "0\n", results.text("output") + results.text("daemon.log")
+    log = EdgeLog(results.bytes("edges"))
+    check(motion_checks.lost_steps(log) + motion_checks.pulse_widths(log, MotionLimits()))
+    late, text = _report(_cruise(log, 4_000), 4_000)
+    assert late == 0, text
+    return text
+
+
 @vm_test("full", alone=True)
 def four_thousand_steps_a_second():
-    """4,000 steps a second by the real clock, with both of the guest's processors busy: none late by a period."""
+    """4,000 steps a second by the real clock, with both of the guest's processors busy: none late by a period. Skipped
+    where this machine's own real-time threads come late."""
     guest = guests.printer_guest(AMD64, _config(4_000, travel_mm=60), 0.05, guests.QUICK_RESIN)
     with guests.written(guest) as initramfs, Machine(AMD64, initramfs, cpus=2) as machine:
         machine.wait_until_ready()
@@ -82,8 +109,11 @@ def four_thousand_steps_a_second():
         log = EdgeLog(_fetched(machine))
     check(motion_checks.lost_steps(log) + motion_checks.pulse_widths(log, MotionLimits()))
     late, text = _report(_cruise(log, 4_000), 4_000)
-    # The emulator keeps real time only as well as the host lets it.
-    assert late == 0, f"{text}; the host's load is {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors"
+    own = host_clock.late_wakes(1 / 4_000, seconds=5)
+    if late > 0 and own.late > 0:
+        # No emulator keeps better time than the machine that it runs on.
+        raise Skipped(f"{text}; {own}")
+    assert late == 0, f"{text}; {own}"
     return text
 
 
