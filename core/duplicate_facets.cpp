@@ -29,9 +29,28 @@ std::uint64_t hash_of(const Facet& facet) {
   return mixed(a, b) + mixed(b, c) + mixed(c, a);
 }
 
+HeightRange heights_of(const Facet& facet) {
+  const auto& [a, b, c] = facet.vertices;
+  return {std::min({a.z, b.z, c.z}), std::max({a.z, b.z, c.z})};
+}
+
+void unite(std::vector<HeightRange>& ranges) {
+  std::sort(ranges.begin(), ranges.end(),
+            [](const HeightRange& a, const HeightRange& b) { return a.low < b.low; });
+  std::size_t left = 0;
+  for (const HeightRange& range : ranges) {
+    if (left > 0 && range.low <= ranges[left - 1].high)
+      ranges[left - 1].high = std::max(ranges[left - 1].high, range.high);
+    else
+      ranges[left++] = range;
+  }
+  ranges.resize(left);
+}
+
 }  // namespace
 
-bool may_have_duplicates(std::span<const Facet> facets) {
+std::vector<HeightRange> heights_of_duplicates(std::span<const Facet> facets) {
+  std::vector<HeightRange> ranges;
   // A table of hashes' lower halves, found by their upper ones. A place that holds 0 is free.
   std::vector<std::uint32_t> table(std::bit_ceil(facets.size() + facets.size() / 2 + 1));
   const std::size_t last = table.size() - 1;
@@ -45,14 +64,14 @@ bool may_have_duplicates(std::span<const Facet> facets) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t tag = static_cast<std::uint32_t>(hashes[i]) | 1U;
       std::size_t place = hashes[i] >> 32U & last;
-      while (table[place] != 0) {
-        if (table[place] == tag) return true;
+      while (table[place] != 0 && table[place] != tag)
         place = (place + 1) & last;
-      }
+      if (table[place] == tag) ranges.push_back(heights_of(facets[i]));
       table[place] = tag;
     }
   }
-  return false;
+  unite(ranges);
+  return ranges;
 }
 
 }  // namespace contourd

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/duplicate_facets.hpp"
 #include "core/enclosed_volume.hpp"
 
 namespace contourd {
@@ -14,10 +13,6 @@ namespace {
 // Cells on the deepest level: enough to tell a 200 mm model's 3 um layers apart; 2^17 cells in all are 512
 // KiB.
 constexpr std::size_t kDeepestLevelLimit = 16;
-
-struct HeightRange {
-  float low, high;
-};
 
 HeightRange heights_of(const Facet& facet) {
   const auto& v = facet.vertices;
@@ -40,12 +35,16 @@ std::size_t halvings_above(double part) {
 }  // namespace
 
 HeightIndex::HeightIndex(std::vector<Facet> facets)
-    : facets_(std::move(facets)),
-      bounds_(bounds_of(facets_)),
-      may_have_duplicates_(contourd::may_have_duplicates(facets_)) {
+    : facets_(std::move(facets)), bounds_(bounds_of(facets_)), duplicates_(heights_of_duplicates(facets_)) {
   if (enclosed_volume(facets_, bounds_).inside_out()) turn_outwards();
   make_levels();
   sort_into_cells();
+}
+
+bool HeightIndex::may_have_duplicates_at(double z) const {
+  const auto above = std::upper_bound(duplicates_.begin(), duplicates_.end(), z,
+                                      [](double height, const HeightRange& r) { return height < r.low; });
+  return above != duplicates_.begin() && z < (above - 1)->high;
 }
 
 void HeightIndex::turn_outwards() {

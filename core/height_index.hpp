@@ -17,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/duplicate_facets.hpp"
 #include "core/facet.hpp"
 
 namespace contourd {
@@ -39,8 +40,9 @@ class HeightIndex {
   // Whether the model was inside out, so that its facets had to be turned: what they enclose is negative,
   // also if their gaps are taken into account.
   [[nodiscard]] bool turned_outwards() const { return turned_outwards_; }
-  // Whether facets may be there twice. Where they surely are not, a section can do without looking for it.
-  [[nodiscard]] bool may_have_duplicates() const { return may_have_duplicates_; }
+  // Whether facets that the plane at z crosses may be there twice. As a rule they are not, and a section can
+  // do without looking for it.
+  [[nodiscard]] bool may_have_duplicates_at(double z) const;
 
   // A facet by its number in facets(), and between which heights it lies.
   struct Candidate {
@@ -98,7 +100,7 @@ class HeightIndex {
   std::vector<Facet> facets_;
   Bounds bounds_;
   bool turned_outwards_ = false;
-  bool may_have_duplicates_ = false;
+  std::vector<HeightRange> duplicates_;     // where facets may be there twice
   std::vector<Level> levels_;               // none for a model without height
   std::vector<Candidate> candidates_;       // cell by cell; all in one run for a model without height
   std::vector<std::uint32_t> cell_starts_;  // candidates_ offsets, one more than there are cells
