@@ -134,9 +134,9 @@ class Arrival(PlateTest):
     def test_a_plate_that_is_copied_file_by_file_waits_until_all_are_there(self):
         daemon = self.daemon().start()
         os.mkdir(daemon.file("incoming", "slow"))
+        # Before its plate.json is seen the folder may be, which then waits for that.
         self.put(daemon, "slow/plate.json", text(BOTH))
-        waiting = wait_until(lambda: daemon.status()["incomplete"].get("slow"), "the wait")
-        self.assertEqual(waiting, ["cube.stl", "post.stl"])
+        wait_until(lambda: daemon.status()["incomplete"].get("slow") == ["cube.stl", "post.stl"], "the wait for both")
         self.put(daemon, "slow/cube.stl", CUBE)
         wait_until(lambda: daemon.status()["incomplete"].get("slow") == ["post.stl"], "the last file's wait")
         with open(daemon.file("incoming", "slow", "post.stl"), "wb", buffering=0) as file:
