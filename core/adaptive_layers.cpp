@@ -76,8 +76,8 @@ class Lookahead {
   };
 
   [[nodiscard]] Range range_of(const Facet& facet) const {
-    const auto& [a, b, c] = facet.vertices;
-    return {std::min({a.z, b.z, c.z}) - bottom_z_, std::max({a.z, b.z, c.z}) - bottom_z_};
+    const auto [low, high] = heights_of(facet);
+    return {low - bottom_z_, high - bottom_z_};
   }
 
   [[nodiscard]] std::int64_t chosen() const {

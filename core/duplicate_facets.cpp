@@ -29,11 +29,6 @@ std::uint64_t hash_of(const Facet& facet) {
   return mixed(a, b) + mixed(b, c) + mixed(c, a);
 }
 
-HeightRange heights_of(const Facet& facet) {
-  const auto& [a, b, c] = facet.vertices;
-  return {std::min({a.z, b.z, c.z}), std::max({a.z, b.z, c.z})};
-}
-
 void unite(std::vector<HeightRange>& ranges) {
   std::sort(ranges.begin(), ranges.end(),
             [](const HeightRange& a, const HeightRange& b) { return a.low < b.low; });

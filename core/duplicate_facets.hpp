@@ -8,15 +8,10 @@
 
 namespace contourd {
 
-struct HeightRange {
-  float low, high;  // low <= z < high, in millimetres
-  bool operator==(const HeightRange&) const = default;
-};
-
-// The heights of facets that have the same vertices as another one in the same direction of turning, wherever
-// they begin: apart from each other and ascending. May have one of a facet that is there once, by chance:
-// about once in a thousand models of a million facets. Takes some 15 ns a facet, and 6 to 12 bytes a facet
-// while it looks.
+// The heights (low <= z < high) of facets that have the same vertices as another one in the same direction of
+// turning, wherever they begin: apart from each other and ascending. May have one of a facet that is there
+// once, by chance: about once in a thousand models of a million facets. Takes some 15 ns a facet, and 6 to 12
+// bytes a facet while it looks.
 [[nodiscard]] std::vector<HeightRange> heights_of_duplicates(std::span<const Facet> facets);
 
 }  // namespace contourd

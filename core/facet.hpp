@@ -20,6 +20,17 @@ struct Facet {
 };
 static_assert(sizeof(Facet) == 36);
 
+// From a facet's lowest vertex to its highest, in millimetres.
+struct HeightRange {
+  float low, high;
+  bool operator==(const HeightRange&) const = default;
+};
+
+[[nodiscard]] inline HeightRange heights_of(const Facet& facet) {
+  const auto& [a, b, c] = facet.vertices;
+  return {std::min({a.z, b.z, c.z}), std::max({a.z, b.z, c.z})};
+}
+
 // A point of a slicing plane, in millimetres.
 struct Point {
   double x, y;

@@ -14,11 +14,6 @@ namespace {
 // KiB.
 constexpr std::size_t kDeepestLevelLimit = 16;
 
-HeightRange heights_of(const Facet& facet) {
-  const auto& v = facet.vertices;
-  return {std::min({v[0].z, v[1].z, v[2].z}), std::max({v[0].z, v[1].z, v[2].z})};
-}
-
 // A facet must be shorter than its cell by this factor, so that the rounding in cell_of() (a few units in the
 // 16th digit, times up to 2^16 cells) cannot place its ends two cells apart.
 constexpr double kCellMargin = 1.0 + 1e-9;
