@@ -41,16 +41,16 @@ def _report(periods, steps_per_s):
     return late, text
 
 
-@vm_test("full")
-def ten_thousand_steps_a_second():
-    """10,000 steps a second in deterministic time, none late by a period."""
-    guest = guests.printer_guest(ARM64, _config(10_000, travel_mm=30), 0.05, guests.QUICK_RESIN)
+def _edges_of_print(config, shift, beside=":"):
+    """Of a print in deterministic time; the shell command `beside` comes before it."""
+    guest = guests.printer_guest(ARM64, config, 0.05, guests.QUICK_RESIN)
     guest.add_text(
         "/scenario",
-        """\
+        f"""\
 . /lib.sh
 load_devices
 start_daemon
+{beside}
 print_model
 wait_for_print
 keep_logs
@@ -58,10 +58,16 @@ stop_daemon || fail "the daemon ended with $?"
 """,
     )
     with guests.written(guest) as initramfs:
-        # A thousand million instructions a second: a small computer of today.
-        results = run_scenario(ARM64, initramfs, shift=0)
+        results = run_scenario(ARM64, initramfs, shift=shift)
     assert results.text("exit_code") == "0\n", results.text("output") + results.text("daemon.log")
-    log = EdgeLog(results.bytes("edges"))
+    return EdgeLog(results.bytes("edges"))
+
+
+@vm_test("full")
+def ten_thousand_steps_a_second():
+    """10,000 steps a second in deterministic time, none late by a period."""
+    # A thousand million instructions a second: a small computer of today.
+    log = _edges_of_print(_config(10_000, travel_mm=30), shift=0)
     check(motion_checks.all_checks(log, MotionLimits(top_speed_mm_s=12.5, acceleration_mm_s2=_ACCELERATION)))
     late, text = _report(_cruise(log, 10_000), 10_000)
     assert late == 0, text
@@ -71,24 +77,8 @@ stop_daemon || fail "the daemon ended with $?"
 @vm_test("full")
 def four_thousand_steps_a_second_on_a_busy_processor():
     """4,000 steps a second in deterministic time, with other programs that want the processor: none late by a period."""
-    guest = guests.printer_guest(ARM64, _config(4_000, travel_mm=20), 0.05, guests.QUICK_RESIN)
-    guest.add_text(
-        "/scenario",
-        """\
-. /lib.sh
-load_devices
-start_daemon
-for program in 1 2 3; do sh -c 'while :; do :; done' & done
-print_model
-wait_for_print
-keep_logs
-stop_daemon || fail "the daemon ended with $?"
-""",
-    )
-    with guests.written(guest) as initramfs:
-        results = run_scenario(ARM64, initramfs, shift=2)
-    assert results.text("exit_code") == "0\n", results.text("output") + results.text("daemon.log")
-    log = EdgeLog(results.bytes("edges"))
+    busy = "for program in 1 2 3; do sh -c 'while :; do :; done' & done"
+    log = _edges_of_print(_config(4_000, travel_mm=20), shift=2, beside=busy)
     check(motion_checks.lost_steps(log) + motion_checks.pulse_widths(log, MotionLimits()))
     late, text = _report(_cruise(log, 4_000), 4_000)
     assert late == 0, text
