@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "core/point_hash.hpp"
@@ -68,7 +67,7 @@ void ContourLinker::link(std::span<const Segment> segments, Millimeters toleranc
   clear(contours);
   if (link_simple(segments, contours)) return;
   clear(contours);
-  index_leaving(segments);
+  find_ends(segments);
   walk_chains(segments, contours);
   walk_loops(segments, contours);
   join_chains(tolerance, contours);
@@ -77,14 +76,14 @@ void ContourLinker::link(std::span<const Segment> segments, Millimeters toleranc
 void ContourLinker::close_open_chains(std::vector<Segment>& segments, Millimeters tolerance,
                                       Contours& contours) {
   clear(contours);
-  index_leaving(segments);
+  find_ends(segments);
   walk_chains(segments, contours);
   join_chains(tolerance, contours);
-  std::size_t left = 0;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    if (used_[i] == 0) segments[left++] = segments[i];
+  for (std::size_t i = segments.size(); i-- > 0;) {
+    if (used_[i] == 0) continue;
+    segments[i] = segments.back();
+    segments.pop_back();
   }
-  segments.resize(left);
 }
 
 // Most sections: at every point one segment starts and one ends. False when it is otherwise; `contours` then
@@ -93,13 +92,13 @@ bool ContourLinker::link_simple(std::span<const Segment> segments, Contours& con
   const auto count = static_cast<std::uint32_t>(segments.size());
   slots_.assign(std::bit_ceil(std::size_t{count} * 2 + 1), kNone);
   for (std::uint32_t i = 0; i < count; ++i) {
-    std::uint32_t& slot = slot_of(segments[i].from, hash_of(segments[i].from), segments);
+    std::uint32_t& slot = slot_of(segments[i].from, segments);
     if (slot != kNone) return false;
     slot = i;
   }
   next_.resize(count);
   for (std::uint32_t i = 0; i < count; ++i) {
-    next_[i] = slot_of(segments[i].to, hash_of(segments[i].to), segments);
+    next_[i] = slot_of(segments[i].to, segments);
     if (next_[i] == kNone) return false;
   }
   for (std::uint32_t first = 0; first < count; ++first) {
@@ -117,86 +116,35 @@ bool ContourLinker::link_simple(std::span<const Segment> segments, Contours& con
 }
 
 // The slot of a segment that starts in this point, or the free one where it would be.
-std::uint32_t& ContourLinker::slot_of(const Point& point, std::uint64_t hash,
-                                      std::span<const Segment> segments) {
+std::uint32_t& ContourLinker::slot_of(const Point& point, std::span<const Segment> segments) {
   const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = hash & mask;
+  std::size_t slot = hash_of(point) & mask;
   while (slots_[slot] != kNone && !(segments[slots_[slot]].from == point))
     slot = (slot + 1) & mask;
   return slots_[slot];
 }
 
-// Makes the segments findable by where they start, and finds the uneven points.
-void ContourLinker::index_leaving(std::span<const Segment> segments) {
-  slots_.assign(std::bit_ceil(segments.size() * 2 + 1), kNone);
-  next_leaving_.resize(segments.size());
+void ContourLinker::find_ends(std::span<const Segment> segments) {
+  ends_.reset(segments);
   used_.assign(segments.size(), 0);
-  imbalance_.fill(0);
-  for (std::uint32_t i = 0; i < segments.size(); ++i) {
-    const std::uint64_t from = hash_of(segments[i].from);
-    const std::uint64_t to = hash_of(segments[i].to);
-    imbalance_[from % imbalance_.size()] += from;
-    imbalance_[to % imbalance_.size()] -= to;
-    next_leaving_[i] = std::exchange(slot_of(segments[i].from, from, segments), i);
-  }
-  find_uneven_points(segments);
-}
-
-void ContourLinker::find_uneven_points(std::span<const Segment> segments) {
-  ends_.clear();
-  const auto count_end = [this](const Point& point, std::uint32_t number) {
-    const std::uint64_t hash = hash_of(point);
-    if (imbalance_[hash % imbalance_.size()] != 0) ends_.push_back({hash, point, number});
-  };
-  for (std::uint32_t i = 0; i < segments.size(); ++i) {
-    count_end(segments[i].from, 2 * i);
-    count_end(segments[i].to, 2 * i + 1);
-  }
-  const auto key = [](const auto& end) { return std::tie(end.hash, end.point.x, end.point.y); };
-  std::sort(ends_.begin(), ends_.end(), [&key](const End& a, const End& b) {
-    return key(a) != key(b) ? key(a) < key(b) : a.number < b.number;
-  });
-  uneven_.clear();
-  starts_.clear();
-  for (auto end = ends_.begin(); end != ends_.end();) {
-    UnevenPoint point{end->hash, end->point, end->number, 0};
-    for (; end != ends_.end() && key(*end) == key(point); ++end)
-      point.leaving_minus_arriving += end->number % 2 == 0 ? 1 : -1;
-    if (point.leaving_minus_arriving > 0) starts_.push_back(static_cast<std::uint32_t>(uneven_.size()));
-    if (point.leaving_minus_arriving != 0) uneven_.push_back(point);
-  }
-  std::sort(starts_.begin(), starts_.end(),
-            [this](std::uint32_t a, std::uint32_t b) { return uneven_[a].first_end < uneven_[b].first_end; });
-}
-
-// Null where as many segments leave as arrive.
-ContourLinker::UnevenPoint* ContourLinker::uneven_at(const Point& point) {
-  const std::uint64_t hash = hash_of(point);
-  const auto before = [](const UnevenPoint& uneven, std::uint64_t value) { return uneven.hash < value; };
-  auto at = std::lower_bound(uneven_.begin(), uneven_.end(), hash, before);
-  while (at != uneven_.end() && at->hash == hash && !(at->point == point))
-    ++at;
-  return at != uneven_.end() && at->hash == hash ? &*at : nullptr;
 }
 
 void ContourLinker::walk_chains(std::span<const Segment> segments, Contours& contours) {
   chain_points_.clear();
   chains_.clear();
   drop_duplicates(segments);
-  for (const std::uint32_t start : starts_)
-    walk_chains_from(uneven_[start], segments, contours);
+  for (UnevenPoint* const start : ends_.starts())
+    walk_chains_from(*start, segments, contours);
 }
 
 // A facet that is in the file twice gives the same segment twice, and such neighbours a run of them. One of
 // each is dropped where the run is one too many at both of its ends; where two solids share a wall it is not.
 void ContourLinker::drop_duplicates(std::span<const Segment> segments) {
   looks_left_ = kMostLooksASegment * segments.size();
-  for (const std::uint32_t number : starts_) {
-    UnevenPoint& start = uneven_[number];
-    const std::uint32_t first = slot_of(start.point, start.hash, segments);
-    for (std::uint32_t i = first; i != kNone && start.leaving_minus_arriving > 0; i = next_leaving_[i]) {
-      if (!is_doubled(i, segments) || !drop_run(i, segments)) continue;
-      --start.leaving_minus_arriving;
+  for (UnevenPoint* const start : ends_.starts()) {
+    std::uint32_t i = ends_.first_leaving(start->point);
+    for (; i != kNone && start->leaving_minus_arriving > 0; i = ends_.next_leaving(i)) {
+      if (is_doubled(i, segments) && drop_run(i, segments)) --start->leaving_minus_arriving;
     }
   }
 }
@@ -205,8 +153,8 @@ void ContourLinker::drop_duplicates(std::span<const Segment> segments) {
 bool ContourLinker::is_doubled(std::uint32_t segment, std::span<const Segment> segments) {
   if (used_[segment] != 0) return false;
   const Segment& s = segments[segment];
-  std::uint32_t i = slot_of(s.from, hash_of(s.from), segments);
-  for (; i != kNone && looks_left_ > 0; i = next_leaving_[i], --looks_left_) {
+  std::uint32_t i = ends_.first_leaving(s.from);
+  for (; i != kNone && looks_left_ > 0; i = ends_.next_leaving(i), --looks_left_) {
     if (i != segment && used_[i] == 0 && segments[i].to == s.to) return true;
   }
   return false;
@@ -219,14 +167,14 @@ bool ContourLinker::drop_run(std::uint32_t first, std::span<const Segment> segme
     used_[i] = 1;
     run_.push_back(i);
     const Point& here = segments[i].to;
-    UnevenPoint* const end = uneven_at(here);
+    UnevenPoint* const end = ends_.uneven_at(here);
     if (end != nullptr && end->leaving_minus_arriving < 0) {
       ++end->leaving_minus_arriving;
       return true;
     }
-    i = slot_of(here, hash_of(here), segments);
+    i = ends_.first_leaving(here);
     while (i != kNone && !is_doubled(i, segments))
-      i = next_leaving_[i];
+      i = ends_.next_leaving(i);
   }
   for (const std::uint32_t i : run_)
     used_[i] = 0;
@@ -236,8 +184,8 @@ bool ContourLinker::drop_run(std::uint32_t first, std::span<const Segment> segme
 // A point that more segments leave than reach starts as many chains as it has too many.
 void ContourLinker::walk_chains_from(UnevenPoint& start, std::span<const Segment> segments,
                                      Contours& contours) {
-  const std::uint32_t first = slot_of(start.point, start.hash, segments);
-  for (std::uint32_t i = first; i != kNone && start.leaving_minus_arriving > 0; i = next_leaving_[i]) {
+  std::uint32_t i = ends_.first_leaving(start.point);
+  for (; i != kNone && start.leaving_minus_arriving > 0; i = ends_.next_leaving(i)) {
     if (used_[i] != 0) continue;
     const auto first_point = static_cast<std::uint32_t>(chain_points_.size());
     // A walk that comes back to its start took a loop along; the surplus is still there.
@@ -258,10 +206,10 @@ std::uint32_t ContourLinker::leftmost_leaving(std::uint32_t arrived_by, std::spa
   const Point& here = segments[arrived_by].to;
   std::uint32_t best = kNone;
   double best_turn = 0;
-  for (std::uint32_t i = slot_of(here, hash_of(here), segments); i != kNone; i = next_leaving_[i]) {
+  for (std::uint32_t i = ends_.first_leaving(here); i != kNone; i = ends_.next_leaving(i)) {
     if (used_[i] != 0) continue;
     // Where solids touch in a point or along an edge, the leftmost way stays with the same solid.
-    const bool alone = best == kNone && next_leaving_[i] == kNone;
+    const bool alone = best == kNone && ends_.next_leaving(i) == kNone;
     const double turn = alone ? 0.0 : left_turn(segments[arrived_by], segments[i]);
     if (best == kNone || turn > best_turn) {
       best = i;

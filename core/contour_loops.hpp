@@ -6,13 +6,13 @@
 // remains open comes from cracks, missing or turned facets; it is joined by OpenChainJoiner and reported.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/layer_cracks.hpp"
 #include "core/open_chain_joiner.hpp"
+#include "core/segment_ends.hpp"
 #include "core/slicer.hpp"
 #include "core/units.hpp"
 
@@ -58,21 +58,10 @@ class ContourLinker {
   void close_open_chains(std::vector<Segment>& segments, Millimeters tolerance, Contours& contours);
 
  private:
-  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
+  static constexpr std::uint32_t kNone = SegmentEnds::kNone;
 
-  // One of a segment's ends, to be counted.
-  struct End {
-    std::uint64_t hash;  // of the point
-    Point point;
-    std::uint32_t number;  // of the segment, twice, and 1 more where it arrives
-  };
-  // A point that more segments leave than reach, or fewer.
-  struct UnevenPoint {
-    std::uint64_t hash;
-    Point point;
-    std::uint32_t first_end;  // the lowest of its ends' numbers
-    std::int32_t leaving_minus_arriving;
-  };
+  using UnevenPoint = SegmentEnds::UnevenPoint;
+
   // A run of segments that starts and ends in different points.
   struct Chain {
     std::uint32_t first_point, point_count;
@@ -80,11 +69,8 @@ class ContourLinker {
 
   static void clear(Contours& contours);
   [[nodiscard]] bool link_simple(std::span<const Segment> segments, Contours& contours);
-  [[nodiscard]] std::uint32_t& slot_of(const Point& point, std::uint64_t hash,
-                                       std::span<const Segment> segments);
-  void index_leaving(std::span<const Segment> segments);
-  void find_uneven_points(std::span<const Segment> segments);
-  [[nodiscard]] UnevenPoint* uneven_at(const Point& point);
+  [[nodiscard]] std::uint32_t& slot_of(const Point& point, std::span<const Segment> segments);
+  void find_ends(std::span<const Segment> segments);
   void walk_chains(std::span<const Segment> segments, Contours& contours);
   void drop_duplicates(std::span<const Segment> segments);
   [[nodiscard]] bool is_doubled(std::uint32_t segment, std::span<const Segment> segments);
@@ -97,18 +83,12 @@ class ContourLinker {
   void walk_loops(std::span<const Segment> segments, Contours& contours);
   void join_chains(Millimeters tolerance, Contours& contours);
 
-  std::vector<std::uint32_t> slots_;         // open addressing, by a point's hash: a segment that leaves it
-  std::vector<std::uint32_t> next_;          // by segment, while every point joins two
-  std::vector<std::uint32_t> next_leaving_;  // by segment: the next one that leaves the same point
-  std::vector<std::uint8_t> used_;           // by segment, 0 or 1
-  // Sums of the hashes of points that segments leave, less those that they reach: where a bucket's sum is 0,
-  // its points are even.
-  std::array<std::uint64_t, 1024> imbalance_{};
-  std::vector<End> ends_;
-  std::vector<UnevenPoint> uneven_;    // by hash
-  std::vector<std::uint32_t> run_;     // of doubled segments
-  std::size_t looks_left_ = 0;         // for them
-  std::vector<std::uint32_t> starts_;  // those of uneven_ with more leaving, in the segments' order
+  // While every point joins two: a segment that leaves it, by open addressing, and by segment the next one.
+  std::vector<std::uint32_t> slots_, next_;
+  SegmentEnds ends_;
+  std::vector<std::uint8_t> used_;  // by segment, 0 or 1
+  std::vector<std::uint32_t> run_;  // of doubled segments
+  std::size_t looks_left_ = 0;      // for them
   std::vector<Point> chain_points_;
   std::vector<Chain> chains_;
   OpenChainJoiner joiner_;
