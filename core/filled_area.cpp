@@ -75,7 +75,7 @@ class Sweep {
     double sum = 0;
     double from = bottom;
     for (const double crossing : crossings_) {
-      if (looks_ > kMostLooks) return 0;
+      if (looks_ > kMostLooks) return 0;  // area() counts anew, on few lines
       sum += (crossing - from) * filled_length(from + (crossing - from) / 2);
       from = crossing;
     }

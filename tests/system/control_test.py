@@ -507,6 +507,7 @@ class Contourctl(ControlTest):
         self.addCleanup(process.stderr.close)
         self.addCleanup(process.wait)
         self.addCleanup(process.kill)
+        wait_until(lambda: self.watches(process), "the watcher's connection")
         return process
 
     def test_watch_follows_a_print_to_its_end(self):
@@ -567,7 +568,6 @@ class Contourctl(ControlTest):
     def test_watch_ends_when_the_daemon_stops(self):
         daemon = self.fast()
         watcher = self.watch()
-        wait_until(lambda: self.watches(watcher), "the watcher's connection")
         daemon.stop()
         _, err = watcher.communicate(timeout=DEADLINE_S)
         self.assertEqual(watcher.returncode, UNAVAILABLE)

@@ -382,6 +382,10 @@ class Daemon:
                     raise AssertionError(f"contourd is not ready:\n{self.log()}")
         self.watcher = self.client()
         self.watcher.call("watch")
+        # What was in the spool before the start may have been printed by now: before all that is heard from now on.
+        ended = self.watcher.call("history")["result"]["ended"]
+        with self.watcher.messages.mutex:
+            self.watcher.messages.queue.extendleft({"method": "ended", "params": {"last": job}} for job in reversed(ended))
         return self
 
     def launch(self, *arguments, **environment):
