@@ -51,6 +51,10 @@ class Projector {
 
   // The last reply that was not Ok, in a sentence with the port and what came back.
   [[nodiscard]] virtual std::string last_problem() const = 0;
+
+  // Why the light may be on though it is to be off, in a sentence; empty when it is off as far as anybody can
+  // tell. To be asked when no light is wanted.
+  [[nodiscard]] virtual std::string doubt() const { return {}; }
 };
 
 }  // namespace contourd

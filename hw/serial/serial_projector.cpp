@@ -18,6 +18,12 @@ constexpr int kLateTimeouts = 2;
 // Between questions whether the projector is on by now, and how long after its warm-up it may say no.
 constexpr Duration kAskAgain = 2s;
 constexpr Duration kReadyGrace = 60s;
+// Between questions whether it still is.
+constexpr Duration kWatchInterval = 10s;
+// Between attempts to turn it off, before and after that is told: once it does not do so this long after it
+// was told to, and was warm.
+constexpr Duration kOffAgain = 5s, kOffAgainLater = 60s;
+constexpr Duration kOffGrace = 30s;
 
 }  // namespace
 
@@ -54,12 +60,18 @@ void SerialProjector::ask(const ProjectorCommand& command, std::function<void(co
   next();
 }
 
+// Turning off goes on, and where nothing else is asked during a print, whether the projector is still on.
+bool SerialProjector::outlives_light_off(const Request& request) const {
+  return request.command == &table_.power_off || (request.watching && !table_.light_off);
+}
+
 // All but turning off: that goes on, behind light off where the light may still be on.
 void SerialProjector::make_way() {
-  std::erase_if(queue_, [this](const Request& request) { return request.command != &table_.power_off; });
+  std::erase_if(queue_, [this](const Request& request) { return !outlives_light_off(request); });
   step_.reset();
   when_dark_ = nullptr;
   if (!current_ || current_->command == light_off_command()) return;
+  if (current_->watching && !table_.light_off) return;
   if (current_->command == &table_.power_off) {
     if (!light_may_be_on_) return;
     queue_.push_front(std::move(*current_));
@@ -96,6 +108,11 @@ void SerialProjector::send() {
   }
   ++current_->sent;
   if (&command == light_on_command()) light_may_be_on_ = true;
+  if (&command == &table_.power_on) {
+    // It may be obeyed without an answer, and comes up with a picture of its own.
+    warm_at_ = clock_.now() + table_.warm_up;
+    light_may_be_on_ = table_.light_off.has_value();
+  }
   const TimePoint sent_at = clock_.now() + wire_time(command.bytes.size());
   free_at_ = sent_at + table_.gap;
   reader_.expect(current_->id, command, sent_at + kLateTimeouts * command.timeout);
@@ -191,32 +208,44 @@ void SerialProjector::report(Disturbance::Kind kind, const std::string& what) {
 // --- Power ---
 
 void SerialProjector::power_on(Done done) {
+  power_off_waits_ = power_off_reported_ = off_if_on_ = false;
+  power_off_timer_.reset();
+  if (warms_up_ && clock_.now() < warm_at_) return wait_until_warm(std::move(done), ready_by(clock_.now()));
   if (!table_.power) return power_ == Power::On ? prepare(done) : switch_on_when_cool(std::move(done));
   ask(*table_.power, [this, done = std::move(done)](const Answer& answer) mutable {
-    if (answer.meaning == ReplyMeaning::On && answer.reply == ProjectorReply::Ok) return prepare(done);
+    if (answer.meaning == ReplyMeaning::On && answer.reply == ProjectorReply::Ok)
+      return prepare_when_warm(std::move(done));
     // No answer: some are deaf to questions while they are off.
     switch_on_when_cool(std::move(done));
   });
 }
 
+TimePoint SerialProjector::ready_by(TimePoint start) const {
+  return start + table_.cool_down + 2 * table_.warm_up + kReadyGrace;
+}
+
 void SerialProjector::switch_on_when_cool(Done done) {
   const TimePoint cool_at = off_at_ ? *off_at_ + table_.cool_down : clock_.now();
-  const TimePoint ready_by =
-      std::max(cool_at, clock_.now()) + table_.cool_down + 2 * table_.warm_up + kReadyGrace;
+  const TimePoint ready = ready_by(std::max(cool_at, clock_.now()));
   step_ = clock_.call_at(
-      cool_at, [this, ready_by, done = std::move(done)]() mutable { switch_on(std::move(done), ready_by); });
+      cool_at, [this, ready, done = std::move(done)]() mutable { switch_on(std::move(done), ready); });
 }
 
 void SerialProjector::switch_on(Done done, TimePoint ready_by) {
   power_ = Power::Unknown;
   ask(table_.power_on, [this, ready_by, done = std::move(done)](const Answer& answer) mutable {
     if (answer.reply != ProjectorReply::Ok) return done(answer.reply);
+    warms_up_ = true;
     warm_at_ = clock_.now() + table_.warm_up;
-    step_ = clock_.call_at(warm_at_, [this, ready_by, done = std::move(done)]() mutable {
-      if (!table_.power) return prepare(done);
-      wait_until_on(std::move(done), ready_by);
-    });
-    if (table_.light_off) suspect_light();  // it comes up with a picture of its own
+    wait_until_warm(std::move(done), ready_by);
+    if (table_.light_off) suspect_light();
+  });
+}
+
+void SerialProjector::wait_until_warm(Done done, TimePoint ready_by) {
+  step_ = clock_.call_at(warm_at_, [this, ready_by, done = std::move(done)]() mutable {
+    if (!table_.power) return prepare(done);
+    wait_until_on(std::move(done), ready_by);
   });
 }
 
@@ -237,10 +266,18 @@ void SerialProjector::wait_until_on(Done done, TimePoint ready_by) {
   });
 }
 
+// It says that it is on, but may have been turned on a moment ago.
+void SerialProjector::prepare_when_warm(Done done) {
+  if (clock_.now() >= warm_at_) return prepare(done);
+  step_ = clock_.call_at(warm_at_, [this, done = std::move(done)] { prepare(done); });
+}
+
 // Powered on and warm; whether its light is on nobody knows.
 void SerialProjector::prepare(const Done& done) {
   power_ = Power::On;
+  warms_up_ = false;
   off_at_.reset();
+  watch_over();
   if (!table_.switches_light()) return set_brightness(done);
   suspect_light();
   when_dark_ = [this, done](const Answer& answer) {
@@ -253,21 +290,76 @@ void SerialProjector::set_brightness(const Done& done) {
   ask(*brightness_, [done](const Answer& answer) { done(answer.reply); });
 }
 
+void SerialProjector::watch_over() {
+  if (table_.power) watch_ = clock_.call_after(kWatchInterval, [this] { ask_whether_still_on(); });
+}
+
+// A lamp that fails, or a projector that turns itself off, may say nothing of it.
+void SerialProjector::ask_whether_still_on() {
+  watch_over();
+  if (power_ != Power::On || power_off_waits_ || lost_) return;
+  if (current_ || dark_wanted_ || !queue_.empty()) return;  // what is asked now tells as much
+  ask(*table_.power, [this](const Answer& answer) {
+    const bool says_off = answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::Off;
+    if (power_ != Power::On || lost_ || (answer.reply != ProjectorReply::NoAnswer && !says_off)) return;
+    power_ = Power::Unknown;
+    if (says_off) problem_ = called() + " says that it is off, though nobody has turned it off";
+    report(Disturbance::Kind::Fault, problem_);
+  });
+  current_->watching = true;
+}
+
+void SerialProjector::power_off_if_on() {
+  if (!table_.power) return;
+  off_if_on_ = true;
+  ask(*table_.power, [this](const Answer& answer) {
+    const bool says_on = answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::On;
+    if (std::exchange(off_if_on_, false) && says_on) power_off();
+  });
+}
+
 void SerialProjector::power_off() noexcept {
   light_off();
+  warms_up_ = off_if_on_ = false;
   if (power_ == Power::Off || power_off_waits_) return;
   power_off_waits_ = true;
+  power_off_asked_at_ = clock_.now();
+  ask_power_off();
+}
+
+void SerialProjector::ask_power_off() {
   ask(table_.power_off, [this](const Answer& answer) { powered_off(answer); });
 }
 
 void SerialProjector::powered_off(const Answer& answer) {
-  power_off_waits_ = false;
   off_at_ = clock_.now();
   power_ = Power::Unknown;
-  if (answer.reply != ProjectorReply::Ok || table_.power_off.replies.empty()) return;
+  if (answer.reply == ProjectorReply::Ok && !table_.power_off.replies.empty()) return is_off();
+  if (answer.reply == ProjectorReply::Ok || lost_) power_off_waits_ = false;
+  if (power_off_waits_) power_off_later();
+}
+
+// Refused, as while it warms up, or not answered.
+void SerialProjector::power_off_later() {
+  const std::string problem = problem_;
+  if (clock_.now() > std::max(power_off_asked_at_, warm_at_) + kOffGrace &&
+      !std::exchange(power_off_reported_, true)) {
+    report(Disturbance::Kind::Fault, "the lamp may be on: " + problem);
+  }
+  power_off_timer_ =
+      clock_.call_after(power_off_reported_ ? kOffAgainLater : kOffAgain, [this] { ask_power_off(); });
+  if (!table_.power) return;
+  ask(*table_.power, [this](const Answer& answer) {
+    if (answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::Off) is_off();
+  });
+}
+
+void SerialProjector::is_off() {
   power_ = Power::Off;
-  light_may_be_on_ = dark_wanted_ = dark_reported_ = false;
-  dark_timer_.reset();
+  power_off_waits_ = power_off_reported_ = false;
+  power_off_timer_.reset();
+  warm_at_ = {};
+  if (table_.light_off) is_dark();
 }
 
 // --- Light ---
@@ -311,12 +403,12 @@ void SerialProjector::want_dark() {
 
 void SerialProjector::darkened(const Answer& answer) {
   if (answer.reply == ProjectorReply::Ok) {
-    dark_wanted_ = light_may_be_on_ = dark_reported_ = false;
+    is_dark();
   } else if (lost_) {
     dark_wanted_ = false;  // the loss was reported, with the light
   } else if (dark_asked_at_ < warm_at_) {
     return try_later();  // whoever waits for darkness goes on waiting
-  } else if (light_may_be_on_) {
+  } else if (light_may_be_on_ && (answer.reply == ProjectorReply::NoAnswer || !table_.power)) {
     keep_trying();
   } else {
     return ask_whether_on(answer);
@@ -324,11 +416,18 @@ void SerialProjector::darkened(const Answer& answer) {
   tell_darkness(answer);
 }
 
+void SerialProjector::is_dark() {
+  dark_wanted_ = light_may_be_on_ = false;
+  dark_timer_.reset();
+  if (std::exchange(dark_reported_, false))
+    report(Disturbance::Kind::Recovery, called() + " has confirmed that its light is off");
+}
+
 void SerialProjector::tell_darkness(const Answer& answer) {
   if (const auto when_dark = std::exchange(when_dark_, nullptr)) when_dark(answer);
 }
 
-// Nobody has asked it for light, and it does not confirm that there is none: as many do while they are off.
+// It does not confirm that there is no light: as many do while they are off.
 void SerialProjector::ask_whether_on(const Answer& answer) {
   dark_wanted_ = false;
   if (!reader_.unexplained().empty()) return suspect_light();
@@ -336,9 +435,18 @@ void SerialProjector::ask_whether_on(const Answer& answer) {
   ask(*table_.power, [this, answer, problem = problem_](const Answer& power) {
     const bool says_off = power.reply == ProjectorReply::Ok && power.meaning == ReplyMeaning::Off;
     const bool says_on = power.reply == ProjectorReply::Ok && !says_off;
-    if (says_on || !reader_.unexplained().empty()) return suspect_light();
+    if (says_off) {
+      is_dark();
+      return tell_darkness({});
+    }
     problem_ = problem;
-    tell_darkness(says_off ? Answer{} : answer);
+    if (light_may_be_on_) {
+      dark_wanted_ = true;
+      keep_trying();
+    } else if (says_on || !reader_.unexplained().empty()) {
+      return suspect_light();
+    }
+    tell_darkness(answer);
   });
 }
 
@@ -360,6 +468,11 @@ void SerialProjector::keep_trying() {
   std::erase_if(queue_, [this](const Request& request) { return request.command == light_on_command(); });
   if (!std::exchange(dark_reported_, true))
     report(Disturbance::Kind::Fault, "the light may be on: " + problem_);
+}
+
+std::string SerialProjector::doubt() const {
+  if (!light_may_be_on_) return {};
+  return dark_reported_ ? problem_ : called() + " has not confirmed that its light is off";
 }
 
 // --- Status ---

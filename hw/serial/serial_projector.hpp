@@ -4,9 +4,10 @@
 //
 // Commands go one at a time: the next when the one before was answered or given up, or when light off comes:
 // that is sent at once, or as soon as the table's gap has passed, ahead of all others, and again and again
-// until it is confirmed, from power on on. "Light on" is reported when the projector's reply has come. At
-// 9600 baud a command of 8 bytes takes 8 ms and so does its reply, and the projector thinks in between: the
-// light comes on within that time, before the report.
+// until it is confirmed, from the moment that power on is sent, whatever comes of that. So is power off.
+// While it is on the projector is asked every few seconds whether it still is. "Light on" is reported when
+// the projector's reply has come. At 9600 baud a command of 8 bytes takes 8 ms and so does its reply, and the
+// projector thinks in between: the light comes on within that time, before the report.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +34,8 @@ class SerialProjector final : public Projector {
                   std::optional<std::int32_t> brightness = {});
   ~SerialProjector() override;
 
-  // Asks first: a projector that is on already is not warmed up again. Waits out an earlier power_off's
-  // cool-down.
+  // Asks first: a projector that is on already is not warmed up again, one that warms up already is waited
+  // for. Waits out an earlier power_off's cool-down.
   void power_on(Done done) override;
   void light_on(Done done) override;
   void light_off() noexcept override;
@@ -43,14 +44,21 @@ class SerialProjector final : public Projector {
   // when the table's retries are over, what came of them (see last_problem()). REQUIRES: the table has a
   // light off; nothing was asked for before.
   void confirm_dark(Done done);
+  // Power off where it says that it is on: a process that has died may have left it so. A power_on() that
+  // comes first is left alone.
+  void power_off_if_on();
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }
+  [[nodiscard]] std::string doubt() const override;
 
+  // Since light off was given up as unconfirmed and reported, until it is confirmed.
+  [[nodiscard]] bool dark_overdue() const { return dark_reported_; }
   // The line is lost, for good: a new channel and a new projector may find it again.
   [[nodiscard]] bool lost() const { return lost_; }
 
-  // The projector does not confirm that the light is off, where it is on or its answers make no sense; it
-  // says by itself that something is wrong; or its line is lost.
+  // The projector does not confirm that the light is off, where it is on or its answers make no sense
+  // (Recovery, when it has), or that its lamp is; it is off or silent though it was turned on; it says by
+  // itself that something is wrong; or its line is lost.
   void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
 
  private:
@@ -63,12 +71,14 @@ class SerialProjector final : public Projector {
     ReplyReader::RequestId id;
     const ProjectorCommand* command;  // of the table, or brightness_
     std::function<void(const Answer&)> done;
+    bool watching = false;  // whether it is still on
     int sent = 0;
   };
   enum class Power { Unknown, Off, On };
 
   void ask(const ProjectorCommand& command, std::function<void(const Answer&)> done);
   void make_way();
+  [[nodiscard]] bool outlives_light_off(const Request& request) const;
   void next();
   void send();
   void hear(std::string_view bytes);
@@ -80,14 +90,23 @@ class SerialProjector final : public Projector {
   void unasked(const UnaskedLine& line);
   void report(Disturbance::Kind kind, const std::string& what);
 
+  [[nodiscard]] TimePoint ready_by(TimePoint start) const;
   void switch_on_when_cool(Done done);
   void switch_on(Done done, TimePoint ready_by);
+  void wait_until_warm(Done done, TimePoint ready_by);
   void wait_until_on(Done done, TimePoint ready_by);
+  void prepare_when_warm(Done done);
   void prepare(const Done& done);
   void set_brightness(const Done& done);
+  void watch_over();
+  void ask_whether_still_on();
+  void ask_power_off();
   void powered_off(const Answer& answer);
+  void power_off_later();
+  void is_off();
   void want_dark();
   void darkened(const Answer& answer);
+  void is_dark();
   void ask_whether_on(const Answer& answer);
   void suspect_light();
   void tell_darkness(const Answer& answer);
@@ -123,10 +142,16 @@ class SerialProjector final : public Projector {
   std::unique_ptr<Timer> step_;   // of powering on
 
   Power power_ = Power::Unknown;
+  bool warms_up_ = false;  // power on was accepted, and nothing else has been wanted since
   std::optional<TimePoint> off_at_;
-  bool power_off_waits_ = false;
+  bool power_off_waits_ = false;  // until it is confirmed, or power on is wanted
+  bool off_if_on_ = false;
+  TimePoint power_off_asked_at_{};
+  bool power_off_reported_ = false;
+  std::unique_ptr<Timer> power_off_timer_;  // to the next attempt
+  std::unique_ptr<Timer> watch_;            // to the next question whether it is still on
 
-  bool light_may_be_on_ = false;  // asked for, or just powered on, and not confirmed dark since
+  bool light_may_be_on_ = false;  // asked for, or power on was sent, and not confirmed dark since
   bool dark_wanted_ = false;      // light off is to be sent until it is confirmed
   bool dark_reported_ = false;
   TimePoint warm_at_{};        // until then nobody wonders at a light off that is refused

@@ -257,12 +257,21 @@ TEST_CASE(
     CHECK(message == "~0002 1\r");
   CHECK(bench.disturbances.size() == 1);
 
+  CHECK(bench.projector.dark_overdue());
+  CHECK(bench.projector.doubt().find("did not answer \"light off\"") != std::string::npos);
+
   bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
   bench.pass(2s);
   CHECK_FALSE(bench.light);
+  CHECK_FALSE(bench.projector.dark_overdue());
+  CHECK(bench.projector.doubt().empty());
+  REQUIRE(bench.disturbances.size() == 2);
+  CHECK(bench.disturbances[1].kind == Disturbance::Kind::Recovery);
+  CHECK(bench.disturbances[1].what == "the projector at /dev/ttyUSB7 has confirmed that its light is off");
   bench.channel.sent.clear();
   bench.pass(60s);
-  CHECK(bench.channel.sent.empty());
+  for (const std::string& message : bench.channel.messages())
+    CHECK(message == "~00124 1\r");  // whether it is still on
 }
 
 TEST_CASE("a light whose off is not confirmed is not turned on again") {
@@ -344,7 +353,8 @@ TEST_CASE(
   bench.channel.sent.clear();
   bench.pass(60s);
   CHECK(bench.channel.sent.empty());
-  CHECK(bench.disturbances.size() == 1);
+  REQUIRE(bench.disturbances.size() == 2);
+  CHECK(bench.disturbances[1].kind == Disturbance::Kind::Recovery);
 }
 
 TEST_CASE("garbage for an answer to the first light off is told of once") {
@@ -565,7 +575,8 @@ TEST_CASE("power off follows a light off that is never confirmed, and ends the l
   bench.projector.power_off();
   bench.pass(10s);
   CHECK_FALSE(bench.is_on);
-  CHECK(bench.disturbances.size() == 1);
+  REQUIRE(bench.disturbances.size() == 2);
+  CHECK(bench.disturbances[1].kind == Disturbance::Kind::Recovery);
   bench.channel.sent.clear();
   bench.projector.light_off();
   bench.pass(60s);
@@ -720,7 +731,7 @@ TEST_CASE("a table without a light has its projector shine as long as it is on")
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::Ok);
   bench.projector.light_off();
-  bench.pass(10s);
+  bench.pass(9s);
   CHECK(bench.channel.sent.empty());
   CHECK(bench.disturbances.empty());
 }
@@ -736,4 +747,192 @@ TEST_CASE(
   }
   CHECK(channel.messages() == Messages{"~0002 1\r"});
   CHECK(channel.last_words == Messages{"~0002 1\r", "~0000 0\r"});
+}
+
+namespace {
+
+// Obeys power on at once, its light with it, and takes nothing else before it is warm.
+struct SlowStarter : Bench {
+  explicit SlowStarter(Duration warm_after, const std::string& until_then,
+                       ProjectorTable table = text_table())
+      : Bench(std::move(table)) {
+    channel.projector = [this, warm_after, until_then](const std::string& message) {
+      if (message == "~0000 1\r" && !is_on) {
+        is_on = light = true;
+        on_at = clock.now();
+        if (!answers_power_on) return;
+      } else if (is_on && clock.now() - on_at < warm_after) {
+        if (!until_then.empty()) channel.send(until_then, reply);
+        return;
+      }
+      behave(message);
+    };
+  }
+  bool answers_power_on = true;
+  TimePoint on_at{};
+};
+
+}  // namespace
+
+TEST_CASE("a projector that obeys power on without an answer is made dark and turned off") {
+  SlowStarter bench(15s, "");
+  bench.answers_power_on = false;
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::NoAnswer);
+  bench.projector.light_off();
+  bench.projector.power_off();
+  bench.pass(60s);
+  CHECK_FALSE(bench.light);
+  CHECK_FALSE(bench.is_on);
+}
+
+TEST_CASE("light off between power on and its reply is repeated until the projector comes up and takes it") {
+  SlowStarter bench(20s, "F\r");
+  bench.reply = 300ms;
+  bench.start_power_on();
+  while (!bench.is_on)
+    REQUIRE(bench.clock.run_next());
+  bench.pass(100ms);
+  bench.projector.light_off();
+  bench.pass(35s);
+  CHECK_FALSE(bench.light);
+  CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE("power on that is refused by a projector that is off is no light") {
+  Bench bench;
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~00124 1\r") return bench.channel.send("OK0\r");
+    bench.channel.send("F\r");
+  };
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Refused);
+  bench.projector.light_off();
+  bench.projector.power_off();
+  bench.pass(120s);
+  CHECK(bench.projector.doubt().empty());
+  CHECK(bench.disturbances.empty());
+  bench.channel.sent.clear();
+  bench.pass(600s);
+  CHECK(bench.channel.sent.empty());
+}
+
+TEST_CASE("a warm-up that was interrupted is waited for to its end") {
+  for (const bool switches_light : {true, false}) {
+    for (const bool asks : {true, false}) {
+      ProjectorTable table = text_table();
+      if (!switches_light) {
+        table.light_on.reset();
+        table.light_off.reset();
+      }
+      if (!asks) table.power.reset();
+      Bench bench(table);
+      bench.start_power_on();
+      while (!bench.is_on)
+        REQUIRE(bench.clock.run_next());
+      const TimePoint on_at = bench.clock.now();
+      bench.pass(2s);
+      bench.projector.light_off();
+      bench.pass(3s);
+      bench.start_power_on();
+      bench.wait_for_answer();
+      CHECK(bench.answer == ProjectorReply::Ok);
+      CHECK(bench.answered_at - on_at >= 30s);
+      CHECK(bench.answered_at - on_at < 32s);
+    }
+  }
+}
+
+TEST_CASE("power off is repeated until the projector confirms it or says that it is off") {
+  for (const std::string& answer : {std::string("F\r"), std::string()}) {
+    Bench bench;
+    bench.power_on();
+    bool takes = false;
+    bench.channel.projector = [&](const std::string& message) {
+      if (message != "~0000 0\r" || takes) return bench.behave(message);
+      if (!answer.empty()) bench.channel.send(answer);
+    };
+    bench.projector.power_off();
+    bench.pass(25s);
+    CHECK(bench.is_on);
+    CHECK(bench.disturbances.empty());
+    bench.pass(20s);
+    REQUIRE(bench.disturbances.size() == 1);
+    CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
+    CHECK(bench.disturbances[0].what.starts_with("the lamp may be on: the projector at /dev/ttyUSB7 "));
+    CHECK(bench.disturbances[0].what.find("\"power off\"") != std::string::npos);
+    takes = true;
+    bench.pass(65s);
+    CHECK_FALSE(bench.is_on);
+    CHECK(bench.disturbances.size() == 1);
+    bench.channel.sent.clear();
+    bench.pass(600s);
+    CHECK(bench.channel.sent.empty());
+  }
+}
+
+TEST_CASE("a print that begins while power off is not yet confirmed is not turned off under way") {
+  Bench bench;
+  bench.power_on();
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0000 0\r") return bench.channel.send("F\r");
+    bench.behave(message);
+  };
+  bench.projector.power_off();
+  bench.pass(12s);
+  bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
+  bench.power_on();
+  bench.pass(120s);
+  CHECK(bench.is_on);
+}
+
+TEST_CASE("a projector that falls silent or turns itself off in a print is a fault, told once") {
+  for (const bool switches_light : {true, false}) {
+    for (const bool silent : {true, false}) {
+      ProjectorTable table = text_table();
+      if (!switches_light) {
+        table.light_on.reset();
+        table.light_off.reset();
+      }
+      Bench bench(table);
+      bench.power_on();
+      bench.pass(60s);
+      CHECK(bench.disturbances.empty());
+      bench.is_on = false;
+      if (silent) bench.fall_silent();
+      // As in a print without light commands: light off comes in between, and nothing is asked.
+      for (int layer = 0; layer < 20; ++layer) {
+        if (!switches_light) bench.projector.light_off();
+        bench.pass(1s);
+      }
+      REQUIRE(bench.disturbances.size() == 1);
+      CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
+      CHECK(bench.disturbances[0].what ==
+            (silent ? "the projector at /dev/ttyUSB7 did not answer \"power\" in 3 tries of 1000 ms: is it "
+                      "connected, and set to 9600 baud?"
+                    : "the projector at /dev/ttyUSB7 says that it is off, though nobody has turned it off"));
+      bench.pass(60s);
+      CHECK(bench.disturbances.size() == 1);
+    }
+  }
+}
+
+TEST_CASE("a projector that a dead process has left on is turned off, unless a print has begun") {
+  for (const bool prints : {false, true}) {
+    Bench bench;
+    bench.is_on = bench.light = true;
+    bench.projector.light_off();
+    bench.projector.power_off_if_on();
+    if (prints) bench.start_power_on();
+    bench.pass(30s);
+    CHECK(bench.is_on == prints);
+    CHECK_FALSE(bench.light);
+    if (prints) CHECK(bench.answer == ProjectorReply::Ok);
+  }
+  Bench off;
+  off.projector.power_off_if_on();
+  off.pass(30s);
+  CHECK(off.channel.messages() == Messages{"~00124 1\r"});
 }
