@@ -177,7 +177,12 @@ int run(const PrinterConfig& config) {
                                 config.name, config.spool_folder.string(), config.control_socket.string()));
   supervisor.ready();
   loop.run();
-  log.info("stopped", "contourd has stopped; light off, motor still");
+  const std::string doubt = machine->projector().doubt();
+  if (doubt.empty())
+    log.info("stopped", "contourd has stopped; light off, motor still");
+  else
+    log.warning("stopped", fmt::format("contourd has stopped; motor still, light told to be off, but {}",
+                                       printable(doubt)));
   return EXIT_SUCCESS;
 }
 

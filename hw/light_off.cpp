@@ -4,6 +4,11 @@
 #include <utility>
 
 namespace contourd {
+namespace {
+
+constexpr Duration kPause{std::chrono::seconds{1}};
+
+}  // namespace
 
 LightOff::LightOff(Clock& clock, DescriptorWatcher& watcher, LightConfig config)
     : clock_(clock), watcher_(watcher), config_(std::move(config)) {}
@@ -20,10 +25,21 @@ void LightOff::run(Done done) {
     return end();
   }
   projector_ = std::make_unique<SerialProjector>(*port_, clock_, wanted.table);
+  patience_ = clock_.call_after(kPatience, [this] { give_up(); });
+  tell_projector();
+}
+
+void LightOff::tell_projector() {
   projector_->confirm_dark([this](ProjectorReply reply) {
-    if (reply != ProjectorReply::Ok) problems_.push_back(projector_->last_problem());
-    end();
+    if (reply == ProjectorReply::Ok) return end();
+    if (projector_->lost()) return give_up();
+    again_ = clock_.call_after(kPause, [this] { tell_projector(); });
   });
+}
+
+void LightOff::give_up() {
+  problems_.push_back(projector_->last_problem());
+  end();
 }
 
 void LightOff::turn_line_off() {
@@ -38,6 +54,8 @@ void LightOff::turn_line_off() {
 
 // Not from inside the projector's callback: whoever waits may destroy it.
 void LightOff::end() {
+  again_.reset();
+  patience_.reset();
   end_ = clock_.call_after(Duration{0}, [this] { done_(problems_); });
 }
 

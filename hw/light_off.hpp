@@ -25,11 +25,15 @@ class LightOff {
   LightOff(Clock& clock, DescriptorWatcher& watcher, LightConfig config);
 
   // Blocks for as long as the devices take to open. Calls `done` from the event loop: when the projector has
-  // confirmed that its light is off, or it was told as often as its table says.
+  // confirmed that its light is off, or has not for kPatience: it may be warming up.
   void run(Done done);
+
+  static constexpr Duration kPatience{std::chrono::seconds{20}};
 
  private:
   void turn_line_off();
+  void tell_projector();
+  void give_up();
   void end();
 
   Clock& clock_;
@@ -40,6 +44,7 @@ class LightOff {
   std::unique_ptr<GpioLightLine> line_;
   std::unique_ptr<SerialPort> port_;
   std::unique_ptr<SerialProjector> projector_;
+  std::unique_ptr<Timer> again_, patience_;
   std::unique_ptr<Timer> end_;
 };
 

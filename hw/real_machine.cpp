@@ -41,7 +41,7 @@ RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineCo
       no_display_(clock, config_.display.width, config_.display.height),
       no_axis_(clock, config_.axis.travel) {
   open_missing();
-  if (missing_.any() || display_lost()) search_again();
+  if (missing_.any() || display_lost()) search_after(kSearchInterval);
 }
 
 RealMachine::~RealMachine() {
@@ -57,9 +57,11 @@ std::vector<RealMachine::Found> RealMachine::open_missing() {
     light_->on_disturbance(tell_owner);
     found.push_back({light_words(), {}});
   }
-  if (config_.projector && open_projector()) found.push_back({projector_words(), {}});
+  const bool projector_came = config_.projector && open_projector();
+  if (projector_came) found.push_back({projector_words(), {}});
   combine_projector();
   projector().light_off();
+  if (projector_came) serial_->power_off_if_on();
   if (open(display_, missing_.display,
            [&] { return std::make_unique<DrmDisplay>(watcher_, config_.display); })) {
     display_->on_disturbance(tell_owner);
@@ -99,15 +101,15 @@ void RealMachine::combine_projector() {
   }
 }
 
-void RealMachine::search_again() {
-  search_ = clock_.call_after(kSearchInterval, [this] { search(); });
+void RealMachine::search_after(Duration pause) {
+  search_ = clock_.call_after(pause, [this] { search(); });
 }
 
 void RealMachine::search() {
   std::vector<Found> found;
   if (missing_.any()) found = open_missing();
   if (display_) display_->look_again();
-  if (missing_.any() || display_lost()) search_again();
+  if (missing_.any() || display_lost()) search_after(kSearchInterval);
   for (const Found& each : found)
     tell({.kind = Disturbance::Kind::Recovery, .what = "found " + each.device, .warnings = each.warnings});
 }
@@ -124,7 +126,9 @@ void RealMachine::note_losses(const std::string& what) {
   const bool axis_lost = axis_ && axis_->lost() && missing_.axis.empty();
   if (serial_lost) missing_.projector = what;
   if (axis_lost) missing_.axis = what;
-  if (serial_lost || axis_lost || display_lost()) search_again();
+  // Soon: its light may be on, and a serial adapter that comes back gets its old name only once it is closed.
+  if (serial_lost) return search_after(kFirstSearch);
+  if (axis_lost || display_lost()) search_after(kSearchInterval);
 }
 
 ZAxis& RealMachine::z_axis() {
@@ -147,6 +151,7 @@ std::string RealMachine::hindrance() const {
   std::string sentences;
   for (const std::string* missing : {&missing_.light, &missing_.projector, &missing_.display, &missing_.axis})
     add(sentences, *missing);
+  if (serial_ && serial_->dark_overdue()) add(sentences, "the light may be on: " + serial_->doubt());
   if (display_) add(sentences, display_->problem().value_or(""));
   if (axis_ && axis_->emergency_stop_pressed()) add(sentences, "the emergency stop is pressed");
   if (axis_ && axis_->lid_open()) add(sentences, "the lid is open");

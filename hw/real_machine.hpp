@@ -2,7 +2,8 @@
 // light line. Opens what it can; what is not there is looked for every few seconds, and until then stands in
 // the way (hindrance()) without keeping the rest from being safe: the light comes first and goes last.
 //
-// Light off, black and motor still from the construction on and when it goes. Event loop's thread only.
+// Light off, black and motor still from the construction on and when it goes. A projector that is found on is
+// turned off. Event loop's thread only.
 #pragma once
 
 #include <memory>
@@ -47,6 +48,8 @@ class RealMachine final : public Machine {
   [[nodiscard]] std::vector<std::string> warnings() const;
 
   static constexpr Duration kSearchInterval{std::chrono::seconds{5}};
+  // After a serial line was lost.
+  static constexpr Duration kFirstSearch{std::chrono::milliseconds{500}};
 
  private:
   // A sentence for each device that is not there; empty where it is, or is not wanted.
@@ -67,7 +70,7 @@ class RealMachine final : public Machine {
   bool open_projector();
   void combine_projector();
   [[nodiscard]] bool display_lost() const { return display_ && display_->problem(); }
-  void search_again();
+  void search_after(Duration pause);
   void search();
   void tell(const Disturbance& disturbance);
   void note_losses(const std::string& what);

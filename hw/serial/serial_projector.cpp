@@ -55,25 +55,20 @@ Duration SerialProjector::wire_time(std::size_t bytes) const {
 
 // --- One command at a time ---
 
-void SerialProjector::ask(const ProjectorCommand& command, std::function<void(const Answer&)> done) {
-  queue_.push_back({++last_id_, &command, std::move(done)});
+void SerialProjector::ask(const ProjectorCommand& command, std::function<void(const Answer&)> done,
+                          bool outlives_light_off) {
+  queue_.push_back({++last_id_, &command, std::move(done), outlives_light_off});
   next();
 }
 
-// Turning off goes on, and where nothing else is asked during a print, whether the projector is still on.
-bool SerialProjector::outlives_light_off(const Request& request) const {
-  return request.command == &table_.power_off || (request.watching && !table_.light_off);
-}
-
-// All but turning off: that goes on, behind light off where the light may still be on.
+// All but turning off and what leads to it: that goes on, behind light off where the light may still be on.
 void SerialProjector::make_way() {
-  std::erase_if(queue_, [this](const Request& request) { return !outlives_light_off(request); });
+  std::erase_if(queue_, [](const Request& request) { return !request.outlives_light_off; });
   step_.reset();
   when_dark_ = nullptr;
   if (!current_ || current_->command == light_off_command()) return;
-  if (current_->watching && !table_.light_off) return;
-  if (current_->command == &table_.power_off) {
-    if (!light_may_be_on_) return;
+  if (current_->outlives_light_off) {
+    if (!table_.light_off || (current_->command == &table_.power_off && !light_may_be_on_)) return;
     queue_.push_front(std::move(*current_));
   }
   current_.reset();
@@ -299,23 +294,25 @@ void SerialProjector::ask_whether_still_on() {
   watch_over();
   if (power_ != Power::On || power_off_waits_ || lost_) return;
   if (current_ || dark_wanted_ || !queue_.empty()) return;  // what is asked now tells as much
-  ask(*table_.power, [this](const Answer& answer) {
+  const auto heard = [this](const Answer& answer) {
     const bool says_off = answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::Off;
     if (power_ != Power::On || lost_ || (answer.reply != ProjectorReply::NoAnswer && !says_off)) return;
     power_ = Power::Unknown;
     if (says_off) problem_ = called() + " says that it is off, though nobody has turned it off";
     report(Disturbance::Kind::Fault, problem_);
-  });
-  current_->watching = true;
+  };
+  // Where light off is a command, that tells as much.
+  ask(*table_.power, heard, !table_.light_off);
 }
 
 void SerialProjector::power_off_if_on() {
   if (!table_.power) return;
   off_if_on_ = true;
-  ask(*table_.power, [this](const Answer& answer) {
+  const auto heard = [this](const Answer& answer) {
     const bool says_on = answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::On;
     if (std::exchange(off_if_on_, false) && says_on) power_off();
-  });
+  };
+  ask(*table_.power, heard, true);
 }
 
 void SerialProjector::power_off() noexcept {
@@ -328,7 +325,8 @@ void SerialProjector::power_off() noexcept {
 }
 
 void SerialProjector::ask_power_off() {
-  ask(table_.power_off, [this](const Answer& answer) { powered_off(answer); });
+  ask(
+      table_.power_off, [this](const Answer& answer) { powered_off(answer); }, true);
 }
 
 void SerialProjector::powered_off(const Answer& answer) {
@@ -349,9 +347,10 @@ void SerialProjector::power_off_later() {
   power_off_timer_ =
       clock_.call_after(power_off_reported_ ? kOffAgainLater : kOffAgain, [this] { ask_power_off(); });
   if (!table_.power) return;
-  ask(*table_.power, [this](const Answer& answer) {
+  const auto heard = [this](const Answer& answer) {
     if (answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::Off) is_off();
-  });
+  };
+  ask(*table_.power, heard);
 }
 
 void SerialProjector::is_off() {

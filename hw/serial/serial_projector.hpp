@@ -71,14 +71,14 @@ class SerialProjector final : public Projector {
     ReplyReader::RequestId id;
     const ProjectorCommand* command;  // of the table, or brightness_
     std::function<void(const Answer&)> done;
-    bool watching = false;  // whether it is still on
+    bool outlives_light_off = false;
     int sent = 0;
   };
   enum class Power { Unknown, Off, On };
 
-  void ask(const ProjectorCommand& command, std::function<void(const Answer&)> done);
+  void ask(const ProjectorCommand& command, std::function<void(const Answer&)> done,
+           bool outlives_light_off = false);
   void make_way();
-  [[nodiscard]] bool outlives_light_off(const Request& request) const;
   void next();
   void send();
   void hear(std::string_view bytes);
