@@ -19,7 +19,7 @@ constexpr int kLateTimeouts = 2;
 constexpr Duration kAskAgain = 2s;
 constexpr Duration kReadyGrace = 60s;
 // Between questions whether it still is.
-constexpr Duration kWatchInterval = 10s;
+constexpr Duration kWatchInterval = 5s;
 // Between attempts to turn it off, before and after that is told: once it does not do so this long after it
 // was told to, and was warm.
 constexpr Duration kOffAgain = 5s, kOffAgainLater = 60s;

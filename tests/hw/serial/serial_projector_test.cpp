@@ -731,7 +731,7 @@ TEST_CASE("a table without a light has its projector shine as long as it is on")
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::Ok);
   bench.projector.light_off();
-  bench.pass(9s);
+  bench.pass(4s);
   CHECK(bench.channel.sent.empty());
   CHECK(bench.disturbances.empty());
 }

@@ -327,6 +327,14 @@ def silent_projector():
 
 
 @vm_test("full")
+def projector_silent_in_the_print():
+    """The projector, whose light a line switches, answers no more once it is warm: the print fails before it is through."""
+    outcome = run(projector=_projector("--silent-after 3"))
+    outcome.failed_with('did not answer "power"')
+    return outcome.reason
+
+
+@vm_test("full")
 def projector_at_another_baud():
     """The projector speaks at another speed: what comes is rubbish, and the print fails."""
     return run(projector=_projector("", baud=19200)).failed_with("/dev/ttyZ0|answer", layers=0)
@@ -397,7 +405,7 @@ def light_by_serial():
 @vm_test("full")
 def killed_in_an_exposure_by_serial():
     """The daemon is killed in an exposure with a light that the projector's commands switch: the kernel turns the screen
-    off at once, and the unit's clean-up tells the projector to turn the light off."""
+    off at once, and the unit's clean-up tells the projector to turn the light off; the daemon's next start, its lamp."""
     outcome = run(
         projector=_OPTOMA,
         config=_light_by_serial(),
@@ -416,6 +424,8 @@ uptime_s >/out/dark
 # What the unit's ExecStopPost runs.
 contourd --config /etc/contourd/contourd.json --light-off >/out/light_off 2>&1 || fail "light off ended with $?"
 uptime_s >/out/cleaned_up
+start_daemon
+wait_for 10 "the lamp to be turned off" grep -q '~0000 0' /out/projector
 keep_logs
 """,
         before=_LIT_BY_SERIAL + 'screen_is_off() { tail -n 1 $SCREEN/log | grep -q OFF; }',
@@ -427,8 +437,36 @@ keep_logs
     on, off = light[-1]
     assert on < killed, "the light was not on when the daemon was killed"
     assert off is not None, "the projector was not told to turn its light off"
-    assert killed - 10_000_000 <= off <= cleaned_up, f"light off came {off - killed} ns after the kill"
+    # /proc/uptime tells hundredths.
+    assert killed - 10_000_000 <= off <= cleaned_up + 10_000_000, f"light off came {off - killed} ns after the kill"
     return f"light off {(off - killed) / 1e6:.0f} ms after the kill"
+
+
+@vm_test("full")
+def stopped_in_the_warm_up():
+    """The daemon is stopped while the projector warms up and refuses everything: the unit's clean-up tells it again until
+    it takes light off."""
+    refusals = r"'~0002 1\r=>F\r' " * 8
+    outcome = run(
+        projector=_OPTOMA.replace(r"'~0002 1\r=>P\r'", refusals + r"'~0002 1\r=>P\r'").replace(
+            r"'~00124 1\r=>Ok0\r' ", r"'~00124 1\r=>Ok0\r' " * 3),
+        config=_light_by_serial(),
+        scenario="""\
+. /lib.sh
+{devices}
+{projector}
+start_daemon
+print_model
+wait_for 60 "power on" grep -q '~0000 1' /out/projector
+stop_daemon
+contourd --config /etc/contourd/contourd.json --light-off >/out/light_off 2>&1 || fail "light off ended with $?"
+keep_logs
+""",
+    )
+    asked = [line.split(" ", 1)[1] for line in outcome.results.text("projector").splitlines()]
+    assert asked.count(_LIGHT_OFF) == 9, asked
+    assert "has not confirmed that its light is off" in outcome.log, outcome.log
+    assert "light off, motor still" not in outcome.log, outcome.log
 
 
 # --- What keeps the daemon from its devices
