@@ -348,6 +348,8 @@ void SerialProjector::power_off_later() {
       clock_.call_after(power_off_reported_ ? kOffAgainLater : kOffAgain, [this] { ask_power_off(); });
   if (!table_.power) return;
   const auto heard = [this](const Answer& answer) {
+    // As it warms up it may not call itself on yet.
+    if (clock_.now() < warm_at_) return;
     if (answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::Off) is_off();
   };
   ask(*table_.power, heard);

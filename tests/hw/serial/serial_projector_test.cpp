@@ -800,6 +800,29 @@ TEST_CASE("light off between power on and its reply is repeated until the projec
   CHECK(bench.disturbances.empty());
 }
 
+TEST_CASE(
+    "a print cancelled in a warm-up ends with lamp and light off, whatever is refused and said until then") {
+  Bench bench;
+  std::optional<TimePoint> on_at;
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0000 1\r") on_at = bench.clock.now(), bench.light = true;
+    const bool cold = on_at && bench.clock.now() - *on_at < 20s;
+    if (cold && message == "~00124 1\r") return bench.channel.send("OK0\r");
+    if (cold && message != "~0000 1\r") return bench.channel.send("F\r");
+    bench.behave(message);
+  };
+  bench.start_power_on();
+  while (!on_at)
+    REQUIRE(bench.clock.run_next());
+  bench.pass(5s);
+  bench.projector.light_off();
+  bench.projector.power_off();
+  bench.pass(60s);
+  CHECK_FALSE(bench.light);
+  CHECK_FALSE(bench.is_on);
+  CHECK(bench.disturbances.empty());
+}
+
 TEST_CASE("power on that is refused by a projector that is off is no light") {
   Bench bench;
   bench.channel.projector = [&](const std::string& message) {
