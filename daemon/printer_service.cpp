@@ -164,6 +164,13 @@ void PrinterService::disturbed(const Disturbance& disturbance) {
 
 void PrinterService::file_interrupted_prints() {
   for (const JobFiles& files : spool_.interrupted()) {
+    // On the disk before the job leaves printing/, which tells a start after this one the same.
+    set_plate_occupant(files.name);
+    if (!held_) {
+      held_ =
+          fmt::format("{} was interrupted: the power was cut, or contourd was killed or crashed", files.name);
+      keep_hold();
+    }
     log_.error("interrupted",
                fmt::format("{}: contourd did not end this print (power cut, crash or kill); moved to failed",
                            printable(files.name)),
@@ -172,7 +179,6 @@ void PrinterService::file_interrupted_prints() {
         files, Spool::Folder::Failed,
         "The print was interrupted: the power was cut, or contourd was killed or crashed. Put the model into "
         "incoming again to print it from the start.");
-    set_plate_occupant(files.name);
   }
 }
 
@@ -553,7 +559,8 @@ void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason
   }
   active_->report = std::move(report);
   // What is wrong with the machine would be wrong for the next job too, and that begins with a motion.
-  if (outcome == PrintOutcome::Failed && !shutting_down_) hold(fmt::format("{} failed: {}", name, reason));
+  // Stopped with contourd, it has left its part in the way.
+  if (outcome == PrintOutcome::Failed) hold(fmt::format("{} failed: {}", name, reason));
   // A print on a machine takes much longer than its analysis; a simulated one need not.
   if (outcome == PrintOutcome::Done && analyst_.busy()) return;
   finish_job();

@@ -648,6 +648,35 @@ class Interruption(SpoolTest):
         daemon.wait_state("exposing")
         daemon.stop()
 
+    def next_waits_after(self, end):
+        """That the next job does not begin after a restart though no plate is waited for, until the owner has spoken."""
+        daemon = self.printing_daemon()
+        daemon.drop("next.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        end(daemon)
+        for _ in range(2):
+            daemon.start()
+            status = wait_until(lambda: (lambda s: s if s["queued"] or s["job"] else None)(daemon.status()), "the next job")
+            self.looks_pass(daemon, "empty")
+            self.assertEqual((status["state"], status["plate_job"]), ("idle", "first"))
+            self.assertIn("first", status["held"])
+            self.assertEqual(daemon.names_in("incoming"), ["next.stl"])
+            for name in daemon.names_in("failed"):
+                if name.startswith("empty"):
+                    os.unlink(daemon.file("failed", name))
+            daemon.stop()
+        daemon.start()
+        self.assertNotIn("error", daemon.rpc("resume"))
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.status()["job"]["name"], "next")
+        daemon.stop()
+
+    def test_after_a_killed_print_the_next_waits_for_the_owner_whatever_the_plate_may_hold(self):
+        self.next_waits_after(lambda daemon: daemon.kill())
+
+    def test_after_a_print_that_was_stopped_with_the_daemon_the_next_waits_for_the_owner(self):
+        self.next_waits_after(lambda daemon: daemon.stop())
+
     def test_a_killed_print_keeps_its_ticket(self):
         daemon = self.printing_daemon()
         daemon.rpc("cancel")
