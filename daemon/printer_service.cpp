@@ -629,12 +629,24 @@ void PrinterService::write_report(const PrintReport& report, Spool::Folder folde
 
 void PrinterService::file_job(const JobFiles& files, Spool::Folder to, const std::string& reason) {
   try {
-    if (!reason.empty()) spool_.write_beside(to, files.name, "reason.txt", reason + "\n");
-    spool_.end(files, to);
+    move_job(files, to, reason);
   } catch (const std::system_error& error) {
     log_.error("spool", fmt::format("{}: stays in printing: {}", printable(files.name), error.what()),
                job_fields(files.name));
   }
+}
+
+void PrinterService::move_job(const JobFiles& files, Spool::Folder to, const std::string& reason) {
+  std::string trouble;
+  try {
+    if (!reason.empty()) spool_.write_beside(to, files.name, "reason.txt", reason + "\n");
+  } catch (const std::system_error& error) {
+    trouble = error.what();  // a full disk has no room for a reason, but a rename needs none
+  }
+  spool_.end(files, to);
+  if (!trouble.empty())
+    log_.error("spool", fmt::format("{}: no reason beside it: {}", printable(files.name), trouble),
+               job_fields(files.name));
 }
 
 void PrinterService::ended(const std::string& name, std::string_view outcome, const std::string& reason,

@@ -101,6 +101,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   // Files the print that is over, with its report.
   void finish_job();
   void file_job(const JobFiles& files, Spool::Folder to, const std::string& reason);
+  // The same, but throws std::system_error when it stays in printing/.
+  void move_job(const JobFiles& files, Spool::Folder to, const std::string& reason);
   [[nodiscard]] std::uint64_t late_steps_of_job() const;
   [[nodiscard]] PrintReport make_report(PrintOutcome outcome, const std::string& reason,
                                         const PrintPlan& plan) const;

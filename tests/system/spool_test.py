@@ -562,6 +562,32 @@ class SlowDisk(SpoolTest):
         self.arrives("next")
 
 
+@unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
+class DiskThatTakesNothing(SpoolTest):
+    def printing_daemon(self, config=None):
+        daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), config or {}), {**NIMBLE_RESIN, **ENDLESS})
+        self.slow = daemon.put_on_slow_disk()
+        daemon.start()
+        daemon.drop("first.stl", SMALL)
+        daemon.wait_state("exposing")
+        return daemon
+
+    def becomes(self, state):
+        open(os.path.join(self.slow, state), "wb").close()
+
+    def is_well_again(self, state):
+        os.unlink(os.path.join(self.slow, state))
+
+    def test_a_print_cancelled_on_a_full_disk_is_filed_without_its_reason(self):
+        daemon = self.printing_daemon()
+        self.becomes("full")
+        daemon.rpc("cancel")
+        daemon.wait_ended("first")
+        self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), ([], ["first.stl"]))
+        self.assertIn("no reason", daemon.log())
+        daemon.stop()
+
+
 class Plate(SpoolTest):
     def test_the_next_job_waits_until_the_plate_is_cleared(self):
         daemon = self.daemon(WAITS).start()
