@@ -106,7 +106,8 @@ void PrinterService::start() {
     log_.error("machine", fmt::format("the printer cannot print: {}", printable(hindrance)));
   plate_occupant_ = spool_.plate_occupant();
   held_ = spool_.hold();
-  file_interrupted_prints();
+  if (const std::string trouble = spool_.trouble(); !trouble.empty()) log_.error("spool", printable(trouble));
+  find_interrupted_prints();
   if (held_) log_.warning("held", hold_sentence());
   control_ = std::make_unique<ControlServer>(loop_, config_.control_socket, methods());
   spool_.open();
@@ -162,23 +163,30 @@ void PrinterService::disturbed(const Disturbance& disturbance) {
   pump_soon();
 }
 
-void PrinterService::file_interrupted_prints() {
-  for (const JobFiles& files : spool_.interrupted()) {
-    // On the disk before the job leaves printing/, which tells a start after this one the same.
-    set_plate_occupant(files.name);
-    if (!held_) {
+void PrinterService::find_interrupted_prints() {
+  interrupted_ = spool_.interrupted();
+  for (const JobFiles& files : interrupted_) {
+    log_.error(
+        "interrupted",
+        fmt::format("{}: contourd did not end this print (power cut, crash or kill)", printable(files.name)),
+        job_fields(files.name));
+    plate_occupant_ = files.name;
+    if (!held_)
       held_ =
           fmt::format("{} was interrupted: the power was cut, or contourd was killed or crashed", files.name);
-      keep_hold();
-    }
-    log_.error("interrupted",
-               fmt::format("{}: contourd did not end this print (power cut, crash or kill); moved to failed",
-                           printable(files.name)),
-               job_fields(files.name));
-    file_job(
-        files, Spool::Folder::Failed,
-        "The print was interrupted: the power was cut, or contourd was killed or crashed. Put the model into "
-        "incoming again to print it from the start.");
+  }
+  if (!interrupted_.empty()) keep_records();
+}
+
+void PrinterService::file_interrupted_prints() {
+  while (!interrupted_.empty()) {
+    const JobFiles& files = interrupted_.back();
+    move_job(files, Spool::Folder::Failed,
+             "The print was interrupted: the power was cut, or contourd was killed or crashed. Put the model "
+             "into incoming again to print it from the start.");
+    log_.info("interrupted", fmt::format("{}: moved to failed", printable(files.name)),
+              job_fields(files.name));
+    interrupted_.pop_back();
   }
 }
 
@@ -230,6 +238,7 @@ std::string PrinterService::reason_to_wait() const {
     return fmt::format("the plate holds {}; say \"contourctl plate-cleared\" when it is clear",
                        *plate_occupant_);
   }
+  if (std::string trouble = spool_.trouble(); !trouble.empty()) return trouble;
   const std::uintmax_t free = spool_.free_bytes();
   if (free < config_.min_free_disk_bytes) {
     return fmt::format("the spool's disk has {} MB free, {} MB are needed", free / 1'000'000,
@@ -256,28 +265,40 @@ void PrinterService::hold(const std::string& why) {
   if (held_) return;
   held_ = why;
   log_.warning("held", hold_sentence());
-  keep_hold();
+  keep_records();
 }
 
 void PrinterService::let_go() {
   if (!held_) return;
   held_.reset();
   log_.info("held", "the queue goes on: the owner has seen to the printer");
-  keep_hold();
+  keep_records();
 }
 
-void PrinterService::keep_hold() {
+void PrinterService::keep_records() {
+  std::string trouble;
   try {
+    spool_.set_plate_occupant(plate_occupant_);
     spool_.set_hold(held_);
+    // Last: as long as they lie in printing/, the next start knows what these records would tell it.
+    file_interrupted_prints();
   } catch (const std::system_error& error) {
-    log_.error("spool",
-               fmt::format("a restart will not know {}: {}",
-                           held_ ? "that the queue is held" : "that the queue goes on", error.what()));
+    trouble = error.what();
+    keep_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
   }
+  if (std::exchange(unkept_, trouble) == trouble || trouble.empty()) return;
+  log_.error("spool", fmt::format("a restart will not know all that is known now, which is tried again until "
+                                  "it is on the disk: {}",
+                                  printable(trouble)));
+  for (const JobFiles& files : interrupted_)
+    log_.error("spool", fmt::format("{}: stays in printing until then", printable(files.name)),
+               job_fields(files.name));
 }
 
 void PrinterService::pump() {
   try {
+    // Not beside a light: the disk may take its time.
+    if (!unkept_.empty() && process_.state() == PrintState::Idle) keep_records();
     take_what_is_due();
   } catch (const std::system_error& error) {
     // The spool's disk is gone or full: the queue waits for it.

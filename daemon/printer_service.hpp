@@ -79,6 +79,9 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
 
   // Something happened to the machine.
   void disturbed(const Disturbance& disturbance);
+  // Jobs left in printing/ by a contourd that did not end them: they hold the queue, and go to failed/.
+  void find_interrupted_prints();
+  // Throws std::system_error; the rest of them stays where it is.
   void file_interrupted_prints();
   void give_back_unbegun();
   // Does what is due: starts the next job, or has a waiting one checked. Never from inside the print process.
@@ -116,7 +119,9 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void let_go();
   // That it is held, why, and what the owner is to do; empty when it is not.
   [[nodiscard]] std::string hold_sentence() const;
-  void keep_hold();
+  // Has the disk know what the plate holds and whether the queue is held, for the next start. What it does
+  // not take now is tried again.
+  void keep_records();
 
   [[nodiscard]] std::map<std::string, ControlServer::Method> methods();
   [[nodiscard]] Json status() const;
@@ -139,11 +144,13 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   std::optional<ActiveJob> active_;
   std::deque<EndedJob> ended_;  // the latest last
   std::optional<std::string> plate_occupant_;
-  std::optional<std::string> held_;  // why
-  std::string waiting_for_;          // why the next job does not start, already told
+  std::optional<std::string> held_;    // why
+  std::vector<JobFiles> interrupted_;  // not filed yet
+  std::string unkept_;                 // why the disk does not know all of these; empty when it does
+  std::string waiting_for_;            // why the next job does not start, already told
   bool shutting_down_ = false;
   std::unique_ptr<ControlServer> control_;
-  EventLoop::SourcePtr pump_timer_;
+  EventLoop::SourcePtr pump_timer_, keep_timer_;
   PrintAnalyst analyst_;
   Worker worker_;  // last: its thread ends before what its tasks use
 };

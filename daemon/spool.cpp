@@ -99,6 +99,9 @@ Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
     fs::create_directories(folder(each));
   }
   lock_ = FileDescriptor(::open((root_ / kLock).c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
+  // A card that has become read-only may be written again later.
+  if (!lock_.valid() && errno == EROFS)
+    lock_ = FileDescriptor(::open((root_ / kLock).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!lock_.valid()) throw failure("cannot write in the spool " + root_.string());
   if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0) {
     throw std::runtime_error(fmt::format("another contourd uses the spool {}", root_.string()));
@@ -478,7 +481,8 @@ std::vector<JobFiles> Spool::interrupted() {
     model_in_incoming.replace_extension(".stl");
     const bool claimed_too_early =
         fs::exists(model_in_incoming) && !files_of(Folder::Incoming, model_in_incoming.filename()).ticket;
-    fs::rename(other, folder(claimed_too_early ? Folder::Incoming : Folder::Failed) / other.filename());
+    std::error_code code;  // where it cannot be moved it waits for the next start
+    fs::rename(other, folder(claimed_too_early ? Folder::Incoming : Folder::Failed) / other.filename(), code);
   }
   return jobs;
 }
@@ -492,6 +496,7 @@ std::optional<std::string> Spool::first_line_of(const char* name) const {
 }
 
 void Spool::keep_line(const char* name, const std::optional<std::string>& line) const {
+  if (first_line_of(name) == line) return;
   if (line) {
     write_durably(root_ / name, *line + "\n");
   } else {
@@ -512,6 +517,12 @@ std::optional<std::string> Spool::hold() const {
 }
 void Spool::set_hold(const std::optional<std::string>& why) const {
   keep_line(kHeld, why);
+}
+
+std::string Spool::trouble() const {
+  if (::access(root_.c_str(), W_OK) == 0) return "";
+  return fmt::format("the spool {} cannot be written: {}", root_.string(),
+                     std::generic_category().message(errno));
 }
 
 std::uintmax_t Spool::free_bytes() const {

@@ -97,7 +97,7 @@ class Spool {
                     const std::string& text) const;
 
   // Models and plates left in printing/ by a daemon that did not end its print. What else lies there goes to
-  // failed/, or back to incoming/ if it is the ticket of a model there.
+  // failed/, or back to incoming/ if it is the ticket of a model there, as far as that is possible.
   [[nodiscard]] std::vector<JobFiles> interrupted();
 
   // The job whose part is on the plate, or nothing when the plate is clear. Survives restarts.
@@ -108,6 +108,8 @@ class Spool {
   [[nodiscard]] std::optional<std::string> hold() const;
   void set_hold(const std::optional<std::string>& why) const;
 
+  // Why nothing in the spool can be changed at this moment; empty when that is possible.
+  [[nodiscard]] std::string trouble() const;
   [[nodiscard]] std::uintmax_t free_bytes() const;
 
  private:

@@ -587,6 +587,40 @@ class DiskThatTakesNothing(SpoolTest):
         self.assertIn("no reason", daemon.log())
         daemon.stop()
 
+    def restarts_on_a_disk_that_is(self, state):
+        """After a kill in mid-print, twice. Nothing begins, and nothing is forgotten; once the disk is well, all is as ever."""
+        daemon = self.printing_daemon()
+        daemon.drop("next.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        self.becomes(state)
+        for _ in range(2):
+            daemon.kill()
+            daemon.start()
+            status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+            self.assertEqual((status["plate_job"], status["queued"]), ("first", 1))
+            self.assertIn("first", status["held"])
+            self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), (["first.stl"], []))
+        log = daemon.log()
+        self.assertNotIn("moved to failed", log)
+        self.assertEqual(log.count("a restart will not know"), 2, log)
+        self.assertEqual(log.count("first: stays in printing"), 2, log)
+        self.is_well_again(state)
+        daemon.drop("more.stl", SMALL)
+        wait_until(lambda: daemon.has("failed", "first.stl"), "first in failed")
+        self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
+        self.assertIn("first", daemon.read("queue-held"))
+        self.assertEqual(daemon.names_in("printing"), [])
+        self.assertEqual(daemon.rpc("resume")["result"]["held"], None)
+        daemon.wait_state("exposing")
+        daemon.stop()
+        return log
+
+    def test_it_starts_on_a_full_disk_after_a_kill(self):
+        self.assertIn("No space left", self.restarts_on_a_disk_that_is("full"))
+
+    def test_it_starts_on_a_read_only_disk_after_a_kill(self):
+        self.assertIn("Read-only file system", self.restarts_on_a_disk_that_is("read-only"))
+
 
 class Plate(SpoolTest):
     def test_the_next_job_waits_until_the_plate_is_cleared(self):
