@@ -18,7 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Pixels kPreviewWidth{720}, kPreviewHeight{720};
-// How long until a job that could not start for lack of room on the disk is tried again.
+// How long until what the disk did not take is tried again.
 constexpr Duration kRetryInterval = 30s;
 // How many ended jobs are remembered for whoever asks.
 constexpr std::size_t kLongestHistory = 100;
@@ -195,7 +195,7 @@ void PrinterService::file_interrupted_prints() {
 void PrinterService::model_arrived(const std::string& file) {
   const auto same_file = [&](const QueuedJob& job) { return job.file == file; };
   const auto queued = std::find_if(queue_.begin(), queue_.end(), same_file);
-  const QueuedJob job{file, std::chrono::steady_clock::now()};
+  const QueuedJob job{.file = file, .arrived = std::chrono::steady_clock::now(), .trouble = {}};
   if (queued != queue_.end()) {
     *queued = job;  // written again: keeps its place
   } else {
@@ -229,6 +229,10 @@ void PrinterService::model_withdrawn(const std::string& file) {
 
 void PrinterService::pump_soon() {
   pump_timer_ = loop_.at(std::chrono::steady_clock::now(), [this] { pump(); });
+}
+
+void PrinterService::retry_later() {
+  pump_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
 }
 
 std::string PrinterService::reason_to_wait() const {
@@ -302,8 +306,9 @@ void PrinterService::pump() {
     take_what_is_due();
   } catch (const std::system_error& error) {
     // The spool's disk is gone or full: the queue waits for it.
-    log_.error("spool", fmt::format("the spool cannot be used: {}", error.what()));
-    pump_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
+    const std::string trouble = fmt::format("the spool cannot be used: {}", printable(error.what()));
+    if (std::exchange(waiting_for_, trouble) != trouble) log_.error("spool", trouble);
+    retry_later();
   }
 }
 
@@ -317,13 +322,12 @@ void PrinterService::take_what_is_due() {
   if (!active_ && reason.empty()) return begin_next();
   queue_.front().waited = true;
   // A disk may get room again without a word.
-  if (!reason.empty())
-    pump_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
+  if (!reason.empty()) retry_later();
   check_waiting();
 }
 
 void PrinterService::begin_next() {
-  const QueuedJob job = queue_.front();
+  QueuedJob job = queue_.front();
   // Its check is being made right now, or a refused file looks for a name: the end comes back here.
   if (job.check == QueuedJob::Check::Running || rejections_ > 0) return;
   queue_.pop_front();
@@ -337,9 +341,7 @@ void PrinterService::begin_next() {
   try {
     active.files = spool_.begin(job.file);
   } catch (const std::system_error& error) {
-    log_.error("claim",
-               fmt::format("{}: cannot be claimed, left where it is: {}", printable(job.file), error.what()));
-    return pump_soon();
+    return not_claimed(std::move(job), error);
   }
   active_ = std::move(active);
   worker_.run([files = active_->files, this] { return try_to_prepare(files, config_); },
@@ -353,6 +355,25 @@ void PrinterService::begin_next() {
         return true;
       },
       [](bool) {});
+}
+
+// It is tried again until it is taken away: a disk may be well again without a word.
+void PrinterService::not_claimed(QueuedJob job, const std::system_error& error) {
+  if (!spool_.is_waiting(job.file)) {
+    log_.info("withdrawn", fmt::format("{}: taken away by the owner", printable(job.file)),
+              file_fields(job.file));
+    return pump_soon();
+  }
+  const std::string trouble = fmt::format("{} cannot be claimed: {}", printable(job.file), error.what());
+  if (std::exchange(job.trouble, trouble) != trouble) log_.error("claim", trouble, file_fields(job.file));
+  waiting_for_ = trouble;
+  job.waited = true;
+  // What is about this file alone keeps no other waiting.
+  const bool of_file =
+      error.code() == std::errc::permission_denied || error.code() == std::errc::operation_not_permitted;
+  queue_.insert(of_file ? queue_.end() : queue_.begin(), std::move(job));
+  if (queue_.front().trouble.empty()) return pump_soon();
+  retry_later();
 }
 
 // A waiting job is read once when it arrives, so that its owner hears of a mistake while still there.

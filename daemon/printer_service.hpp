@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "daemon/control_server.hpp"
@@ -47,6 +48,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
       Refused,  // on its way to failed/
     } check = Check::Wanted;
     bool waited = false;  // for another print, or for the plate
+    std::string trouble;  // why it could not be claimed, already told
   };
   // The job between its claim and its end.
   struct ActiveJob {
@@ -87,11 +89,13 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   // Does what is due: starts the next job, or has a waiting one checked. Never from inside the print process.
   void pump();
   void pump_soon();
+  void retry_later();
   void take_what_is_due();
   [[nodiscard]] std::string reason_to_wait() const;
   // For the service manager's status line.
   [[nodiscard]] std::string readiness() const;
   void begin_next();
+  void not_claimed(QueuedJob job, const std::system_error& error);
   void check_waiting();
   void prepared(std::variant<PreparedJob, std::string> result);
   void checked(const std::string& file, const std::optional<std::string>& refusal);

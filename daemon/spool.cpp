@@ -345,6 +345,11 @@ bool Spool::is_unfinished(const std::string& file) const {
          (files.ticket && writers_of(*files.ticket) == Writers::Some);
 }
 
+bool Spool::is_waiting(const std::string& file) const {
+  std::error_code code;
+  return fs::symlink_status(folder(Folder::Incoming) / file, code).type() != fs::file_type::not_found;
+}
+
 void Spool::wait_for(const std::string& file) {
   consider(file, Look::Event);
 }

@@ -63,6 +63,8 @@ class Spool {
   // Whether at this moment somebody has incoming/`file`, its ticket or a plate's file open for writing, or a
   // plate lacks a file.
   [[nodiscard]] bool is_unfinished(const std::string& file) const;
+  // False when incoming/`file` is not there; true also when nobody can tell.
+  [[nodiscard]] bool is_waiting(const std::string& file) const;
   // Plates in incoming/ that wait for files, and for which.
   [[nodiscard]] const std::map<std::string, std::vector<std::string>>& incomplete() const {
     return incomplete_;

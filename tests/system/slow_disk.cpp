@@ -1,7 +1,8 @@
 // Preloaded into a daemon by a test: a disk that does not answer, or that takes nothing. What reads (or looks
 // for) a file of the spool waits while $SLOW_DISK/reads exists, what writes one while $SLOW_DISK/writes does;
 // $SLOW_DISK/waiting is made by whatever waits. While there is $SLOW_DISK/full nothing can be written into a
-// file, while there is $SLOW_DISK/read-only nothing can be changed.
+// file, while there is $SLOW_DISK/read-only nothing can be changed, while there is
+// $SLOW_DISK/printing-read-only nothing in printing/.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -38,7 +39,9 @@ bool in_spool(const char* path) {
 
 // With errno.
 bool refused(const char* path) {
-  if (!in_spool(path) || !is_set("read-only")) return false;
+  const bool in_printing = std::strstr(path, "/spool/printing") != nullptr;
+  if (!in_spool(path) || !(is_set("read-only") || (in_printing && is_set("printing-read-only"))))
+    return false;
   errno = EROFS;
   return true;
 }

@@ -621,6 +621,29 @@ class DiskThatTakesNothing(SpoolTest):
     def test_it_starts_on_a_read_only_disk_after_a_kill(self):
         self.assertIn("Read-only file system", self.restarts_on_a_disk_that_is("read-only"))
 
+    def test_a_job_that_cannot_be_claimed_stays_in_the_queue_and_is_tried_again(self):
+        daemon = self.printing_daemon()
+        self.becomes("printing-read-only")
+        for name in ("one", "two"):
+            daemon.drop(name + ".stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 2, "two jobs in the queue")
+        daemon.rpc("cancel")
+        daemon.wait_ended("first")
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        self.assertEqual(status["queued"], 2)
+        self.assertIn("one.stl cannot be claimed", status["waiting_for"])
+        for name in ("three", "four"):  # each has the first in the queue tried again
+            daemon.drop(name + ".stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 4, "four jobs in the queue")
+        self.assertEqual(daemon.log().count("cannot be claimed"), 1, daemon.log())
+        self.is_well_again("printing-read-only")
+        daemon.drop("five.stl", SMALL)
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.status()["job"]["name"], "one")
+        self.assertIsNone(daemon.status()["waiting_for"])
+        self.assertEqual(daemon.rpc("queue")["result"]["queue"], ["two.stl", "three.stl", "four.stl", "five.stl"])
+        daemon.stop()
+
 
 class Plate(SpoolTest):
     def test_the_next_job_waits_until_the_plate_is_cleared(self):
