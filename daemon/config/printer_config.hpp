@@ -33,7 +33,7 @@ struct PrinterConfig {
   ResinProfile resin;  // for jobs that name none
 
   Nanometers travel;
-  MillimetersPerSecond travel_speed;
+  MillimetersPerSecond travel_speed, homing_speed;
   std::optional<MillimetersPerSecond> top_speed;
 
   Pixels display_width;
