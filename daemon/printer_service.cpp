@@ -215,6 +215,11 @@ void PrinterService::plate_waits(const std::string& file, const std::vector<std:
             file_fields(file));
 }
 
+void PrinterService::incoming_lost(const std::string& why) {
+  log_.error("spool",
+             fmt::format("nothing arrives until there is an incoming folder again: {}", printable(why)));
+}
+
 void PrinterService::model_withdrawn(const std::string& file) {
   // What is refused is taken away by the spool itself.
   const auto is_gone = [&](const QueuedJob& job) {

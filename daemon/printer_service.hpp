@@ -74,6 +74,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void model_arrived(const std::string& file) override;
   void model_withdrawn(const std::string& file) override;
   void plate_waits(const std::string& file, const std::vector<std::string>& missing) override;
+  void incoming_lost(const std::string& why) override;
   void state_changed(PrintState state) override;
   void layer_done(const LayerRecord& layer) override;
   void interrupted(const std::string& what) override;

@@ -161,6 +161,20 @@ void Spool::watch_incoming() {
   if (incoming_watch_ < 0) throw failure("cannot watch " + incoming);
 }
 
+void Spool::watch_incoming_anew() {
+  watch_again_timer_.reset();
+  try {
+    watch_incoming();
+  } catch (const std::system_error& error) {
+    if (!std::exchange(incoming_lost_, true)) observer_.incoming_lost(error.what());
+    watch_again_timer_ =
+        loop_.at(std::chrono::steady_clock::now() + kLookInterval, [this] { watch_incoming_anew(); });
+    return;
+  }
+  incoming_lost_ = false;
+  consider_all();
+}
+
 bool Spool::watch_plate(const std::string& file) {
   const fs::path path = folder(Folder::Incoming) / file;
   const int watch = ::inotify_add_watch(inotify_.get(), path.c_str(), kChanges | IN_DONT_FOLLOW);
@@ -202,7 +216,7 @@ void Spool::take_event(const inotify_event& event) {
   // A plate's that is not watched any more.
   if (event.wd != incoming_watch_) return;
   // The folder itself was removed: made and watched anew.
-  if ((event.mask & IN_IGNORED) != 0) return watch_incoming();
+  if ((event.mask & IN_IGNORED) != 0) return watch_incoming_anew();
   const std::string file = event.len > 0 ? event.name : "";
   if ((event.mask & (IN_DELETE | IN_MOVED_FROM)) == 0) return consider(file, Look::Event);
   looks_.erase(file);

@@ -45,6 +45,8 @@ class SpoolObserver {
   // The plate incoming/`file` cannot be taken as long as these files are missing, which its plate.json names.
   // Told when it changes.
   virtual void plate_waits(const std::string& file, const std::vector<std::string>& missing) = 0;
+  // The folder incoming/ was removed and cannot be made again, `why` says why: nothing arrives until it can.
+  virtual void incoming_lost(const std::string& why) = 0;
 };
 
 class Spool {
@@ -131,6 +133,8 @@ class Spool {
   };
 
   void watch_incoming();
+  // Again and again, until it can be watched.
+  void watch_incoming_anew();
   // False when there are no more watches.
   [[nodiscard]] bool watch_plate(const std::string& file);
   void stop_watching_plate(const std::string& file);
@@ -161,8 +165,9 @@ class Spool {
   FileDescriptor lock_;
   FileDescriptor inotify_;
   EventLoop::SourcePtr inotify_source_;
-  EventLoop::SourcePtr look_again_timer_;
+  EventLoop::SourcePtr look_again_timer_, watch_again_timer_;
   int incoming_watch_ = -1;
+  bool incoming_lost_ = false;
   std::map<int, std::string> plate_watches_;     // inotify's number: the plate in incoming/
   std::map<std::string, Candidate> candidates_;  // not known to be whole yet
   std::map<std::string, std::vector<std::string>> incomplete_;

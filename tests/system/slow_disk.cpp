@@ -127,6 +127,10 @@ int remove(const char* path) noexcept {
   if (refused(path)) return -1;
   return real<int(const char*)>("remove")(path);
 }
+int mkdir(const char* path, mode_t mode) noexcept {
+  if (refused(path)) return -1;
+  return real<int(const char*, mode_t)>("mkdir")(path, mode);
+}
 int access(const char* path, int mode) noexcept {
   if ((mode & W_OK) != 0 && refused(path)) return -1;
   return real<int(const char*, int)>("access")(path, mode);

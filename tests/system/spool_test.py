@@ -644,6 +644,19 @@ class DiskThatTakesNothing(SpoolTest):
         self.assertEqual(daemon.rpc("queue")["result"]["queue"], ["two.stl", "three.stl", "four.stl", "five.stl"])
         daemon.stop()
 
+    def test_incoming_removed_where_it_cannot_be_made_again_ends_no_print(self):
+        daemon = self.printing_daemon()
+        self.becomes("read-only")
+        os.rmdir(daemon.file("incoming"))
+        wait_until(lambda: "incoming folder" in daemon.log(), "its word")
+        self.assertEqual(daemon.status()["state"], "exposing")
+        self.is_well_again("read-only")
+        wait_until(lambda: daemon.has("incoming"), "the folder")
+        daemon.drop("next.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        self.assertEqual(daemon.log().count("incoming folder"), 1)
+        daemon.stop()
+
 
 class Plate(SpoolTest):
     def test_the_next_job_waits_until_the_plate_is_cleared(self):
