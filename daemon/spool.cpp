@@ -39,6 +39,10 @@ std::system_error failure(const std::string& what) {
   return std::system_error(errno, std::generic_category(), what);
 }
 
+std::string why(const std::error_code& code) {
+  return code.message() + (code == std::errc::read_only_file_system ? kReadOnlyHint : "");
+}
+
 enum class Writers { None, Some, Unknown };
 
 // A read lease (fcntl(2), F_SETLEASE) is given only while nobody has the file open for writing.
@@ -96,13 +100,18 @@ bool is_model_name(const std::string& file) {
 Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
     : root_(std::move(root)), loop_(loop), observer_(observer), disk_(loop) {
   for (const Folder each : {Folder::Incoming, Folder::Printing, Folder::Done, Folder::Failed}) {
-    fs::create_directories(folder(each));
+    std::error_code code;
+    fs::create_directories(folder(each), code);
+    if (code) throw std::runtime_error(fmt::format("cannot make {}: {}", folder(each).string(), why(code)));
   }
   lock_ = FileDescriptor(::open((root_ / kLock).c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
   // A card that has become read-only may be written again later.
   if (!lock_.valid() && errno == EROFS)
     lock_ = FileDescriptor(::open((root_ / kLock).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (!lock_.valid()) throw failure("cannot write in the spool " + root_.string());
+  if (!lock_.valid()) {
+    const std::error_code code(errno, std::generic_category());
+    throw std::runtime_error(fmt::format("cannot write in the spool {}: {}", root_.string(), why(code)));
+  }
   if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0) {
     throw std::runtime_error(fmt::format("another contourd uses the spool {}", root_.string()));
   }
@@ -541,7 +550,7 @@ void Spool::set_hold(const std::optional<std::string>& why) const {
 std::string Spool::trouble() const {
   if (::access(root_.c_str(), W_OK) == 0) return "";
   return fmt::format("the spool {} cannot be written: {}", root_.string(),
-                     std::generic_category().message(errno));
+                     why(std::error_code(errno, std::generic_category())));
 }
 
 std::uintmax_t Spool::free_bytes() const {

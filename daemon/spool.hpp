@@ -53,8 +53,8 @@ class Spool {
  public:
   enum class Folder { Incoming, Printing, Done, Failed };
 
-  // Makes the folders, and takes the spool for this process alone. Throws std::system_error when that fails,
-  // std::runtime_error when another contourd has it.
+  // Makes the folders, and takes the spool for this process alone. Throws std::runtime_error when that fails,
+  // or another contourd has it.
   Spool(std::filesystem::path root, EventLoop& loop, SpoolObserver& observer);
 
   // Watches incoming/, and reports what is in it already, oldest first. Throws std::system_error.

@@ -602,6 +602,7 @@ class DiskThatTakesNothing(SpoolTest):
             self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), (["first.stl"], []))
         log = daemon.log()
         self.assertNotIn("moved to failed", log)
+        self.assertEqual(state == "read-only", "ReadWritePaths" in log)
         self.assertEqual(log.count("a restart will not know"), 2, log)
         self.assertEqual(log.count("first: stays in printing"), 2, log)
         self.is_well_again(state)
@@ -614,6 +615,14 @@ class DiskThatTakesNothing(SpoolTest):
         daemon.wait_state("exposing")
         daemon.stop()
         return log
+
+    def test_a_spool_that_cannot_be_made_is_said_with_what_the_unit_needs(self):
+        daemon = self.daemon(REALTIME)
+        self.slow = daemon.put_on_slow_disk()
+        self.becomes("read-only")
+        daemon.launch()
+        self.assertGreater(daemon.process.wait(30), 0)
+        self.assertIn("ReadWritePaths", daemon.log())
 
     def test_it_starts_on_a_full_disk_after_a_kill(self):
         self.assertIn("No space left", self.restarts_on_a_disk_that_is("full"))
