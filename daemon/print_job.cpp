@@ -243,6 +243,7 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
   plan.lift_speed = resin.lift_speed;
   plan.retract_speed = resin.retract_speed;
   plan.travel_speed = printer.travel_speed;
+  plan.homing_speed = printer.homing_speed;
   plan.settle = resin.settle;
   plan.rest = resin.rest;
 }

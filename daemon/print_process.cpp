@@ -17,6 +17,8 @@ constexpr Nanometers kLook{30'000'000};
 // Devices answer by themselves when something is wrong; these deadlines are for the day when one does not. A
 // motion has its expected time and a tenth, plus this (Ember's figure).
 constexpr Duration kMotionGrace = 15s;
+// What homing moves beside the travel: beyond it, back off the switch and to it again.
+constexpr Nanometers kHomingBeside{25'000'000};
 constexpr Duration kPresentDeadline = 5s;
 constexpr Duration kProjectorDeadline = 30s;
 // A projector may have to cool down from before first, and cool again when it ignored the command.
@@ -237,9 +239,10 @@ Nanometers PrintProcess::current_height() const {
 }
 
 void PrintProcess::home() {
-  // Twice the travel at the slowest reasonable speed bounds any homing.
+  // The travel once, and some millimetres beside it, of which a part at half the speed: twice is more than
+  // any homing takes.
   const ZAxis& axis = machine_.z_axis();
-  const Duration longest = axis.move_duration(axis.travel(), MillimetersPerSecond{1.0});
+  const Duration longest = axis.move_duration(axis.travel() + kHomingBeside, plan_->homing_speed);
   expect_within(longest * 2 + kMotionGrace, "the axis to home");
   machine_.z_axis().home(while_in_state<HomingResult>([this](HomingResult result) {
     if (result == HomingResult::Homed) return handle(PrintEvent::Homed);

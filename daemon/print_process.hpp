@@ -27,7 +27,7 @@ struct PrintPlan {
   std::vector<Nanometers> expected_layers;  // their thicknesses, for the time left only
   double pixel_area_mm2 = 0;
   Nanometers lift{};
-  MillimetersPerSecond lift_speed, retract_speed, travel_speed;
+  MillimetersPerSecond lift_speed, retract_speed, travel_speed, homing_speed;
   Duration settle{}, rest{};
 };
 

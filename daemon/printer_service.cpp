@@ -18,7 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Pixels kPreviewWidth{720}, kPreviewHeight{720};
-// How long until a job that could not start for lack of room on the disk is tried again.
+// How long until what the disk did not take is tried again.
 constexpr Duration kRetryInterval = 30s;
 // How many ended jobs are remembered for whoever asks.
 constexpr std::size_t kLongestHistory = 100;
@@ -106,7 +106,8 @@ void PrinterService::start() {
     log_.error("machine", fmt::format("the printer cannot print: {}", printable(hindrance)));
   plate_occupant_ = spool_.plate_occupant();
   held_ = spool_.hold();
-  file_interrupted_prints();
+  if (const std::string trouble = spool_.trouble(); !trouble.empty()) log_.error("spool", printable(trouble));
+  find_interrupted_prints();
   if (held_) log_.warning("held", hold_sentence());
   control_ = std::make_unique<ControlServer>(loop_, config_.control_socket, methods());
   spool_.open();
@@ -162,17 +163,30 @@ void PrinterService::disturbed(const Disturbance& disturbance) {
   pump_soon();
 }
 
+void PrinterService::find_interrupted_prints() {
+  interrupted_ = spool_.interrupted();
+  for (const JobFiles& files : interrupted_) {
+    log_.error(
+        "interrupted",
+        fmt::format("{}: contourd did not end this print (power cut, crash or kill)", printable(files.name)),
+        job_fields(files.name));
+    plate_occupant_ = files.name;
+    if (!held_)
+      held_ =
+          fmt::format("{} was interrupted: the power was cut, or contourd was killed or crashed", files.name);
+  }
+  if (!interrupted_.empty()) keep_records();
+}
+
 void PrinterService::file_interrupted_prints() {
-  for (const JobFiles& files : spool_.interrupted()) {
-    log_.error("interrupted",
-               fmt::format("{}: contourd did not end this print (power cut, crash or kill); moved to failed",
-                           printable(files.name)),
-               job_fields(files.name));
-    file_job(
-        files, Spool::Folder::Failed,
-        "The print was interrupted: the power was cut, or contourd was killed or crashed. Put the model into "
-        "incoming again to print it from the start.");
-    set_plate_occupant(files.name);
+  while (!interrupted_.empty()) {
+    const JobFiles& files = interrupted_.back();
+    move_job(files, Spool::Folder::Failed,
+             "The print was interrupted: the power was cut, or contourd was killed or crashed. Put the model "
+             "into incoming again to print it from the start.");
+    log_.info("interrupted", fmt::format("{}: moved to failed", printable(files.name)),
+              job_fields(files.name));
+    interrupted_.pop_back();
   }
 }
 
@@ -181,7 +195,7 @@ void PrinterService::file_interrupted_prints() {
 void PrinterService::model_arrived(const std::string& file) {
   const auto same_file = [&](const QueuedJob& job) { return job.file == file; };
   const auto queued = std::find_if(queue_.begin(), queue_.end(), same_file);
-  const QueuedJob job{file, std::chrono::steady_clock::now()};
+  const QueuedJob job{.file = file, .arrived = std::chrono::steady_clock::now(), .trouble = {}};
   if (queued != queue_.end()) {
     *queued = job;  // written again: keeps its place
   } else {
@@ -201,6 +215,11 @@ void PrinterService::plate_waits(const std::string& file, const std::vector<std:
             file_fields(file));
 }
 
+void PrinterService::incoming_lost(const std::string& why) {
+  log_.error("spool",
+             fmt::format("nothing arrives until there is an incoming folder again: {}", printable(why)));
+}
+
 void PrinterService::model_withdrawn(const std::string& file) {
   // What is refused is taken away by the spool itself.
   const auto is_gone = [&](const QueuedJob& job) {
@@ -217,6 +236,10 @@ void PrinterService::pump_soon() {
   pump_timer_ = loop_.at(std::chrono::steady_clock::now(), [this] { pump(); });
 }
 
+void PrinterService::retry_later() {
+  pump_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
+}
+
 std::string PrinterService::reason_to_wait() const {
   if (std::string hindrance = machine_.hindrance(); !hindrance.empty()) return hindrance;
   if (held_) return hold_sentence();
@@ -224,6 +247,7 @@ std::string PrinterService::reason_to_wait() const {
     return fmt::format("the plate holds {}; say \"contourctl plate-cleared\" when it is clear",
                        *plate_occupant_);
   }
+  if (std::string trouble = spool_.trouble(); !trouble.empty()) return trouble;
   const std::uintmax_t free = spool_.free_bytes();
   if (free < config_.min_free_disk_bytes) {
     return fmt::format("the spool's disk has {} MB free, {} MB are needed", free / 1'000'000,
@@ -250,33 +274,46 @@ void PrinterService::hold(const std::string& why) {
   if (held_) return;
   held_ = why;
   log_.warning("held", hold_sentence());
-  keep_hold();
+  keep_records();
 }
 
 void PrinterService::let_go() {
   if (!held_) return;
   held_.reset();
   log_.info("held", "the queue goes on: the owner has seen to the printer");
-  keep_hold();
+  keep_records();
 }
 
-void PrinterService::keep_hold() {
+void PrinterService::keep_records() {
+  std::string trouble;
   try {
+    spool_.set_plate_occupant(plate_occupant_);
     spool_.set_hold(held_);
+    // Last: as long as they lie in printing/, the next start knows what these records would tell it.
+    file_interrupted_prints();
   } catch (const std::system_error& error) {
-    log_.error("spool",
-               fmt::format("a restart will not know {}: {}",
-                           held_ ? "that the queue is held" : "that the queue goes on", error.what()));
+    trouble = error.what();
+    keep_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
   }
+  if (std::exchange(unkept_, trouble) == trouble || trouble.empty()) return;
+  log_.error("spool", fmt::format("a restart will not know all that is known now, which is tried again until "
+                                  "it is on the disk: {}",
+                                  printable(trouble)));
+  for (const JobFiles& files : interrupted_)
+    log_.error("spool", fmt::format("{}: stays in printing until then", printable(files.name)),
+               job_fields(files.name));
 }
 
 void PrinterService::pump() {
   try {
+    // Not beside a light: the disk may take its time.
+    if (!unkept_.empty() && process_.state() == PrintState::Idle) keep_records();
     take_what_is_due();
   } catch (const std::system_error& error) {
     // The spool's disk is gone or full: the queue waits for it.
-    log_.error("spool", fmt::format("the spool cannot be used: {}", error.what()));
-    pump_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
+    const std::string trouble = fmt::format("the spool cannot be used: {}", printable(error.what()));
+    if (std::exchange(waiting_for_, trouble) != trouble) log_.error("spool", trouble);
+    retry_later();
   }
 }
 
@@ -290,13 +327,12 @@ void PrinterService::take_what_is_due() {
   if (!active_ && reason.empty()) return begin_next();
   queue_.front().waited = true;
   // A disk may get room again without a word.
-  if (!reason.empty())
-    pump_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
+  if (!reason.empty()) retry_later();
   check_waiting();
 }
 
 void PrinterService::begin_next() {
-  const QueuedJob job = queue_.front();
+  QueuedJob job = queue_.front();
   // Its check is being made right now, or a refused file looks for a name: the end comes back here.
   if (job.check == QueuedJob::Check::Running || rejections_ > 0) return;
   queue_.pop_front();
@@ -310,9 +346,7 @@ void PrinterService::begin_next() {
   try {
     active.files = spool_.begin(job.file);
   } catch (const std::system_error& error) {
-    log_.error("claim",
-               fmt::format("{}: cannot be claimed, left where it is: {}", printable(job.file), error.what()));
-    return pump_soon();
+    return not_claimed(std::move(job), error);
   }
   active_ = std::move(active);
   worker_.run([files = active_->files, this] { return try_to_prepare(files, config_); },
@@ -326,6 +360,25 @@ void PrinterService::begin_next() {
         return true;
       },
       [](bool) {});
+}
+
+// It is tried again until it is taken away: a disk may be well again without a word.
+void PrinterService::not_claimed(QueuedJob job, const std::system_error& error) {
+  if (!spool_.is_waiting(job.file)) {
+    log_.info("withdrawn", fmt::format("{}: taken away by the owner", printable(job.file)),
+              file_fields(job.file));
+    return pump_soon();
+  }
+  const std::string trouble = fmt::format("{} cannot be claimed: {}", printable(job.file), error.what());
+  if (std::exchange(job.trouble, trouble) != trouble) log_.error("claim", trouble, file_fields(job.file));
+  waiting_for_ = trouble;
+  job.waited = true;
+  // What is about this file alone keeps no other waiting.
+  const bool of_file =
+      error.code() == std::errc::permission_denied || error.code() == std::errc::operation_not_permitted;
+  queue_.insert(of_file ? queue_.end() : queue_.begin(), std::move(job));
+  if (queue_.front().trouble.empty()) return pump_soon();
+  retry_later();
 }
 
 // A waiting job is read once when it arrives, so that its owner hears of a mistake while still there.
@@ -553,7 +606,8 @@ void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason
   }
   active_->report = std::move(report);
   // What is wrong with the machine would be wrong for the next job too, and that begins with a motion.
-  if (outcome == PrintOutcome::Failed && !shutting_down_) hold(fmt::format("{} failed: {}", name, reason));
+  // Stopped with contourd, it has left its part in the way.
+  if (outcome == PrintOutcome::Failed) hold(fmt::format("{} failed: {}", name, reason));
   // A print on a machine takes much longer than its analysis; a simulated one need not.
   if (outcome == PrintOutcome::Done && analyst_.busy()) return;
   finish_job();
@@ -622,12 +676,24 @@ void PrinterService::write_report(const PrintReport& report, Spool::Folder folde
 
 void PrinterService::file_job(const JobFiles& files, Spool::Folder to, const std::string& reason) {
   try {
-    if (!reason.empty()) spool_.write_beside(to, files.name, "reason.txt", reason + "\n");
-    spool_.end(files, to);
+    move_job(files, to, reason);
   } catch (const std::system_error& error) {
     log_.error("spool", fmt::format("{}: stays in printing: {}", printable(files.name), error.what()),
                job_fields(files.name));
   }
+}
+
+void PrinterService::move_job(const JobFiles& files, Spool::Folder to, const std::string& reason) {
+  std::string trouble;
+  try {
+    if (!reason.empty()) spool_.write_beside(to, files.name, "reason.txt", reason + "\n");
+  } catch (const std::system_error& error) {
+    trouble = error.what();  // a full disk has no room for a reason, but a rename needs none
+  }
+  spool_.end(files, to);
+  if (!trouble.empty())
+    log_.error("spool", fmt::format("{}: no reason beside it: {}", printable(files.name), trouble),
+               job_fields(files.name));
 }
 
 void PrinterService::ended(const std::string& name, std::string_view outcome, const std::string& reason,

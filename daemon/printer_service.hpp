@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "daemon/control_server.hpp"
@@ -47,6 +48,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
       Refused,  // on its way to failed/
     } check = Check::Wanted;
     bool waited = false;  // for another print, or for the plate
+    std::string trouble;  // why it could not be claimed, already told
   };
   // The job between its claim and its end.
   struct ActiveJob {
@@ -72,6 +74,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void model_arrived(const std::string& file) override;
   void model_withdrawn(const std::string& file) override;
   void plate_waits(const std::string& file, const std::vector<std::string>& missing) override;
+  void incoming_lost(const std::string& why) override;
   void state_changed(PrintState state) override;
   void layer_done(const LayerRecord& layer) override;
   void interrupted(const std::string& what) override;
@@ -79,16 +82,21 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
 
   // Something happened to the machine.
   void disturbed(const Disturbance& disturbance);
+  // Jobs left in printing/ by a contourd that did not end them: they hold the queue, and go to failed/.
+  void find_interrupted_prints();
+  // Throws std::system_error; the rest of them stays where it is.
   void file_interrupted_prints();
   void give_back_unbegun();
   // Does what is due: starts the next job, or has a waiting one checked. Never from inside the print process.
   void pump();
   void pump_soon();
+  void retry_later();
   void take_what_is_due();
   [[nodiscard]] std::string reason_to_wait() const;
   // For the service manager's status line.
   [[nodiscard]] std::string readiness() const;
   void begin_next();
+  void not_claimed(QueuedJob job, const std::system_error& error);
   void check_waiting();
   void prepared(std::variant<PreparedJob, std::string> result);
   void checked(const std::string& file, const std::optional<std::string>& refusal);
@@ -101,6 +109,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   // Files the print that is over, with its report.
   void finish_job();
   void file_job(const JobFiles& files, Spool::Folder to, const std::string& reason);
+  // The same, but throws std::system_error when it stays in printing/.
+  void move_job(const JobFiles& files, Spool::Folder to, const std::string& reason);
   [[nodiscard]] std::uint64_t late_steps_of_job() const;
   [[nodiscard]] PrintReport make_report(PrintOutcome outcome, const std::string& reason,
                                         const PrintPlan& plan) const;
@@ -114,7 +124,9 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void let_go();
   // That it is held, why, and what the owner is to do; empty when it is not.
   [[nodiscard]] std::string hold_sentence() const;
-  void keep_hold();
+  // Has the disk know what the plate holds and whether the queue is held, for the next start. What it does
+  // not take now is tried again.
+  void keep_records();
 
   [[nodiscard]] std::map<std::string, ControlServer::Method> methods();
   [[nodiscard]] Json status() const;
@@ -137,11 +149,13 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   std::optional<ActiveJob> active_;
   std::deque<EndedJob> ended_;  // the latest last
   std::optional<std::string> plate_occupant_;
-  std::optional<std::string> held_;  // why
-  std::string waiting_for_;          // why the next job does not start, already told
+  std::optional<std::string> held_;    // why
+  std::vector<JobFiles> interrupted_;  // not filed yet
+  std::string unkept_;                 // why the disk does not know all of these; empty when it does
+  std::string waiting_for_;            // why the next job does not start, already told
   bool shutting_down_ = false;
   std::unique_ptr<ControlServer> control_;
-  EventLoop::SourcePtr pump_timer_;
+  EventLoop::SourcePtr pump_timer_, keep_timer_;
   PrintAnalyst analyst_;
   Worker worker_;  // last: its thread ends before what its tasks use
 };

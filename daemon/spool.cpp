@@ -39,6 +39,10 @@ std::system_error failure(const std::string& what) {
   return std::system_error(errno, std::generic_category(), what);
 }
 
+std::string why(const std::error_code& code) {
+  return code.message() + (code == std::errc::read_only_file_system ? kReadOnlyHint : "");
+}
+
 enum class Writers { None, Some, Unknown };
 
 // A read lease (fcntl(2), F_SETLEASE) is given only while nobody has the file open for writing.
@@ -96,10 +100,18 @@ bool is_model_name(const std::string& file) {
 Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
     : root_(std::move(root)), loop_(loop), observer_(observer), disk_(loop) {
   for (const Folder each : {Folder::Incoming, Folder::Printing, Folder::Done, Folder::Failed}) {
-    fs::create_directories(folder(each));
+    std::error_code code;
+    fs::create_directories(folder(each), code);
+    if (code) throw std::runtime_error(fmt::format("cannot make {}: {}", folder(each).string(), why(code)));
   }
   lock_ = FileDescriptor(::open((root_ / kLock).c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
-  if (!lock_.valid()) throw failure("cannot write in the spool " + root_.string());
+  // A card that has become read-only may be written again later.
+  if (!lock_.valid() && errno == EROFS)
+    lock_ = FileDescriptor(::open((root_ / kLock).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!lock_.valid()) {
+    const std::error_code code(errno, std::generic_category());
+    throw std::runtime_error(fmt::format("cannot write in the spool {}: {}", root_.string(), why(code)));
+  }
   if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0) {
     throw std::runtime_error(fmt::format("another contourd uses the spool {}", root_.string()));
   }
@@ -158,6 +170,20 @@ void Spool::watch_incoming() {
   if (incoming_watch_ < 0) throw failure("cannot watch " + incoming);
 }
 
+void Spool::watch_incoming_anew() {
+  watch_again_timer_.reset();
+  try {
+    watch_incoming();
+  } catch (const std::system_error& error) {
+    if (!std::exchange(incoming_lost_, true)) observer_.incoming_lost(error.what());
+    watch_again_timer_ =
+        loop_.at(std::chrono::steady_clock::now() + kLookInterval, [this] { watch_incoming_anew(); });
+    return;
+  }
+  incoming_lost_ = false;
+  consider_all();
+}
+
 bool Spool::watch_plate(const std::string& file) {
   const fs::path path = folder(Folder::Incoming) / file;
   const int watch = ::inotify_add_watch(inotify_.get(), path.c_str(), kChanges | IN_DONT_FOLLOW);
@@ -199,7 +225,7 @@ void Spool::take_event(const inotify_event& event) {
   // A plate's that is not watched any more.
   if (event.wd != incoming_watch_) return;
   // The folder itself was removed: made and watched anew.
-  if ((event.mask & IN_IGNORED) != 0) return watch_incoming();
+  if ((event.mask & IN_IGNORED) != 0) return watch_incoming_anew();
   const std::string file = event.len > 0 ? event.name : "";
   if ((event.mask & (IN_DELETE | IN_MOVED_FROM)) == 0) return consider(file, Look::Event);
   looks_.erase(file);
@@ -342,6 +368,11 @@ bool Spool::is_unfinished(const std::string& file) const {
          (files.ticket && writers_of(*files.ticket) == Writers::Some);
 }
 
+bool Spool::is_waiting(const std::string& file) const {
+  std::error_code code;
+  return fs::symlink_status(folder(Folder::Incoming) / file, code).type() != fs::file_type::not_found;
+}
+
 void Spool::wait_for(const std::string& file) {
   consider(file, Look::Event);
 }
@@ -478,7 +509,8 @@ std::vector<JobFiles> Spool::interrupted() {
     model_in_incoming.replace_extension(".stl");
     const bool claimed_too_early =
         fs::exists(model_in_incoming) && !files_of(Folder::Incoming, model_in_incoming.filename()).ticket;
-    fs::rename(other, folder(claimed_too_early ? Folder::Incoming : Folder::Failed) / other.filename());
+    std::error_code code;  // where it cannot be moved it waits for the next start
+    fs::rename(other, folder(claimed_too_early ? Folder::Incoming : Folder::Failed) / other.filename(), code);
   }
   return jobs;
 }
@@ -492,6 +524,7 @@ std::optional<std::string> Spool::first_line_of(const char* name) const {
 }
 
 void Spool::keep_line(const char* name, const std::optional<std::string>& line) const {
+  if (first_line_of(name) == line) return;
   if (line) {
     write_durably(root_ / name, *line + "\n");
   } else {
@@ -512,6 +545,12 @@ std::optional<std::string> Spool::hold() const {
 }
 void Spool::set_hold(const std::optional<std::string>& why) const {
   keep_line(kHeld, why);
+}
+
+std::string Spool::trouble() const {
+  if (::access(root_.c_str(), W_OK) == 0) return "";
+  return fmt::format("the spool {} cannot be written: {}", root_.string(),
+                     why(std::error_code(errno, std::generic_category())));
 }
 
 std::uintmax_t Spool::free_bytes() const {

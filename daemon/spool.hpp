@@ -45,14 +45,16 @@ class SpoolObserver {
   // The plate incoming/`file` cannot be taken as long as these files are missing, which its plate.json names.
   // Told when it changes.
   virtual void plate_waits(const std::string& file, const std::vector<std::string>& missing) = 0;
+  // The folder incoming/ was removed and cannot be made again, `why` says why: nothing arrives until it can.
+  virtual void incoming_lost(const std::string& why) = 0;
 };
 
 class Spool {
  public:
   enum class Folder { Incoming, Printing, Done, Failed };
 
-  // Makes the folders, and takes the spool for this process alone. Throws std::system_error when that fails,
-  // std::runtime_error when another contourd has it.
+  // Makes the folders, and takes the spool for this process alone. Throws std::runtime_error when that fails,
+  // or another contourd has it.
   Spool(std::filesystem::path root, EventLoop& loop, SpoolObserver& observer);
 
   // Watches incoming/, and reports what is in it already, oldest first. Throws std::system_error.
@@ -63,6 +65,8 @@ class Spool {
   // Whether at this moment somebody has incoming/`file`, its ticket or a plate's file open for writing, or a
   // plate lacks a file.
   [[nodiscard]] bool is_unfinished(const std::string& file) const;
+  // False when incoming/`file` is not there; true also when nobody can tell.
+  [[nodiscard]] bool is_waiting(const std::string& file) const;
   // Plates in incoming/ that wait for files, and for which.
   [[nodiscard]] const std::map<std::string, std::vector<std::string>>& incomplete() const {
     return incomplete_;
@@ -97,7 +101,7 @@ class Spool {
                     const std::string& text) const;
 
   // Models and plates left in printing/ by a daemon that did not end its print. What else lies there goes to
-  // failed/, or back to incoming/ if it is the ticket of a model there.
+  // failed/, or back to incoming/ if it is the ticket of a model there, as far as that is possible.
   [[nodiscard]] std::vector<JobFiles> interrupted();
 
   // The job whose part is on the plate, or nothing when the plate is clear. Survives restarts.
@@ -108,6 +112,8 @@ class Spool {
   [[nodiscard]] std::optional<std::string> hold() const;
   void set_hold(const std::optional<std::string>& why) const;
 
+  // Why nothing in the spool can be changed at this moment; empty when that is possible.
+  [[nodiscard]] std::string trouble() const;
   [[nodiscard]] std::uintmax_t free_bytes() const;
 
  private:
@@ -127,6 +133,8 @@ class Spool {
   };
 
   void watch_incoming();
+  // Again and again, until it can be watched.
+  void watch_incoming_anew();
   // False when there are no more watches.
   [[nodiscard]] bool watch_plate(const std::string& file);
   void stop_watching_plate(const std::string& file);
@@ -157,8 +165,9 @@ class Spool {
   FileDescriptor lock_;
   FileDescriptor inotify_;
   EventLoop::SourcePtr inotify_source_;
-  EventLoop::SourcePtr look_again_timer_;
+  EventLoop::SourcePtr look_again_timer_, watch_again_timer_;
   int incoming_watch_ = -1;
+  bool incoming_lost_ = false;
   std::map<int, std::string> plate_watches_;     // inotify's number: the plate in incoming/
   std::map<std::string, Candidate> candidates_;  // not known to be whole yet
   std::map<std::string, std::vector<std::string>> incomplete_;

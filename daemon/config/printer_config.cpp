@@ -1,5 +1,8 @@
 #include "daemon/config/printer_config.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <cmath>
 #include <optional>
 #include <system_error>
@@ -37,6 +40,36 @@ void check_rules(JsonDocument& document, const fs::path& folder) {
       document.add_violation("/control_socket", "the absolute path is " + std::to_string(length) +
                                                     " bytes long; the limit for a socket is " +
                                                     std::to_string(longest_socket_path));
+    }
+  }
+}
+
+// The first of the folder and those above it that is there.
+fs::path nearest_existing(fs::path folder) {
+  std::error_code code;
+  while (!fs::exists(folder, code) && folder.has_relative_path())
+    folder = folder.parent_path();
+  return folder;
+}
+
+// What keeps a daemon here from starting. Not permissions: it may run as another user than who asks.
+void check_places(JsonDocument& document, const fs::path& folder) {
+  std::error_code code;
+  if (const auto socket = document.sound_text("/control_socket")) {
+    const fs::path place = resolved(folder, *socket).parent_path();
+    // What lies in /run itself is made when the service starts.
+    if (!fs::is_directory(place, code) && place.parent_path() != "/run")
+      document.add_violation("/control_socket", "there is no folder " + place.string());
+  }
+  if (const auto spool = document.sound_text("/spool_folder")) {
+    const fs::path place = resolved(folder, *spool), base = nearest_existing(place);
+    const auto refuse = [&](const std::string& why) {
+      document.add_violation("/spool_folder", place.string() + " cannot be made: " + base.string() + why);
+    };
+    if (!fs::is_directory(base, code)) {
+      refuse(" is no folder");
+    } else if (base != place && ::access(base.c_str(), W_OK) != 0 && errno == EROFS) {
+      refuse(std::string(" is read-only") + kReadOnlyHint);
     }
   }
 }
@@ -200,6 +233,7 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .resin = std::move(companions.resin).value(),
       .travel = root.section("z_axis").length("travel_mm"),
       .travel_speed = MillimetersPerSecond{root.section("z_axis").number("travel_speed_mm_s")},
+      .homing_speed = MillimetersPerSecond{root.section("z_axis").number("homing_speed_mm_s")},
       .top_speed = read_top_speed(root.section("z_axis")),
       .display_width = Pixels{display.integer<std::int32_t>("width_px")},
       .display_height = Pixels{display.integer<std::int32_t>("height_px")},
@@ -221,11 +255,12 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
 
 }  // namespace
 
-PrinterConfig load_printer_config(const fs::path& path) {
+PrinterConfig load_printer_config(const fs::path& path, Places places) {
   JsonDocument document = JsonDocument::from_file(path);
   const fs::path folder = folder_of(path);
   printer_schema().check(document);
   check_rules(document, folder);
+  if (places == Places::Here) check_places(document, folder);
   check_hardware_rules(document);
   std::vector<Violation> elsewhere;
   Companions companions;

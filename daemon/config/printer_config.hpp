@@ -33,7 +33,7 @@ struct PrinterConfig {
   ResinProfile resin;  // for jobs that name none
 
   Nanometers travel;
-  MillimetersPerSecond travel_speed;
+  MillimetersPerSecond travel_speed, homing_speed;
   std::optional<MillimetersPerSecond> top_speed;
 
   Pixels display_width;
@@ -54,8 +54,16 @@ struct PrinterConfig {
       light_record;  // what is to be left for `--light-off`; see light_config.hpp. Real machines' only
 };
 
+// Whether the printer is this computer's, so that its folders must be possible here.
+enum class Places { Here, Elsewhere };
+
+// What may be the matter when a file system is read-only.
+inline constexpr const char* kReadOnlyHint =
+    " (under systemd, the unit's ReadWritePaths must name the folder)";
+
 // Throws ConfigError with everything that is wrong with the file and with the resin profile it names.
-[[nodiscard]] PrinterConfig load_printer_config(const std::filesystem::path& path);
+[[nodiscard]] PrinterConfig load_printer_config(const std::filesystem::path& path,
+                                                Places places = Places::Here);
 
 // Reads the profile of that name, checked against the printer. Throws ConfigError with what is wrong with it,
 // or with the profiles there are when there is none of that name. The name may come from anywhere.

@@ -151,14 +151,65 @@ std::string digits_of(std::string hex) {
   return hex;
 }
 
-// What a pattern for "the light is off" fits that does not mean it; empty when there is no such thing.
-std::string wrongly_fitted(const ReplyPattern& accepted, const std::string& text,
-                           const std::optional<std::string>& refused) {
-  if (accepted.fits_noise()) return "noise";
+// A line that a plain expression fits: without its escapes and what is optional by a character.
+std::string plain_line(const std::string& expression) {
+  std::string line;
+  for (std::size_t i = 0; i < expression.size(); ++i) {
+    const bool escape = expression[i] == '\\' && i + 1 < expression.size();
+    if (escape) ++i;
+    if (i + 1 < expression.size() && expression[i + 1] == '?') {
+      ++i;
+    } else {
+      line += expression[i];
+    }
+  }
+  return line;
+}
+
+// Two lists of bytes that the same reply may fit.
+bool overlap(const std::string& one, const std::string& other) {
+  return one.size() == other.size() && std::equal(one.begin(), one.end(), other.begin(), [](char a, char b) {
+           return a == b || a == '.' || b == '.';
+         });
+}
+
+// A reply of a sound command, as it is written and read.
+struct WrittenReply {
+  std::string text;
+  ReplyPattern pattern;
+
+  [[nodiscard]] bool fits_line_of(const WrittenReply& other) const {
+    return text == other.text || pattern.match_line(other.text) || pattern.match_line(plain_line(other.text));
+  }
+};
+
+// Nothing when there is none, or what kind it is nobody knows. REQUIRES: the commands were checked.
+std::optional<WrittenReply> written_reply(const JsonDocument& document, const std::string& command,
+                                          const char* key) {
+  const auto text = document.sound_text(command + "/" + key), checksum = document.sound_text("/checksum");
+  const bool of_bytes = document.sound_text(command + "/hex").has_value();
+  if (!text || !checksum || of_bytes == document.sound_text(command + "/text").has_value())
+    return std::nullopt;
+  try {
+    return WrittenReply{*text, parse_reply(*text, of_bytes, checksum_of_table(*checksum))};
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;  // said already
+  }
+}
+
+// What a pattern fits that does not mean it; empty when there is no such thing.
+std::string wrongly_fitted(const WrittenReply& reply, const std::optional<WrittenReply>& refused) {
+  if (reply.pattern.fits_noise()) return "noise";
   if (!refused) return "";
-  const bool fits = accepted.is_of_bytes() ? digits_of(text) == digits_of(*refused)
-                                           : text == *refused || accepted.match_line(*refused).has_value();
+  // What refuses may be written as what is none of the others: bytes may overlap.
+  const bool fits = reply.pattern.is_of_bytes() ? digits_of(reply.text) == digits_of(refused->text)
+                                                : reply.fits_line_of(*refused);
   return fits ? "what refuses" : "";
+}
+
+bool cannot_be_told_apart(const WrittenReply& one, const WrittenReply& other) {
+  if (one.pattern.is_of_bytes()) return overlap(digits_of(one.text), digits_of(other.text));
+  return one.fits_line_of(other) || other.fits_line_of(one);
 }
 
 // Of a command that is sound.
@@ -170,24 +221,34 @@ std::optional<std::string> bytes_of(const JsonDocument& document, const std::str
   return parse_hex(*hex, checksum_of_table(*checksum)).bytes;
 }
 
-// Darkness must not be confirmed by mistake. REQUIRES: the commands were checked.
-void check_light_off(JsonDocument& document) {
-  const std::string place = "/commands/light_off";
-  const auto bytes = bytes_of(document, place);
-  if (bytes && bytes == bytes_of(document, "/commands/light_on"))
-    document.add_violation(place, "it sends the same bytes as light_on");
-  const auto accepted = document.sound_text(place + "/accepted");
-  const auto checksum = document.sound_text("/checksum");
-  if (!accepted || !checksum) return;
-  const bool of_bytes = document.sound_text(place + "/hex").has_value();
-  if (of_bytes == document.sound_text(place + "/text").has_value()) return;
-  const std::string fitted = wrongly_fitted(parse_reply(*accepted, of_bytes, checksum_of_table(*checksum)),
-                                            *accepted, document.sound_text(place + "/refused"));
-  if (!fitted.empty()) {
-    document.add_violation(place + "/accepted",
-                           in_quotes(*accepted) + " fits " + fitted +
-                               " too: the light would be taken for off when it may be on");
-  }
+constexpr const char* kTakenForOff = " too: the light would be taken for off when it may be on";
+constexpr const char* kTakenForOn = " too: the light would be taken for on when it may be off";
+
+void check_confirmation(JsonDocument& document, const std::string& command, const char* key,
+                        const char* consequence) {
+  const auto reply = written_reply(document, command, key);
+  if (!reply) return;
+  const std::string fitted = wrongly_fitted(*reply, written_reply(document, command, "refused"));
+  if (!fitted.empty())
+    document.add_violation(command + "/" + key, in_quotes(reply->text) + " fits " + fitted + consequence);
+}
+
+// Darkness must not be confirmed by mistake: by light off, or by a projector that says it is off.
+void check_light_replies(JsonDocument& document) {
+  check_confirmation(document, "/commands/light_on", "accepted", kTakenForOn);
+  check_confirmation(document, "/commands/light_off", "accepted", kTakenForOff);
+  check_confirmation(document, "/commands/power", "off", kTakenForOff);
+  const auto on = written_reply(document, "/commands/power", "on"),
+             off = written_reply(document, "/commands/power", "off");
+  if (on && off && !off->pattern.fits_noise() && cannot_be_told_apart(*off, *on))
+    document.add_violation("/commands/power/off",
+                           in_quotes(off->text) + " fits what means on" + kTakenForOff);
+}
+
+void check_different_bytes(JsonDocument& document, const std::string& off, const std::string& on) {
+  const auto bytes = bytes_of(document, "/commands/" + off);
+  if (bytes && bytes == bytes_of(document, "/commands/" + on))
+    document.add_violation("/commands/" + off, "it sends the same bytes as " + on);
 }
 
 void check_rules(JsonDocument& document) {
@@ -195,7 +256,9 @@ void check_rules(JsonDocument& document) {
     check_command(document, std::string("/commands/") + key);
   check_brightness(document);
   check_light(document);
-  check_light_off(document);
+  check_different_bytes(document, "power_off", "power_on");
+  check_different_bytes(document, "light_off", "light_on");
+  check_light_replies(document);
   const nlohmann::json::json_pointer unasked("/unasked");
   const std::size_t lines = document.value().contains(unasked) ? document.value().at(unasked).size() : 0;
   for (std::size_t i = 0; i < lines; ++i)

@@ -66,7 +66,7 @@ Subject subject_alone(const AnalyzeOptions& options) {
 
 // As contourd prints it.
 Subject subject_of_printer(const AnalyzeOptions& options) {
-  const PrinterConfig printer = load_printer_config(*options.printer);
+  const PrinterConfig printer = load_printer_config(*options.printer, Places::Elsewhere);
   // Bad files are told as by the other commands, before anything about the printer.
   (void)read_model(options.model);
   PreparedJob job = [&] {

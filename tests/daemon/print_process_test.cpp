@@ -51,7 +51,7 @@ class Bench final : public PrintObserver {
     plan.pixel_area_mm2 = 0.01;
     plan.lift = Nanometers{6'000'000};
     plan.lift_speed = MillimetersPerSecond{2};
-    plan.retract_speed = plan.travel_speed = MillimetersPerSecond{5};
+    plan.retract_speed = plan.travel_speed = plan.homing_speed = MillimetersPerSecond{5};
     plan.settle = 700ms;
     plan.rest = 300ms;
     return plan;
@@ -124,6 +124,19 @@ void bring_to(Bench& bench, PrintState state) {
 }
 
 }  // namespace
+
+TEST_CASE("A homing as slow as it may be is waited for over the whole travel") {
+  SimulatedPrinterConfig config = Bench::small_printer();
+  config.axis.homing_speed = MillimetersPerSecond{0.1};
+  config.axis.start_height = config.axis.travel;
+  Bench bench(config);
+  PrintPlan plan = Bench::plan(1);
+  plan.homing_speed = config.axis.homing_speed;
+  bench.process.start(std::move(plan));
+  bench.run_out();
+  CHECK(bench.reason.empty());
+  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+}
 
 TEST_CASE("A print goes through its states layer by layer and ends parked, done and dark") {
   Bench bench;

@@ -209,11 +209,17 @@ class CommandLine(ConfigTest):
 
     def test_a_spool_that_cannot_be_made_is_said(self):
         self.write("file", b"")
-        for folder in ("file/spool", "/proc/spool"):
-            result = run(CONTOURD, "--config", self.config({"spool_folder": folder}))
-            self.assertNotIn(result.returncode, (OK, BAD_CONFIG))
-            self.assertGreater(result.returncode, 0)
+        # A folder of the kernel's looks as any other until something is made in it.
+        for option, folder, code in (("--check-config", "file/spool", BAD_CONFIG), ("--config", "file/spool", BAD_CONFIG),
+                                     ("--config", "/proc/spool", 70)):  # fmt: skip
+            result = run(CONTOURD, option, self.config({"spool_folder": folder}))
+            self.assertEqual(result.returncode, code)
             self.assert_one_line(result.stderr, "spool")
+
+    def test_a_socket_in_a_folder_that_is_not_there_is_found_by_a_check(self):
+        result = run(CONTOURD, "--check-config", self.config({"control_socket": "missing/control.sock"}))
+        self.assertEqual(result.returncode, BAD_CONFIG)
+        self.assert_one_line(result.stderr, "/control_socket", "there is no folder")
 
     def test_a_log_that_nobody_reads_does_not_stop_a_print(self):
         daemon = Daemon(self)

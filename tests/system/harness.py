@@ -416,8 +416,9 @@ class Daemon:
         return self.rpc("status")["result"]
 
     def put_on_slow_disk(self):
-        """The spool's disk does not answer while there is a file slow/reads or slow/writes (slow_disk.cpp). Before the
-        start. Returns the folder slow/."""
+        """The spool's disk does not answer while there is a file slow/reads or slow/writes, has no room while there is
+        slow/full, and takes nothing while there is slow/read-only (slow_disk.cpp). Before the start. Returns the folder
+        slow/."""
         folder = os.path.join(self.folder, "slow")
         os.mkdir(folder)
         self.environment = {"LD_PRELOAD": os.path.join(BIN, "libslow-disk.so"), "SLOW_DISK": folder}

@@ -448,13 +448,16 @@ class HeldQueue(PrintTest):
         self.assertIsNone(daemon.status()["held"])
         daemon.stop()
 
-    def test_a_stop_of_the_daemon_holds_nothing(self):
+    def test_a_stop_of_the_daemon_holds_the_queue_in_a_print_alone(self):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, **ENDLESS})
+        daemon.stop()
+        daemon.start()
+        self.assertIsNone(daemon.status()["held"])
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
         daemon.stop()
         daemon.start()
-        self.assertIsNone(daemon.status()["held"])
+        self.assertIn("part failed: contourd was stopped", daemon.status()["held"])
         daemon.stop()
 
 

@@ -1,6 +1,8 @@
-// Preloaded into a daemon by a test: a disk that does not answer. What reads (or looks for) a file of the
-// spool waits while $SLOW_DISK/reads exists, what writes one while $SLOW_DISK/writes does; $SLOW_DISK/waiting
-// is made by whatever waits.
+// Preloaded into a daemon by a test: a disk that does not answer, or that takes nothing. What reads (or looks
+// for) a file of the spool waits while $SLOW_DISK/reads exists, what writes one while $SLOW_DISK/writes does;
+// $SLOW_DISK/waiting is made by whatever waits. While there is $SLOW_DISK/full nothing can be written into a
+// file, while there is $SLOW_DISK/read-only nothing can be changed, while there is
+// $SLOW_DISK/printing-read-only nothing in printing/.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -10,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -21,13 +24,38 @@ Function* real(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
 }
 
+bool is_set(const char* gate) {
+  const char* const folder = std::getenv("SLOW_DISK");
+  if (folder == nullptr) return false;
+  char path[256];
+  std::snprintf(path, sizeof path, "%s/%s", folder, gate);
+  // The system call itself: access() is refused here.
+  return ::syscall(SYS_faccessat, AT_FDCWD, path, F_OK) == 0;
+}
+
+bool in_spool(const char* path) {
+  return std::strstr(path, "/spool") != nullptr;
+}
+
+// With errno.
+bool refused(const char* path) {
+  const bool in_printing = std::strstr(path, "/spool/printing") != nullptr;
+  if (!in_spool(path) || !(is_set("read-only") || (in_printing && is_set("printing-read-only"))))
+    return false;
+  errno = EROFS;
+  return true;
+}
+
+bool refused(const char* path, int flags) {
+  return (flags & O_ACCMODE) != O_RDONLY && refused(path);
+}
+
 void wait_while(const char* gate) {
   const char* const folder = std::getenv("SLOW_DISK");
   if (folder == nullptr) return;
-  char path[256], waiting[256];
-  std::snprintf(path, sizeof path, "%s/%s", folder, gate);
+  char waiting[256];
   std::snprintf(waiting, sizeof waiting, "%s/waiting", folder);
-  while (::access(path, F_OK) == 0) {
+  while (is_set(gate)) {
     // The system call itself: open() is one of those that wait.
     const long made = ::syscall(SYS_openat, AT_FDCWD, waiting, O_CREAT | O_WRONLY | O_CLOEXEC, 0644);
     if (made >= 0) ::close(static_cast<int>(made));
@@ -54,6 +82,7 @@ int open(const char* path, int flags, ...) {
   const mode_t mode = mode_of(flags, more);
   va_end(more);
   wait_for_file(path, (flags & O_ACCMODE) != O_RDONLY);
+  if (refused(path, flags)) return -1;
   return real<int(const char*, int, ...)>("open")(path, flags, mode);
 }
 int open64(const char* path, int flags, ...) {
@@ -62,6 +91,7 @@ int open64(const char* path, int flags, ...) {
   const mode_t mode = mode_of(flags, more);
   va_end(more);
   wait_for_file(path, (flags & O_ACCMODE) != O_RDONLY);
+  if (refused(path, flags)) return -1;
   return real<int(const char*, int, ...)>("open64")(path, flags, mode);
 }
 FILE* fopen(const char* path, const char* mode) {
@@ -90,6 +120,28 @@ int fsync(int fd) {
 }
 int rename(const char* from, const char* to) noexcept {
   wait_for_file(to, true);
+  if (refused(to)) return -1;
   return real<int(const char*, const char*)>("rename")(from, to);
+}
+int remove(const char* path) noexcept {
+  if (refused(path)) return -1;
+  return real<int(const char*)>("remove")(path);
+}
+int mkdir(const char* path, mode_t mode) noexcept {
+  if (refused(path)) return -1;
+  return real<int(const char*, mode_t)>("mkdir")(path, mode);
+}
+int access(const char* path, int mode) noexcept {
+  if ((mode & W_OK) != 0 && refused(path)) return -1;
+  return real<int(const char*, int)>("access")(path, mode);
+}
+ssize_t write(int fd, const void* bytes, size_t count) {
+  char link[64], path[256] = "";
+  std::snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+  if (is_set("full") && ::readlink(link, path, sizeof path - 1) > 0 && in_spool(path)) {
+    errno = ENOSPC;
+    return -1;
+  }
+  return real<ssize_t(int, const void*, size_t)>("write")(fd, bytes, count);
 }
 }

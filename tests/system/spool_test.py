@@ -562,6 +562,111 @@ class SlowDisk(SpoolTest):
         self.arrives("next")
 
 
+@unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
+class DiskThatTakesNothing(SpoolTest):
+    def printing_daemon(self, config=None):
+        daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), config or {}), {**NIMBLE_RESIN, **ENDLESS})
+        self.slow = daemon.put_on_slow_disk()
+        daemon.start()
+        daemon.drop("first.stl", SMALL)
+        daemon.wait_state("exposing")
+        return daemon
+
+    def becomes(self, state):
+        open(os.path.join(self.slow, state), "wb").close()
+
+    def is_well_again(self, state):
+        os.unlink(os.path.join(self.slow, state))
+
+    def test_a_print_cancelled_on_a_full_disk_is_filed_without_its_reason(self):
+        daemon = self.printing_daemon()
+        self.becomes("full")
+        daemon.rpc("cancel")
+        daemon.wait_ended("first")
+        self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), ([], ["first.stl"]))
+        self.assertIn("no reason", daemon.log())
+        daemon.stop()
+
+    def restarts_on_a_disk_that_is(self, state):
+        """After a kill in mid-print, twice. Nothing begins, and nothing is forgotten; once the disk is well, all is as ever."""
+        daemon = self.printing_daemon()
+        daemon.drop("next.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        self.becomes(state)
+        for _ in range(2):
+            daemon.kill()
+            daemon.start()
+            status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+            self.assertEqual((status["plate_job"], status["queued"]), ("first", 1))
+            self.assertIn("first", status["held"])
+            self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), (["first.stl"], []))
+        log = daemon.log()
+        self.assertNotIn("moved to failed", log)
+        self.assertEqual(state == "read-only", "ReadWritePaths" in log)
+        self.assertEqual(log.count("a restart will not know"), 2, log)
+        self.assertEqual(log.count("first: stays in printing"), 2, log)
+        self.is_well_again(state)
+        daemon.drop("more.stl", SMALL)
+        wait_until(lambda: daemon.has("failed", "first.stl"), "first in failed")
+        self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
+        self.assertIn("first", daemon.read("queue-held"))
+        self.assertEqual(daemon.names_in("printing"), [])
+        self.assertEqual(daemon.rpc("resume")["result"]["held"], None)
+        daemon.wait_state("exposing")
+        daemon.stop()
+        return log
+
+    def test_a_spool_that_cannot_be_made_is_said_with_what_the_unit_needs(self):
+        daemon = self.daemon(REALTIME)
+        self.slow = daemon.put_on_slow_disk()
+        self.becomes("read-only")
+        daemon.launch()
+        self.assertGreater(daemon.process.wait(30), 0)
+        self.assertIn("ReadWritePaths", daemon.log())
+
+    def test_it_starts_on_a_full_disk_after_a_kill(self):
+        self.assertIn("No space left", self.restarts_on_a_disk_that_is("full"))
+
+    def test_it_starts_on_a_read_only_disk_after_a_kill(self):
+        self.assertIn("Read-only file system", self.restarts_on_a_disk_that_is("read-only"))
+
+    def test_a_job_that_cannot_be_claimed_stays_in_the_queue_and_is_tried_again(self):
+        daemon = self.printing_daemon()
+        self.becomes("printing-read-only")
+        for name in ("one", "two"):
+            daemon.drop(name + ".stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 2, "two jobs in the queue")
+        daemon.rpc("cancel")
+        daemon.wait_ended("first")
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        self.assertEqual(status["queued"], 2)
+        self.assertIn("one.stl cannot be claimed", status["waiting_for"])
+        for name in ("three", "four"):  # each has the first in the queue tried again
+            daemon.drop(name + ".stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 4, "four jobs in the queue")
+        self.assertEqual(daemon.log().count("cannot be claimed"), 1, daemon.log())
+        self.is_well_again("printing-read-only")
+        daemon.drop("five.stl", SMALL)
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.status()["job"]["name"], "one")
+        self.assertIsNone(daemon.status()["waiting_for"])
+        self.assertEqual(daemon.rpc("queue")["result"]["queue"], ["two.stl", "three.stl", "four.stl", "five.stl"])
+        daemon.stop()
+
+    def test_incoming_removed_where_it_cannot_be_made_again_ends_no_print(self):
+        daemon = self.printing_daemon()
+        self.becomes("read-only")
+        os.rmdir(daemon.file("incoming"))
+        wait_until(lambda: "incoming folder" in daemon.log(), "its word")
+        self.assertEqual(daemon.status()["state"], "exposing")
+        self.is_well_again("read-only")
+        wait_until(lambda: daemon.has("incoming"), "the folder")
+        daemon.drop("next.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        self.assertEqual(daemon.log().count("incoming folder"), 1)
+        daemon.stop()
+
+
 class Plate(SpoolTest):
     def test_the_next_job_waits_until_the_plate_is_cleared(self):
         daemon = self.daemon(WAITS).start()
@@ -647,6 +752,35 @@ class Interruption(SpoolTest):
         daemon.rpc("plate_cleared")
         daemon.wait_state("exposing")
         daemon.stop()
+
+    def next_waits_after(self, end):
+        """That the next job does not begin after a restart though no plate is waited for, until the owner has spoken."""
+        daemon = self.printing_daemon()
+        daemon.drop("next.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        end(daemon)
+        for _ in range(2):
+            daemon.start()
+            status = wait_until(lambda: (lambda s: s if s["queued"] or s["job"] else None)(daemon.status()), "the next job")
+            self.looks_pass(daemon, "empty")
+            self.assertEqual((status["state"], status["plate_job"]), ("idle", "first"))
+            self.assertIn("first", status["held"])
+            self.assertEqual(daemon.names_in("incoming"), ["next.stl"])
+            for name in daemon.names_in("failed"):
+                if name.startswith("empty"):
+                    os.unlink(daemon.file("failed", name))
+            daemon.stop()
+        daemon.start()
+        self.assertNotIn("error", daemon.rpc("resume"))
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.status()["job"]["name"], "next")
+        daemon.stop()
+
+    def test_after_a_killed_print_the_next_waits_for_the_owner_whatever_the_plate_may_hold(self):
+        self.next_waits_after(lambda daemon: daemon.kill())
+
+    def test_after_a_print_that_was_stopped_with_the_daemon_the_next_waits_for_the_owner(self):
+        self.next_waits_after(lambda daemon: daemon.stop())
 
     def test_a_killed_print_keeps_its_ticket(self):
         daemon = self.printing_daemon()

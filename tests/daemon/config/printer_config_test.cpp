@@ -184,6 +184,22 @@ TEST_CASE("relative paths start from the file's folder, wherever the process is"
   CHECK(PrinterFolder(printer).load().spool_folder.filename() == "spool");
 }
 
+TEST_CASE("a folder that the daemon could not use is found when the configuration is read") {
+  json printer = smallest_printer();
+  printer["control_socket"] = "missing/control.sock";
+  printer["spool_folder"] = "printer.json/deep/spool";
+  const PrinterFolder folder(printer);
+  const std::string file = (folder.path() / "printer.json").string();
+  CHECK(folder.complaints() ==
+        Complaints{"/control_socket: there is no folder " + (folder.path() / "missing").string(),
+                   "/spool_folder: " + file + "/deep/spool cannot be made: " + file + " is no folder"});
+  // Of a printer elsewhere nobody here knows.
+  CHECK(complaints_of([&] { (void)load_printer_config(file, Places::Elsewhere); }).empty());
+  // The service's own folder in /run is there when it runs.
+  CHECK(complaints_with("/control_socket", "/run/no-such-service/control.sock").empty());
+  CHECK(complaints_with("/spool_folder", "deep/er/spool").empty());
+}
+
 TEST_CASE("ten mistakes in a printer file are ten lines") {
   json printer = smallest_printer();
   printer.erase("name");

@@ -329,6 +329,48 @@ TEST_CASE("a reply that refuses does not confirm that the light is off") {
   CHECK(complaints_about(table) == Complaints{"/commands/light_off/accepted: \"2a  .. ff 0d\"" + rest});
 }
 
+TEST_CASE("a projector that is on is not taken for one that is off") {
+  const std::string place = "/commands/power/off: ",
+                    off = " too: the light would be taken for off when it may be on";
+  json table = optoma();
+  for (const std::string any : {".*", "O?\\w+"}) {
+    table["commands"]["power"]["off"] = any;
+    CHECK(complaints_about(table) == Complaints{place + json(any).dump() + " fits noise" + off});
+  }
+  table["commands"]["power"]["off"] = "F";
+  CHECK(complaints_about(table) == Complaints{place + "\"F\" fits what refuses" + off});
+  for (const std::string both : {"O[Kk]1", "OK1", "O[Kk][01]?.?"}) {
+    table["commands"]["power"] = {{"text", "~00124 1"}, {"on", "O[Kk]1"}, {"off", both}};
+    if (both.ends_with('?')) table["commands"]["power"]["on"] = "OK1";
+    CHECK(complaints_about(table) == Complaints{place + json(both).dump() + " fits what means on" + off});
+  }
+  table["commands"]["power"] = {{"text", "~00124 1"}, {"on", ".*"}, {"off", "OK0"}};
+  CHECK(complaints_about(table) == Complaints{place + "\"OK0\" fits what means on" + off});
+  table = shipped("projectors/benq.json");
+  table["commands"]["power"]["off"] = ">?\\*POW=.*#";
+  CHECK(complaints_about(table) == Complaints{place + "\">?\\\\*POW=.*#\" fits what means on" + off});
+  table = shipped("projectors/viewsonic-pjd7820hd.json");
+  for (const std::string both : {"05 14 00 03 00 00 00 01 sum", "05 14 00 03 00 00 00 .. sum"}) {
+    table["commands"]["power"]["off"] = both;
+    CHECK(complaints_about(table) == Complaints{place + json(both).dump() + " fits what means on" + off});
+  }
+}
+
+TEST_CASE("a reply that refuses does not confirm that the light is on") {
+  json table = optoma();
+  table["commands"]["light_on"]["accepted"] = "[PF]";
+  CHECK(
+      complaints_about(table) ==
+      Complaints{"/commands/light_on/accepted: \"[PF]\" fits what refuses too: the light would be taken for "
+                 "on when it may be off"});
+}
+
+TEST_CASE("power off that sends what power on sends turns nothing off") {
+  json table = optoma();
+  table["commands"]["power_off"]["text"] = "~0000 1";
+  CHECK(complaints_about(table) == Complaints{"/commands/power_off: it sends the same bytes as power_on"});
+}
+
 TEST_CASE("light off that sends what light on sends turns nothing off") {
   json table = optoma();
   table["commands"]["light_off"]["text"] = "~0002 0";
