@@ -19,6 +19,12 @@ std::string count_of(std::uint64_t count, std::string_view one, std::string_view
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
+// Three digits, and all that stand before the point; where {:g} would take to exponents, something else.
+std::string area_text(double area_mm2) {
+  if (area_mm2 < 0.0001) return "less than 0.0001 mm2";
+  return area_mm2 < 999.5 ? fmt::format("{:.3g} mm2", area_mm2) : fmt::format("{:.0f} mm2", area_mm2);
+}
+
 // "3", "3 to 7", "3 to 7, 9, 12 and 4 more" for layers in rising order.
 std::string stretches(std::span<const std::int32_t> layers) {
   std::string text;
@@ -44,12 +50,11 @@ std::string island_warning(const PrintFindings& findings) {
       findings.island_count == 1 ? "it" : "them");
   for (std::size_t i = 0; i < largest.size(); ++i) {
     const Island& island = largest[i];
-    text += fmt::format("{} layer {} at {:.2f}, {:.2f} mm from the plate's centre ({:.3g} mm2)",
-                        i == 0 ? "" : ",", island.layer + 1, island.plate_mm.x, island.plate_mm.y,
-                        island.area_mm2);
+    text += fmt::format("{} layer {} at {:.2f}, {:.2f} mm from the plate's centre ({})", i == 0 ? "" : ",",
+                        island.layer + 1, island.plate_mm.x, island.plate_mm.y, area_text(island.area_mm2));
   }
   if (findings.island_count > largest.size())
-    text += fmt::format(", and {} smaller", findings.island_count - largest.size());
+    text += fmt::format(", and {} more", findings.island_count - largest.size());
   return text;
 }
 
