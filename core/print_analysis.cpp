@@ -29,9 +29,10 @@ void PrintAnalysis::note_area(double area_mm2, const Layer& layer) {
     findings_.largest_area_mm2 = area_mm2;
     findings_.largest_area_layer = number;
   }
-  if (area_mm2 == 0) return;
-  // The dark layers beneath turn out to be inside the print.
-  for (; dark_since_ < number; ++dark_since_)
+  const bool dark = area_mm2 == 0;
+  // On a lit layer a dark one is put off until there is more above: it may be the rest of the model's height.
+  if (dark && number > 0 && findings_.area_mm2[static_cast<std::size_t>(number) - 1] > 0) return;
+  for (; dark_since_ < number + (dark ? 1 : 0); ++dark_since_)
     findings_.empty_layers.push_back(dark_since_);
   dark_since_ = number + 1;
 }

@@ -39,7 +39,8 @@ struct PrintFindings {
   double volume_mm3 = 0;         // resin that is cured: area times thickness, summed
   double largest_area_mm2 = 0;   // what the peel has to tear off
   std::int32_t largest_area_layer = 0;
-  // Dark layers with lit ones above: what comes above has nothing to hold it.
+  // Dark layers. Not one alone at the top: layers are as many as reach the model's top, so the last one may
+  // be cut above it.
   std::vector<std::int32_t> empty_layers;
   std::uint64_t island_count = 0;
   // From the bottom up, of the first kMostIslands. The first layer has none: it stands on the plate.
@@ -80,7 +81,7 @@ class PrintAnalysis {
   double pixel_area_mm2_;
   MaskRuns layer_, beneath_;
   IslandFinder finder_;
-  std::int32_t dark_since_ = 0;  // the first of the dark layers on top, when there are any
+  std::int32_t dark_since_ = 0;  // the first of the dark layers on top that are not counted, if there are any
   PrintFindings findings_;
 };
 

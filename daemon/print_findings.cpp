@@ -58,6 +58,26 @@ std::string island_warning(const PrintFindings& findings) {
   return text;
 }
 
+void add_empty_layers_warnings(const PrintFindings& findings, std::vector<std::string>& warnings) {
+  const std::span<const std::int32_t> empty = findings.empty_layers;
+  if (!empty.empty() && empty.size() == findings.area_mm2.size()) {
+    warnings.push_back(fmt::format("all masks are dark ({}): nothing would be printed",
+                                   count_of(empty.size(), "layer", "layers")));
+    return;
+  }
+  const auto warn = [&warnings](std::span<const std::int32_t> layers, std::string_view consequence) {
+    if (layers.empty()) return;
+    const bool one = layers.size() == 1;
+    warnings.push_back(fmt::format("layer{} {} {} empty: {}", one ? "" : "s", stretches(layers),
+                                   one ? "is" : "are", consequence));
+  };
+  std::size_t inside = empty.size();
+  for (std::int32_t top = findings.layers() - 1; inside > 0 && empty[inside - 1] == top; --top)
+    --inside;
+  warn(empty.first(inside), "what comes above has nothing to hold it");
+  warn(empty.subspan(inside), "the print ends beneath");
+}
+
 std::string open_contours_warning(const PrintFindings& findings) {
   std::vector<std::int32_t> open;
   for (const CrackedLayer& each : findings.cracked_layers) {
@@ -94,11 +114,7 @@ std::string findings_line(const PrintFindings& findings) {
 std::vector<std::string> warnings_about(const PrintFindings& findings) {
   std::vector<std::string> warnings;
   if (findings.island_count > 0) warnings.push_back(island_warning(findings));
-  if (!findings.empty_layers.empty()) {
-    const bool one = findings.empty_layers.size() == 1;
-    warnings.push_back(fmt::format("layer{} {} {} empty: what comes above has nothing to hold it",
-                                   one ? "" : "s", stretches(findings.empty_layers), one ? "is" : "are"));
-  }
+  add_empty_layers_warnings(findings, warnings);
   if (findings.cracks.open_chains > 0) warnings.push_back(open_contours_warning(findings));
   if (findings.cracks.turned_chains > 0) warnings.push_back(turned_chains_warning(findings));
   return warnings;

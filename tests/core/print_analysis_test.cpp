@@ -133,15 +133,28 @@ TEST_CASE("A floating ball is one island where it begins") {
   CHECK(found.empty_layers == std::vector<std::int32_t>{2, 3, 4, 5});
 }
 
-TEST_CASE("Dark layers at the end of a print are not inside it") {
+TEST_CASE("Dark layers at the end of a print are empty ones") {
   // The engine knows no more than the model; the stack goes on above it.
   ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
   const auto found =
       analyze_print(engine, kDisplay, std::vector(10, kLayer), [](std::int32_t) { return 1s; });
   REQUIRE(found);
   CHECK(found->layers() == 10);
-  CHECK(found->empty_layers.empty());
+  CHECK(found->empty_layers == std::vector<std::int32_t>{4, 5, 6, 7, 8, 9});
   CHECK(found->layer_time == 10s);
+}
+
+TEST_CASE("A last layer that is cut above the model is no empty one") {
+  const PrintFindings found = analyze(models::box({0, 0, 0}, {2, 2, 2.1F}));
+  CHECK(found.layers() == 5);
+  CHECK(found.area_mm2.back() == 0);
+  CHECK(found.empty_layers.empty());
+}
+
+TEST_CASE("Of a print without any light every layer is empty") {
+  CHECK(analyze(models::box({0, 0, 0}, {2, 2, 0.1F})).empty_layers == std::vector<std::int32_t>{0});
+  // Thinner than what a pixel can show.
+  CHECK(analyze(models::box({0, 0, 0}, {2, 1e-5F, 1})).empty_layers == std::vector<std::int32_t>{0, 1});
 }
 
 TEST_CASE("A dark layer at the very bottom leaves all above it hanging") {

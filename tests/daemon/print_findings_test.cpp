@@ -84,6 +84,24 @@ TEST_CASE("One island and one empty layer are told in the singular") {
   CHECK(warnings[1] == "layer 2 is empty: what comes above has nothing to hold it");
 }
 
+TEST_CASE("Empty layers at the top have nothing above that they could not hold") {
+  PrintFindings findings;
+  findings.area_mm2 = {1, 0, 1, 0, 0};
+  findings.empty_layers = {1, 3, 4};
+  CHECK(warnings_about(findings) ==
+        std::vector<std::string>{"layer 2 is empty: what comes above has nothing to hold it",
+                                 "layers 4 to 5 are empty: the print ends beneath"});
+}
+
+TEST_CASE("A print without any light is told so") {
+  PrintFindings findings;
+  findings.area_mm2 = {0};
+  findings.empty_layers = {0};
+  CHECK(warnings_about(findings) ==
+        std::vector<std::string>{"all masks are dark (1 layer): nothing would be printed"});
+  CHECK(warnings_about(PrintFindings{}).empty());
+}
+
 TEST_CASE("An island's area has no exponent however large or small it is") {
   const auto told = [](double area_mm2) {
     PrintFindings findings;
