@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/exposure_correction.hpp"
+
 namespace contourd {
 
 PrintAnalysis::PrintAnalysis(const DisplayGeometry& display) : display_(display) {
@@ -51,11 +53,15 @@ std::optional<PrintFindings> analyze_print(
     const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,
     const std::stop_token& stop) {
   PrintAnalysis analysis(display);
+  const ExposureCorrection threshold({.threshold = engine.threshold()}, std::nullopt);
+  std::optional<Mask> kept;
+  if (!threshold.is_none()) kept.emplace(display.width, display.height);
   Nanometers bottom{};
   for (std::int32_t layer = 0; const Nanometers thickness : thicknesses) {
     if (stop.stop_requested()) return std::nullopt;
     (void)engine.mask_at(bottom + thickness / 2);
-    analysis.add_layer(engine.coverage(), {thickness, layer_duration(layer), engine.cracks()});
+    if (kept) threshold.apply(engine.coverage(), *kept);
+    analysis.add_layer(kept ? *kept : engine.coverage(), {thickness, layer_duration(layer), engine.cracks()});
     bottom += thickness;
     ++layer;
   }

@@ -85,7 +85,8 @@ class PrintAnalysis {
   PrintFindings findings_;
 };
 
-// All layers of a print, from the plate up by their thicknesses, computed by `engine` on `display`.
+// All layers of a print, from the plate up by their thicknesses, computed by `engine` on `display`: what they
+// cover, less what the engine's threshold leaves dark; lamp and gamma only make that coverage the same light.
 // `layer_duration` says how long a layer takes.
 // Nothing when `stop` was asked for meanwhile; it is looked at before every layer.
 [[nodiscard]] std::optional<PrintFindings> analyze_print(

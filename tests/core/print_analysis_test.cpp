@@ -191,6 +191,28 @@ TEST_CASE("A gyroid's resin is its mesh's volume") {
   CHECK(found.layers() == static_cast<std::int32_t>(found.area_mm2.size()));
 }
 
+TEST_CASE("What the threshold leaves dark is neither area nor island nor support") {
+  // A pin that covers a quarter of a pixel holds a plate 1 mm above another.
+  const models::Facets facets =
+      together(together(models::box({-2, -2, 0}, {2, 2, 1}), models::box({0, 0, 1}, {0.025F, 0.025F, 2})),
+               models::box({-2, -2, 2}, {2, 2, 3}));
+  const auto found_with = [&](const ToneCurve& tone) {
+    ContourEngine engine(HeightIndex(facets),
+                         EngineSettings{kDisplay, AntiAliasing::On, Compensation{}, tone, std::nullopt},
+                         {PixelMap::true_scale(kDisplay, {0, 0})});
+    return analyze_print(engine, kDisplay, std::vector(6, kLayer), [](std::int32_t) { return 0s; }).value();
+  };
+  const PrintFindings all = found_with({}), bright = found_with({2.2, 64}), cut = found_with({2.2, 65});
+  CHECK(all.empty_layers.empty());
+  CHECK(all.island_count == 0);
+  // 64 of 255 is what a quarter of a pixel is.
+  CHECK(bright.area_mm2 == all.area_mm2);
+  CHECK(cut.area_mm2[2] == 0);
+  CHECK(cut.area_mm2[4] == all.area_mm2[4]);
+  CHECK(cut.empty_layers == std::vector<std::int32_t>{2, 3});
+  CHECK(cut.island_count == 1);
+}
+
 TEST_CASE("Cracks are summed and told by layer") {
   models::Facets box = models::box({0, 0, 0}, {2, 2, 2});
   box.pop_back();
