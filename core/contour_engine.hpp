@@ -69,6 +69,9 @@ class ContourEngine {
   // What was bridged in the last call of any of these, in all models; copies count once.
   [[nodiscard]] const LayerCracks& cracks() const { return cracks_; }
 
+  // Coverage below this is left dark in masks.
+  [[nodiscard]] std::uint8_t threshold() const { return correction_.threshold(); }
+
   // Ends of a section's segments that miss each other by up to a pixel are joined.
   [[nodiscard]] Millimeters join_tolerance() const { return join_tolerance_; }
 

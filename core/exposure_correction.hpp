@@ -34,6 +34,8 @@ class ExposureCorrection {
   // Whether it changes nothing.
   [[nodiscard]] bool is_none() const { return !lamp_ && tone_ == ToneCurve{}; }
 
+  [[nodiscard]] std::uint8_t threshold() const { return tone_.threshold; }
+
   // Pixel by pixel: grey < threshold ? 0 : tone(round(grey lamp / 255)).
   // REQUIRES: both masks have one size, which is the lamp's if there is one; `to` is another object.
   void apply(const Mask& from, Mask& to) const;

@@ -69,6 +69,8 @@ const JoinedChains& OpenChainJoiner::join() {
   find_free_ends();
   double reach = std::max(tolerance_mm_, 1e-9);
   change_reach_ = reach;
+  join_turned_runs(reach);
+  find_free_ends();
   for (int round = 0; round < kRounds && !free_.empty(); ++round, reach *= 2)
     join_within(reach);
   if (!free_.empty()) join_what_is_left();
@@ -106,6 +108,8 @@ void OpenChainJoiner::join_within(double reach) {
   join_cheapest(reach);
   find_free_ends();
   if (free_.empty()) return;
+  join_turned_runs(reach);
+  find_free_ends();
   join_turned_chains(reach * kTurnedFactor);
   find_free_ends();
 }
@@ -206,6 +210,37 @@ void OpenChainJoiner::take_way_to(std::uint32_t start) {
     join_ends(end, start);
     start = given_up;
   }
+}
+
+// A run of chains whose start lies in the very same point as another start, and whose end in that of another
+// end, is turned, or what it meets is: joining both bridges nothing. Of a ring of turned and right chains,
+// join_turned_chains could leave two starts here and two ends on the other side of the part.
+void OpenChainJoiner::join_turned_runs(double reach) {
+  nearby_.sort(ends_, free_, reach);
+  far_end_.resize(ends_.size());
+  for (const std::uint32_t end : free_)
+    far_end_[end] = far_end_of(end);
+  for (const std::uint32_t start : free_) {
+    if (!is_start(start) || partner_[start] != kFree) continue;
+    const std::uint32_t other = free_end_like(start, 0);
+    if (other == kFree) continue;
+    for (const std::uint32_t turned : {start, other}) {
+      const std::uint32_t far = far_end_[turned];
+      // As many starts as ends, or some would find no partner.
+      const std::uint32_t met = is_start(far) ? kFree : free_end_like(far, 0);
+      if (met == kFree) continue;
+      join_runs(start, other);
+      join_runs(far, met);
+      break;
+    }
+  }
+}
+
+void OpenChainJoiner::join_runs(std::uint32_t a, std::uint32_t b) {
+  join_ends(a, b);
+  const std::uint32_t far_a = far_end_[a], far_b = far_end_[b];
+  far_end_[far_a] = far_b;
+  far_end_[far_b] = far_a;
 }
 
 // A chain of turned facets has a start where a start is, and an end where an end is: both at once, or it is

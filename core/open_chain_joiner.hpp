@@ -1,6 +1,8 @@
 // Closes what a cracked model leaves open: joins the ends of open chains until every chain is part of a
 // closed loop. Ends within the tolerance meet; what is left after that is closed all the same, as a guess.
 //
+// What turned facets leave apart, starts in one point and ends in another, is joined first: there is no gap.
+//
 // The reach doubles from round to round, beginning with the tolerance. In each round ends and starts are
 // paired so that all gaps together are the least (the assignment problem), where an end that stays free
 // counts as a gap of the reach. Pairs that are only the nearest would push the next one on, along a whole
@@ -70,7 +72,9 @@ class OpenChainJoiner {
   void pair_anew(std::uint32_t end, double reach);
   void look_from(std::uint32_t end, double cost_up_to, double least);
   void take_way_to(std::uint32_t start);
+  void join_turned_runs(double reach);
   void join_turned_chains(double reach);
+  void join_runs(std::uint32_t a, std::uint32_t b);
   [[nodiscard]] std::uint32_t free_end_like(std::uint32_t end, double reach) const;
   [[nodiscard]] std::uint32_t far_end_of(std::uint32_t end) const;
   void join_what_is_left();
@@ -83,6 +87,7 @@ class OpenChainJoiner {
   std::vector<std::uint32_t> weights_;
   std::vector<std::uint32_t> partner_;  // by end
   std::vector<std::uint32_t> free_;     // ends without a partner
+  std::vector<std::uint32_t> far_end_;  // by free end: the one at the other side of its joined chains
   std::vector<std::uint32_t> starts_;   // of all chains
   NearbyEnds nearby_;
   std::vector<Pair> pairs_;

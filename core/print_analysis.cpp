@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/exposure_correction.hpp"
+
 namespace contourd {
 
 PrintAnalysis::PrintAnalysis(const DisplayGeometry& display) : display_(display) {
@@ -29,9 +31,10 @@ void PrintAnalysis::note_area(double area_mm2, const Layer& layer) {
     findings_.largest_area_mm2 = area_mm2;
     findings_.largest_area_layer = number;
   }
-  if (area_mm2 == 0) return;
-  // The dark layers beneath turn out to be inside the print.
-  for (; dark_since_ < number; ++dark_since_)
+  const bool dark = area_mm2 == 0;
+  // On a lit layer a dark one is put off until there is more above: it may be the rest of the model's height.
+  if (dark && number > 0 && findings_.area_mm2[static_cast<std::size_t>(number) - 1] > 0) return;
+  for (; dark_since_ < number + (dark ? 1 : 0); ++dark_since_)
     findings_.empty_layers.push_back(dark_since_);
   dark_since_ = number + 1;
 }
@@ -50,11 +53,15 @@ std::optional<PrintFindings> analyze_print(
     const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,
     const std::stop_token& stop) {
   PrintAnalysis analysis(display);
+  const ExposureCorrection threshold({.threshold = engine.threshold()}, std::nullopt);
+  std::optional<Mask> kept;
+  if (!threshold.is_none()) kept.emplace(display.width, display.height);
   Nanometers bottom{};
   for (std::int32_t layer = 0; const Nanometers thickness : thicknesses) {
     if (stop.stop_requested()) return std::nullopt;
     (void)engine.mask_at(bottom + thickness / 2);
-    analysis.add_layer(engine.coverage(), {thickness, layer_duration(layer), engine.cracks()});
+    if (kept) threshold.apply(engine.coverage(), *kept);
+    analysis.add_layer(kept ? *kept : engine.coverage(), {thickness, layer_duration(layer), engine.cracks()});
     bottom += thickness;
     ++layer;
   }

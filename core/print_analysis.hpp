@@ -39,7 +39,8 @@ struct PrintFindings {
   double volume_mm3 = 0;         // resin that is cured: area times thickness, summed
   double largest_area_mm2 = 0;   // what the peel has to tear off
   std::int32_t largest_area_layer = 0;
-  // Dark layers with lit ones above: what comes above has nothing to hold it.
+  // Dark layers. Not one alone at the top: layers are as many as reach the model's top, so the last one may
+  // be cut above it.
   std::vector<std::int32_t> empty_layers;
   std::uint64_t island_count = 0;
   // From the bottom up, of the first kMostIslands. The first layer has none: it stands on the plate.
@@ -80,11 +81,12 @@ class PrintAnalysis {
   double pixel_area_mm2_;
   MaskRuns layer_, beneath_;
   IslandFinder finder_;
-  std::int32_t dark_since_ = 0;  // the first of the dark layers on top, when there are any
+  std::int32_t dark_since_ = 0;  // the first of the dark layers on top that are not counted, if there are any
   PrintFindings findings_;
 };
 
-// All layers of a print, from the plate up by their thicknesses, computed by `engine` on `display`.
+// All layers of a print, from the plate up by their thicknesses, computed by `engine` on `display`: what they
+// cover, less what the engine's threshold leaves dark; lamp and gamma only make that coverage the same light.
 // `layer_duration` says how long a layer takes.
 // Nothing when `stop` was asked for meanwhile; it is looked at before every layer.
 [[nodiscard]] std::optional<PrintFindings> analyze_print(

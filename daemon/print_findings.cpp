@@ -19,6 +19,12 @@ std::string count_of(std::uint64_t count, std::string_view one, std::string_view
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
+// Three digits, and all that stand before the point; where {:g} would take to exponents, something else.
+std::string area_text(double area_mm2) {
+  if (area_mm2 < 0.0001) return "less than 0.0001 mm2";
+  return area_mm2 < 999.5 ? fmt::format("{:.3g} mm2", area_mm2) : fmt::format("{:.0f} mm2", area_mm2);
+}
+
 // "3", "3 to 7", "3 to 7, 9, 12 and 4 more" for layers in rising order.
 std::string stretches(std::span<const std::int32_t> layers) {
   std::string text;
@@ -44,13 +50,32 @@ std::string island_warning(const PrintFindings& findings) {
       findings.island_count == 1 ? "it" : "them");
   for (std::size_t i = 0; i < largest.size(); ++i) {
     const Island& island = largest[i];
-    text += fmt::format("{} layer {} at {:.2f}, {:.2f} mm from the plate's centre ({:.3g} mm2)",
-                        i == 0 ? "" : ",", island.layer + 1, island.plate_mm.x, island.plate_mm.y,
-                        island.area_mm2);
+    text += fmt::format("{} layer {} at {:.2f}, {:.2f} mm from the plate's centre ({})", i == 0 ? "" : ",",
+                        island.layer + 1, island.plate_mm.x, island.plate_mm.y, area_text(island.area_mm2));
   }
   if (findings.island_count > largest.size())
-    text += fmt::format(", and {} smaller", findings.island_count - largest.size());
+    text += fmt::format(", and {} more", findings.island_count - largest.size());
   return text;
+}
+
+void add_empty_layers_warnings(const PrintFindings& findings, std::vector<std::string>& warnings) {
+  const std::span<const std::int32_t> empty = findings.empty_layers;
+  if (!empty.empty() && empty.size() == findings.area_mm2.size()) {
+    warnings.push_back(fmt::format("all masks are dark ({}): nothing would be printed",
+                                   count_of(empty.size(), "layer", "layers")));
+    return;
+  }
+  const auto warn = [&warnings](std::span<const std::int32_t> layers, std::string_view consequence) {
+    if (layers.empty()) return;
+    const bool one = layers.size() == 1;
+    warnings.push_back(fmt::format("layer{} {} {} empty: {}", one ? "" : "s", stretches(layers),
+                                   one ? "is" : "are", consequence));
+  };
+  std::size_t inside = empty.size();
+  for (std::int32_t top = findings.layers() - 1; inside > 0 && empty[inside - 1] == top; --top)
+    --inside;
+  warn(empty.first(inside), "what comes above has nothing to hold it");
+  warn(empty.subspan(inside), "the print ends beneath");
 }
 
 std::string open_contours_warning(const PrintFindings& findings) {
@@ -89,11 +114,7 @@ std::string findings_line(const PrintFindings& findings) {
 std::vector<std::string> warnings_about(const PrintFindings& findings) {
   std::vector<std::string> warnings;
   if (findings.island_count > 0) warnings.push_back(island_warning(findings));
-  if (!findings.empty_layers.empty()) {
-    const bool one = findings.empty_layers.size() == 1;
-    warnings.push_back(fmt::format("layer{} {} {} empty: what comes above has nothing to hold it",
-                                   one ? "" : "s", stretches(findings.empty_layers), one ? "is" : "are"));
-  }
+  add_empty_layers_warnings(findings, warnings);
   if (findings.cracks.open_chains > 0) warnings.push_back(open_contours_warning(findings));
   if (findings.cracks.turned_chains > 0) warnings.push_back(turned_chains_warning(findings));
   return warnings;

@@ -68,15 +68,17 @@ void write_mask(const std::filesystem::path& path, const Mask& mask) {
   write_mask(path, mask, encoder);
 }
 
-void write_masks(const std::filesystem::path& folder, std::span<const Nanometers> layers,
-                 const std::function<ContourEngine()>& make_engine) {
+std::vector<LayerCracks> write_masks(const std::filesystem::path& folder, std::span<const Nanometers> layers,
+                                     const std::function<ContourEngine()>& make_engine) {
   LayerQueue queue(layers.size());
+  std::vector<LayerCracks> cracks(layers.size());  // each written by the one thread that has the layer
   const auto write_some = [&] {
     std::optional<ContourEngine> engine;
     MaskPngEncoder encoder;
     queue.serve([&](std::size_t layer) {
       if (!engine) engine.emplace(make_engine());
       write_mask(folder / fmt::format("{:04}.png", layer + 1), engine->mask_at(layers[layer]), encoder);
+      cracks[layer] = engine->cracks();
     });
   };
   {
@@ -87,6 +89,7 @@ void write_masks(const std::filesystem::path& folder, std::span<const Nanometers
     write_some();
   }
   queue.rethrow();
+  return cracks;
 }
 
 }  // namespace contourd::ctl

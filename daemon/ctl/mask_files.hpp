@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "core/contour_engine.hpp"
+#include "core/layer_cracks.hpp"
 #include "core/mask_png.hpp"
 
 namespace contourd::ctl {
@@ -16,8 +18,8 @@ void write_mask(const std::filesystem::path& path, const Mask& mask);
 
 // Writes 0001.png, 0002.png, ... into the folder, for layers cut at these heights above the plate. Blocks.
 // The first layer that fails stops all; what it throws is thrown here: OutputError when its file cannot be
-// written. `make_engine` is called on several threads at once.
-void write_masks(const std::filesystem::path& folder, std::span<const Nanometers> layers,
-                 const std::function<ContourEngine()>& make_engine);
+// written. `make_engine` is called on several threads at once. Returns what each layer's cracks cost.
+std::vector<LayerCracks> write_masks(const std::filesystem::path& folder, std::span<const Nanometers> layers,
+                                     const std::function<ContourEngine()>& make_engine);
 
 }  // namespace contourd::ctl

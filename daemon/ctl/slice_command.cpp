@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <system_error>
+#include <utility>
 
 #include "core/contour_engine.hpp"
 #include "core/filled_area.hpp"
@@ -68,6 +70,13 @@ void warn_if_larger_than_display(const SliceOptions& options, const Bounds& boun
       bounds.size_x(), bounds.size_y(), width, height);
 }
 
+Json cracks_json(const LayerCracks& cracks) {
+  return {{"open_chains", cracks.open_chains},
+          {"turned_chains", cracks.turned_chains},
+          {"gaps_closed", cracks.gaps_closed},
+          {"widest_gap_mm", cracks.widest_gap.count()}};
+}
+
 int slice_at_height(const SliceOptions& options, const std::shared_ptr<const HeightIndex>& model) {
   const double z = options.z->count();
   Section section;
@@ -81,16 +90,13 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
     write_mask(*options.mask, engine_for(model, options).mask_at_z(*options.z));
   }
   if (options.json) {
-    const Json json{{"z_mm", z},
-                    {"intersecting_facets", section.intersecting_facets},
-                    {"segments", section.segments.size()},
-                    {"contours", contours.closed_loops()},
-                    {"open_chains", contours.cracks.open_chains},
-                    {"turned_chains", contours.cracks.turned_chains},
-                    {"gaps_closed", contours.cracks.gaps_closed},
-                    {"widest_gap_mm", contours.cracks.widest_gap.count()},
-                    {"area_mm2", area},
-                    {"perimeter_mm", perimeter}};
+    Json json{{"z_mm", z},
+              {"intersecting_facets", section.intersecting_facets},
+              {"segments", section.segments.size()},
+              {"contours", contours.closed_loops()}};
+    json.update(cracks_json(contours.cracks));
+    json["area_mm2"] = area;
+    json["perimeter_mm"] = perimeter;
     fmt::print("{}\n", json.dump(2));
     return kOk;
   }
@@ -113,16 +119,22 @@ std::vector<Nanometers> layer_middles(const SliceOptions& options,
   return middles_of(layers.all());
 }
 
+struct MeasuredLayers {
+  std::vector<LayerMeasurement> measurements;
+  std::vector<LayerCracks> cracks;
+};
+
 // The thesis's loop of section 3.5: slice, then join, each timed.
-std::vector<LayerMeasurement> measure_layers(const SliceOptions& options, const HeightIndex& model,
-                                             std::span<const Nanometers> layers) {
+MeasuredLayers measure_layers(const SliceOptions& options, const HeightIndex& model,
+                              std::span<const Nanometers> layers) {
   const PixelMap map = map_for(options, model.bounds());
   const Millimeters tolerance = to_millimeters(options.engine.display.pixel_pitch);
   Section section;
   ContourLinker linker;
   Contours contours;
-  std::vector<LayerMeasurement> measurements;
-  measurements.reserve(layers.size());
+  MeasuredLayers measured;
+  measured.measurements.reserve(layers.size());
+  measured.cracks.reserve(layers.size());
   for (const Nanometers middle : layers) {
     const double z = model.bounds().min_z + to_millimeters(middle).count();
     const auto start = SteadyClock::now();
@@ -130,17 +142,49 @@ std::vector<LayerMeasurement> measure_layers(const SliceOptions& options, const 
     const auto sliced = SteadyClock::now();
     linker.link(section.segments, tolerance, contours);
     const auto joined = SteadyClock::now();
-    measurements.push_back({Millimeters{z}, ms_between(start, sliced), ms_between(sliced, joined),
-                            section.intersecting_facets, static_cast<std::uint32_t>(contours.loops.size())});
+    measured.measurements.push_back({Millimeters{z}, ms_between(start, sliced), ms_between(sliced, joined),
+                                     section.intersecting_facets,
+                                     static_cast<std::uint32_t>(contours.loops.size())});
+    measured.cracks.push_back(contours.cracks);
     if (options.contours) {
-      write_contours(*options.contours / fmt::format("{:04}.csv", measurements.size()), contours, map);
+      write_contours(*options.contours / fmt::format("{:04}.csv", measured.cracks.size()), contours, map);
     }
   }
-  return measurements;
+  return measured;
 }
 
-void report_measurements(const SliceOptions& options, std::size_t facets,
-                         const std::vector<LayerMeasurement>& measurements) {
+LayerCracks total_of(std::span<const LayerCracks> layers) {
+  LayerCracks total;
+  for (const LayerCracks& cracks : layers)
+    total += cracks;
+  return total;
+}
+
+void warn_if_cracked(std::span<const LayerCracks> layers) {
+  const auto sound = std::ranges::count(layers, LayerCracks{});
+  const auto cracked = layers.size() - static_cast<std::size_t>(sound);
+  if (cracked == 0) return;
+  const LayerCracks total = total_of(layers);
+  fmt::print(
+      stderr,
+      "contourctl: warning: the model is cracked in {} of {} layers: {} open chains, {} turned, {} gaps "
+      "closed, the widest {:.6g} mm\n",
+      cracked, layers.size(), total.open_chains, total.turned_chains, total.gaps_closed,
+      total.widest_gap.count());
+}
+
+Json cracked_layers_json(std::span<const LayerCracks> layers) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    if (layers[i] == LayerCracks{}) continue;
+    list.push_back({{"layer", i + 1}});
+    list.back().update(cracks_json(layers[i]));
+  }
+  return list;
+}
+
+void report_measurements(const SliceOptions& options, std::size_t facets, const MeasuredLayers& measured) {
+  const auto& measurements = measured.measurements;
   const LayerStatistics statistics = statistics_of(measurements);
   if (options.csv) {
     write_measurements(*options.csv, measurements);
@@ -154,6 +198,8 @@ void report_measurements(const SliceOptions& options, std::size_t facets,
   }
   Json json{{"facets", facets}, {"layers", measurements.size()}};
   json.update(statistics_json(statistics));
+  json.update(cracks_json(total_of(measured.cracks)));
+  json["cracked_layer_list"] = cracked_layers_json(measured.cracks);
   fmt::print("{}\n", json.dump(2));
 }
 
@@ -167,13 +213,17 @@ int slice_layers(const SliceOptions& options, const std::shared_ptr<const Height
     if (folder) make_folder(*folder);
   }
   // Masks alone ask for no measurement; anything else is measured.
-  if (options.csv || options.contours || !options.masks) {
-    report_measurements(options, model->facets().size(), measure_layers(options, *model, layers));
+  std::vector<LayerCracks> cracks;
+  if (options.csv || options.contours || options.json || !options.masks) {
+    MeasuredLayers measured = measure_layers(options, *model, layers);
+    report_measurements(options, model->facets().size(), measured);
+    cracks = std::move(measured.cracks);
   }
   if (options.masks) {
     warn_if_larger_than_display(options, model->bounds());
-    write_masks(*options.masks, layers, [&] { return engine_for(model, options); });
+    cracks = write_masks(*options.masks, layers, [&] { return engine_for(model, options); });
   }
+  warn_if_cracked(cracks);
   return kOk;
 }
 

@@ -276,6 +276,45 @@ TEST_CASE("A turned facet changes nothing but the report") {
   }
 }
 
+TEST_CASE("Turned facets anywhere bridge nothing") {
+  // 328 mm2 in the shape of a U.
+  const std::vector<Point> outline{{0, 0}, {20, 0}, {20, 20}, {13, 20}, {13, 8}, {7, 8}, {7, 20}, {0, 20}};
+  const std::size_t walls = outline.size();
+  for (unsigned turned = 1; turned < (1U << walls); ++turned) {
+    CAPTURE(turned);
+    std::vector<Segment> segments;
+    for (std::size_t i = 0; i < walls; ++i) {
+      const Point &a = outline[i], &b = outline[(i + 1) % walls], c{(a.x + b.x) / 2, (a.y + b.y) / 2};
+      // Two facets a wall.
+      const bool back = (turned >> i & 1U) != 0;
+      segments.push_back(back ? Segment{c, a} : Segment{a, c});
+      segments.push_back(back ? Segment{b, c} : Segment{c, b});
+    }
+    const Contours contours = linked(segments);
+    CHECK(contours.loops.size() == 1);
+    CHECK(near(std::fabs(signed_area(contours)), 328, kRoundingMm2));
+    CHECK(contours.cracks.open_chains == 0);
+    CHECK(contours.cracks.widest_gap == Millimeters{0});
+  }
+}
+
+TEST_CASE("A few turned facets of a gyroid leave its sections as they are") {
+  const models::Facets whole = models::gyroid_sphere(8, 5, 30);
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    models::Dice dice(seed);
+    models::Facets facets = whole;
+    models::turn_facets(facets, 0.03, dice);
+    const double z = dice.between(1, 15);
+    CAPTURE(seed, z);
+    const Contours contours = contours_of(facets, z);
+    CHECK(contours.cracks.turned_chains > 0);
+    CHECK(contours.cracks.open_chains == 0);
+    CHECK(contours.cracks.gaps_closed == 0);
+    CHECK(contours.cracks.widest_gap == Millimeters{0});
+    CHECK(near(signed_area(contours), signed_area(contours_of(whole, z)), kRoundingMm2));
+  }
+}
+
 TEST_CASE("A model turned inside out has the loops of the right one") {
   const Contours contours = contours_of(inverted(models::box({0, 0, 0}, {10, 10, 10})), 5);
   CHECK(contours.loops.size() == 1);

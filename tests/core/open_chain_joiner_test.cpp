@@ -137,6 +137,27 @@ TEST_CASE("A turned chain is walked backwards unless it can be closed the right 
   CHECK_FALSE(any_reversed(3.9));
 }
 
+TEST_CASE("A ring of right and turned chains closes without a bridge however they alternate") {
+  CHECK(rc::check([] {
+    const auto count = static_cast<std::size_t>(testing::draw(2, 24));
+    std::vector<Point> corners(count);
+    for (Point& corner : corners)
+      corner = {testing::draw_real(0, 100), testing::draw_real(0, 100)};
+    std::vector<OpenChain> chains;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Point &a = corners[i], &b = corners[(i + 1) % count];
+      chains.push_back(testing::draw(0, 1) == 0 ? OpenChain{a, b} : OpenChain{b, a});
+    }
+    for (std::size_t i = count; i > 1; --i)
+      std::swap(chains[i - 1], chains[static_cast<std::size_t>(testing::draw(0, static_cast<int>(i) - 1))]);
+    const JoinedChains result = joined(chains);
+    RC_ASSERT(every_chain_once(result, count));
+    RC_ASSERT(result.cracks.widest_gap == Millimeters{0});
+    RC_ASSERT(result.cracks.open_chains == 0U);
+    RC_ASSERT(result.cracks.gaps_closed == 0U);
+  }));
+}
+
 TEST_CASE("Only one end of a chain beside its like is no turned chain") {
   const JoinedChains result = joined({{{-90, 0}, {0, 0}, 9}, {{0, 90}, {0, 1}, 9}});
   CHECK(std::ranges::none_of(result.links, &JoinedChains::Link::reversed));

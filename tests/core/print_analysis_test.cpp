@@ -133,15 +133,28 @@ TEST_CASE("A floating ball is one island where it begins") {
   CHECK(found.empty_layers == std::vector<std::int32_t>{2, 3, 4, 5});
 }
 
-TEST_CASE("Dark layers at the end of a print are not inside it") {
+TEST_CASE("Dark layers at the end of a print are empty ones") {
   // The engine knows no more than the model; the stack goes on above it.
   ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
   const auto found =
       analyze_print(engine, kDisplay, std::vector(10, kLayer), [](std::int32_t) { return 1s; });
   REQUIRE(found);
   CHECK(found->layers() == 10);
-  CHECK(found->empty_layers.empty());
+  CHECK(found->empty_layers == std::vector<std::int32_t>{4, 5, 6, 7, 8, 9});
   CHECK(found->layer_time == 10s);
+}
+
+TEST_CASE("A last layer that is cut above the model is no empty one") {
+  const PrintFindings found = analyze(models::box({0, 0, 0}, {2, 2, 2.1F}));
+  CHECK(found.layers() == 5);
+  CHECK(found.area_mm2.back() == 0);
+  CHECK(found.empty_layers.empty());
+}
+
+TEST_CASE("Of a print without any light every layer is empty") {
+  CHECK(analyze(models::box({0, 0, 0}, {2, 2, 0.1F})).empty_layers == std::vector<std::int32_t>{0});
+  // Thinner than what a pixel can show.
+  CHECK(analyze(models::box({0, 0, 0}, {2, 1e-5F, 1})).empty_layers == std::vector<std::int32_t>{0, 1});
 }
 
 TEST_CASE("A dark layer at the very bottom leaves all above it hanging") {
@@ -176,6 +189,28 @@ TEST_CASE("A gyroid's resin is its mesh's volume") {
   // millimetre.
   CHECK(near(found.volume_mm3, mesh_volume, 1e-3 * mesh_volume));
   CHECK(found.layers() == static_cast<std::int32_t>(found.area_mm2.size()));
+}
+
+TEST_CASE("What the threshold leaves dark is neither area nor island nor support") {
+  // A pin that covers a quarter of a pixel holds a plate 1 mm above another.
+  const models::Facets facets =
+      together(together(models::box({-2, -2, 0}, {2, 2, 1}), models::box({0, 0, 1}, {0.025F, 0.025F, 2})),
+               models::box({-2, -2, 2}, {2, 2, 3}));
+  const auto found_with = [&](const ToneCurve& tone) {
+    ContourEngine engine(HeightIndex(facets),
+                         EngineSettings{kDisplay, AntiAliasing::On, Compensation{}, tone, std::nullopt},
+                         {PixelMap::true_scale(kDisplay, {0, 0})});
+    return analyze_print(engine, kDisplay, std::vector(6, kLayer), [](std::int32_t) { return 0s; }).value();
+  };
+  const PrintFindings all = found_with({}), bright = found_with({2.2, 64}), cut = found_with({2.2, 65});
+  CHECK(all.empty_layers.empty());
+  CHECK(all.island_count == 0);
+  // 64 of 255 is what a quarter of a pixel is.
+  CHECK(bright.area_mm2 == all.area_mm2);
+  CHECK(cut.area_mm2[2] == 0);
+  CHECK(cut.area_mm2[4] == all.area_mm2[4]);
+  CHECK(cut.empty_layers == std::vector<std::int32_t>{2, 3});
+  CHECK(cut.island_count == 1);
 }
 
 TEST_CASE("Cracks are summed and told by layer") {

@@ -50,7 +50,7 @@ TEST_CASE("Warnings name the largest islands, the empty layers and the open cont
       warnings[0] ==
       "40 islands begin with nothing under them: layer 6 at 1.00, 1.00 mm from the plate's centre (7 mm2), "
       "layer 8 at 2.00, 2.00 mm from the plate's centre (5 mm2), layer 10 at 3.00, 3.00 mm from the plate's "
-      "centre (4 mm2), and 37 smaller");
+      "centre (4 mm2), and 37 more");
   CHECK(warnings[1] == "layers 2 to 3, 5, 7 and 1 more are empty: what comes above has nothing to hold it");
   CHECK(warnings[2] ==
         "the model is cracked: contours of 1 layer (4) did not close; the widest gap bridged is 1.500 mm");
@@ -82,6 +82,42 @@ TEST_CASE("One island and one empty layer are told in the singular") {
   CHECK(warnings[0] ==
         "1 island begins with nothing under it: layer 3 at 0.00, 0.00 mm from the plate's centre (1 mm2)");
   CHECK(warnings[1] == "layer 2 is empty: what comes above has nothing to hold it");
+}
+
+TEST_CASE("Empty layers at the top have nothing above that they could not hold") {
+  PrintFindings findings;
+  findings.area_mm2 = {1, 0, 1, 0, 0};
+  findings.empty_layers = {1, 3, 4};
+  CHECK(warnings_about(findings) ==
+        std::vector<std::string>{"layer 2 is empty: what comes above has nothing to hold it",
+                                 "layers 4 to 5 are empty: the print ends beneath"});
+}
+
+TEST_CASE("A print without any light is told so") {
+  PrintFindings findings;
+  findings.area_mm2 = {0};
+  findings.empty_layers = {0};
+  CHECK(warnings_about(findings) ==
+        std::vector<std::string>{"all masks are dark (1 layer): nothing would be printed"});
+  CHECK(warnings_about(PrintFindings{}).empty());
+}
+
+TEST_CASE("An island's area has no exponent however large or small it is") {
+  const auto told = [](double area_mm2) {
+    PrintFindings findings;
+    findings.area_mm2 = {1, area_mm2};
+    findings.islands = {{1, {1, 2}, {0, 0}, area_mm2}};
+    findings.island_count = 1;
+    const std::string text = warnings_about(findings).at(0);
+    return text.substr(text.find('('));
+  };
+  CHECK(told(1800) == "(1800 mm2)");
+  CHECK(told(12345.6) == "(12346 mm2)");
+  CHECK(told(999.9) == "(1000 mm2)");
+  CHECK(told(123.4) == "(123 mm2)");
+  CHECK(told(0.0025) == "(0.0025 mm2)");
+  // A 255th of a pixel of 10 um.
+  CHECK(told(3.92e-7) == "(less than 0.0001 mm2)");
 }
 
 TEST_CASE("Findings as JSON count layers from one") {

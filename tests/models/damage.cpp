@@ -73,6 +73,13 @@ Facets drop_facets(Facets& facets, double share, Dice& dice) {
   return dropped;
 }
 
+void turn_facets(Facets& facets, double share, Dice& dice) {
+  for (std::size_t left = facets.empty() ? 0 : count_of(share, facets.size()); left > 0; --left) {
+    auto& corners = facets[dice.below(facets.size())].vertices;
+    std::swap(corners[0], corners[1]);
+  }
+}
+
 void split_sides(Facets& facets, double share, double reach_mm, Dice& dice) {
   const std::size_t whole = facets.size();
   for (std::size_t left = whole == 0 ? 0 : count_of(share, whole); left > 0; --left) {

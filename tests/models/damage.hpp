@@ -33,6 +33,9 @@ void shake_vertices(Facets& facets, double reach_mm, Dice& dice);
 // Takes a share of the facets out, at least one, and returns them.
 Facets drop_facets(Facets& facets, double share, Dice& dice);
 
+// Swaps two corners of a share of the facets: up to so many of them face inwards.
+void turn_facets(Facets& facets, double share, Dice& dice);
+
 // Splits one side of a share of the facets, at least one, and not the neighbour's (T-junctions); the new
 // vertex lies up to `reach_mm` beside the side's middle.
 void split_sides(Facets& facets, double share, double reach_mm, Dice& dice);

@@ -65,6 +65,11 @@ class Figures(AnalyzeTest):
         self.assertAlmostEqual(island["area_mm2"], 4, delta=1e-9)
         self.assertEqual(len(found["warnings"]), 2)
 
+    def test_a_print_without_light_is_told(self):
+        found = self.analyze(binary_stl(box((0, 0, 0), (5, 5, 0.01))))
+        self.assertEqual((found["layers"], found["empty_layers"], found["empty_layer_list"]), (1, 1, [1]))
+        self.assertEqual(found["warnings"], ["all masks are dark (1 layer): nothing would be printed"])
+
     def test_cracks_are_told_by_layer(self):
         facets = [f for f in cube(2) if not all(vertex[0] == 2 for vertex in f)]
         found = self.analyze(binary_stl(facets))

@@ -487,6 +487,30 @@ class Measurements(FolderTest):
         self.assertEqual(len(os.listdir(self.path("masks"))), 5)
         self.assertEqual(len(os.listdir(self.path("contours"))), 5)
 
+    def test_masks_do_not_swallow_the_json(self):
+        model = self.write("model.stl", binary_stl(cube(5)))
+        result = contourctl("slice", model, "--layer-height-um", "1000", "--masks", self.path("masks"), "--json")
+        self.assertEqual((result.returncode, result.stderr), (OK, b""))
+        self.assertEqual(json.loads(result.stdout)["layers"], 5)
+        self.assertEqual(len(os.listdir(self.path("masks"))), 5)
+
+    def test_cracks_are_told_however_the_layers_are_asked_for(self):
+        # A side is missing above 3 mm.
+        facets = [f for f in box((0, 0, 3), (20, 20, 5)) if not all(vertex[0] == 20 for vertex in f)]
+        model = self.write("model.stl", binary_stl(box((0, 0, 0), (20, 20, 3)) + facets))
+        warning = (b"contourctl: warning: the model is cracked in 2 of 5 layers: 2 open chains, 0 turned, 0 gaps "
+                   b"closed, the widest 20 mm\n")  # fmt: skip
+        figures = {"open_chains": 1, "turned_chains": 0, "gaps_closed": 0, "widest_gap_mm": 20}
+        for arguments in ([], ["--csv", self.path("out.csv")], ["--masks", self.path("masks")], ["--json"],
+                          ["--json", "--masks", self.path("masks")]):  # fmt: skip
+            with self.subTest(arguments=arguments):
+                result = contourctl("slice", model, "--layer-height-um", "1000", *arguments)
+                self.assertEqual((result.returncode, result.stderr), (OK, warning))
+                if "--json" in arguments:
+                    found = json.loads(result.stdout)
+                    self.assertEqual({name: found[name] for name in figures}, {**figures, "open_chains": 2})
+                    self.assertEqual(found["cracked_layer_list"], [{"layer": 4, **figures}, {"layer": 5, **figures}])
+
 
 class NoSuchLayers(FolderTest):
     def test_more_layers_than_can_be_printed_are_bad_data_and_told_at_once(self):
