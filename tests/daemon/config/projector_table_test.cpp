@@ -58,36 +58,40 @@ struct Conversation {
     while (!over)
       clock.run_next();
   }
+  // Up to the answer: after that it is asked whether it is still on.
   std::optional<ProjectorReply> power_on() {
     std::optional<ProjectorReply> reply;
     channel.sent.clear();
     projector.power_on([&](ProjectorReply r) { reply = r; });
-    pass(std::chrono::minutes{5});
+    while (!reply)
+      REQUIRE(clock.run_next());
     return reply;
   }
   std::optional<ProjectorReply> light_on() {
     std::optional<ProjectorReply> reply;
     channel.sent.clear();
     projector.light_on([&](ProjectorReply r) { reply = r; });
-    pass(std::chrono::seconds{30});
+    while (!reply)
+      REQUIRE(clock.run_next());
+    pass(std::chrono::seconds{1});
     return reply;
   }
   void light_off() {
     channel.sent.clear();
     projector.light_off();
-    pass(std::chrono::seconds{30});
+    pass(std::chrono::seconds{2});
   }
   void power_off() {
     channel.sent.clear();
     projector.power_off();
-    pass(std::chrono::seconds{30});
+    pass(std::chrono::seconds{2});
   }
   ProjectorStatus status() {
     std::optional<ProjectorStatus> status;
     channel.sent.clear();
     projector.ask_status([&](const ProjectorStatus& s) { status = s; });
-    pass(std::chrono::seconds{60});
-    REQUIRE(status);
+    while (!status)
+      REQUIRE(clock.run_next());
     return *status;
   }
 
