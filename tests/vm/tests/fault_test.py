@@ -184,10 +184,10 @@ def display_unplugged_before_the_print():
     """The display is unplugged when the print is to begin: the job waits, the log says for what, and it is printed when
     the display is back."""
     outcome = run(
-        during=f"""{_UNPLUG}
-sleep 60
+        scenario=_SCENARIO.replace("print_model", f"{_UNPLUG}\nsleep 1\nprint_model"),
+        during=f"""sleep 60
 [ $(lit_pictures) = 0 ] || fail "a mask was shown on a display that is not there"
-{_PLUG}"""
+{_PLUG}""",
     )
     outcome.is_printed()
     assert re.search("part.stl waits: HDMI-A-1 .* was unplugged", outcome.log), outcome.log
