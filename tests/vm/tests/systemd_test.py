@@ -68,7 +68,7 @@ def systemd():
 @vm_test("full")
 def power_cut():
     """The power fails in a print: after the next boot the job lies in failed/ with its reason, whole, the one behind it
-    is printed, and a done one is still there."""
+    waits for the owner's word and is printed, and a done one is still there."""
     with guests.written(_guest(exposure_ms=3000, bottom_exposure_ms=3000)) as initramfs, disk_over(root_image()) as disk:
         with booted(initramfs, disk) as machine:
             install(machine)
@@ -83,6 +83,9 @@ def power_cut():
             machine.kill()
         with booted(initramfs, disk) as machine:
             machine.wait_for("systemctl is-active contourd")
+            machine.wait_for("contourctl status | grep -q 'the queue is held: cut was interrupted'")
+            machine.run(f"test -e {SPOOL}/incoming/waiting.stl")
+            machine.run("contourctl resume")
             machine.wait_for(f"test -e {SPOOL}/done/waiting.stl", limit_s=120)
             reason = machine.run(f"cat {SPOOL}/failed/cut.reason.txt")
             for file in ("done/first", "failed/cut", "done/waiting"):
