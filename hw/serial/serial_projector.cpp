@@ -467,13 +467,14 @@ void SerialProjector::keep_trying() {
   try_later();
   // No light on behind a light off that failed.
   std::erase_if(queue_, [this](const Request& request) { return request.command == light_on_command(); });
+  dark_problem_ = problem_;
   if (!std::exchange(dark_reported_, true))
-    report(Disturbance::Kind::Fault, "the light may be on: " + problem_);
+    report(Disturbance::Kind::Fault, "the light may be on: " + dark_problem_);
 }
 
 std::string SerialProjector::doubt() const {
   if (!light_may_be_on_) return {};
-  return dark_reported_ ? problem_ : called() + " has not confirmed that its light is off";
+  return dark_reported_ ? dark_problem_ : called() + " has not confirmed that its light is off";
 }
 
 // --- Status ---

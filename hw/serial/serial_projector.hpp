@@ -154,6 +154,7 @@ class SerialProjector final : public Projector {
   bool light_may_be_on_ = false;  // asked for, or power on was sent, and not confirmed dark since
   bool dark_wanted_ = false;      // light off is to be sent until it is confirmed
   bool dark_reported_ = false;
+  std::string dark_problem_;   // with that; others come in between
   TimePoint warm_at_{};        // until then nobody wonders at a light off that is refused
   TimePoint dark_asked_at_{};  // light off was sent first, of this attempt
   ReplyReader::RequestId dark_id_ = 0;

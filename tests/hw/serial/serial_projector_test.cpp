@@ -274,6 +274,23 @@ TEST_CASE(
     CHECK(message == "~00124 1\r");  // whether it is still on
 }
 
+TEST_CASE("why the light may be on is still told when another command fails behind it") {
+  Bench bench;
+  bench.power_on();
+  bench.light_on();
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0002 1\r") return bench.channel.send("F\r");
+    if (message != "~0000 0\r") bench.behave(message);
+  };
+  bench.projector.power_off();
+  for (int second = 0; second < 20; ++second) {
+    bench.pass(1s);
+    CHECK_FALSE(bench.projector.doubt().empty());
+    CHECK(bench.projector.doubt().find("power off") == std::string::npos);
+  }
+  CHECK(bench.projector.dark_overdue());
+}
+
 TEST_CASE("a light whose off is not confirmed is not turned on again") {
   Bench bench;
   bench.power_on();
