@@ -246,6 +246,7 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
   plan.homing_speed = printer.homing_speed;
   plan.settle = resin.settle;
   plan.rest = resin.rest;
+  plan.tolerance = resin.tolerance;
 }
 
 // Every layer is cut, before any is exposed: a guess is not to be printed, not even in the last one.

@@ -21,6 +21,8 @@ constexpr Duration kMotionGrace = 15s;
 constexpr Nanometers kHomingBeside{25'000'000};
 constexpr Duration kPresentDeadline = 5s;
 constexpr Duration kProjectorDeadline = 30s;
+// At a print's end: whoever turns the light off goes on with it.
+constexpr Duration kEndingDeadline = 5s;
 // A projector may have to cool down from before first, and cool again when it ignored the command.
 constexpr Duration kWarmUpDeadline = 1h;
 
@@ -74,7 +76,7 @@ void PrintProcess::begin_layer(Nanometers bottom) {
   if (!thickness) throw std::logic_error("a print has no layer on top of its last");
   bottom_ = bottom;
   thickness_ = *thickness;
-  layer_exposed_ = false;
+  layer_exposed_ = layer_told_ = false;
   record_ = LayerRecord{};
   record_.layer = layer_;
   record_.bottom = bottom_;
@@ -91,20 +93,19 @@ void PrintProcess::resume() {
   pause_wanted_ = false;
   resume_wanted_ = state_ == PrintState::Raising;
   interruption_.clear();
-  if (state_ == PrintState::Held) return handle(PrintEvent::Resumed);
-  if (state_ == PrintState::Paused) handle(next_due());
+  if (state_ == PrintState::Held || state_ == PrintState::Paused) handle(PrintEvent::Resumed);
 }
 
 void PrintProcess::interrupt(const std::string& what) {
   if (state_ == PrintState::Idle) return;
   // All the light was given, and only the timer's call is still to come.
-  if (light_on_at_ && clock_.now() - *light_on_at_ >= record_.exposure_asked - record_.exposure_measured)
-    handle(PrintEvent::WaitOver);
+  if (state_ == PrintState::Exposing && clock_.now() >= exposure_end_) handle(PrintEvent::WaitOver);
   const bool news = interruption_.find(what) == std::string::npos;
   if (news) interruption_ += (interruption_.empty() ? "" : "; ") + what;
   resume_wanted_ = false;
   const bool goes_up_already = state_ == PrintState::Raising || state_ == PrintState::Paused;
-  const bool goes_on = state_ != PrintState::Halting && state_ != PrintState::Parking;
+  const bool goes_on =
+      state_ != PrintState::Halting && state_ != PrintState::Parking && state_ != PrintState::Ending;
   pause_wanted_ = goes_on && !goes_up_already;
   handle(PrintEvent::Interrupted);
   if (state_ == PrintState::Held) pause_wanted_ = false;
@@ -118,7 +119,7 @@ void PrintProcess::cancel() {
 }
 
 void PrintProcess::fail(const std::string& reason) {
-  if (state_ == PrintState::Idle) return;
+  if (find_transition(state_, PrintEvent::Failed) == nullptr) return;
   failure_ = reason;
   handle(PrintEvent::Failed);
 }
@@ -140,17 +141,17 @@ void PrintProcess::handle(PrintEvent event) {
     machine_.projector().light_off();
     // A failure on the way out of a print is not another way out.
     if (state_ == PrintState::Idle) throw;
-    fail(error.what());
+    state_ == PrintState::Ending ? handle(PrintEvent::GaveUp) : fail(error.what());
   }
   if (state_ == PrintState::Idle && plan_) finish();
-  if (state_ == PrintState::Paused && std::exchange(resume_wanted_, false)) handle(next_due());
+  if (state_ == PrintState::Paused && std::exchange(resume_wanted_, false)) handle(PrintEvent::Resumed);
 }
 
 void PrintProcess::perform(PrintEffect effect) {
   switch (effect) {
     case PrintEffect::LightOff:
       machine_.projector().light_off();
-      return count_exposure();
+      return expect_darkness();
     case PrintEffect::BlackNow:
       return machine_.display().black_now();
     case PrintEffect::AbortAxis:
@@ -175,15 +176,9 @@ void PrintProcess::perform(PrintEffect effect) {
     case PrintEffect::ShowMask:
       return show_mask();
     case PrintEffect::LightOn:
-      expect_within(kProjectorDeadline, "the projector to turn the light on");
-      return machine_.projector().light_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
-        if (reply == ProjectorReply::Ok) return handle(PrintEvent::LightIsOn);
-        fail(fmt::format("light on: {}", machine_.projector().last_problem()));
-      }));
+      return light_on();
     case PrintEffect::TimeExposure:
-      light_on_at_ = clock_.now();
-      ++record_.exposure_parts;
-      return wait(record_.exposure_asked - record_.exposure_measured);
+      return wait_until(exposure_end_);
     case PrintEffect::ShowBlack:
       expect_within(kPresentDeadline, "the display to show black");
       return machine_.display().black(
@@ -191,6 +186,13 @@ void PrintProcess::perform(PrintEffect effect) {
             if (at) return handle(PrintEvent::ScreenBlack);
             display_lost();
           }));
+    case PrintEffect::AwaitDark:
+      if (state_ == PrintState::Ending) {
+        deadline_ = clock_.call_after(kEndingDeadline, [this] { handle(PrintEvent::GaveUp); });
+      } else {
+        expect_within(kProjectorDeadline, "the projector to confirm that its light is off");
+      }
+      return expect_darkness();
     case PrintEffect::RecordLayer:
       return record_layer();
     case PrintEffect::WaitToRest:
@@ -219,10 +221,8 @@ std::function<void(Answer)> PrintProcess::while_in_state(
   };
 }
 
-void PrintProcess::wait(Duration duration) {
-  // From light on where light is on: the exposure does not pay for what was done in between.
-  const TimePoint start = light_on_at_.value_or(clock_.now());
-  wait_ = clock_.call_at(start + duration, [this] { handle(PrintEvent::WaitOver); });
+void PrintProcess::wait_until(TimePoint when) {
+  wait_ = clock_.call_at(when, [this] { handle(PrintEvent::WaitOver); });
 }
 
 void PrintProcess::expect_within(Duration duration, const std::string& what) {
@@ -264,15 +264,15 @@ void PrintProcess::after_move(MoveResult result) {
   const bool stopping = state_ == PrintState::Halting || state_ == PrintState::Braking;
   if (result != MoveResult::Reached && !(stopping && result == MoveResult::Stopped))
     return fail(fmt::format("the plate did not arrive: {}", describe(result)));
-  if (state_ != PrintState::Lifting) return handle(PrintEvent::MoveEnded);
-  const PrintEvent due = next_due();
-  const bool nothing_to_pause = due == PrintEvent::LayersDone && interruption_.empty();
-  handle(pause_wanted_ && !nothing_to_pause ? PrintEvent::PauseDue : due);
+  handle(PrintEvent::MoveEnded);
 }
 
 PrintEvent PrintProcess::next_due() const {
-  if (!layer_exposed_) return PrintEvent::LayerUnfinished;
-  return on_last_layer() ? PrintEvent::LayersDone : PrintEvent::LayerDue;
+  const PrintEvent due = !has_all_light()  ? PrintEvent::LayerUnfinished
+                         : on_last_layer() ? PrintEvent::LayersDone
+                                           : PrintEvent::LayerDue;
+  const bool nothing_to_pause = due == PrintEvent::LayersDone && interruption_.empty();
+  return pause_wanted_ && !nothing_to_pause ? PrintEvent::PauseDue : due;
 }
 
 // The machine may have told why before, and in more words.
@@ -280,11 +280,74 @@ void PrintProcess::display_lost() {
   interrupt(interruption_.empty() ? "the display was lost" : interruption_);
 }
 
-// What the light that has just gone off has given.
-void PrintProcess::count_exposure() {
-  if (!light_on_at_) return;
-  record_.exposure_measured += clock_.now() - *light_on_at_;
+// --- Light
+
+void PrintProcess::light_on() {
+  expect_within(kProjectorDeadline, "the projector to be told to turn the light on");
+  light_asked_ = true;
   light_on_at_.reset();
+  const auto sent = while_in_state<TimePoint>([this](TimePoint earliest) {
+    light_on_at_ = earliest;
+    exposure_end_ = earliest + exposure_left();
+    handle(PrintEvent::LightOnSent);
+  });
+  machine_.projector().light_on(
+      exposure_left(), {.sent = sent, .done = [this](ProjectorReply reply) { light_answered(reply); }});
+}
+
+// The exposure may be over by then: its end does not wait for the answer.
+void PrintProcess::light_answered(ProjectorReply reply) {
+  if (reply == ProjectorReply::Ok) return;
+  const std::string what = fmt::format("light on: {}", machine_.projector().last_problem());
+  reply == ProjectorReply::Refused ? fail(what) : interrupt(what);
+}
+
+void PrintProcess::expect_darkness() {
+  machine_.projector().when_dark([this] { is_dark(); });
+}
+
+void PrintProcess::is_dark() {
+  count_light();
+  if (layer_exposed_ && !layer_told_) tell_layer();
+  handle(state_ == PrintState::AwaitingDark ? next_due() : PrintEvent::LightIsOff);
+}
+
+// What the light that has gone off has given; or, where nobody confirms that, has given so far.
+void PrintProcess::count_light() {
+  if (!std::exchange(light_asked_, false)) return;
+  std::optional<LightSpan> light = machine_.projector().last_light();
+  // Its projector was lost: it may shine on.
+  if (!light && light_on_at_) light = LightSpan{*light_on_at_, {}, {}, {}};
+  if (!light) return;
+  record_.exposure_least += light->least();
+  record_.exposure_most += light->most(clock_.now());
+  record_.dark_confirmed = record_.dark_confirmed && light->off_latest;
+  ++record_.exposure_parts;
+}
+
+bool PrintProcess::has_all_light() const {
+  return layer_exposed_ || (record_.exposure_parts > 0 && exposure_left() < shortest_exposure);
+}
+
+void PrintProcess::tell_layer() {
+  layer_told_ = true;
+  record_.complete = layer_exposed_;
+  observer_.layer_done(record_);
+  if (layer_exposed_) judge_exposure();
+}
+
+// The plate is not down any more, or will be lifted next: nothing else than the pause is due.
+void PrintProcess::judge_exposure() {
+  const Duration apart = record_.exposure_most - record_.exposure_least;
+  if (apart <= plan_->tolerance.bounds || plan_->tolerance.doubt == ExposureTolerance::Doubt::Warn) return;
+  const std::string what =
+      fmt::format("the light of layer {} is known to {:.0f} ms only, its resin tolerates {:.0f} ms",
+                  layer_ + 1, std::chrono::duration<double, std::milli>(apart).count(),
+                  std::chrono::duration<double, std::milli>(plan_->tolerance.bounds).count());
+  interruption_ += (interruption_.empty() ? "" : "; ") + what;
+  resume_wanted_ = false;
+  pause_wanted_ = true;
+  observer_.interrupted(what);
 }
 
 void PrintProcess::show_mask() {
@@ -305,26 +368,30 @@ void PrintProcess::show_mask() {
 }
 
 void PrintProcess::record_layer() {
+  if (layer_exposed_) return;
   const Contours& contours = plan_->engine->contours_at(record_.mask_height);
   record_.intersecting_facets = plan_->engine->intersecting_facets();
   record_.loops = static_cast<std::uint32_t>(contours.loops.size());
   record_.cracks = contours.cracks;
   layer_exposed_ = true;
-  observer_.layer_done(record_);
+  if (!light_asked_ && !layer_told_) tell_layer();
 }
 
 void PrintProcess::finish() {
   const PrintOutcome outcome = !failure_.empty() ? PrintOutcome::Failed
                                : canceled_       ? PrintOutcome::Canceled
                                                  : PrintOutcome::Done;
+  count_light();
+  if (record_.exposure_parts > 0 && !layer_told_) tell_layer();
   const PrintPlan plan = std::move(*plan_);
   plan_.reset();
   observer_.print_ended(outcome, failure_, plan);
 }
 
 Duration PrintProcess::time_left() const {
-  // In Darkening, the layer under way has had its light already.
-  const bool exposed = layer_exposed_ || state_ == PrintState::Darkening;
+  // The layer under way has had its light already.
+  const bool exposed =
+      layer_exposed_ || state_ == PrintState::Darkening || state_ == PrintState::Extinguishing;
   const std::size_t index = static_cast<std::size_t>(layer_) + (exposed ? 1 : 0);
   return left_after_[std::min(index, left_after_.size() - 1)];
 }

@@ -3,6 +3,7 @@
 // loop's thread only.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "core/contour_engine.hpp"
 #include "core/print_layers.hpp"
+#include "daemon/config/resin_profile.hpp"
 #include "daemon/print_states.hpp"
 #include "hw/machine.hpp"
 
@@ -26,6 +28,7 @@ struct PrintPlan {
   std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure;
   std::vector<Nanometers> expected_layers;  // their thicknesses, for the time left only
   double pixel_area_mm2 = 0;
+  ExposureTolerance tolerance;
   Nanometers lift{};
   MillimetersPerSecond lift_speed, retract_speed, travel_speed, homing_speed;
   Duration settle{}, rest{};
@@ -50,15 +53,23 @@ struct LayerRecord {
   Nanometers plate_height{};  // where the axis said the plate was when the mask was computed
   Nanometers mask_height{};   // at which the model was cut: half a layer below
   Duration exposure_asked{};
-  Duration exposure_measured{};  // from the projector's word that the light is on to light off, all parts
-  int exposure_parts = 0;        // more than one when the exposure was interrupted and went on later
-  Duration mask_time{};  // processor time from the height to the mask (real time, also when simulated)
-  double area_mm2 = 0;   // exposed
+  // Of the light, all parts: it shone for no less and no more, by what is known of its commands (LightSpan).
+  Duration exposure_least{}, exposure_most{};
+  int exposure_parts = 0;      // more than one when the exposure was interrupted and went on later
+  bool complete = false;       // it had all its light; else the print ended before
+  bool dark_confirmed = true;  // or else the light may have shone on: exposure_most is as of the print's end
+  Duration mask_time{};        // processor time from the height to the mask (real time, also when simulated)
+  double area_mm2 = 0;         // exposed
   std::uint32_t intersecting_facets = 0;
   std::uint32_t loops = 0;
   LayerCracks cracks;
   TimePoint shown_at{};  // vblank at which the mask was on the screen
 };
+
+// Those that had all their light.
+[[nodiscard]] inline std::int64_t layers_exposed(const std::vector<LayerRecord>& layers) {
+  return std::ranges::count(layers, true, &LayerRecord::complete);
+}
 
 enum class PrintOutcome { Done, Canceled, Failed };
 [[nodiscard]] std::string_view name_of(PrintOutcome outcome);
@@ -125,7 +136,9 @@ class PrintProcess {
   // A callback that does nothing once the state has changed: late answers belong to the past.
   template <typename Answer>
   std::function<void(Answer)> while_in_state(std::type_identity_t<std::function<void(Answer)>> call);
-  void wait(Duration duration);
+  void wait(Duration duration) { wait_until(clock_.now() + duration); }
+  void wait_until(TimePoint when);
+  [[nodiscard]] Duration exposure_left() const { return record_.exposure_asked - record_.exposure_most; }
   void expect_within(Duration duration, const std::string& what);
   void move_to(Nanometers target, MillimetersPerSecond speed);
   void home();
@@ -135,9 +148,16 @@ class PrintProcess {
   void after_move(MoveResult result);
   [[nodiscard]] Nanometers current_height() const;
   void begin_layer(Nanometers bottom);
-  void count_exposure();
+  void light_on();
+  void light_answered(ProjectorReply reply);
+  void expect_darkness();
+  void is_dark();
+  void count_light();
+  void tell_layer();
+  void judge_exposure();
   void display_lost();
   [[nodiscard]] PrintEvent next_due() const;
+  [[nodiscard]] bool has_all_light() const;
 
   Machine& machine_;
   Clock& clock_;
@@ -153,9 +173,12 @@ class PrintProcess {
   std::string failure_;
   std::string interruption_;
   LayerRecord record_;                    // of the layer under way
-  bool layer_exposed_ = false;            // it has had all its light, and is recorded
-  std::optional<TimePoint> light_on_at_;  // while it is on
-  std::vector<Duration> left_after_;      // by expected layer: how long the layers behind it take
+  bool layer_exposed_ = false;            // it has had all its light
+  bool layer_told_ = false;               // its record was
+  bool light_asked_ = false;              // what light it gave is not in the record yet
+  std::optional<TimePoint> light_on_at_;  // of that light, once its command was sent
+  TimePoint exposure_end_{};
+  std::vector<Duration> left_after_;  // by expected layer: how long the layers behind it take
   std::unique_ptr<Timer> wait_;
   std::unique_ptr<Timer> deadline_;
 };

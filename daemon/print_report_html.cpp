@@ -53,7 +53,7 @@ std::string facts(const PrintReport& report) {
   const double thinnest_um = to_millimeters(s.layers.thinnest).count() * 1000;
   const double thickest_um = to_millimeters(s.layers.thickest).count() * 1000;
   rows +=
-      row("Layers", fmt::format("{} of {} exposed, {}", report.layers.size(), s.layers.count,
+      row("Layers", fmt::format("{} of {} exposed, {}", layers_exposed(report.layers), s.layers.count,
                                 s.layers.adaptive
                                     ? fmt::format("{:g} to {:g} um (cusp {:g} um)", thinnest_um, thickest_um,
                                                   to_millimeters(s.layers.adaptive->cusp).count() * 1000)
@@ -72,11 +72,14 @@ std::string facts(const PrintReport& report) {
     rows += row("Exposure",
                 fmt::format("{:.0f} ms first, {:.0f} ms last", ms(report.layers.front().exposure_asked),
                             ms(report.layers.back().exposure_asked)));
-    Duration worst{0};
+    Duration least{0}, most{0};
     for (const LayerRecord& layer : report.layers) {
-      worst = std::max(worst, std::chrono::abs(layer.exposure_measured - layer.exposure_asked));
+      if (!layer.complete) continue;
+      least = std::min(least, layer.exposure_least - layer.exposure_asked);
+      most = std::max(most, layer.exposure_most - layer.exposure_asked);
     }
-    rows += row("Measured against asked", fmt::format("at most {:.2f} ms off", ms(worst)));
+    rows += row("Light against asked",
+                fmt::format("{:.2f} ms at the least, +{:.2f} ms at the most", ms(least), ms(most)));
   }
   for (const std::string& interruption : report.interruptions)
     rows += row("Interrupted", interruption);

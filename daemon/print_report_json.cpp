@@ -85,8 +85,11 @@ Json layer_json(const LayerRecord& layer) {
           {"plate_height_mm", mm(layer.plate_height)},
           {"mask_height_mm", mm(layer.mask_height)},
           {"exposure_asked_ms", ms(layer.exposure_asked)},
-          {"exposure_measured_ms", ms(layer.exposure_measured)},
+          {"exposure_least_ms", ms(layer.exposure_least)},
+          {"exposure_most_ms", ms(layer.exposure_most)},
           {"exposure_parts", layer.exposure_parts},
+          {"complete", layer.complete},
+          {"dark_confirmed", layer.dark_confirmed},
           {"shown_at_s", ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
           {"mask_ms", ms(layer.mask_time)},
           {"area_mm2", layer.area_mm2},
@@ -121,6 +124,7 @@ std::string report_as_json(const PrintReport& report) {
                       {"retract_speed_mm_s", summary.resin.retract_speed.count()},
                       {"settle_ms", ms(summary.resin.settle)},
                       {"rest_ms", ms(summary.resin.rest)},
+                      {"exposure_tolerance_ms", ms(summary.resin.tolerance.bounds)},
                       {"bottom_layers", summary.resin.bottom_layers},
                       {"fade_layers", summary.resin.fade_layers},
                       {"growth_um", summary.resin.compensation.growth.count()},
@@ -130,7 +134,7 @@ std::string report_as_json(const PrintReport& report) {
                       {"gamma", summary.tone.gamma},
                       {"threshold", summary.tone.threshold}};
   add_layer_figures(summary.layers, json);
-  json["layers_exposed"] = report.layers.size();
+  json["layers_exposed"] = layers_exposed(report.layers);
   json["interruptions"] = report.interruptions;
   json["late_steps"] = report.late_steps;
   json["reading_ms"] = ms(summary.reading);

@@ -18,9 +18,9 @@ constexpr PrintTransition row(S from, E on, S to, Effects... effects) {
 }
 
 // Light off before anything that can fail; the motor still; the lamp may rest. The job's files are dealt with
-// last.
+// when the light is off, or nobody confirms it.
 constexpr PrintTransition failure(S from) {
-  return row(from, E::Failed, S::Idle, F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::Finish);
+  return row(from, E::Failed, S::Ending, F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::AwaitDark);
 }
 
 // Cancelled where nothing moves: the plate goes up, so that the part can be taken.
@@ -38,6 +38,11 @@ constexpr PrintTransition interruption_at_rest(S from) {
   return row(from, E::Interrupted, S::Lifting, F::LightOff, F::BlackNow, F::Lift);
 }
 
+// The same with the plate up already.
+constexpr PrintTransition interruption_above_resin(S from) {
+  return row(from, E::Interrupted, S::Raising, F::LightOff, F::BlackNow, F::RaiseForALook);
+}
+
 // Interrupted where nothing more need be done than what is under way.
 constexpr PrintTransition interruption_unmoved(S in) {
   return row(in, E::Interrupted, in, F::LightOff, F::BlackNow);
@@ -46,27 +51,29 @@ constexpr PrintTransition interruption_unmoved(S in) {
 constexpr auto kTable = std::to_array<PrintTransition>({
     row(S::Idle, E::Started, S::WarmingUp, F::LightOff, F::BlackNow, F::PowerOn),
     row(S::WarmingUp, E::ProjectorReady, S::Homing, F::Home),
-    row(S::Homing, E::Homed, S::Lowering, F::LowerToLayer),
+    row(S::Homing, E::Homed, S::AwaitingDark, F::AwaitDark),
 
     row(S::Lowering, E::MoveEnded, S::Settling, F::WaitToSettle),
     row(S::Settling, E::WaitOver, S::Showing, F::ShowMask),
     row(S::Showing, E::MaskShown, S::Igniting, F::LightOn),
-    row(S::Igniting, E::LightIsOn, S::Exposing, F::TimeExposure),
+    row(S::Igniting, E::LightOnSent, S::Exposing, F::TimeExposure),
     row(S::Exposing, E::WaitOver, S::Darkening, F::LightOff, F::ShowBlack),
-    row(S::Darkening, E::ScreenBlack, S::Resting, F::RecordLayer, F::WaitToRest),
+    row(S::Darkening, E::ScreenBlack, S::Extinguishing, F::AwaitDark),
+    row(S::Extinguishing, E::LightIsOff, S::Resting, F::RecordLayer, F::WaitToRest),
     row(S::Resting, E::WaitOver, S::Lifting, F::Lift),
-    row(S::Lifting, E::LayerDue, S::Lowering, F::NextLayer, F::LowerToLayer),
+    row(S::Lifting, E::MoveEnded, S::AwaitingDark, F::AwaitDark),
 
-    row(S::Lifting, E::PauseDue, S::Raising, F::RaiseForALook),
+    row(S::AwaitingDark, E::LayerDue, S::Lowering, F::RecordLayer, F::NextLayer, F::LowerToLayer),
+    row(S::AwaitingDark, E::LayerUnfinished, S::Lowering, F::LowerToLayer),
+    row(S::AwaitingDark, E::PauseDue, S::Raising, F::RaiseForALook),
+    row(S::AwaitingDark, E::LayersDone, S::Parking, F::RecordLayer, F::Park),
+
     row(S::Raising, E::MoveEnded, S::Paused),
-    row(S::Paused, E::LayerDue, S::Lowering, F::NextLayer, F::LowerToLayer),
+    row(S::Paused, E::Resumed, S::AwaitingDark, F::AwaitDark),
 
-    row(S::Lifting, E::LayerUnfinished, S::Lowering, F::LowerToLayer),
-    row(S::Paused, E::LayerUnfinished, S::Lowering, F::LowerToLayer),
-
-    row(S::Lifting, E::LayersDone, S::Parking, F::Park),
-    row(S::Paused, E::LayersDone, S::Parking, F::Park),
-    row(S::Parking, E::MoveEnded, S::Idle, F::LightOff, F::PowerOff, F::Finish),
+    row(S::Parking, E::MoveEnded, S::Ending, F::LightOff, F::PowerOff, F::AwaitDark),
+    row(S::Ending, E::LightIsOff, S::Idle, F::Finish),
+    row(S::Ending, E::GaveUp, S::Idle, F::Finish),
 
     // Before the first layer there is nothing to peel off, and while homing no height to go to.
     row(S::WarmingUp, E::Interrupted, S::Held, F::LightOff, F::BlackNow),
@@ -80,19 +87,22 @@ constexpr auto kTable = std::to_array<PrintTransition>({
     interruption_at_rest(S::Exposing),
     // The layer has had its light.
     row(S::Darkening, E::Interrupted, S::Lifting, F::LightOff, F::BlackNow, F::RecordLayer, F::Lift),
+    row(S::Extinguishing, E::Interrupted, S::Lifting, F::LightOff, F::BlackNow, F::RecordLayer, F::Lift),
     interruption_at_rest(S::Resting),
     interruption_unmoved(S::Lifting),
+    interruption_above_resin(S::AwaitingDark),
     interruption_unmoved(S::Raising),
     interruption_unmoved(S::Paused),
     interruption_unmoved(S::Held),
     interruption_unmoved(S::Braking),
     interruption_unmoved(S::Halting),
     interruption_unmoved(S::Parking),
+    interruption_unmoved(S::Ending),
 
     // While homing the plate's position is unknown: it can only be left where it is.
-    row(S::WarmingUp, E::Canceled, S::Idle, F::LightOff, F::BlackNow, F::PowerOff, F::Finish),
-    row(S::Homing, E::Canceled, S::Idle, F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::Finish),
-    row(S::Held, E::Canceled, S::Idle, F::LightOff, F::BlackNow, F::PowerOff, F::Finish),
+    row(S::WarmingUp, E::Canceled, S::Ending, F::LightOff, F::BlackNow, F::PowerOff, F::AwaitDark),
+    row(S::Homing, E::Canceled, S::Ending, F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::AwaitDark),
+    row(S::Held, E::Canceled, S::Ending, F::LightOff, F::BlackNow, F::PowerOff, F::AwaitDark),
     cancel_moving(S::Lowering),
     cancel_moving(S::Lifting),
     cancel_moving(S::Raising),
@@ -103,7 +113,9 @@ constexpr auto kTable = std::to_array<PrintTransition>({
     cancel_at_rest(S::Igniting),
     cancel_at_rest(S::Exposing),
     cancel_at_rest(S::Darkening),
+    cancel_at_rest(S::Extinguishing),
     cancel_at_rest(S::Resting),
+    cancel_at_rest(S::AwaitingDark),
     cancel_at_rest(S::Paused),
 
     failure(S::WarmingUp),
@@ -114,8 +126,10 @@ constexpr auto kTable = std::to_array<PrintTransition>({
     failure(S::Igniting),
     failure(S::Exposing),
     failure(S::Darkening),
+    failure(S::Extinguishing),
     failure(S::Resting),
     failure(S::Lifting),
+    failure(S::AwaitingDark),
     failure(S::Raising),
     failure(S::Paused),
     failure(S::Held),
@@ -156,10 +170,14 @@ std::string_view name_of(PrintState state) {
       return "exposing";
     case S::Darkening:
       return "darkening";
+    case S::Extinguishing:
+      return "extinguishing";
     case S::Resting:
       return "resting";
     case S::Lifting:
       return "lifting";
+    case S::AwaitingDark:
+      return "awaiting dark";
     case S::Raising:
       return "raising";
     case S::Paused:
@@ -172,6 +190,8 @@ std::string_view name_of(PrintState state) {
       return "halting";
     case S::Parking:
       return "parking";
+    case S::Ending:
+      return "ending";
   }
   return "?";
 }
@@ -190,10 +210,12 @@ std::string_view name_of(PrintEvent event) {
       return "wait over";
     case E::MaskShown:
       return "mask shown";
-    case E::LightIsOn:
-      return "light is on";
+    case E::LightOnSent:
+      return "light on sent";
     case E::ScreenBlack:
       return "screen black";
+    case E::LightIsOff:
+      return "light is off";
     case E::LayerDue:
       return "layer due";
     case E::LayerUnfinished:
@@ -210,6 +232,8 @@ std::string_view name_of(PrintEvent event) {
       return "cancelled";
     case E::Failed:
       return "failed";
+    case E::GaveUp:
+      return "gave up";
   }
   return "?";
 }
@@ -242,6 +266,8 @@ std::string_view name_of(PrintEffect effect) {
       return "time exposure";
     case F::ShowBlack:
       return "show black";
+    case F::AwaitDark:
+      return "await dark";
     case F::RecordLayer:
       return "record layer";
     case F::WaitToRest:

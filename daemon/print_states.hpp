@@ -17,17 +17,20 @@ enum class PrintState {
   Lowering,  // the plate, to the layer's height
   Settling,  // the resin
   Showing,   // the mask, until the kernel says that it is on the screen
-  Igniting,  // light on, until the projector says so
+  Igniting,  // light on, until its command is sent
   Exposing,
-  Darkening,  // light is off; black, until it is on the screen
-  Resting,    // before the peel
-  Lifting,    // peel and lift
-  Raising,    // for a look at the part
+  Darkening,      // light off is sent; black, until it is on the screen
+  Extinguishing,  // until the light is confirmed off
+  Resting,        // before the peel
+  Lifting,        // peel and lift
+  AwaitingDark,   // before anything goes down into the resin: the light is confirmed off
+  Raising,        // for a look at the part
   Paused,
   Held,     // interrupted before the first layer, where the plate's position may be unknown
   Braking,  // an interrupted print's move, to a standstill
   Halting,  // a cancelled print's move, to a standstill
-  Parking,  // the plate goes up to its parking height; then the print is over
+  Parking,  // the plate goes up to its parking height
+  Ending,   // all is over but that the light is confirmed off
 };
 
 enum class PrintEvent {
@@ -37,16 +40,18 @@ enum class PrintEvent {
   MoveEnded,
   WaitOver,
   MaskShown,
-  LightIsOn,
+  LightOnSent,  // from here on there may be light
   ScreenBlack,
-  LayerDue,         // lifted or resumed, and another layer is to come
-  LayerUnfinished,  // lifted or resumed, and the layer has not had all its light
-  PauseDue,         // lifted, and the owner asked for a pause or something interrupted the print
-  LayersDone,       // lifted or resumed after the last layer
+  LightIsOff,       // confirmed
+  LayerDue,         // dark, and another layer is to come
+  LayerUnfinished,  // dark, and the layer has not had all its light
+  PauseDue,         // dark, and the owner asked for a pause or something interrupted the print
+  LayersDone,       // dark after the last layer
   Interrupted,      // the lid was opened, the display lost: dark, up, and wait for the owner
-  Resumed,          // before the first layer
+  Resumed,
   Canceled,
   Failed,  // a device failed, did not answer in time, or an effect threw
+  GaveUp,  // nobody has confirmed in time that the light is off
 };
 
 enum class PrintEffect {
@@ -63,7 +68,8 @@ enum class PrintEffect {
   LightOn,
   TimeExposure,
   ShowBlack,
-  RecordLayer,
+  AwaitDark,
+  RecordLayer,  // if it is not yet: what remained of it may have been too little for a light of its own
   WaitToRest,
   Lift,
   NextLayer,
@@ -73,7 +79,7 @@ enum class PrintEffect {
 };
 
 struct PrintTransition {
-  static constexpr std::size_t kMostEffects = 5;
+  static constexpr std::size_t kMostEffects = 6;
 
   PrintState from;
   PrintEvent on;

@@ -101,7 +101,7 @@ PrinterService::Json PrinterService::job_json() const {
   const JobSummary& summary = active_->prepared->summary;
   job["layer"] = process_.layer() + 1;
   job["layers"] = summary.layers.count;
-  job["layers_done"] = active_->layers.size();
+  job["layers_done"] = layers_exposed(active_->layers);
   job["height_mm"] = to_millimeters(process_.layer_top()).count();
   job["total_height_mm"] = summary.height_mm;
   job["layer_height_um"] = to_millimeters(process_.layer_thickness()).count() * 1000;

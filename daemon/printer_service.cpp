@@ -85,6 +85,14 @@ double milliseconds(Duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
+// "1980.3 to 2011.7 ms", or one figure where both are the same.
+std::string light_of(const LayerRecord& layer) {
+  const std::string most =
+      fmt::format("{:.1f} ms{}", milliseconds(layer.exposure_most), layer.dark_confirmed ? "" : " or more");
+  const std::string least = fmt::format("{:.1f}", milliseconds(layer.exposure_least));
+  return most.starts_with(least + " ") ? most : least + " to " + most;
+}
+
 }  // namespace
 
 PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine,
@@ -118,6 +126,12 @@ void PrinterService::start() {
 void PrinterService::shut_down(const std::string& reason) {
   shutting_down_ = true;
   process_.fail(reason);
+  leave_if_over();
+}
+
+// Behind a print under way: as long as that ends, the loop must turn for its light.
+void PrinterService::leave_if_over() {
+  if (!shutting_down_ || process_.state() != PrintState::Idle) return;
   // Printed, and only its analysis still under way.
   if (active_ && active_->report) finish_job();
   // Still being read: nothing was printed, so it waits for the next start.
@@ -140,7 +154,7 @@ void PrinterService::give_back_unbegun() {
 }
 
 void PrinterService::disturbed(const Disturbance& disturbance) {
-  const bool printing = process_.state() != PrintState::Idle;
+  const bool printing = process_.state() != PrintState::Idle && process_.state() != PrintState::Ending;
   switch (disturbance.kind) {
     case Disturbance::Kind::Fault:
       process_.fail(disturbance.what);
@@ -539,20 +553,13 @@ void PrinterService::layer_done(const LayerRecord& layer) {
   LogFields fields = job_fields(active_->files.name);
   fields.emplace_back("LAYER", std::to_string(layer.layer + 1));
   fields.emplace_back("Z_NM", std::to_string(layer.plate_height.count()));
-  log_.info(
-      "layer",
-      fmt::format("layer {} of {}: height {:.4f} mm, {:.2f} mm2, {} loops, mask {:.2f} ms, light {:.1f} ms",
-                  layer.layer + 1, count, to_millimeters(layer.plate_height).count(), layer.area_mm2,
-                  layer.loops, milliseconds(layer.mask_time), milliseconds(layer.exposure_measured)),
-      fields);
-  // By more than a refresh: something kept this process from turning the light off.
-  if (layer.exposure_measured > layer.exposure_asked + machine_.display().frame()) {
-    log_.warning(
-        "overexposed",
-        fmt::format("layer {}: the light was on for {:.1f} ms, {:.1f} ms were asked for", layer.layer + 1,
-                    milliseconds(layer.exposure_measured), milliseconds(layer.exposure_asked)),
-        fields);
-  }
+  log_.info("layer",
+            fmt::format("layer {} of {}: height {:.4f} mm, {:.2f} mm2, {} loops, mask {:.2f} ms, light {}{}",
+                        layer.layer + 1, count, to_millimeters(layer.plate_height).count(), layer.area_mm2,
+                        layer.loops, milliseconds(layer.mask_time), light_of(layer),
+                        layer.complete ? "" : ", not finished"),
+            fields);
+  warn_about_light(layer, fields);
   if (layer.cracks.open_chains > 0) {
     log_.warning("gaps",
                  fmt::format("layer {}: {} contours did not close; the widest gap bridged is {:.3f} mm",
@@ -574,6 +581,21 @@ void PrinterService::layer_done(const LayerRecord& layer) {
   notify("layer", ControlServer::Delivery::Lossy);
 }
 
+void PrinterService::warn_about_light(const LayerRecord& layer, const LogFields& fields) {
+  const auto asked = fmt::format("layer {}: the light was on for {}, {:.1f} ms were asked for",
+                                 layer.layer + 1, light_of(layer), milliseconds(layer.exposure_asked));
+  // By more than a refresh: something kept this process from turning the light off.
+  if (layer.exposure_least > layer.exposure_asked + machine_.display().frame())
+    log_.warning("overexposed", asked, fields);
+  const Duration tolerated = active_->prepared->summary.resin.tolerance.bounds;
+  if (layer.exposure_most - layer.exposure_least > tolerated) {
+    log_.warning("doubtful-light",
+                 fmt::format("{}; the projector's answers tell no better, the resin tolerates {:.0f} ms",
+                             asked, milliseconds(tolerated)),
+                 fields);
+  }
+}
+
 void PrinterService::interrupted(const std::string& what) {
   const std::string name = active_->files.name;
   const std::string place = fmt::format("layer {}", process_.layer() + 1);
@@ -591,9 +613,10 @@ void PrinterService::interrupted(const std::string& what) {
 void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) {
   const std::string name = active_->files.name;
   PrintReport report = make_report(outcome, reason, plan);
-  const std::string summary = fmt::format("{}: {} after {} of {} layers and {}{}", printable(name),
-                                          name_of(outcome), report.layers.size(), report.summary.layers.count,
-                                          readable(report.print_time), reason.empty() ? "" : ": " + reason);
+  const std::string summary =
+      fmt::format("{}: {} after {} of {} layers and {}{}", printable(name), name_of(outcome),
+                  layers_exposed(report.layers), report.summary.layers.count, readable(report.print_time),
+                  reason.empty() ? "" : ": " + reason);
   log_.write(outcome == PrintOutcome::Failed ? LogLevel::Error : LogLevel::Info, name_of(outcome), summary,
              job_fields(name));
   if (report.late_steps > 0) {
@@ -609,8 +632,9 @@ void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason
   // Stopped with contourd, it has left its part in the way.
   if (outcome == PrintOutcome::Failed) hold(fmt::format("{} failed: {}", name, reason));
   // A print on a machine takes much longer than its analysis; a simulated one need not.
-  if (outcome == PrintOutcome::Done && analyst_.busy()) return;
+  if (outcome == PrintOutcome::Done && analyst_.busy() && !shutting_down_) return;
   finish_job();
+  leave_if_over();
 }
 
 void PrinterService::finish_job() {

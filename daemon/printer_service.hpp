@@ -34,7 +34,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   // std::runtime_error.
   void start();
 
-  // Ends a print under way (light off, its files to failed/) and takes no more jobs.
+  // Ends a print under way (light off, its files to failed/), takes no more jobs, and stops the loop when the
+  // light is off, or after some seconds.
   void shut_down(const std::string& reason);
 
  private:
@@ -77,6 +78,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void incoming_lost(const std::string& why) override;
   void state_changed(PrintState state) override;
   void layer_done(const LayerRecord& layer) override;
+  void warn_about_light(const LayerRecord& layer, const LogFields& fields);
   void interrupted(const std::string& what) override;
   void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) override;
 
@@ -86,6 +88,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void find_interrupted_prints();
   // Throws std::system_error; the rest of them stays where it is.
   void file_interrupted_prints();
+  void leave_if_over();
   void give_back_unbegun();
   // Does what is due: starts the next job, or has a waiting one checked. Never from inside the print process.
   void pump();

@@ -65,11 +65,17 @@ class AbsentProjector final : public Projector {
   // The clock must outlive the projector.
   explicit AbsentProjector(Clock& clock) : clock_(clock) {}
 
-  void power_on(Done done) override { light_on(std::move(done)); }
-  void light_on(Done done) override {
+  void power_on(Done done) override {
     answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(ProjectorReply::NoAnswer); });
   }
+  void light_on(Duration, LightOn tell) override {
+    answer_ =
+        clock_.call_after(Duration{0}, [tell = std::move(tell)] { tell.done(ProjectorReply::Refused); });
+  }
   void light_off() noexcept override { answer_.reset(); }
+  // Nobody can tell of a projector that is not there.
+  void when_dark(std::function<void()>) override {}
+  [[nodiscard]] std::optional<LightSpan> last_light() const override { return std::nullopt; }
   void power_off() noexcept override { answer_.reset(); }
   void ask_status(StatusDone done) override {
     answer_ = clock_.call_after(Duration{0}, [this, done = std::move(done)] {
@@ -77,6 +83,7 @@ class AbsentProjector final : public Projector {
     });
   }
   [[nodiscard]] std::string last_problem() const override { return "there is no projector"; }
+  [[nodiscard]] std::string doubt() const override { return last_problem(); }
 
  private:
   Clock& clock_;

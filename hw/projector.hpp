@@ -1,11 +1,14 @@
 // The projector's power and light. Not thread-safe: calls and callbacks happen on the event loop's thread.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include "hw/clock.hpp"
 
 namespace contourd {
 
@@ -24,6 +27,24 @@ struct ProjectorStatus {
   std::optional<std::int64_t> lamp_hours;     // the same
 };
 
+// When one light shone, as far as its commands tell: somewhere from on_earliest on, somewhere up to
+// off_latest.
+struct LightSpan {
+  TimePoint on_earliest{};                // light on's first byte was sent, and the projector's latency over
+  std::optional<TimePoint> on_latest;     // it was confirmed on; nothing when it never was
+  std::optional<TimePoint> off_earliest;  // light off's first byte was sent; nothing before
+  std::optional<TimePoint> off_latest;    // it was confirmed off; nothing before
+
+  // How long it has shone, at least and at most; at most as of `now` while it is not confirmed off.
+  [[nodiscard]] Duration least() const {
+    if (!on_latest || !off_earliest) return Duration{0};
+    return std::max(*off_earliest - *on_latest, Duration{0});
+  }
+  [[nodiscard]] Duration most(TimePoint now) const {
+    return std::max(off_latest.value_or(now) - on_earliest, Duration{0});
+  }
+};
+
 class Projector {
  public:
   using Done = std::function<void(ProjectorReply)>;
@@ -33,14 +54,32 @@ class Projector {
   Projector& operator=(const Projector&) = delete;
   virtual ~Projector() = default;
 
-  // Power on, then wait until the lamp is warm. The light stays off. Returns at once; may take minutes.
+  // Power on, then wait until the lamp is warm. The light stays off: Ok says that this is confirmed. Returns
+  // at once; may take minutes.
   virtual void power_on(Done done) = 0;
 
-  // Light on. Returns at once. REQUIRES: powered on; no other light_on() waits for its `done`.
-  virtual void light_on(Done done) = 0;
+  // What light_on() tells, from the event loop, never from inside it; light_off() drops both.
+  struct LightOn {
+    // The command's first byte was sent: from `earliest` on the light may shine, whatever the reply will be.
+    std::function<void(TimePoint earliest)> sent;
+    // Ok: it is on. NoAnswer: nobody knows, and light off is under way. It may come after `exposure` is over.
+    Done done;
+  };
+  // Light on, which its caller means to turn off `exposure` after the time that `sent` gets. The command is
+  // sent once: a reply that is lost is asked after, never answered by another light on. Returns at once.
+  // REQUIRES: powered on; doubt() is empty; no other light_on() waits for its `done`.
+  virtual void light_on(Duration exposure, LightOn tell) = 0;
 
-  // Light off, now, whatever else was asked; a waiting `done` is dropped. Harmless when it is off already.
+  // Light off, now, whatever else was asked; what waits is dropped, but for when_dark(). Harmless when it is
+  // off already.
   virtual void light_off() noexcept = 0;
+
+  // Calls `call` once, from the event loop, as soon as the light is confirmed off and no light off is under
+  // way any more. A later call takes this one's place; light_on() drops it.
+  virtual void when_dark(std::function<void()> call) = 0;
+
+  // Of the last light_on(); nothing when its command was never sent.
+  [[nodiscard]] virtual std::optional<LightSpan> last_light() const = 0;
 
   // Light off and power off. The lamp may cool down for a while by itself.
   virtual void power_off() noexcept = 0;
@@ -54,7 +93,7 @@ class Projector {
 
   // Why the light may be on though it is to be off, in a sentence; empty when it is off as far as anybody can
   // tell. To be asked when no light is wanted.
-  [[nodiscard]] virtual std::string doubt() const { return {}; }
+  [[nodiscard]] virtual std::string doubt() const = 0;
 };
 
 }  // namespace contourd

@@ -5,6 +5,12 @@
 #include "hw/hardware_error.hpp"
 
 namespace contourd {
+namespace {
+
+// A line that refuses to go off is told again by itself; this long until that is looked at.
+constexpr Duration kLookAgain{std::chrono::milliseconds{20}};
+
+}  // namespace
 
 LightLineProjector::LightLineProjector(LightLine& line, Clock& clock, Duration warm_up)
     : line_(line), clock_(clock), warm_up_(warm_up) {
@@ -22,25 +28,52 @@ void LightLineProjector::answer_after(Duration delay, std::function<void()> answ
 void LightLineProjector::power_on(Done done) {
   answer_after(warm_ ? Duration{0} : warm_up_, [this, done = std::move(done)] {
     warm_ = true;
+    if (problem_ = line_.refusal(); !problem_.empty()) return done(ProjectorReply::Refused);
     done(ProjectorReply::Ok);
   });
 }
 
-void LightLineProjector::light_on(Done done) {
-  ProjectorReply reply = ProjectorReply::Ok;
+void LightLineProjector::light_on(Duration, LightOn tell) {
+  dark_ = nullptr;
+  light_ = LightSpan{clock_.now(), {}, {}, {}};
   try {
     line_.on();
   } catch (const HardwareError& error) {
-    line_.off();
     problem_ = error.what();
-    reply = ProjectorReply::Refused;
+    light_off();
+    answer_after(Duration{0}, [tell = std::move(tell)] { tell.done(ProjectorReply::Refused); });
+    return;
   }
-  answer_after(Duration{0}, [reply, done = std::move(done)] { done(reply); });
+  light_->on_latest = clock_.now();
+  answer_after(Duration{0}, [tell = std::move(tell), earliest = light_->on_earliest] {
+    tell.sent(earliest);
+    tell.done(ProjectorReply::Ok);
+  });
 }
 
 void LightLineProjector::light_off() noexcept {
+  if (light_ && !light_->off_earliest) light_->off_earliest = clock_.now();
   line_.off();
   answer_.reset();
+  note_whether_off();
+}
+
+void LightLineProjector::note_whether_off() {
+  if (light_ && light_->off_earliest && !light_->off_latest && line_.refusal().empty())
+    light_->off_latest = clock_.now();
+}
+
+void LightLineProjector::when_dark(std::function<void()> call) {
+  dark_ = std::move(call);
+  look_whether_dark(Duration{0});
+}
+
+void LightLineProjector::look_whether_dark(Duration delay) {
+  look_ = clock_.call_after(delay, [this] {
+    note_whether_off();
+    if (!line_.refusal().empty()) return look_whether_dark(kLookAgain);
+    if (const auto dark = std::exchange(dark_, nullptr)) dark();
+  });
 }
 
 void LightLineProjector::power_off() noexcept {
@@ -52,42 +85,47 @@ void LightLineProjector::ask_status(StatusDone done) {
   answer_after(Duration{0}, [done = std::move(done)] { done({}); });
 }
 
-ProjectorWithLightLine::ProjectorWithLightLine(Projector& projector, LightLine& line)
-    : projector_(projector), line_(line) {
-  line_.off();
-}
+ProjectorWithLightLine::ProjectorWithLightLine(Projector& projector, LightLine& line, Clock& clock)
+    : projector_(projector), behind_line_(line, clock, Duration{0}) {}
 
 ProjectorWithLightLine::~ProjectorWithLightLine() {
-  line_.off();
+  behind_line_.light_off();
 }
 
 void ProjectorWithLightLine::power_on(Done done) {
-  line_.off();
-  projector_.power_on(std::move(done));
-}
-
-void ProjectorWithLightLine::light_on(Done done) {
-  line_problem_.clear();
-  projector_.light_on([this, done = std::move(done)](ProjectorReply reply) {
-    if (reply != ProjectorReply::Ok) return done(reply);
-    try {
-      line_.on();
-    } catch (const HardwareError& error) {
-      light_off();
-      line_problem_ = error.what();
-      return done(ProjectorReply::Refused);
-    }
-    done(reply);
+  behind_line_.light_off();
+  projector_.power_on([this, done = std::move(done)](ProjectorReply reply) {
+    line_asked_ = reply == ProjectorReply::Ok;
+    if (!line_asked_) return done(reply);
+    behind_line_.power_on(done);
   });
 }
 
+void ProjectorWithLightLine::light_on(Duration exposure, LightOn tell) {
+  line_asked_ = false;
+  const auto answered = [this, exposure, tell = std::move(tell)](ProjectorReply reply) {
+    if (reply != ProjectorReply::Ok) return tell.done(reply);
+    line_asked_ = true;
+    behind_line_.light_on(exposure, {.sent = tell.sent, .done = [this, tell](ProjectorReply line_reply) {
+                                       if (line_reply != ProjectorReply::Ok) light_off();
+                                       tell.done(line_reply);
+                                     }});
+  };
+  // Behind the line it gives no light yet.
+  projector_.light_on(exposure, {.sent = [](TimePoint) {}, .done = answered});
+}
+
 void ProjectorWithLightLine::light_off() noexcept {
-  line_.off();
+  behind_line_.light_off();
   projector_.light_off();
 }
 
+void ProjectorWithLightLine::when_dark(std::function<void()> call) {
+  projector_.when_dark([this, call = std::move(call)] { behind_line_.when_dark(call); });
+}
+
 void ProjectorWithLightLine::power_off() noexcept {
-  line_.off();
+  behind_line_.power_off();
   projector_.power_off();
 }
 
@@ -96,7 +134,12 @@ void ProjectorWithLightLine::ask_status(StatusDone done) {
 }
 
 std::string ProjectorWithLightLine::last_problem() const {
-  return line_problem_.empty() ? projector_.last_problem() : line_problem_;
+  return line_asked_ ? behind_line_.last_problem() : projector_.last_problem();
+}
+
+std::string ProjectorWithLightLine::doubt() const {
+  const std::string line = behind_line_.doubt();
+  return line.empty() ? projector_.doubt() : line;
 }
 
 }  // namespace contourd

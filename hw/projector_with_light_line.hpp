@@ -20,42 +20,55 @@ class LightLineProjector final : public Projector {
   ~LightLineProjector() override;
 
   void power_on(Done done) override;
-  void light_on(Done done) override;
+  void light_on(Duration exposure, LightOn tell) override;
   void light_off() noexcept override;
+  void when_dark(std::function<void()> call) override;
+  [[nodiscard]] std::optional<LightSpan> last_light() const override { return light_; }
   void power_off() noexcept override;
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }
+  [[nodiscard]] std::string doubt() const override { return line_.refusal(); }
 
  private:
   void answer_after(Duration delay, std::function<void()> answer);
+  void note_whether_off();
+  void look_whether_dark(Duration delay);
 
   LightLine& line_;
   Clock& clock_;
   Duration warm_up_;
   bool warm_ = false;
   std::string problem_;
-  std::unique_ptr<Timer> answer_;
+  std::optional<LightSpan> light_;
+  std::function<void()> dark_;
+  std::unique_ptr<Timer> answer_, look_;
 };
 
 // A projector and a line before its light. The line lets light through only when the projector says that its
-// own is on, and is off before the projector is told anything.
+// own is on, and is off before the projector is told anything. Its light's times are the line's; it is dark
+// when both are.
 class ProjectorWithLightLine final : public Projector {
  public:
-  // Both must outlive this.
-  ProjectorWithLightLine(Projector& projector, LightLine& line);
+  // All must outlive this.
+  ProjectorWithLightLine(Projector& projector, LightLine& line, Clock& clock);
   ~ProjectorWithLightLine() override;
 
   void power_on(Done done) override;
-  void light_on(Done done) override;
+  void light_on(Duration exposure, LightOn tell) override;
   void light_off() noexcept override;
+  void when_dark(std::function<void()> call) override;
+  [[nodiscard]] std::optional<LightSpan> last_light() const override {
+    return line_asked_ ? behind_line_.last_light() : std::nullopt;
+  }
   void power_off() noexcept override;
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override;
+  [[nodiscard]] std::string doubt() const override;
 
  private:
   Projector& projector_;
-  LightLine& line_;
-  std::string line_problem_;  // of the last light_on(), if the line was to blame
+  LightLineProjector behind_line_;
+  bool line_asked_ = false;  // by the last power_on() or light_on(), which had come so far
 };
 
 }  // namespace contourd

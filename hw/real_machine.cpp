@@ -95,7 +95,7 @@ void RealMachine::combine_projector() {
   // A line before a projector that is not there lets no light through.
   if (combined_ || !light_ || (config_.projector && !serial_)) return;
   if (serial_) {
-    combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, *light_);
+    combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, *light_, clock_);
   } else {
     combined_ = std::make_unique<LightLineProjector>(*light_, clock_, config_.warm_up);
   }

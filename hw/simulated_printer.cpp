@@ -103,27 +103,47 @@ class SimulatedPrinter::Lamp final : public Projector {
         std::move(done));
   }
 
-  void light_on(Done done) override {
+  void light_on(Duration, LightOn tell) override {
+    dark_ = nullptr;
+    span_.reset();
     if (!powered_) {
-      reply_ = clock_.call_after(config_.reply, [this, done = std::move(done)] {
+      reply_ = clock_.call_after(config_.reply, [this, done = std::move(tell.done)] {
         failed_ = ProjectorReply::Refused;
         done(failed_);
       });
       return;
     }
+    // It obeys as it answers: that is its latency.
+    span_ = LightSpan{clock_.now() + config_.reply, {}, {}, {}};
+    sent_ = clock_.call_after(
+        Duration{0}, [sent = std::move(tell.sent), earliest = span_->on_earliest] { sent(earliest); });
     reply(
         config_.reply,
         [this] {
           light_ = true;
+          span_->on_latest = clock_.now();
           switched_(true);
         },
-        std::move(done));
+        std::move(tell.done));
   }
 
   void light_off() noexcept override {
+    if (span_ && !span_->off_earliest) {
+      span_->off_earliest = clock_.now();
+      if (!is_silent()) span_->off_latest = clock_.now();
+    }
     if (std::exchange(light_, false)) switched_(false);
     reply_.reset();
+    sent_.reset();
+    tell_dark();
   }
+
+  void when_dark(std::function<void()> call) override {
+    dark_ = std::move(call);
+    tell_dark();
+  }
+
+  [[nodiscard]] std::optional<LightSpan> last_light() const override { return span_; }
 
   void power_off() noexcept override {
     light_off();
@@ -140,13 +160,28 @@ class SimulatedPrinter::Lamp final : public Projector {
   }
 
   [[nodiscard]] std::string last_problem() const override { return std::string(describe(failed_)); }
+  [[nodiscard]] std::string doubt() const override {
+    return is_silent() && span_ ? "the projector has not confirmed that its light is off" : "";
+  }
 
   [[nodiscard]] bool is_on() const { return light_; }
 
  private:
+  [[nodiscard]] bool is_silent() const {
+    return config_.silent_after_commands && commands_ > *config_.silent_after_commands;
+  }
+
+  // A projector that has fallen silent confirms nothing.
+  void tell_dark() noexcept {
+    if (!dark_ || light_ || is_silent()) return;
+    tell_dark_ = clock_.call_after(Duration{0}, [this] {
+      if (const auto dark = std::exchange(dark_, nullptr); dark && !light_) dark();
+    });
+  }
+
   void reply(Duration delay, const std::function<void()>& effect, Done done) {
     ++commands_;
-    const bool silent = config_.silent_after_commands && commands_ > *config_.silent_after_commands;
+    const bool silent = is_silent();
     reply_ =
         clock_.call_after(silent ? config_.timeout : delay, [this, effect, silent, done = std::move(done)] {
           if (!silent) {
@@ -165,7 +200,9 @@ class SimulatedPrinter::Lamp final : public Projector {
   bool light_ = false;
   int commands_ = 0;
   ProjectorReply failed_ = ProjectorReply::Ok;  // the last that was not Ok
-  std::unique_ptr<Timer> reply_;
+  std::optional<LightSpan> span_;
+  std::function<void()> dark_;  // asked for by when_dark()
+  std::unique_ptr<Timer> reply_, sent_, tell_dark_;
 };
 
 SimulatedPrinter::SimulatedPrinter(Clock& clock, const SimulatedPrinterConfig& config)

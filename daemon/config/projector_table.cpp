@@ -24,8 +24,8 @@ constexpr std::array<std::pair<const char*, ReplyMeaning>, 5> kReplies{{
     {"refused", ReplyMeaning::Refused},  // last: it may be what is none of the others
 }};
 
-constexpr std::array kCommands{"power_on",   "power_off", "light_on",  "light_off",
-                               "brightness", "power",     "lamp_hours"};
+constexpr std::array kCommands{"power_on", "power_off",  "light_on", "light_off",
+                               "light",    "brightness", "power",    "lamp_hours"};
 
 // What is sent, and where a number goes into it.
 struct Message {
@@ -136,7 +136,8 @@ void check_light(JsonDocument& document) {
   const auto has = [&](const char* key) {
     return document.value().contains(nlohmann::json::json_pointer(std::string("/commands/") + key));
   };
-  for (const auto& [one, other] : {std::pair{"light_on", "light_off"}, std::pair{"light_off", "light_on"}}) {
+  for (const auto& [one, other] : {std::pair{"light_on", "light_off"}, std::pair{"light_off", "light_on"},
+                                   std::pair{"light", "light_on"}}) {
     if (has(one) && !has(other))
       document.add_violation(std::string("/commands/") + one,
                              std::string("it needs ") + other + " beside it");
@@ -237,12 +238,13 @@ void check_confirmation(JsonDocument& document, const std::string& command, cons
 void check_light_replies(JsonDocument& document) {
   check_confirmation(document, "/commands/light_on", "accepted", kTakenForOn);
   check_confirmation(document, "/commands/light_off", "accepted", kTakenForOff);
-  check_confirmation(document, "/commands/power", "off", kTakenForOff);
-  const auto on = written_reply(document, "/commands/power", "on"),
-             off = written_reply(document, "/commands/power", "off");
-  if (on && off && !off->pattern.fits_noise() && cannot_be_told_apart(*off, *on))
-    document.add_violation("/commands/power/off",
-                           in_quotes(off->text) + " fits what means on" + kTakenForOff);
+  check_confirmation(document, "/commands/light", "on", kTakenForOn);
+  for (const std::string question : {"/commands/light", "/commands/power"}) {
+    check_confirmation(document, question, "off", kTakenForOff);
+    const auto on = written_reply(document, question, "on"), off = written_reply(document, question, "off");
+    if (on && off && !off->pattern.fits_noise() && cannot_be_told_apart(*off, *on))
+      document.add_violation(question + "/off", in_quotes(off->text) + " fits what means on" + kTakenForOff);
+  }
 }
 
 void check_different_bytes(JsonDocument& document, const std::string& off, const std::string& on) {
@@ -356,12 +358,14 @@ ProjectorTable TableReader::read_line() const {
 
 ProjectorTable TableReader::read() const {
   ProjectorTable table = read_line();
+  table.latency = root_.duration("latency_ms");
   table.warm_up = root_.duration("warm_up_s");
   table.cool_down = root_.duration("cool_down_s");
   table.power_on = command("power_on");
   table.power_off = command("power_off");
   table.light_on = optional_command("light_on");
   table.light_off = optional_command("light_off");
+  table.light = optional_command("light");
   table.brightness = brightness();
   table.power = optional_command("power");
   table.lamp_hours = optional_command("lamp_hours");

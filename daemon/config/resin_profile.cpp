@@ -127,6 +127,10 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .retract_speed = MillimetersPerSecond{profile.number("retract_speed_mm_s")},
       .settle = profile.duration("settle_ms"),
       .rest = profile.duration("rest_ms"),
+      .tolerance = {.bounds = profile.duration("exposure_tolerance_ms"),
+                    .doubt = profile.text("exposure_doubt") == "interrupt"
+                                 ? ExposureTolerance::Doubt::Interrupt
+                                 : ExposureTolerance::Doubt::Warn},
   };
 }
 

@@ -34,6 +34,13 @@ struct WorkingCurve {
   Micrometers bottom_overcure;
 };
 
+// How far apart the bounds of a layer's light may be, and what is done when they are farther.
+struct ExposureTolerance {
+  Duration bounds{std::chrono::milliseconds{100}};
+  enum class Doubt { Warn, Interrupt };
+  Doubt doubt = Doubt::Warn;
+};
+
 struct ResinProfile {
   std::string name;  // of its file, without .json
   Nanometers layer_height;
@@ -49,6 +56,7 @@ struct ResinProfile {
   MillimetersPerSecond retract_speed;
   Duration settle{};  // plate still, before the light
   Duration rest{};    // light off, before the lift
+  ExposureTolerance tolerance;
 };
 
 // The machine that the resin is for: the figures that a profile is checked against. Those that are not known

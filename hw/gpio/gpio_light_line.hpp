@@ -24,8 +24,7 @@ class GpioLightLine final : public LightLine {
   // Throws HardwareError too as long as the line refuses to go off.
   void on() override;
   void off() noexcept override;
-  // Why the line is not off though it should be, in a sentence; else empty.
-  [[nodiscard]] std::string refusal() const { return refuses_off_ ? cannot_be_set() : ""; }
+  [[nodiscard]] std::string refusal() const override { return refuses_off_ ? cannot_be_set() : ""; }
 
  private:
   [[nodiscard]] std::string cannot_be_set() const;

@@ -58,6 +58,7 @@ struct ProjectorTable {
   bool echo = false;     // every command comes back before its reply
   int retries = 2;       // after the first time
   Duration gap{};        // between a command or its reply and the next command, at least
+  Duration latency{};    // from light on's first byte to its light, at least
   Duration warm_up{};    // from power on to light that can be used, at least
   Duration cool_down{};  // after power off, for which power on is ignored
 
@@ -65,6 +66,7 @@ struct ProjectorTable {
   std::optional<ProjectorCommand> light_on,
       light_off;  // both or neither, but see LightConfig; each with an Accepted
   std::optional<BrightnessCommand> brightness;
+  std::optional<ProjectorCommand> light;       // query: On, Off; only beside light_on
   std::optional<ProjectorCommand> power;       // query: On, Off
   std::optional<ProjectorCommand> lamp_hours;  // query: Value
   std::vector<UnaskedLine> unasked;

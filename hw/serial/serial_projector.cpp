@@ -15,6 +15,9 @@ using namespace std::chrono_literals;
 // A reply that is late by more than the timeout again is not waited for: it would be taken for a later
 // command's.
 constexpr int kLateTimeouts = 2;
+// Light on's is longer: taken for light off's it would make a lit projector dark. The longest timeout that a
+// table can have.
+constexpr Duration kLateLightOn = 30s;
 // Between questions whether the projector is on by now, and how long after its warm-up it may say no.
 constexpr Duration kAskAgain = 2s;
 constexpr Duration kReadyGrace = 60s;
@@ -65,6 +68,7 @@ void SerialProjector::ask(const ProjectorCommand& command, std::function<void(co
 void SerialProjector::make_way() {
   std::erase_if(queue_, [](const Request& request) { return !request.outlives_light_off; });
   step_.reset();
+  tell_sent_.reset();
   when_dark_ = nullptr;
   if (!current_ || current_->command == light_off_command()) return;
   if (current_->outlives_light_off) {
@@ -96,25 +100,38 @@ void SerialProjector::send() {
     return;
   }
   const ProjectorCommand& command = *current_->command;
+  const TimePoint first_byte = clock_.now();
   if (lost_ || !channel_.write(command.bytes)) {
     // Not from inside the caller's own call.
     timer_ = clock_.call_after(Duration{0}, [this] { fail_current(); });
     return;
   }
   ++current_->sent;
-  if (&command == light_on_command()) light_may_be_on_ = true;
-  if (&command == &table_.power_on) {
-    // It may be obeyed without an answer, and comes up with a picture of its own.
-    warm_at_ = clock_.now() + table_.warm_up;
-    light_may_be_on_ = table_.light_off.has_value();
-  }
+  note_sent(command, first_byte);
   const TimePoint sent_at = clock_.now() + wire_time(command.bytes.size());
   free_at_ = sent_at + table_.gap;
-  reader_.expect(current_->id, command, sent_at + kLateTimeouts * command.timeout);
+  const bool lights = &command == light_on_command();
+  reader_.expect(
+      current_->id, command,
+      sent_at + kLateTimeouts * (lights ? std::max(command.timeout, kLateLightOn) : command.timeout));
   if (command.replies.empty()) {
     timer_ = clock_.call_at(free_at_, [this] { finish({}); });
   } else {
     timer_ = clock_.call_at(sent_at + command.timeout, [this] { timed_out(); });
+  }
+}
+
+void SerialProjector::note_sent(const ProjectorCommand& command, TimePoint first_byte) {
+  if (&command == light_on_command()) {
+    light_may_be_on_ = true;
+    light_ = LightSpan{first_byte + table_.latency, {}, {}, {}};
+    tell_sent_ = clock_.call_after(Duration{0}, [this] { light_sent_(light_->on_earliest); });
+  }
+  if (&command == light_off_command() && light_ && !light_->off_earliest) light_->off_earliest = first_byte;
+  if (&command == &table_.power_on) {
+    // It may be obeyed without an answer, and comes up with a picture of its own.
+    warm_at_ = first_byte + table_.warm_up;
+    light_may_be_on_ = table_.light_off.has_value();
   }
 }
 
@@ -142,9 +159,11 @@ void SerialProjector::timed_out() {
   const ReplyReader::RequestId id = current_->id;
   take(reader_.end_line(clock_.now()));
   if (!current_ || current_->id != id) return;
-  // Once it is known that light off is not heard, it must not keep power off waiting.
+  // Once it is known that light off is not heard, it must not keep power off waiting. A light on that may
+  // have been obeyed is not sent again.
   const bool hopeless = dark_reported_ && current_->command == light_off_command();
-  if (current_->sent <= table_.retries && !hopeless) return send();
+  const bool once = current_->command == light_on_command() && current_->sent > 0;
+  if (current_->sent <= table_.retries && !hopeless && !once) return send();
   fail_current();
 }
 
@@ -294,6 +313,9 @@ void SerialProjector::ask_whether_still_on() {
   watch_over();
   if (power_ != Power::On || power_off_waits_ || lost_) return;
   if (current_ || dark_wanted_ || !queue_.empty()) return;  // what is asked now tells as much
+  // Light off is not to wait for this one's reply and gap.
+  const bool lit = light_ && !light_->off_earliest;
+  if (lit && clock_.now() + table_.power->timeout + table_.gap > light_->on_earliest + exposure_) return;
   const auto heard = [this](const Answer& answer) {
     const bool says_off = answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::Off;
     if (power_ != Power::On || lost_ || (answer.reply != ProjectorReply::NoAnswer && !says_off)) return;
@@ -333,11 +355,13 @@ void SerialProjector::powered_off(const Answer& answer) {
   off_at_ = clock_.now();
   power_ = Power::Unknown;
   if (answer.reply == ProjectorReply::Ok && !table_.power_off.replies.empty()) return is_off();
-  if (answer.reply == ProjectorReply::Ok || lost_) power_off_waits_ = false;
+  // Of one that neither answers nor can be asked, nobody will know more.
+  if (lost_ || (answer.reply == ProjectorReply::Ok && !table_.power)) power_off_waits_ = false;
+  if (answer.reply == ProjectorReply::Ok) problem_ = called() + " has not confirmed that it is off";
   if (power_off_waits_) power_off_later();
 }
 
-// Refused, as while it warms up, or not answered.
+// Refused, as while it warms up, not answered, or never answered.
 void SerialProjector::power_off_later() {
   const std::string problem = problem_;
   if (clock_.now() > std::max(power_off_asked_at_, warm_at_) + kOffGrace &&
@@ -365,21 +389,51 @@ void SerialProjector::is_off() {
 
 // --- Light ---
 
-void SerialProjector::light_on(Done done) {
-  if (power_ != Power::On || dark_timer_) {
-    problem_ = called() + (dark_timer_ ? " has not confirmed that its light is off, it is not turned on again"
-                                       : " is not on");
-    step_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(ProjectorReply::Refused); });
+void SerialProjector::light_on(Duration exposure, LightOn tell) {
+  dark_ = nullptr;
+  exposure_ = exposure;
+  light_.reset();
+  const bool dark = !light_may_be_on_ && !dark_wanted_;
+  if (power_ != Power::On || !dark) {
+    problem_ = called() + (power_ == Power::On
+                               ? " has not confirmed that its light is off, it is not turned on again"
+                               : " is not on");
+    step_ = clock_.call_after(Duration{0}, [done = std::move(tell.done)] { done(ProjectorReply::Refused); });
     return;
   }
   if (!table_.switches_light()) {
-    step_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(ProjectorReply::Ok); });
+    step_ = clock_.call_after(Duration{0}, [this, tell = std::move(tell)] {
+      tell.sent(clock_.now());
+      tell.done(ProjectorReply::Ok);
+    });
     return;
   }
-  ask(*table_.light_on, [this, done = std::move(done)](const Answer& answer) {
-    // Not confirmed is not off.
-    if (answer.reply != ProjectorReply::Ok) want_dark();
-    done(answer.reply);
+  light_sent_ = std::move(tell.sent);
+  ask(*table_.light_on,
+      [this, done = std::move(tell.done)](const Answer& answer) { light_answered(answer, done); });
+}
+
+void SerialProjector::light_answered(const Answer& answer, const Done& done) {
+  if (answer.reply == ProjectorReply::Ok) {
+    light_->on_latest = clock_.now();
+    return done(answer.reply);
+  }
+  if (answer.reply == ProjectorReply::NoAnswer && light_ && table_.light) return ask_whether_lit(done);
+  // Not confirmed is not off.
+  want_dark();
+  done(answer.reply);
+}
+
+// Its reply to light on was lost, or the command.
+void SerialProjector::ask_whether_lit(const Done& done) {
+  ask(*table_.light, [this, done, problem = problem_](const Answer& answer) {
+    if (answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::On) {
+      light_->on_latest = clock_.now();
+      return done(ProjectorReply::Ok);
+    }
+    problem_ = problem;
+    want_dark();
+    done(ProjectorReply::NoAnswer);
   });
 }
 
@@ -420,8 +474,23 @@ void SerialProjector::darkened(const Answer& answer) {
 void SerialProjector::is_dark() {
   dark_wanted_ = light_may_be_on_ = false;
   dark_timer_.reset();
+  if (light_ && !light_->off_latest) light_->off_latest = clock_.now();
+  tell_dark();
   if (std::exchange(dark_reported_, false))
     report(Disturbance::Kind::Recovery, called() + " has confirmed that its light is off");
+}
+
+void SerialProjector::when_dark(std::function<void()> call) {
+  dark_ = std::move(call);
+  tell_dark();
+}
+
+void SerialProjector::tell_dark() {
+  if (!dark_) return;
+  tell_dark_ = clock_.call_after(Duration{0}, [this] {
+    if (light_may_be_on_ || dark_wanted_) return;  // is_dark() comes back here
+    if (const auto dark = std::exchange(dark_, nullptr)) dark();
+  });
 }
 
 void SerialProjector::tell_darkness(const Answer& answer) {
@@ -432,6 +501,7 @@ void SerialProjector::tell_darkness(const Answer& answer) {
 void SerialProjector::ask_whether_on(const Answer& answer) {
   dark_wanted_ = false;
   if (!reader_.unexplained().empty()) return suspect_light();
+  tell_dark();
   if (!table_.power) return tell_darkness(answer);
   ask(*table_.power, [this, answer, problem = problem_](const Answer& power) {
     const bool says_off = power.reply == ProjectorReply::Ok && power.meaning == ReplyMeaning::Off;

@@ -5,9 +5,9 @@
 // Commands go one at a time: the next when the one before was answered or given up, or when light off comes:
 // that is sent at once, or as soon as the table's gap has passed, ahead of all others, and again and again
 // until it is confirmed, from the moment that power on is sent, whatever comes of that. So is power off.
-// While it is on the projector is asked every few seconds whether it still is. "Light on" is reported when
-// the projector's reply has come. At 9600 baud a command of 8 bytes takes 8 ms and so does its reply, and the
-// projector thinks in between: the light comes on within that time, before the report.
+// While it is on the projector is asked every few seconds whether it still is. "Light on" is sent once: the
+// light is taken as on from its first byte, and the reply says only that it is. At 9600 baud a command of 8
+// bytes takes 8 ms and so does its reply, and the projector thinks in between.
 #pragma once
 
 #include <cstdint>
@@ -37,8 +37,10 @@ class SerialProjector final : public Projector {
   // Asks first: a projector that is on already is not warmed up again, one that warms up already is waited
   // for. Waits out an earlier power_off's cool-down.
   void power_on(Done done) override;
-  void light_on(Done done) override;
+  void light_on(Duration exposure, LightOn tell) override;
   void light_off() noexcept override;
+  void when_dark(std::function<void()> call) override;
+  [[nodiscard]] std::optional<LightSpan> last_light() const override { return light_; }
   void power_off() noexcept override;
   // Light off, and whether it is: Ok when the projector confirms it, or says that it is not even on; else,
   // when the table's retries are over, what came of them (see last_problem()). REQUIRES: the table has a
@@ -85,6 +87,7 @@ class SerialProjector final : public Projector {
   void take(const ReplyReader::Heard& heard);
   void timed_out();
   void finish(const Answer& answer);
+  void note_sent(const ProjectorCommand& command, TimePoint first_byte);
   void fail_current();
   void lose(const std::string& why);
   void unasked(const UnaskedLine& line);
@@ -98,6 +101,9 @@ class SerialProjector final : public Projector {
   void prepare_when_warm(Done done);
   void prepare(const Done& done);
   void set_brightness(const Done& done);
+  void light_answered(const Answer& answer, const Done& done);
+  void ask_whether_lit(const Done& done);
+  void tell_dark();
   void watch_over();
   void ask_whether_still_on();
   void ask_power_off();
@@ -160,6 +166,12 @@ class SerialProjector final : public Projector {
   ReplyReader::RequestId dark_id_ = 0;
   std::unique_ptr<Timer> dark_timer_;  // to the next attempt, after the first few
   std::function<void(const Answer&)> when_dark_;
+
+  std::optional<LightSpan> light_;  // of the last light_on(), once that was sent
+  Duration exposure_{};             // that it was asked for
+  std::function<void(TimePoint)> light_sent_;
+  std::function<void()> dark_;  // asked for by when_dark()
+  std::unique_ptr<Timer> tell_sent_, tell_dark_;
 };
 
 }  // namespace contourd

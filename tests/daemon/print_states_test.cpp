@@ -21,7 +21,7 @@ struct Row {
   std::vector<F> effects;
 };
 
-const std::vector<F> kFailure{F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::Finish};
+const std::vector<F> kFailure{F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::AwaitDark};
 const std::vector<F> kCancelAtRest{F::LightOff, F::BlackNow, F::Park};
 const std::vector<F> kCancelMoving{F::LightOff, F::BlackNow, F::StopAxis};
 const std::vector<F> kDark{F::LightOff, F::BlackNow};
@@ -31,22 +31,22 @@ const std::vector<F> kDarkAndLift{F::LightOff, F::BlackNow, F::Lift};
 const std::vector<Row> kExpected{
     {S::Idle, E::Started, S::WarmingUp, {F::LightOff, F::BlackNow, F::PowerOn}},
     {S::WarmingUp, E::ProjectorReady, S::Homing, {F::Home}},
-    {S::Homing, E::Homed, S::Lowering, {F::LowerToLayer}},
+    {S::Homing, E::Homed, S::AwaitingDark, {F::AwaitDark}},
     {S::Lowering, E::MoveEnded, S::Settling, {F::WaitToSettle}},
     {S::Settling, E::WaitOver, S::Showing, {F::ShowMask}},
     {S::Showing, E::MaskShown, S::Igniting, {F::LightOn}},
-    {S::Igniting, E::LightIsOn, S::Exposing, {F::TimeExposure}},
+    {S::Igniting, E::LightOnSent, S::Exposing, {F::TimeExposure}},
     {S::Exposing, E::WaitOver, S::Darkening, {F::LightOff, F::ShowBlack}},
-    {S::Darkening, E::ScreenBlack, S::Resting, {F::RecordLayer, F::WaitToRest}},
+    {S::Darkening, E::ScreenBlack, S::Extinguishing, {F::AwaitDark}},
+    {S::Extinguishing, E::LightIsOff, S::Resting, {F::RecordLayer, F::WaitToRest}},
     {S::Resting, E::WaitOver, S::Lifting, {F::Lift}},
-    {S::Lifting, E::LayerDue, S::Lowering, {F::NextLayer, F::LowerToLayer}},
-    {S::Lifting, E::PauseDue, S::Raising, {F::RaiseForALook}},
-    {S::Lifting, E::LayersDone, S::Parking, {F::Park}},
+    {S::Lifting, E::MoveEnded, S::AwaitingDark, {F::AwaitDark}},
+    {S::AwaitingDark, E::LayerDue, S::Lowering, {F::RecordLayer, F::NextLayer, F::LowerToLayer}},
+    {S::AwaitingDark, E::LayerUnfinished, S::Lowering, {F::LowerToLayer}},
+    {S::AwaitingDark, E::PauseDue, S::Raising, {F::RaiseForALook}},
+    {S::AwaitingDark, E::LayersDone, S::Parking, {F::RecordLayer, F::Park}},
     {S::Raising, E::MoveEnded, S::Paused, {}},
-    {S::Paused, E::LayerDue, S::Lowering, {F::NextLayer, F::LowerToLayer}},
-    {S::Lifting, E::LayerUnfinished, S::Lowering, {F::LowerToLayer}},
-    {S::Paused, E::LayerUnfinished, S::Lowering, {F::LowerToLayer}},
-    {S::Paused, E::LayersDone, S::Parking, {F::Park}},
+    {S::Paused, E::Resumed, S::AwaitingDark, {F::AwaitDark}},
     {S::WarmingUp, E::Interrupted, S::Held, kDark},
     {S::Homing, E::Interrupted, S::Held, {F::LightOff, F::BlackNow, F::AbortAxis}},
     {S::Held, E::Resumed, S::WarmingUp, {F::LightOff, F::BlackNow, F::PowerOn}},
@@ -57,7 +57,10 @@ const std::vector<Row> kExpected{
     {S::Igniting, E::Interrupted, S::Lifting, kDarkAndLift},
     {S::Exposing, E::Interrupted, S::Lifting, kDarkAndLift},
     {S::Darkening, E::Interrupted, S::Lifting, {F::LightOff, F::BlackNow, F::RecordLayer, F::Lift}},
+    {S::Extinguishing, E::Interrupted, S::Lifting, {F::LightOff, F::BlackNow, F::RecordLayer, F::Lift}},
     {S::Resting, E::Interrupted, S::Lifting, kDarkAndLift},
+    {S::AwaitingDark, E::Interrupted, S::Raising, {F::LightOff, F::BlackNow, F::RaiseForALook}},
+    {S::Ending, E::Interrupted, S::Ending, kDark},
     {S::Lifting, E::Interrupted, S::Lifting, kDark},
     {S::Raising, E::Interrupted, S::Raising, kDark},
     {S::Paused, E::Interrupted, S::Paused, kDark},
@@ -65,10 +68,12 @@ const std::vector<Row> kExpected{
     {S::Braking, E::Interrupted, S::Braking, kDark},
     {S::Halting, E::Interrupted, S::Halting, kDark},
     {S::Parking, E::Interrupted, S::Parking, kDark},
-    {S::Parking, E::MoveEnded, S::Idle, {F::LightOff, F::PowerOff, F::Finish}},
-    {S::WarmingUp, E::Canceled, S::Idle, {F::LightOff, F::BlackNow, F::PowerOff, F::Finish}},
-    {S::Homing, E::Canceled, S::Idle, {F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::Finish}},
-    {S::Held, E::Canceled, S::Idle, {F::LightOff, F::BlackNow, F::PowerOff, F::Finish}},
+    {S::Parking, E::MoveEnded, S::Ending, {F::LightOff, F::PowerOff, F::AwaitDark}},
+    {S::Ending, E::LightIsOff, S::Idle, {F::Finish}},
+    {S::Ending, E::GaveUp, S::Idle, {F::Finish}},
+    {S::WarmingUp, E::Canceled, S::Ending, {F::LightOff, F::BlackNow, F::PowerOff, F::AwaitDark}},
+    {S::Homing, E::Canceled, S::Ending, {F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOff, F::AwaitDark}},
+    {S::Held, E::Canceled, S::Ending, {F::LightOff, F::BlackNow, F::PowerOff, F::AwaitDark}},
     {S::Braking, E::Canceled, S::Halting, kCancelMoving},
     {S::Lowering, E::Canceled, S::Halting, kCancelMoving},
     {S::Lifting, E::Canceled, S::Halting, kCancelMoving},
@@ -79,24 +84,28 @@ const std::vector<Row> kExpected{
     {S::Igniting, E::Canceled, S::Parking, kCancelAtRest},
     {S::Exposing, E::Canceled, S::Parking, kCancelAtRest},
     {S::Darkening, E::Canceled, S::Parking, kCancelAtRest},
+    {S::Extinguishing, E::Canceled, S::Parking, kCancelAtRest},
     {S::Resting, E::Canceled, S::Parking, kCancelAtRest},
+    {S::AwaitingDark, E::Canceled, S::Parking, kCancelAtRest},
     {S::Paused, E::Canceled, S::Parking, kCancelAtRest},
-    {S::WarmingUp, E::Failed, S::Idle, kFailure},
-    {S::Homing, E::Failed, S::Idle, kFailure},
-    {S::Lowering, E::Failed, S::Idle, kFailure},
-    {S::Settling, E::Failed, S::Idle, kFailure},
-    {S::Showing, E::Failed, S::Idle, kFailure},
-    {S::Igniting, E::Failed, S::Idle, kFailure},
-    {S::Exposing, E::Failed, S::Idle, kFailure},
-    {S::Darkening, E::Failed, S::Idle, kFailure},
-    {S::Resting, E::Failed, S::Idle, kFailure},
-    {S::Lifting, E::Failed, S::Idle, kFailure},
-    {S::Raising, E::Failed, S::Idle, kFailure},
-    {S::Paused, E::Failed, S::Idle, kFailure},
-    {S::Held, E::Failed, S::Idle, kFailure},
-    {S::Braking, E::Failed, S::Idle, kFailure},
-    {S::Halting, E::Failed, S::Idle, kFailure},
-    {S::Parking, E::Failed, S::Idle, kFailure},
+    {S::WarmingUp, E::Failed, S::Ending, kFailure},
+    {S::Homing, E::Failed, S::Ending, kFailure},
+    {S::Lowering, E::Failed, S::Ending, kFailure},
+    {S::Settling, E::Failed, S::Ending, kFailure},
+    {S::Showing, E::Failed, S::Ending, kFailure},
+    {S::Igniting, E::Failed, S::Ending, kFailure},
+    {S::Exposing, E::Failed, S::Ending, kFailure},
+    {S::Darkening, E::Failed, S::Ending, kFailure},
+    {S::Extinguishing, E::Failed, S::Ending, kFailure},
+    {S::Resting, E::Failed, S::Ending, kFailure},
+    {S::AwaitingDark, E::Failed, S::Ending, kFailure},
+    {S::Lifting, E::Failed, S::Ending, kFailure},
+    {S::Raising, E::Failed, S::Ending, kFailure},
+    {S::Paused, E::Failed, S::Ending, kFailure},
+    {S::Held, E::Failed, S::Ending, kFailure},
+    {S::Braking, E::Failed, S::Ending, kFailure},
+    {S::Halting, E::Failed, S::Ending, kFailure},
+    {S::Parking, E::Failed, S::Ending, kFailure},
 };
 
 std::set<S> all_states() {
@@ -143,12 +152,12 @@ TEST_CASE("Light off comes first wherever it comes at all") {
   }
 }
 
-TEST_CASE("A print can fail in every state, and ends idle whatever happens to it") {
+TEST_CASE("A print can fail in every state but where it ends, and ends idle whatever happens to it") {
   for (const S state : all_states()) {
-    if (state == S::Idle) continue;
+    if (state == S::Idle || state == S::Ending) continue;
     CAPTURE(name_of(state));
     REQUIRE(find_transition(state, E::Failed) != nullptr);
-    CHECK(find_transition(state, E::Failed)->to == S::Idle);
+    CHECK(find_transition(state, E::Failed)->to == S::Ending);
   }
   for (const PrintTransition& t : print_transitions()) {
     CHECK((t.to == S::Idle) == (t.effect_count > 0 && t.done().back() == F::Finish));
@@ -171,6 +180,24 @@ TEST_CASE("The light goes on only when the mask is on the screen") {
     const auto effects = t.done();
     const bool ignites = std::find(effects.begin(), effects.end(), F::LightOn) != effects.end();
     CHECK(ignites == (t.from == S::Showing && t.on == E::MaskShown));
+  }
+}
+
+TEST_CASE("The plate goes down into the resin, and a mask is shown, only behind a confirmed light off") {
+  for (const PrintTransition& t : print_transitions()) {
+    const auto effects = t.done();
+    const auto has = [&](F effect) {
+      return std::find(effects.begin(), effects.end(), effect) != effects.end();
+    };
+    CAPTURE(name_of(t.from), name_of(t.on));
+    CHECK(has(F::LowerToLayer) == (t.to == S::Lowering));
+    if (t.to == S::Lowering) CHECK(t.from == S::AwaitingDark);
+    if (has(F::ShowMask)) CHECK(t.from == S::Settling);
+    if (t.to == S::Settling) CHECK(t.from == S::Lowering);
+    // Who waits for the light to be confirmed off has asked for it.
+    if (t.to == S::AwaitingDark || t.to == S::Extinguishing || t.to == S::Ending) {
+      CHECK((has(F::AwaitDark) || t.from == t.to));
+    }
   }
 }
 

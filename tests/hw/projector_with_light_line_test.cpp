@@ -26,8 +26,12 @@ class NotedLine final : public LightLine {
   }
   void off() noexcept override {
     log_.emplace_back("line off");
-    lit = false;
+    if (!stuck) lit = false;
   }
+  [[nodiscard]] std::string refusal() const override {
+    return stuck && lit ? "the light's line is stuck" : "";
+  }
+  bool stuck = false;
   bool lit = true;  // as it may be found
   bool broken = false;
 
@@ -39,16 +43,47 @@ class NotedProjector final : public Projector {
  public:
   explicit NotedProjector(Log& log) : log_(log) {}
   void power_on(Done done) override { note("power on"), done(reply); }
-  void light_on(Done done) override { note("light on"), done(reply); }
+  void light_on(Duration, LightOn tell) override { note("light on"), tell.done(reply); }
   void light_off() noexcept override { note("light off"); }
+  void when_dark(std::function<void()> call) override { dark = std::move(call); }
+  [[nodiscard]] std::optional<LightSpan> last_light() const override { return std::nullopt; }
   void power_off() noexcept override { note("power off"); }
   void ask_status(StatusDone done) override { done({reply, {}, true, 12}); }
   [[nodiscard]] std::string last_problem() const override { return "the projector's problem"; }
+  [[nodiscard]] std::string doubt() const override { return doubtful; }
   ProjectorReply reply = ProjectorReply::Ok;
+  std::string doubtful;
+  std::function<void()> dark;
 
  private:
   void note(const char* what) { log_.emplace_back(what); }
   Log& log_;
+};
+
+struct Bench {
+  Log log;
+  VirtualClock clock;
+  NotedLine line{log};
+  NotedProjector inner{log};
+  ProjectorWithLightLine projector{inner, line, clock};
+  std::optional<ProjectorReply> reply;
+  std::optional<TimePoint> sent;
+  bool dark = false;
+
+  void run_out() {
+    while (clock.run_next()) {
+    }
+  }
+  void light_on() {
+    reply.reset(), sent.reset();
+    projector.light_on(1s, {.sent = [this](TimePoint earliest) { sent = earliest; },
+                            .done = [this](ProjectorReply r) { reply = r; }});
+    run_out();
+  }
+  void wait_for_dark() {
+    dark = false;
+    projector.when_dark([this] { dark = true; });
+  }
 };
 
 }  // namespace
@@ -56,50 +91,94 @@ class NotedProjector final : public Projector {
 TEST_CASE(
     "a light line is off before the projector is told anything, and on only after the projector's light") {
   Log log;
-  NotedLine line(log);
-  NotedProjector inner(log);
-  std::optional<ProjectorReply> reply;
   {
-    ProjectorWithLightLine projector(inner, line);
-    CHECK(log == Log{"line off"});
-    projector.power_on([&](ProjectorReply r) { reply = r; });
-    projector.light_on([&](ProjectorReply r) { reply = r; });
-    CHECK(reply == ProjectorReply::Ok);
-    CHECK(line.lit);
-    projector.light_off();
-    projector.light_on([&](ProjectorReply r) { reply = r; });
-    projector.power_off();
-    projector.light_on([&](ProjectorReply r) { reply = r; });
-    projector.ask_status([](const ProjectorStatus& status) { CHECK(status.lamp_hours == 12); });
+    Bench bench;
+    CHECK(bench.log == Log{"line off"});
+    bench.projector.power_on([&](ProjectorReply r) { bench.reply = r; });
+    bench.run_out();
+    CHECK(bench.reply == ProjectorReply::Ok);
+    bench.light_on();
+    CHECK(bench.reply == ProjectorReply::Ok);
+    CHECK(bench.sent == bench.clock.now());
+    CHECK(bench.line.lit);
+    bench.projector.light_off();
+    bench.light_on();
+    bench.projector.power_off();
+    bench.light_on();
+    bench.projector.ask_status([](const ProjectorStatus& status) { CHECK(status.lamp_hours == 12); });
+    log = bench.log;
   }
   CHECK(log == Log{"line off", "line off", "power on", "light on", "line on", "line off", "light off",
-                   "light on", "line on", "line off", "power off", "light on", "line on", "line off"});
+                   "light on", "line on", "line off", "power off", "light on", "line on"});
 }
 
 TEST_CASE("a light line stays off when the projector does not turn its light on") {
-  Log log;
-  NotedLine line(log);
-  NotedProjector inner(log);
-  ProjectorWithLightLine projector(inner, line);
-  inner.reply = ProjectorReply::NoAnswer;
-  std::optional<ProjectorReply> reply;
-  projector.light_on([&](ProjectorReply r) { reply = r; });
-  CHECK(reply == ProjectorReply::NoAnswer);
-  CHECK_FALSE(line.lit);
-  CHECK(projector.last_problem() == "the projector's problem");
+  Bench bench;
+  bench.inner.reply = ProjectorReply::NoAnswer;
+  bench.light_on();
+  CHECK(bench.reply == ProjectorReply::NoAnswer);
+  CHECK_FALSE(bench.line.lit);
+  CHECK_FALSE(bench.sent);
+  CHECK_FALSE(bench.projector.last_light());
+  CHECK(bench.projector.last_problem() == "the projector's problem");
 }
 
 TEST_CASE("a light line that cannot be set turns the projector's light off again") {
-  Log log;
-  NotedLine line(log);
-  NotedProjector inner(log);
-  ProjectorWithLightLine projector(inner, line);
-  line.broken = true;
-  std::optional<ProjectorReply> reply;
-  projector.light_on([&](ProjectorReply r) { reply = r; });
-  CHECK(reply == ProjectorReply::Refused);
-  CHECK(projector.last_problem() == "line 26 of gpiochip0 cannot be set");
-  CHECK(log.back() == "light off");
+  Bench bench;
+  bench.line.broken = true;
+  bench.light_on();
+  CHECK(bench.reply == ProjectorReply::Refused);
+  CHECK(bench.projector.last_problem() == "line 26 of gpiochip0 cannot be set");
+  CHECK(bench.log.back() == "light off");
+}
+
+TEST_CASE("the light behind a line shone from the line's on to its off") {
+  Bench bench;
+  bench.light_on();
+  const auto later = bench.clock.call_after(3s, [] {});
+  bench.run_out();
+  bench.projector.light_off();
+  const auto light = bench.projector.last_light();
+  REQUIRE(light);
+  CHECK(light->least() == 3s);
+  CHECK(light->most(bench.clock.now()) == 3s);
+  bench.inner.reply = ProjectorReply::NoAnswer;
+  bench.light_on();
+  CHECK_FALSE(bench.projector.last_light());  // not that of the time before
+}
+
+TEST_CASE("a light behind a line is dark when both the projector and the line are") {
+  Bench bench;
+  bench.light_on();
+  bench.line.stuck = true;
+  bench.projector.light_off();
+  bench.wait_for_dark();
+  for (int i = 0; i < 10; ++i)
+    bench.clock.run_next();
+  CHECK_FALSE(bench.dark);  // neither has confirmed
+  bench.inner.dark();
+  for (int i = 0; i < 10; ++i)
+    bench.clock.run_next();
+  CHECK_FALSE(bench.dark);
+  CHECK(bench.projector.doubt() == "the light's line is stuck");
+  CHECK_FALSE(bench.projector.last_light()->off_latest);
+  bench.line.lit = false;
+  bench.run_out();
+  CHECK(bench.dark);
+  CHECK(bench.projector.last_light()->off_latest);
+  CHECK(bench.projector.doubt().empty());
+  bench.inner.doubtful = "nobody knows";
+  CHECK(bench.projector.doubt() == "nobody knows");
+}
+
+TEST_CASE("a light line that cannot be turned off is no projector to begin with") {
+  Bench bench;
+  bench.line.stuck = true;
+  bench.line.lit = true;
+  bench.projector.power_on([&](ProjectorReply r) { bench.reply = r; });
+  bench.run_out();
+  CHECK(bench.reply == ProjectorReply::Refused);
+  CHECK(bench.projector.last_problem() == "the light's line is stuck");
 }
 
 TEST_CASE("a light engine that is only a line warms up by time, once, and is dark at its end") {
@@ -121,20 +200,20 @@ TEST_CASE("a light engine that is only a line warms up by time, once, and is dar
     projector.power_on([&](ProjectorReply r) { reply = r; });
     CHECK(wait() == ProjectorReply::Ok);
     CHECK(clock.now().time_since_epoch() == 3s);
-    projector.light_on([&](ProjectorReply r) { reply = r; });
+    projector.light_on(1s, {.sent = [](TimePoint) {}, .done = [&](ProjectorReply r) { reply = r; }});
     CHECK(line.lit);
     CHECK(wait() == ProjectorReply::Ok);
     projector.light_off();
     CHECK_FALSE(line.lit);
     line.broken = true;
-    projector.light_on([&](ProjectorReply r) { reply = r; });
+    projector.light_on(1s, {.sent = [](TimePoint) {}, .done = [&](ProjectorReply r) { reply = r; }});
     CHECK(wait() == ProjectorReply::Refused);
     CHECK(projector.last_problem() == "line 26 of gpiochip0 cannot be set");
     line.broken = false;
-    projector.light_on([&](ProjectorReply r) { reply = r; });
+    projector.light_on(1s, {.sent = [](TimePoint) {}, .done = [&](ProjectorReply r) { reply = r; }});
     projector.light_off();
     CHECK_FALSE(wait());  // dropped
-    projector.light_on([&](ProjectorReply r) { reply = r; });
+    projector.light_on(1s, {.sent = [](TimePoint) {}, .done = [&](ProjectorReply r) { reply = r; }});
   }
   CHECK_FALSE(line.lit);
 }

@@ -66,7 +66,8 @@ TEST_CASE("A machine whose devices are all missing is there, says what is missin
   std::optional<ProjectorReply> lit;
   bool shown = true;
   machine.z_axis().home([&](HomingResult result) { homed = result; });
-  machine.projector().light_on([&](ProjectorReply reply) { lit = reply; });
+  machine.projector().light_on(std::chrono::seconds{1}, {.sent = [](TimePoint) {},
+                                                         .done = [&](ProjectorReply reply) { lit = reply; }});
   machine.display().black([&](std::optional<TimePoint> at) { shown = at.has_value(); });
   CHECK_FALSE(homed);
   CHECK_FALSE(lit);
@@ -74,7 +75,7 @@ TEST_CASE("A machine whose devices are all missing is there, says what is missin
   for (int i = 0; i < 3; ++i)
     REQUIRE(clock.run_next());
   CHECK(homed == HomingResult::Fault);
-  CHECK(lit == ProjectorReply::NoAnswer);
+  CHECK(lit == ProjectorReply::Refused);
   CHECK_FALSE(shown);
   machine.z_axis().move_to(Nanometers{1}, MillimetersPerSecond{1},
                            [&](MoveResult result) { moved = result; });

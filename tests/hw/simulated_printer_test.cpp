@@ -67,7 +67,8 @@ struct Bench {
   }
   void start_light_on() {
     reply.reset();
-    printer.projector().light_on([this](ProjectorReply r) { reply = r; });
+    printer.projector().light_on(1s,
+                                 {.sent = [](TimePoint) {}, .done = [this](ProjectorReply r) { reply = r; }});
   }
   void power_on() {
     start_power_on();
@@ -209,7 +210,8 @@ TEST_CASE("The lid is opened when the light has been on for long enough, and clo
   }
   TimePoint lit{};
   for (int i = 0; i < 2; ++i) {
-    printer.projector().light_on([&](ProjectorReply) { lit = clock.now(); });
+    printer.projector().light_on(
+        1s, {.sent = [](TimePoint) {}, .done = [&](ProjectorReply) { lit = clock.now(); }});
     const auto off = clock.call_after(2s + config.projector.reply, [&] { printer.projector().light_off(); });
     while (clock.run_next()) {
     }

@@ -70,7 +70,8 @@ struct Conversation {
   std::optional<ProjectorReply> light_on() {
     std::optional<ProjectorReply> reply;
     channel.sent.clear();
-    projector.light_on([&](ProjectorReply r) { reply = r; });
+    projector.light_on(std::chrono::seconds{1},
+                       {.sent = [](TimePoint) {}, .done = [&](ProjectorReply r) { reply = r; }});
     while (!reply)
       REQUIRE(clock.run_next());
     pass(std::chrono::seconds{1});
@@ -148,7 +149,7 @@ TEST_CASE("Vivitek's table waits for no word where none is documented, and for a
   CHECK(talk.power_on() == ProjectorReply::Ok);
   CHECK(talk.status().lamp_hours == 77);
   talk.power_off();
-  CHECK(talk.channel.messages() == Messages{"~PF\r"});
+  CHECK(talk.channel.messages() == Messages{"~PF\r", "~qP\r"});  // whether it did
   const TimePoint off = talk.channel.sent[0].at;
   bool is_on = false;
   talk.channel.projector = [&](const std::string& message) {
@@ -165,18 +166,22 @@ TEST_CASE("BenQ's table passes over echoes and prompts and knows blank from ligh
   const auto answer = [](const std::string& command, const std::string& reply) {
     return std::pair{"\r*" + command + "#\r", ">*" + command + "#\r\n*" + reply + "#\r\n>"};
   };
-  talk.answers = {answer("pow=?", "POW=ON"), answer("blank=on", "BLANK=ON"), answer("blank=off", "BLANK=OFF"),
-                  answer("ltim=?", "LTIM=4711"), answer("pow=off", "POW=OFF")};
+  talk.answers = {answer("pow=?", "POW=ON"),        answer("blank=on", "BLANK=ON"),
+                  answer("blank=off", "BLANK=OFF"), answer("ltim=?", "LTIM=4711"),
+                  answer("pow=off", "POW=OFF"),     answer("blank=?", "BLANK=ON")};
   CHECK(talk.power_on() == ProjectorReply::Ok);
   CHECK(talk.channel.messages() == Messages{"\r*pow=?#\r", "\r*blank=on#\r"});
   CHECK(talk.light_on() == ProjectorReply::Ok);
   CHECK(talk.channel.messages() == Messages{"\r*blank=off#\r"});
   CHECK(talk.status().lamp_hours == 4711);
+  talk.light_off();
   talk.answers[2].second = ">*blank=off#\r\n*Block item#\r\n";
   CHECK(talk.light_on() == ProjectorReply::Refused);
-  // An echo alone is no reply.
+  CHECK(talk.channel.messages()[0] == "\r*blank=off#\r");
+  // An echo alone is no reply; asked, it says that it is dark.
   talk.answers[2].second = "*blank=off#\r";
   CHECK(talk.light_on() == ProjectorReply::NoAnswer);
+  CHECK(talk.channel.messages() == Messages{"\r*blank=off#\r", "\r*blank=?#\r", "\r*blank=on#\r"});
   talk.power_off();
   CHECK(talk.channel.messages() == Messages{"\r*blank=on#\r", "\r*pow=off#\r"});
 }
@@ -219,8 +224,10 @@ TEST_CASE("Anhua's table mixes bytes and text, and sets the brightness") {
   CHECK(talk.channel.messages() == Messages{on, led_off, led_off, "CM+LEDS=440\r\n"});
   CHECK(talk.light_on() == ProjectorReply::Ok);
   CHECK(talk.channel.messages() == Messages{led_on});
+  talk.light_off();
   talk.answers[2].second[2] = 1;
   CHECK(talk.light_on() == ProjectorReply::Refused);
+  CHECK(talk.channel.messages()[0] == led_on);
   talk.power_off();
   CHECK(talk.channel.messages() == Messages{led_off, off});
 }

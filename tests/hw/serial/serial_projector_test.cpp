@@ -1,5 +1,6 @@
 #include "hw/serial/serial_projector.hpp"
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -50,9 +51,11 @@ struct Bench {
     answer.reset();
     projector.power_on([this](ProjectorReply r) { answer = r, answered_at = clock.now(); });
   }
-  void start_light_on() {
-    answer.reset();
-    projector.light_on([this](ProjectorReply r) { answer = r, answered_at = clock.now(); });
+  void start_light_on(Duration exposure = 10s) {
+    answer.reset(), sent_at.reset();
+    projector.light_on(exposure,
+                       {.sent = [this](TimePoint earliest) { sent_at = earliest; },
+                        .done = [this](ProjectorReply r) { answer = r, answered_at = clock.now(); }});
   }
   void wait_for_answer() {
     while (!answer && clock.run_next()) {
@@ -71,6 +74,9 @@ struct Bench {
     REQUIRE(answer == ProjectorReply::Ok);
     channel.sent.clear();
   }
+  [[nodiscard]] std::ptrdiff_t times_sent(const std::string& message) const {
+    return std::ranges::count(channel.sent, message, &ScriptedChannel::Sent::message);
+  }
   [[nodiscard]] Duration now() const { return clock.now().time_since_epoch(); }
 
   VirtualClock clock;
@@ -81,6 +87,7 @@ struct Bench {
   std::vector<Disturbance> disturbances;
   std::optional<ProjectorReply> answer;
   TimePoint answered_at{};
+  std::optional<TimePoint> sent_at;
   SerialProjector projector;
 };
 
@@ -319,10 +326,10 @@ TEST_CASE("light on that is not confirmed is followed by light off") {
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::NoAnswer);
   CHECK(bench.projector.last_problem() ==
-        "the projector at /dev/ttyUSB7 did not answer \"light on\" in 3 tries of 1000 ms: is it connected, "
-        "and set to 9600 "
-        "baud?");
+        "the projector at /dev/ttyUSB7 did not answer \"light on\" in 1 try of 1000 ms: is it connected, "
+        "and set to 9600 baud?");
   bench.pass(3s);
+  CHECK(bench.times_sent("~0002 0\r") == 1);
   CHECK_FALSE(bench.light);
 }
 
@@ -532,16 +539,184 @@ TEST_CASE("a reply that comes after a command was sent again answers it, and its
   bench.pass(1s);
   bench.reply = 1100ms;  // the table's timeout is 1 s
   const TimePoint start = bench.clock.now();
-  bench.start_light_on();
+  bench.answer.reset();
+  bench.projector.ask_status([&](const ProjectorStatus& status) {
+    if (!bench.answer) bench.answer = status.reply, bench.answered_at = bench.clock.now();
+  });
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::Ok);
-  CHECK(bench.answered_at - start == 1100ms);
-  CHECK(bench.channel.messages() == Messages{"~0002 0\r", "~0002 0\r"});
+  CHECK(bench.channel.messages() == Messages{"~00124 1\r", "~00124 1\r", "~00108 1\r", "~00108 1\r"});
+  CHECK(bench.answered_at - start == 2 * 1100ms + 100ms);  // with the gap between the two questions
   // The second reply is still on its way when light off, which is lost, waits for its own.
   bench.fall_silent();
   bench.projector.light_off();
   bench.pass(5s);
-  CHECK(bench.disturbances.size() == 1);
+  CHECK(bench.disturbances.empty());  // no light was ever asked for
+  CHECK(bench.channel.messages().back() != "~0002 0\r");
+}
+
+TEST_CASE("light on is sent once, and the light counts from its first byte, whatever the reply does") {
+  for (const bool obeys : {true, false}) {
+    CAPTURE(obeys);
+    Bench bench;
+    bench.power_on();
+    bench.pass(1s);
+    bench.channel.projector = [&](const std::string& message) {
+      if (message != "~0002 0\r") return bench.behave(message);
+      bench.light = obeys;  // and the reply is lost
+    };
+    const TimePoint asked = bench.clock.now();
+    bench.start_light_on();
+    bench.wait_for_answer();
+    CHECK(bench.sent_at == asked);
+    CHECK(bench.answer == ProjectorReply::NoAnswer);
+    bench.pass(3s);
+    const auto light = bench.projector.last_light();
+    REQUIRE(light);
+    CHECK(light->on_earliest == asked);
+    CHECK_FALSE(light->on_latest);
+    // The reply was waited for a second from the command's last byte, then light off went out. That one's
+    // reply may be light on's: it counts when a second one has come, a timeout later.
+    CHECK(light->most(bench.clock.now()) > 2s);
+    CHECK(light->most(bench.clock.now()) < 2200ms);
+    CHECK(light->least() == Duration{0});
+    CHECK(bench.times_sent("~0002 0\r") == 1);
+  }
+}
+
+TEST_CASE("a light that comes no sooner than its projector's latency counts from then on") {
+  ProjectorTable table = text_table();
+  table.latency = 150ms;
+  Bench bench(table);
+  bench.power_on();
+  bench.pass(1s);
+  const TimePoint asked = bench.clock.now();
+  bench.start_light_on();
+  bench.wait_for_answer();
+  CHECK(bench.sent_at == asked + 150ms);
+}
+
+TEST_CASE("after a lost reply to light on the projector is asked, where it can be, whether the light is on") {
+  ProjectorTable table = text_table();
+  table.light = text_command("light", "~00355 1", {{ReplyMeaning::On, "OK0"}, {ReplyMeaning::Off, "OK1"}});
+  for (const bool obeyed : {true, false}) {
+    CAPTURE(obeyed);
+    Bench bench(table);
+    bench.power_on();
+    bench.pass(1s);
+    bench.channel.projector = [&](const std::string& message) {
+      if (message == "~00355 1\r") return bench.channel.send(bench.light ? "OK0\r" : "OK1\r");
+      if (message != "~0002 0\r") return bench.behave(message);
+      bench.light = obeyed;
+    };
+    bench.start_light_on();
+    bench.wait_for_answer();
+    CHECK(bench.answer == (obeyed ? ProjectorReply::Ok : ProjectorReply::NoAnswer));
+    CHECK(bench.projector.last_light()->on_latest.has_value() == obeyed);
+    bench.pass(3s);
+    CHECK(bench.light == obeyed);
+    // It was not obeyed: it is told to be off all the same.
+    CHECK((bench.times_sent("~0002 1\r") > 0) == !obeyed);
+  }
+}
+
+TEST_CASE("whoever waits for darkness is called when light off is confirmed, not before") {
+  Bench bench;
+  bench.power_on();
+  std::optional<TimePoint> dark_at;
+  const auto wait = [&] {
+    dark_at.reset();
+    bench.projector.when_dark([&] { dark_at = bench.clock.now(); });
+    CHECK_FALSE(dark_at);
+  };
+  wait();
+  bench.pass(1s);
+  CHECK(dark_at);  // it was dark
+  bench.light_on();
+  wait();
+  bench.pass(1s);
+  CHECK_FALSE(dark_at);
+  bench.fall_silent();
+  const TimePoint off = bench.clock.now();
+  bench.projector.light_off();
+  bench.pass(2500ms);
+  CHECK_FALSE(dark_at);
+  bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
+  bench.pass(2s);
+  REQUIRE(dark_at);
+  CHECK_FALSE(bench.light);
+  CHECK(bench.projector.last_light()->off_earliest == off);
+  CHECK(bench.projector.last_light()->off_latest == dark_at);
+  wait();
+  bench.start_light_on();  // darkness is no longer what is waited for
+  bench.pass(1s);
+  CHECK_FALSE(dark_at);
+}
+
+TEST_CASE("a light on is refused while a light off is not confirmed") {
+  Bench bench;
+  bench.power_on();
+  bench.light_on();
+  bench.projector.light_off();
+  bench.start_light_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Refused);
+  CHECK_FALSE(bench.sent_at);
+  bench.pass(1s);
+  bench.light_on();
+  CHECK(bench.light);
+}
+
+TEST_CASE("whether it is still on is not asked where light off would have to wait for the answer") {
+  Bench bench;
+  bench.power_on();
+  bench.pass(3900ms);
+  bench.start_light_on(2s);  // the question would be due after 1.1 s of it
+  bench.pass(1950ms);
+  CHECK(bench.times_sent("~00124 1\r") == 0);
+  bench.projector.light_off();
+  CHECK(bench.channel.sent.back().at == bench.clock.now());
+  bench.pass(8s);
+  bench.channel.sent.clear();
+  bench.start_light_on(30s);
+  bench.pass(20s);
+  CHECK(bench.times_sent("~00124 1\r") >= 3);
+}
+
+TEST_CASE("a power off that no projector answers is checked where it can be asked, and sent again") {
+  ProjectorTable table = text_table();
+  table.power_off.replies.clear();
+  Bench bench(table);
+  bench.power_on();
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0000 0\r" && bench.times_sent(message) == 1) return;  // lost
+    bench.behave(message);
+  };
+  bench.projector.power_off();
+  bench.pass(4s);
+  CHECK(bench.is_on);
+  bench.pass(10s);
+  CHECK_FALSE(bench.is_on);
+  bench.channel.sent.clear();
+  bench.pass(60s);
+  CHECK(bench.channel.sent.empty());  // it has said that it is off
+  CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE(
+    "a projector that stays on though it was turned off is told of, also where power off has no reply") {
+  ProjectorTable table = text_table();
+  table.power_off.replies.clear();
+  Bench bench(table);
+  bench.power_on();
+  bench.channel.projector = [&](const std::string& message) {
+    if (message != "~0000 0\r") bench.behave(message);
+  };
+  bench.projector.power_off();
+  bench.pass(60s);
+  REQUIRE(bench.disturbances.size() == 1);
+  CHECK(bench.disturbances[0].what ==
+        "the lamp may be on: the projector at /dev/ttyUSB7 has not confirmed that it is off");
 }
 
 TEST_CASE("power on right after power off waits until the lamp has cooled down") {
@@ -668,7 +843,6 @@ TEST_CASE("a line of the projector's own between a command and its reply is not 
 TEST_CASE("a serial line that is lost is a fault, and every command is answered at once") {
   Bench bench;
   bench.power_on();
-  bench.light_on();
   bench.pass(1s);
   bench.start_light_on();
   const TimePoint unplugged = bench.clock.now();
