@@ -137,10 +137,10 @@ int light_off(const std::string& config_file) {
   return kMissingDevice;
 }
 
-void leave_light_record(const PrinterConfig& config, const Log& log) {
+void leave_light_record(const PrinterConfig& config, const std::string& record, const Log& log) {
   if (!config.real) return;
   try {
-    write_durably(light_record_path(config.control_socket), config.light_record);
+    write_durably(light_record_path(config.control_socket), record);
   } catch (const std::system_error& error) {
     log.warning(
         "machine",
@@ -172,17 +172,19 @@ int run(const PrinterConfig& config) {
   PrinterService service(config, loop, clock.get(), *machine, log, supervisor);
   running = &service;
   service.start();
-  leave_light_record(config, log);  // nothing is lit before the loop runs
+  leave_light_record(config, config.light_record, log);  // nothing is lit before the loop runs
   log.info("ready", fmt::format("contourd {} is ready: {}, spool {}, socket {}", CONTOURD_VERSION,
                                 config.name, config.spool_folder.string(), config.control_socket.string()));
   supervisor.ready();
   loop.run();
   const std::string doubt = machine->projector().doubt();
-  if (doubt.empty())
-    log.info("stopped", "contourd has stopped; light off, motor still");
-  else
+  if (!doubt.empty()) {
     log.warning("stopped", fmt::format("contourd has stopped; motor still, light told to be off, but {}",
                                        printable(doubt)));
+    return EXIT_SUCCESS;
+  }
+  log.info("stopped", "contourd has stopped; light off, motor still");
+  if (config.real) leave_light_record(config, left_dark(config.light_record), log);
   return EXIT_SUCCESS;
 }
 

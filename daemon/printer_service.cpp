@@ -602,11 +602,11 @@ void PrinterService::interrupted(const std::string& what) {
   active_->interruptions.push_back(fmt::format("{}: {}", place, what));
   LogFields fields = job_fields(name);
   fields.emplace_back("LAYER", std::to_string(process_.layer() + 1));
-  log_.warning(
-      "disturbed",
-      fmt::format("{}: {}: {}; the light is off; \"contourctl resume\" goes on with what the layer lacks",
-                  printable(name), place, printable(what)),
-      fields);
+  log_.warning("disturbed",
+               fmt::format("{}: {}: {}; {}; \"contourctl resume\" goes on with what the layer lacks",
+                           printable(name), place, printable(what),
+                           machine_.projector().doubt().empty() ? "the light is off" : "light off is sent"),
+               fields);
   supervisor_.status(fmt::format("Interrupted at {} of {}: {}", place, printable(name), printable(what)));
 }
 

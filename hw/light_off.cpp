@@ -25,6 +25,7 @@ void LightOff::run(Done done) {
     return end();
   }
   projector_ = std::make_unique<SerialProjector>(*port_, clock_, wanted.table);
+  if (!config_.left_dark) projector_->may_warm_up();
   patience_ = clock_.call_after(kPatience, [this] { give_up(); });
   tell_projector();
 }
@@ -38,7 +39,8 @@ void LightOff::tell_projector() {
 }
 
 void LightOff::give_up() {
-  problems_.push_back(projector_->last_problem());
+  const bool warming = !config_.left_dark && config_.projector->table.warm_up > kPatience;
+  problems_.push_back(projector_->last_problem() + (warming ? "; it may be warming up" : ""));
   end();
 }
 

@@ -28,9 +28,13 @@ void add(std::string& sentences, const std::string& sentence) {
 }  // namespace
 
 RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, const RealMachineConfig& config)
-    : RealMachine(clock, watcher, config, {.axis = [&clock, &watcher, axis = config.axis] {
-                    return std::make_unique<GpioAxis>(clock, watcher, axis);
-                  }}) {}
+    : RealMachine(clock, watcher, config,
+                  {.axis = [&clock, &watcher,
+                            axis = config.axis] { return std::make_unique<GpioAxis>(clock, watcher, axis); },
+                   .light =
+                       [&clock, light = config.light] {
+                         return std::make_unique<GpioLightLine>(light.value(), clock);
+                       }}) {}
 
 RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config, Openers openers)
     : clock_(clock),
@@ -52,11 +56,7 @@ RealMachine::~RealMachine() {
 std::vector<RealMachine::Found> RealMachine::open_missing() {
   std::vector<Found> found;
   const auto tell_owner = [this](const Disturbance& disturbance) { tell(disturbance); };
-  if (config_.light &&
-      open(light_, missing_.light, [&] { return std::make_unique<GpioLightLine>(*config_.light, clock_); })) {
-    light_->on_disturbance(tell_owner);
-    found.push_back({light_words(), {}});
-  }
+  if (config_.light && open_light()) found.push_back({light_words(), {}});
   const bool projector_came = config_.projector && open_projector();
   if (projector_came) found.push_back({projector_words(), {}});
   combine_projector();
@@ -77,6 +77,24 @@ std::vector<RealMachine::Found> RealMachine::open_missing() {
   return found;
 }
 
+// One that is there but refuses to go off is taken anew: its chip may have been pulled and be back.
+bool RealMachine::open_light() {
+  if (light_ && light_->refusal().empty()) {
+    const bool was_lost = !std::exchange(missing_.light, "").empty();
+    return was_lost;
+  }
+  const std::string refusal = light_ ? light_->refusal() : std::exchange(light_refusal_, "");
+  combined_.reset();
+  light_.reset();
+  if (!open(light_, missing_.light, openers_.light)) {
+    light_refusal_ = refusal;
+    if (!refusal.empty()) missing_.light = "the light may be on: " + refusal + "; " + missing_.light;
+    return false;
+  }
+  light_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
+  return true;
+}
+
 bool RealMachine::open_projector() {
   if (serial_ && !serial_->lost()) return false;
   const SerialProjectorConfig& wanted = *config_.projector;
@@ -88,6 +106,7 @@ bool RealMachine::open_projector() {
     return false;
   serial_ = std::make_unique<SerialProjector>(*port_, clock_, wanted.table, wanted.brightness);
   serial_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
+  serial_->may_warm_up();
   return true;
 }
 
@@ -124,10 +143,12 @@ void RealMachine::tell(const Disturbance& disturbance) {
 void RealMachine::note_losses(const std::string& what) {
   const bool serial_lost = serial_ && serial_->lost() && missing_.projector.empty();
   const bool axis_lost = axis_ && axis_->lost() && missing_.axis.empty();
+  const bool light_lost = light_ && !light_->refusal().empty() && missing_.light.empty();
+  if (light_lost) missing_.light = "the light may be on: " + light_->refusal();
   if (serial_lost) missing_.projector = what;
   if (axis_lost) missing_.axis = what;
   // Soon: its light may be on, and a serial adapter that comes back gets its old name only once it is closed.
-  if (serial_lost) return search_after(kFirstSearch);
+  if (serial_lost || light_lost) return search_after(kFirstSearch);
   if (axis_lost || display_lost()) search_after(kSearchInterval);
 }
 

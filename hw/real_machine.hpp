@@ -30,6 +30,7 @@ class RealMachine final : public Machine {
   // Other ways to open devices, for a test.
   struct Openers {
     std::function<std::unique_ptr<GpioAxis>()> axis;
+    std::function<std::unique_ptr<GpioLightLine>()> light = {};
   };
   RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config, Openers openers);
   ~RealMachine() override;
@@ -48,7 +49,7 @@ class RealMachine final : public Machine {
   [[nodiscard]] std::vector<std::string> warnings() const;
 
   static constexpr Duration kSearchInterval{std::chrono::seconds{5}};
-  // After a serial line was lost.
+  // After a serial line was lost, or a light line.
   static constexpr Duration kFirstSearch{std::chrono::milliseconds{500}};
 
  private:
@@ -67,6 +68,7 @@ class RealMachine final : public Machine {
 
   // What it has found now that was missing before.
   std::vector<Found> open_missing();
+  bool open_light();
   bool open_projector();
   void combine_projector();
   [[nodiscard]] bool display_lost() const { return display_ && display_->problem(); }
@@ -84,6 +86,7 @@ class RealMachine final : public Machine {
   Openers openers_;
   std::function<void(const Disturbance&)> disturbed_;
   Missing missing_;
+  std::string light_refusal_;  // of a light line that could not be taken anew since
   std::unique_ptr<Timer> search_;
 
   AbsentProjector no_projector_;

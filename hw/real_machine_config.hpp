@@ -30,6 +30,8 @@ struct RealMachineConfig {
 struct LightConfig {
   std::optional<GpioLineConfig> line;
   std::optional<SerialProjectorConfig> projector;
+  // A contourd that ended in order had the light confirmed off: a projector that says that it is off is so.
+  bool left_dark = false;
 };
 
 }  // namespace contourd

@@ -85,11 +85,18 @@ std::string light_record(const JsonDocument& printer, const std::optional<nlohma
   return record.dump(2) + "\n";
 }
 
+std::string left_dark(const std::string& record) {
+  nlohmann::json marked = nlohmann::json::parse(record);
+  marked["left_dark"] = true;
+  return marked.dump(2) + "\n";
+}
+
 LightConfig read_light_record(const fs::path& record) {
   const JsonDocument document = JsonDocument::from_file(record);
   document.throw_if_violated();
   const JsonSection root(document);
   LightConfig light;
+  light.left_dark = root.has("left_dark") && root.boolean("left_dark");
   if (root.has("light")) light.line = read_gpio_line(root.section("light"));
   if (!root.has("projector")) return light;
   const JsonSection projector = root.section("projector");

@@ -19,6 +19,9 @@ namespace contourd {
 [[nodiscard]] std::string light_record(const JsonDocument& printer,
                                        const std::optional<nlohmann::json>& table);
 
+// The record of a contourd that ends in order, with the light confirmed off. REQUIRES: a record's text.
+[[nodiscard]] std::string left_dark(const std::string& record);
+
 // Throws ConfigError when it is no such record.
 [[nodiscard]] LightConfig read_light_record(const std::filesystem::path& record);
 

@@ -27,6 +27,9 @@ constexpr std::array<std::pair<const char*, ReplyMeaning>, 5> kReplies{{
 constexpr std::array kCommands{"power_on", "power_off",  "light_on", "light_off",
                                "light",    "brightness", "power",    "lamp_hours"};
 
+// The schema's limit.
+constexpr Duration kLongestWarmUp = std::chrono::seconds{120};
+
 // What is sent, and where a number goes into it.
 struct Message {
   std::string bytes;
@@ -377,6 +380,11 @@ std::optional<ProjectorTable> TableReader::read_light() const {
   if (!commands_.has("light_off")) return std::nullopt;
   ProjectorTable table = read_line();
   table.light_off = command("light_off");
+  try {
+    table.warm_up = root_.duration("warm_up_s");
+  } catch (const std::exception&) {
+    table.warm_up = kLongestWarmUp;
+  }
   try {
     table.power = optional_command("power");
   } catch (const std::exception&) {

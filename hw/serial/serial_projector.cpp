@@ -224,6 +224,7 @@ void SerialProjector::report(Disturbance::Kind kind, const std::string& what) {
 void SerialProjector::power_on(Done done) {
   power_off_waits_ = power_off_reported_ = off_if_on_ = false;
   power_off_timer_.reset();
+  off_if_on_timer_.reset();
   if (warms_up_ && clock_.now() < warm_at_) return wait_until_warm(std::move(done), ready_by(clock_.now()));
   if (!table_.power) return power_ == Power::On ? prepare(done) : switch_on_when_cool(std::move(done));
   ask(*table_.power, [this, done = std::move(done)](const Answer& answer) mutable {
@@ -332,7 +333,10 @@ void SerialProjector::power_off_if_on() {
   off_if_on_ = true;
   const auto heard = [this](const Answer& answer) {
     const bool says_on = answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::On;
-    if (std::exchange(off_if_on_, false) && says_on) power_off();
+    if (!off_if_on_) return;
+    if (says_on) return power_off();
+    off_if_on_ = clock_.now() < warm_at_ && !lost_;
+    if (off_if_on_) off_if_on_timer_ = clock_.call_after(kWatchInterval, [this] { power_off_if_on(); });
   };
   ask(*table_.power, heard, true);
 }

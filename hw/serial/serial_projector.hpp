@@ -42,12 +42,15 @@ class SerialProjector final : public Projector {
   void when_dark(std::function<void()> call) override;
   [[nodiscard]] std::optional<LightSpan> last_light() const override { return light_; }
   void power_off() noexcept override;
+  // It may have been turned on a moment ago, by a process that has died: until its warm-up would be over, it
+  // is not believed when it says that it is off. REQUIRES: nothing was asked for before.
+  void may_warm_up() { warm_at_ = clock_.now() + table_.warm_up; }
   // Light off, and whether it is: Ok when the projector confirms it, or says that it is not even on; else,
   // when the table's retries are over, what came of them (see last_problem()). REQUIRES: the table has a
   // light off; nothing was asked for before.
   void confirm_dark(Done done);
-  // Power off where it says that it is on: a process that has died may have left it so. A power_on() that
-  // comes first is left alone.
+  // Power off where it says that it is on, or does so while it may warm up: a process that has died may have
+  // left it so. A power_on() that comes first is left alone.
   void power_off_if_on();
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }
@@ -152,6 +155,7 @@ class SerialProjector final : public Projector {
   std::optional<TimePoint> off_at_;
   bool power_off_waits_ = false;  // until it is confirmed, or power on is wanted
   bool off_if_on_ = false;
+  std::unique_ptr<Timer> off_if_on_timer_;  // to the next question whether it is on
   TimePoint power_off_asked_at_{};
   bool power_off_reported_ = false;
   std::unique_ptr<Timer> power_off_timer_;  // to the next attempt

@@ -170,6 +170,85 @@ TEST_CASE("What an owner should know of a device that comes late is told when it
   CHECK(bench.told[0].warnings == std::vector<std::string>{"no real-time priority"});
 }
 
+namespace {
+
+// A machine whose light is a line that may break.
+struct LightBench {
+  LightBench() {
+    config.light = GpioLineConfig{.chip = "gpiochip7", .line = "24"};
+    config.projector.reset();
+    machine = std::make_unique<RealMachine>(plant.clock, plant, config,
+                                            RealMachine::Openers{.axis =
+                                                                     [this] {
+                                                                       plant.build();
+                                                                       return std::move(plant.axis);
+                                                                     },
+                                                                 .light = [this] { return open_light(); }});
+    machine->on_disturbance([this](const Disturbance& disturbance) { told.push_back(disturbance); });
+  }
+  std::unique_ptr<GpioLightLine> open_light() {
+    ++opened;
+    if (chip_gone) throw HardwareError("there is no GPIO chip \"gpiochip7\"");
+    auto output = std::make_unique<testing::PlantOutput>();
+    line = output.get();
+    return std::make_unique<GpioLightLine>(std::move(output), "line 24 of gpiochip7", plant.clock);
+  }
+  void light_on() {
+    machine->projector().light_on(std::chrono::seconds{1},
+                                  {.sent = [](TimePoint) {}, .done = [](ProjectorReply) {}});
+  }
+
+  RealMachineConfig config = nowhere();
+  testing::Plant plant{GpioAxisConfig{}};
+  testing::PlantOutput* line = nullptr;
+  bool chip_gone = false;
+  int opened = 0;
+  std::vector<Disturbance> told;
+  std::unique_ptr<RealMachine> machine;
+};
+
+}  // namespace
+
+TEST_CASE(
+    "A light line that refuses to go off stands in the way, and its chip is opened again when it is back") {
+  LightBench bench;
+  bench.light_on();
+  REQUIRE(bench.line->level);
+  bench.line->refuses = bench.chip_gone = true;
+  bench.machine->projector().light_off();
+  CHECK_FALSE(bench.machine->projector().doubt().empty());
+  bench.plant.run_for(std::chrono::milliseconds{100});
+  REQUIRE(bench.told.size() == 1);
+  CHECK(bench.told[0].kind == Disturbance::Kind::Fault);
+  CHECK(count(bench.machine->hindrance(), "the light may be on: the light's line 24 of gpiochip7") == 1);
+  bench.plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(bench.opened >= 2);
+  CHECK(count(bench.machine->hindrance(), "the light may be on: the light's line 24 of gpiochip7") == 1);
+  CHECK(count(bench.machine->hindrance(), "there is no GPIO chip") == 1);
+  CHECK_FALSE(bench.machine->projector().doubt().empty());
+  bench.chip_gone = false;
+  bench.plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(count(bench.machine->hindrance(), "light") == 0);
+  CHECK(bench.machine->projector().doubt().empty());
+  REQUIRE(bench.told.size() == 2);
+  CHECK(bench.told[1].kind == Disturbance::Kind::Recovery);
+  CHECK(bench.told[1].what == "found light: line 24 of gpiochip7");
+}
+
+TEST_CASE("A light line that goes off after all no longer stands in the way") {
+  LightBench bench;
+  bench.light_on();
+  bench.line->refuses = bench.chip_gone = true;
+  bench.machine->projector().light_off();
+  bench.plant.run_for(std::chrono::milliseconds{100});
+  bench.line->refuses = false;
+  bench.machine->projector().light_off();
+  bench.plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(bench.opened == 1);
+  CHECK(count(bench.machine->hindrance(), "light") == 0);
+  CHECK(bench.told.back().kind == Disturbance::Kind::Recovery);
+}
+
 TEST_CASE("A look at the hardware tells of every device, whatever is wrong with the others") {
   VirtualClock clock;
   NoDescriptors watcher;

@@ -57,6 +57,17 @@ TEST_CASE("a record of a sound configuration has in it what turns the light off"
   CHECK(light.projector->table.power->bytes == "~00124 1\r");
 }
 
+TEST_CASE("a record says whether a contourd that ended in order has left the light confirmed off") {
+  const RealPrinter real;
+  const PrinterConfig config = load_printer_config(real.file());
+  CHECK_FALSE(read_light_record(real.folder.write("light.json", config.light_record)).left_dark);
+  const LightConfig light =
+      read_light_record(real.folder.write("light.json", left_dark(config.light_record)));
+  CHECK(light.left_dark);
+  check_whole(light);
+  CHECK(light.projector->table.warm_up == std::chrono::seconds{30});
+}
+
 TEST_CASE("a record of a line alone, or of a table that switches no light, has the line in it") {
   RealPrinter real;
   for (const char* key : {"port", "table"})

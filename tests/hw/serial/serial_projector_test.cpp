@@ -1150,3 +1150,41 @@ TEST_CASE("a projector that a dead process has left on is turned off, unless a p
   off.pass(30s);
   CHECK(off.channel.messages() == Messages{"~00124 1\r"});
 }
+
+TEST_CASE(
+    "a projector that may be warming up is not believed when it refuses light off and says that it is off") {
+  for (const bool may_warm_up : {true, false}) {
+    CAPTURE(may_warm_up);
+    Bench bench;
+    bench.channel.projector = [&](const std::string& message) {
+      // It calls itself on, and hears light off, when it is warm; then it has a picture of its own.
+      const bool warm = bench.clock.now() >= TimePoint{} + 10s;
+      if (warm && !bench.is_on) bench.is_on = bench.light = true;
+      if (message == "~0002 1\r" && !warm) return bench.channel.send("F\r");
+      bench.behave(message);
+    };
+    std::optional<ProjectorReply> dark;
+    if (may_warm_up) bench.projector.may_warm_up();
+    bench.projector.confirm_dark([&](ProjectorReply reply) { dark = reply; });
+    bench.pass(9s);
+    CHECK(dark.has_value() == !may_warm_up);
+    bench.pass(6s);
+    REQUIRE(dark == ProjectorReply::Ok);
+    CHECK(bench.light == false);
+  }
+}
+
+TEST_CASE("a projector that comes on while it may be warming up is turned off") {
+  Bench bench;
+  const auto warm = bench.clock.call_after(12s, [&] { bench.is_on = true; });
+  bench.projector.may_warm_up();
+  bench.projector.power_off_if_on();
+  bench.pass(11s);
+  CHECK(bench.times_sent("~0000 0\r") == 0);
+  bench.pass(10s);
+  CHECK(bench.times_sent("~0000 0\r") == 1);
+  CHECK_FALSE(bench.is_on);
+  bench.channel.sent.clear();
+  bench.pass(60s);
+  CHECK(bench.channel.sent.empty());
+}
