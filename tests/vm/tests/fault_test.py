@@ -1,6 +1,7 @@
 """What goes wrong with a real printer, one fault a guest: each ends as the documentation says, with a sentence in the
 log and beside the job, the light off and the screen dark. arm64, in deterministic time."""
 
+import json
 import re
 
 from bed import edid, exposure_checks, guests
@@ -396,10 +397,31 @@ def light_by_serial():
     light = _commanded_light(outcome)
     assert len(light) == 4, f"the light was on {len(light)} times"
     check(exposure_checks.light_only_on_masks(outcome.frames, outcome.edges, light, _COMMAND_NS))
-    # Light on is known when its reply has come, and light off takes as long as the command.
+    # From first byte to first byte, whatever the replies take; the same from last to last.
     beyond = [off - on - 2_000_000_000 for on, off in light]
-    assert all(0 <= ns <= _REPLY_NS + _COMMAND_NS for ns in beyond), f"{beyond} ns more than was asked"
+    assert all(abs(ns) <= 2 * _BUSY_NS for ns in beyond), f"{beyond} ns more than was asked"
     return f"light {max(beyond) / 1e6:.1f} ms more than was asked at most"
+
+
+@vm_test("full")
+def reply_lost():
+    """The second layer's reply to light on is lost: no second light on is sent, the light goes off when the reply has been
+    waited for, the print waits for its owner, and is told of with the bounds of its light."""
+    outcome = run(
+        projector=_OPTOMA.replace(r"'~0002 0\r=>P\r'", r"'~0002 0\r=>P\r' '~0002 0\r=>' '~0002 0\r=>P\r'"),
+        config=_light_by_serial(),
+        during='wait_for 300 "the print to wait" state_is paused\ncontourctl resume || true',
+    )
+    outcome.is_printed()
+    light = _commanded_light(outcome)
+    assert len(light) == 5, f"the light was on {len(light)} times"
+    check(exposure_checks.light_only_on_masks(outcome.frames, outcome.edges, light, _COMMAND_NS))
+    record = json.loads(outcome.results.text("spool/done/part.report.json"))["layer_records"][1]
+    given = sum(off - on for on, off in light[1:3]) / 1e6
+    assert record["exposure_parts"] == 2, record
+    slack = 2 * _BUSY_NS / 1e6
+    assert record["exposure_least_ms"] - slack <= given <= record["exposure_most_ms"] + slack, (record, given)
+    return f"{given:.1f} ms given, {record['exposure_least_ms']:.1f} to {record['exposure_most_ms']:.1f} recorded"
 
 
 @vm_test("full")
