@@ -53,6 +53,7 @@ PrintProcess::PrintProcess(Machine& machine, Clock& clock, PrintObserver& observ
 
 PrintProcess::~PrintProcess() {
   make_safe(machine_);
+  machine_.projector().when_dark({});  // not to this one any more
   machine_.projector().power_off();
 }
 

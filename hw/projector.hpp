@@ -75,7 +75,7 @@ class Projector {
   virtual void light_off() noexcept = 0;
 
   // Calls `call` once, from the event loop, as soon as the light is confirmed off and no light off is under
-  // way any more. A later call takes this one's place; light_on() drops it.
+  // way any more. A later call, also with an empty one, takes this one's place; light_on() drops it.
   virtual void when_dark(std::function<void()> call) = 0;
 
   // Of the last light_on(); nothing when its command was never sent.
