@@ -146,7 +146,12 @@ void SerialProjector::take(const ReplyReader::Heard& heard) {
   if (heard.unasked != nullptr) return unasked(*heard.unasked);
   if (!heard.reply) return;
   free_at_ = clock_.now() + table_.gap;
-  if (!current_ || heard.reply->request != current_->id) return;  // late, and somebody else's
+  if (!current_ || heard.reply->request != current_->id) {  // late, and somebody else's
+    // Or this light off's, where light on's was lost: the next one's reply will tell, sooner than a timeout.
+    if (current_ && current_->command == light_off_command() && current_->sent > 0)
+      timer_ = clock_.call_at(free_at_, [this] { send(); });
+    return;
+  }
   if (heard.reply->meaning == ReplyMeaning::Refused) {
     problem_ = called() + " refused \"" + current_->command->name + "\": it answered " +
                readable_bytes(heard.reply->text);
