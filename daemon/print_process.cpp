@@ -269,6 +269,7 @@ void PrintProcess::after_move(MoveResult result) {
 }
 
 PrintEvent PrintProcess::next_due() const {
+  if (canceled_) return PrintEvent::Canceled;
   const PrintEvent due = !has_all_light()  ? PrintEvent::LayerUnfinished
                          : on_last_layer() ? PrintEvent::LayersDone
                                            : PrintEvent::LayerDue;

@@ -28,6 +28,11 @@ constexpr PrintTransition cancel_at_rest(S from) {
   return row(from, E::Canceled, S::Parking, F::LightOff, F::BlackNow, F::Park);
 }
 
+// Interrupted or cancelled where there may be light: nothing moves before it is confirmed off.
+constexpr PrintTransition interruption_lit(S from, E on) {
+  return row(from, on, S::Interrupting, F::LightOff, F::BlackNow, F::AwaitDark);
+}
+
 constexpr PrintTransition cancel_moving(S from) {
   return row(from, E::Canceled, S::Halting, F::LightOff, F::BlackNow, F::StopAxis);
 }
@@ -83,11 +88,15 @@ constexpr auto kTable = std::to_array<PrintTransition>({
     row(S::Braking, E::MoveEnded, S::Lifting, F::Lift),
     interruption_at_rest(S::Settling),
     interruption_at_rest(S::Showing),
-    interruption_at_rest(S::Igniting),
-    interruption_at_rest(S::Exposing),
+    interruption_lit(S::Igniting, E::Interrupted),
+    interruption_lit(S::Exposing, E::Interrupted),
     // The layer has had its light.
-    row(S::Darkening, E::Interrupted, S::Lifting, F::LightOff, F::BlackNow, F::RecordLayer, F::Lift),
-    row(S::Extinguishing, E::Interrupted, S::Lifting, F::LightOff, F::BlackNow, F::RecordLayer, F::Lift),
+    row(S::Darkening, E::Interrupted, S::Interrupting, F::LightOff, F::BlackNow, F::RecordLayer,
+        F::AwaitDark),
+    row(S::Extinguishing, E::Interrupted, S::Interrupting, F::LightOff, F::BlackNow, F::RecordLayer,
+        F::AwaitDark),
+    interruption_unmoved(S::Interrupting),
+    row(S::Interrupting, E::LightIsOff, S::Lifting, F::Lift),
     interruption_at_rest(S::Resting),
     interruption_unmoved(S::Lifting),
     interruption_above_resin(S::AwaitingDark),
@@ -110,10 +119,12 @@ constexpr auto kTable = std::to_array<PrintTransition>({
     row(S::Halting, E::MoveEnded, S::Parking, F::Park),
     cancel_at_rest(S::Settling),
     cancel_at_rest(S::Showing),
-    cancel_at_rest(S::Igniting),
-    cancel_at_rest(S::Exposing),
-    cancel_at_rest(S::Darkening),
-    cancel_at_rest(S::Extinguishing),
+    interruption_lit(S::Igniting, E::Canceled),
+    interruption_lit(S::Exposing, E::Canceled),
+    interruption_lit(S::Darkening, E::Canceled),
+    interruption_lit(S::Extinguishing, E::Canceled),
+    // Peeled off first, then cancelled again.
+    row(S::Interrupting, E::Canceled, S::Interrupting, F::LightOff, F::BlackNow),
     cancel_at_rest(S::Resting),
     cancel_at_rest(S::AwaitingDark),
     cancel_at_rest(S::Paused),
@@ -127,6 +138,7 @@ constexpr auto kTable = std::to_array<PrintTransition>({
     failure(S::Exposing),
     failure(S::Darkening),
     failure(S::Extinguishing),
+    failure(S::Interrupting),
     failure(S::Resting),
     failure(S::Lifting),
     failure(S::AwaitingDark),
@@ -172,6 +184,8 @@ std::string_view name_of(PrintState state) {
       return "darkening";
     case S::Extinguishing:
       return "extinguishing";
+    case S::Interrupting:
+      return "interrupting";
     case S::Resting:
       return "resting";
     case S::Lifting:

@@ -21,6 +21,7 @@ enum class PrintState {
   Exposing,
   Darkening,      // light off is sent; black, until it is on the screen
   Extinguishing,  // until the light is confirmed off
+  Interrupting,   // the same where the exposure was interrupted or cancelled
   Resting,        // before the peel
   Lifting,        // peel and lift
   AwaitingDark,   // before anything goes down into the resin: the light is confirmed off

@@ -25,6 +25,7 @@ const std::vector<F> kFailure{F::LightOff, F::BlackNow, F::AbortAxis, F::PowerOf
 const std::vector<F> kCancelAtRest{F::LightOff, F::BlackNow, F::Park};
 const std::vector<F> kCancelMoving{F::LightOff, F::BlackNow, F::StopAxis};
 const std::vector<F> kDark{F::LightOff, F::BlackNow};
+const std::vector<F> kDarkAndWait{F::LightOff, F::BlackNow, F::AwaitDark};
 const std::vector<F> kDarkAndLift{F::LightOff, F::BlackNow, F::Lift};
 
 // Written out apart from the table, row for row.
@@ -54,10 +55,15 @@ const std::vector<Row> kExpected{
     {S::Braking, E::MoveEnded, S::Lifting, {F::Lift}},
     {S::Settling, E::Interrupted, S::Lifting, kDarkAndLift},
     {S::Showing, E::Interrupted, S::Lifting, kDarkAndLift},
-    {S::Igniting, E::Interrupted, S::Lifting, kDarkAndLift},
-    {S::Exposing, E::Interrupted, S::Lifting, kDarkAndLift},
-    {S::Darkening, E::Interrupted, S::Lifting, {F::LightOff, F::BlackNow, F::RecordLayer, F::Lift}},
-    {S::Extinguishing, E::Interrupted, S::Lifting, {F::LightOff, F::BlackNow, F::RecordLayer, F::Lift}},
+    {S::Igniting, E::Interrupted, S::Interrupting, kDarkAndWait},
+    {S::Exposing, E::Interrupted, S::Interrupting, kDarkAndWait},
+    {S::Darkening, E::Interrupted, S::Interrupting, {F::LightOff, F::BlackNow, F::RecordLayer, F::AwaitDark}},
+    {S::Extinguishing,
+     E::Interrupted,
+     S::Interrupting,
+     {F::LightOff, F::BlackNow, F::RecordLayer, F::AwaitDark}},
+    {S::Interrupting, E::Interrupted, S::Interrupting, kDark},
+    {S::Interrupting, E::LightIsOff, S::Lifting, {F::Lift}},
     {S::Resting, E::Interrupted, S::Lifting, kDarkAndLift},
     {S::AwaitingDark, E::Interrupted, S::Raising, {F::LightOff, F::BlackNow, F::RaiseForALook}},
     {S::Ending, E::Interrupted, S::Ending, kDark},
@@ -81,10 +87,11 @@ const std::vector<Row> kExpected{
     {S::Halting, E::MoveEnded, S::Parking, {F::Park}},
     {S::Settling, E::Canceled, S::Parking, kCancelAtRest},
     {S::Showing, E::Canceled, S::Parking, kCancelAtRest},
-    {S::Igniting, E::Canceled, S::Parking, kCancelAtRest},
-    {S::Exposing, E::Canceled, S::Parking, kCancelAtRest},
-    {S::Darkening, E::Canceled, S::Parking, kCancelAtRest},
-    {S::Extinguishing, E::Canceled, S::Parking, kCancelAtRest},
+    {S::Igniting, E::Canceled, S::Interrupting, kDarkAndWait},
+    {S::Exposing, E::Canceled, S::Interrupting, kDarkAndWait},
+    {S::Darkening, E::Canceled, S::Interrupting, kDarkAndWait},
+    {S::Extinguishing, E::Canceled, S::Interrupting, kDarkAndWait},
+    {S::Interrupting, E::Canceled, S::Interrupting, kDark},
     {S::Resting, E::Canceled, S::Parking, kCancelAtRest},
     {S::AwaitingDark, E::Canceled, S::Parking, kCancelAtRest},
     {S::Paused, E::Canceled, S::Parking, kCancelAtRest},
@@ -97,6 +104,7 @@ const std::vector<Row> kExpected{
     {S::Exposing, E::Failed, S::Ending, kFailure},
     {S::Darkening, E::Failed, S::Ending, kFailure},
     {S::Extinguishing, E::Failed, S::Ending, kFailure},
+    {S::Interrupting, E::Failed, S::Ending, kFailure},
     {S::Resting, E::Failed, S::Ending, kFailure},
     {S::AwaitingDark, E::Failed, S::Ending, kFailure},
     {S::Lifting, E::Failed, S::Ending, kFailure},
@@ -195,9 +203,19 @@ TEST_CASE("The plate goes down into the resin, and a mask is shown, only behind 
     if (has(F::ShowMask)) CHECK(t.from == S::Settling);
     if (t.to == S::Settling) CHECK(t.from == S::Lowering);
     // Who waits for the light to be confirmed off has asked for it.
-    if (t.to == S::AwaitingDark || t.to == S::Extinguishing || t.to == S::Ending) {
-      CHECK((has(F::AwaitDark) || t.from == t.to));
-    }
+    const bool waits =
+        t.to == S::AwaitingDark || t.to == S::Extinguishing || t.to == S::Interrupting || t.to == S::Ending;
+    if (waits) CHECK((has(F::AwaitDark) || t.from == t.to));
+  }
+}
+
+TEST_CASE("Nothing moves where there may be light") {
+  const std::set<S> lit{S::Igniting, S::Exposing, S::Darkening, S::Extinguishing, S::Interrupting};
+  for (const PrintTransition& t : print_transitions()) {
+    if (!lit.contains(t.from)) continue;
+    CAPTURE(name_of(t.from), name_of(t.on));
+    for (const F effect : t.done())
+      if (effect == F::Lift || effect == F::Park || effect == F::RaiseForALook) CHECK(t.on == E::LightIsOff);
   }
 }
 
