@@ -65,9 +65,7 @@ std::vector<RealMachine::Found> RealMachine::open_missing() {
   if (open(display_, missing_.display,
            [&] { return std::make_unique<DrmDisplay>(watcher_, config_.display); })) {
     display_->on_disturbance(tell_owner);
-    std::vector<std::string> warnings;
-    if (const auto warning = display_->warning()) warnings.push_back(*warning);
-    if (!display_->problem()) found.push_back({"display: " + display_->description(), std::move(warnings)});
+    if (!display_->problem()) found.push_back({"display: " + display_->description(), display_->warnings()});
   }
   if (axis_ && axis_->lost()) axis_.reset();
   if (open(axis_, missing_.axis, openers_.axis)) {
@@ -203,7 +201,8 @@ std::vector<std::string> RealMachine::description() const {
 std::vector<std::string> RealMachine::warnings() const {
   std::vector<std::string> sentences;
   if (axis_) sentences = axis_->refusals();
-  if (const auto warning = display_ ? display_->warning() : std::nullopt) sentences.push_back(*warning);
+  for (std::string& warning : display_ ? display_->warnings() : std::vector<std::string>{})
+    sentences.push_back(std::move(warning));
   return sentences;
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <span>
 
+#include "hw/drm/color.hpp"
 #include "hw/drm/libdrm_pointer.hpp"
 #include "hw/hardware_error.hpp"
 
@@ -75,35 +76,30 @@ void AtomicCrtc::clear_the_way(const Card& card, const Connector& connector, con
   }
 }
 
-// Pixels as they are: no gamma or colour matrix, no margins, upright and opaque.
+// Pixels as they are: no gamma or colour matrix, in full range, no margins, upright and opaque.
 void AtomicCrtc::add_neutral_values(const ObjectProperties& crtc, const ObjectProperties& connector,
                                     const ObjectProperties& plane) {
-  for (const char* correction : {"GAMMA_LUT", "DEGAMMA_LUT", "CTM"})
-    set_mode_.set_if_other(crtc, correction, 0);
+  for (const PropertyChange& change : changes_to_neutral(crtc, connector))
+    set_mode_.set(change.object, change.property, change.value);
   for (const char* margin : {"left margin", "right margin", "top margin", "bottom margin"})
     set_mode_.set_if_other(connector, margin, 0);
   set_mode_.set_if_other(plane, "rotation", DRM_MODE_ROTATE_0);
   set_mode_.set_if_other(plane, "alpha", 0xffff);
 }
 
-int AtomicCrtc::test_mode(const Framebuffer& picture) noexcept {
-  set_mode_.change_last(picture.id());
+int AtomicCrtc::test_mode(std::uint32_t picture) noexcept {
+  set_mode_.change_last(picture);
   return set_mode_.commit(fd_, DRM_MODE_ATOMIC_TEST_ONLY | DRM_MODE_ATOMIC_ALLOW_MODESET);
 }
 
-int AtomicCrtc::set_mode(const Framebuffer& picture) noexcept {
-  set_mode_.change_last(picture.id());
+int AtomicCrtc::set_mode(std::uint32_t picture) noexcept {
+  set_mode_.change_last(picture);
   return set_mode_.commit(fd_, DRM_MODE_ATOMIC_ALLOW_MODESET);
 }
 
-int AtomicCrtc::flip(const Framebuffer& picture, std::uint64_t serial) noexcept {
-  flip_.change_last(picture.id());
+int AtomicCrtc::flip(std::uint32_t picture, std::uint64_t serial) noexcept {
+  flip_.change_last(picture);
   return flip_.commit(fd_, DRM_MODE_ATOMIC_NONBLOCK | DRM_MODE_PAGE_FLIP_EVENT, serial);
-}
-
-int AtomicCrtc::show(const Framebuffer& picture) noexcept {
-  flip_.change_last(picture.id());
-  return flip_.commit(fd_, 0);
 }
 
 int AtomicCrtc::turn_off() noexcept {

@@ -30,10 +30,9 @@ class AtomicCrtc final : public Crtc {
 
   [[nodiscard]] std::uint32_t id() const noexcept override { return id_; }
   [[nodiscard]] bool is_atomic() const noexcept override { return true; }
-  [[nodiscard]] int test_mode(const Framebuffer& picture) noexcept override;
-  [[nodiscard]] int set_mode(const Framebuffer& picture) noexcept override;
-  [[nodiscard]] int flip(const Framebuffer& picture, std::uint64_t serial) noexcept override;
-  [[nodiscard]] int show(const Framebuffer& picture) noexcept override;
+  [[nodiscard]] int test_mode(std::uint32_t picture) noexcept override;
+  [[nodiscard]] int set_mode(std::uint32_t picture) noexcept override;
+  [[nodiscard]] int flip(std::uint32_t picture, std::uint64_t serial) noexcept override;
   int turn_off() noexcept override;
 
  private:

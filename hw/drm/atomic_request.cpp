@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <span>
 
 #include "hw/drm/libdrm_pointer.hpp"
 
@@ -25,28 +26,46 @@ ObjectProperties::ObjectProperties(int fd, std::uint32_t object, std::uint32_t t
   const KernelProperties all(drmModeObjectGetProperties(fd, object, type));
   for (std::uint32_t i = 0; all && i < all->count_props; ++i) {
     const KernelProperty property(drmModeGetProperty(fd, all->props[i]));
-    if (property) properties_.push_back({property->name, {all->props[i], all->prop_values[i]}});
+    if (!property) continue;
+    Named& read = properties_.emplace_back(Named{property->name, {all->props[i], all->prop_values[i]}, {}});
+    for (const auto& value : std::span(property->enums, static_cast<std::size_t>(property->count_enums)))
+      read.values.emplace_back(value.name, value.value);
   }
 }
 
 std::optional<ObjectProperties::Property> ObjectProperties::find(const std::string& name) const {
-  const auto found = std::ranges::find(properties_, name, &Named::name);
-  if (found == properties_.end()) return std::nullopt;
+  const Named* found = named(name);
+  if (found == nullptr) return std::nullopt;
   return found->property;
+}
+
+std::optional<std::uint64_t> ObjectProperties::value_called(const std::string& name,
+                                                            const std::string& value) const {
+  const Named* property = named(name);
+  if (property == nullptr) return std::nullopt;
+  const auto found =
+      std::ranges::find(property->values, value, &std::pair<std::string, std::uint64_t>::first);
+  if (found == property->values.end()) return std::nullopt;
+  return found->second;
+}
+
+const ObjectProperties::Named* ObjectProperties::named(const std::string& name) const {
+  const auto found = std::ranges::find(properties_, name, &Named::name);
+  return found == properties_.end() ? nullptr : &*found;
 }
 
 void AtomicRequest::set(const ObjectProperties& object, const std::string& name, std::uint64_t value) {
   const auto property = object.find(name);
-  add(object.object(), property ? property->id : 0, value);
+  set(object.object(), property ? property->id : 0, value);
 }
 
 void AtomicRequest::set_if_other(const ObjectProperties& object, const std::string& name,
                                  std::uint64_t value) {
   const auto property = object.find(name);
-  if (property && property->value != value) add(object.object(), property->id, value);
+  if (property && property->value != value) set(object.object(), property->id, value);
 }
 
-void AtomicRequest::add(std::uint32_t object, std::uint32_t property, std::uint64_t value) {
+void AtomicRequest::set(std::uint32_t object, std::uint32_t property, std::uint64_t value) {
   if (objects_.empty() || objects_.back() != object) {
     objects_.push_back(object);
     counts_.push_back(0);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace contourd {
@@ -22,13 +23,19 @@ class ObjectProperties {
     std::uint64_t value = 0;
   };
   [[nodiscard]] std::optional<Property> find(const std::string& name) const;
+  // The value that an enumerated property calls this: "Full" of "Broadcast RGB".
+  [[nodiscard]] std::optional<std::uint64_t> value_called(const std::string& name,
+                                                          const std::string& value) const;
   [[nodiscard]] std::uint32_t object() const { return object_; }
 
  private:
   struct Named {
     std::string name;
     Property property;
+    std::vector<std::pair<std::string, std::uint64_t>> values;  // of an enumerated one
   };
+  [[nodiscard]] const Named* named(const std::string& name) const;
+
   std::uint32_t object_;
   std::vector<Named> properties_;
 };
@@ -37,6 +44,7 @@ class AtomicRequest {
  public:
   // An object without that property makes every commit fail.
   void set(const ObjectProperties& object, const std::string& name, std::uint64_t value);
+  void set(std::uint32_t object, std::uint32_t property, std::uint64_t value);
   // Only where the object has the property, with another value.
   void set_if_other(const ObjectProperties& object, const std::string& name, std::uint64_t value);
 
@@ -47,8 +55,6 @@ class AtomicRequest {
   [[nodiscard]] int commit(int fd, std::uint32_t flags, std::uint64_t user_data = 0) noexcept;
 
  private:
-  void add(std::uint32_t object, std::uint32_t property, std::uint64_t value);
-
   std::vector<std::uint32_t> objects_, counts_, properties_;
   std::vector<std::uint64_t> values_;
 };

@@ -98,6 +98,11 @@ Card::Card(const std::filesystem::path& path) : path_(path), fd_(opened(path)) {
   drmSetClientCap(fd(), DRM_CLIENT_CAP_ASPECT_RATIO, 1);
 }
 
+dev_t Card::number() const {
+  struct stat status {};
+  return ::fstat(fd(), &status) == 0 ? status.st_rdev : dev_t{};
+}
+
 bool Card::is_master() const noexcept {
   return drmIsMaster(fd()) != 0;
 }

@@ -2,6 +2,8 @@
 // showed. Not thread-safe.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -21,6 +23,7 @@ class Card {
   [[nodiscard]] int fd() const { return fd_.get(); }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] const std::string& driver() const { return driver_; }
+  [[nodiscard]] dev_t number() const;
   // "/dev/dri/card0 (vc4)"
   [[nodiscard]] std::string name() const { return path_.string() + " (" + driver_ + ")"; }
 
@@ -31,8 +34,8 @@ class Card {
   // Throws HardwareError that says who has it, as far as this process may know.
   void become_master() const;
 
-  // Asks the displays (EDID), which takes some milliseconds each; whoever is not master gets what the kernel
-  // last heard.
+  // Both ask the displays (EDID), which takes some milliseconds each, 300 and more with some; whoever is not
+  // master gets what the kernel last heard. From any thread; flips go on meanwhile.
   [[nodiscard]] std::vector<Connector> connectors() const;
   // Disconnected, and without modes, when it is no longer there.
   [[nodiscard]] Connector connector(std::uint32_t id) const;

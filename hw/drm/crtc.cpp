@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "hw/drm/atomic_crtc.hpp"
+#include "hw/drm/dumb_buffer.hpp"
 #include "hw/drm/legacy_crtc.hpp"
 #include "hw/drm/libdrm_pointer.hpp"
 #include "hw/hardware_error.hpp"
@@ -80,7 +81,7 @@ void check_format(const CrtcRoute& route, PixelFormat format, const std::string&
 }
 
 std::unique_ptr<Crtc> make_crtc(const Card& card, const Connector& connector, const Mode& mode,
-                                const Framebuffer& picture, bool legacy) {
+                                std::uint32_t picture, bool legacy) {
   const std::vector<CrtcRoute> routes = routes_to(card, connector);
   const bool atomic = !legacy && drmSetClientCap(card.fd(), DRM_CLIENT_CAP_ATOMIC, 1) == 0;
   for (std::size_t i = 0; atomic && i < routes.size(); ++i) {

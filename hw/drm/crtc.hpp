@@ -1,6 +1,6 @@
 // What feeds one connector with pictures: a CRTC in one mode, with its primary plane. Two kinds, by the
 // kernel's atomic or legacy calls; make_crtc() chooses. Not thread-safe. Calls return 0 or an errno, and
-// those that are noexcept neither allocate nor throw.
+// those that are noexcept neither allocate nor throw. A picture is a framebuffer's id.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 #include "hw/drm/card.hpp"
 #include "hw/drm/connector.hpp"
-#include "hw/drm/dumb_buffer.hpp"
+#include "hw/drm/pixel_format.hpp"
 
 namespace contourd {
 
@@ -26,16 +26,14 @@ class Crtc {
 
   // Whether the driver would take the mode with this picture; what is on the screen stays. 0 where the driver
   // cannot say.
-  [[nodiscard]] virtual int test_mode(const Framebuffer& picture) noexcept = 0;
-  // Sets the mode, with this picture on the screen when it returns.
-  [[nodiscard]] virtual int set_mode(const Framebuffer& picture) noexcept = 0;
+  [[nodiscard]] virtual int test_mode(std::uint32_t picture) noexcept = 0;
+  // Sets the mode, with this picture on the screen when it returns. Waits for whatever is pending: two
+  // refreshes at most, 10 s for each thing that the kernel waits for when the driver hangs.
+  [[nodiscard]] virtual int set_mode(std::uint32_t picture) noexcept = 0;
   // Asks for the picture from the next refresh on and returns at once; the card's descriptor then gives an
   // event with `serial` (struct drm_event_vblank's user_data). EBUSY while an earlier one waits.
-  [[nodiscard]] virtual int flip(const Framebuffer& picture, std::uint64_t serial) noexcept = 0;
-  // As flip(), but waits for whatever is pending and until the picture is on the screen: two refreshes at
-  // most, 10 s (the kernel's own limit) when the driver hangs. No event.
-  [[nodiscard]] virtual int show(const Framebuffer& picture) noexcept = 0;
-  // No signal. May wait as show().
+  [[nodiscard]] virtual int flip(std::uint32_t picture, std::uint64_t serial) noexcept = 0;
+  // No signal. May wait as set_mode().
   virtual int turn_off() noexcept = 0;
 };
 
@@ -60,6 +58,6 @@ void check_format(const CrtcRoute& route, PixelFormat format, const std::string&
 // changes nothing on the screen. The card must outlive it. Throws HardwareError. A card that is not DRM
 // master cannot test, and gets the legacy kind.
 [[nodiscard]] std::unique_ptr<Crtc> make_crtc(const Card& card, const Connector& connector, const Mode& mode,
-                                              const Framebuffer& picture, bool legacy);
+                                              std::uint32_t picture, bool legacy);
 
 }  // namespace contourd

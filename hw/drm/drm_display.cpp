@@ -7,15 +7,16 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <system_error>
 #include <utility>
 
+#include "hw/drm/blocking_calls.hpp"
+#include "hw/drm/display_look.hpp"
 #include "hw/drm/master_holder.hpp"
 #include "hw/drm/output.hpp"
-#include "hw/drm/text_console.hpp"
 #include "hw/drm/uevent_socket.hpp"
 #include "hw/hardware_error.hpp"
 
@@ -34,7 +35,7 @@ FileDescriptor made_timerfd() {
   return fd;
 }
 
-// While a mask is on the screen its card is looked after this often: a refresh or so.
+// While a mask is on the screen, or a flip waits, the card is looked after this often: a refresh or so.
 constexpr timespec kLookInterval{0, 20'000'000};
 
 }  // namespace
@@ -48,10 +49,13 @@ class DrmDisplay::Implementation {
         look_(made_timerfd()),
         uevent_watch_(watcher.when_readable(uevents_.fd(), [this] { displays_changed(); })),
         wake_watch_(watcher.when_readable(wake_.get(), [this] { deny_waiting(); })),
-        look_watch_(watcher.when_readable(look_.get(), [this] { look_after_card(); })) {
+        look_watch_(watcher.when_readable(look_.get(), [this] { look_after_card(); })),
+        calls_(watcher) {
     OutputSearch search = find_output(config_);
     if (search.found) {
-      take(std::move(*search.found));
+      DisplayLook look = opened(std::move(*search.found), config_);
+      take_back(std::move(look.output));
+      use(look.console_warning);
     } else {
       problem_ = search.why_not;
     }
@@ -59,84 +63,111 @@ class DrmDisplay::Implementation {
 
   void show(const Mask& mask, Presented done) {
     waiting_ = std::move(done);
-    if (!is_usable()) return deny_later();
+    if (problem_) return deny_later();
     bytes_written_ = output_->write(mask);
     if (const int error = output_->show_written(); error != 0) return lose_later(error);
+    mask_is_up_ = true;
     keep_looking(true);
   }
 
   void black(Presented done) {
-    keep_looking(false);
+    mask_is_up_ = false;
     waiting_ = std::move(done);
-    if (!is_usable()) return deny_later();
-    if (const int error = output_->show_black(); error != 0) lose_later(error);
+    if (problem_) return deny_later();
+    if (const int error = output_->show_black(); error != 0) return lose_later(error);
+    keep_looking(true);
   }
 
   void black_now() noexcept {
-    keep_looking(false);
+    mask_is_up_ = false;
     waiting_ = nullptr;
-    if (output_) output_->black_now();
+    denied_ = false;
+    if (!output_) return;  // the other thread, if it has it, leaves it dark in any case
+    const int error = output_->black_now();
+    if (problem_) return;
+    if (error != 0) return lose_later(error);
+    keep_looking(true);
   }
 
+  // What else has become of it the kernel announces.
   void look_whether_back() {
-    if (!problem_) return;
-    // What else has become of it the kernel announces.
-    const std::string before = *problem_;
-    look_again();
-    if (!problem_) return tell_recovery();
-    problem_ = before;
+    if (problem_) look_again(Tell::Recovery);
   }
 
   void on_disturbance(std::function<void(const Disturbance&)> call) { on_disturbance_ = std::move(call); }
 
   [[nodiscard]] const DrmDisplayConfig& config() const { return config_; }
-  [[nodiscard]] Duration frame() const {
-    if (!output_) return Duration{0};
-    return Duration{std::llround(1e9 / refresh_hz(output_->mode()))};
-  }
+  [[nodiscard]] Duration frame() const { return frame_; }
   [[nodiscard]] const std::optional<std::string>& problem() const { return problem_; }
-  [[nodiscard]] const std::optional<std::string>& warning() const { return warning_; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] std::size_t bytes_written() const { return bytes_written_; }
-  [[nodiscard]] std::string description() const {
-    if (!output_) return "no display";
-    return output_->name() + ": " + describe(output_->mode()) +
-           (output_->is_atomic() ? ", atomic" : ", legacy");
-  }
+  [[nodiscard]] const std::string& description() const { return description_; }
 
  private:
-  // Takes a lost display up again if it is back.
-  bool is_usable() {
-    if (problem_) look_again();
-    return !problem_;
+  // The output is the other thread's from here to the end of its call: nothing is shown meanwhile.
+  std::shared_ptr<Output> give_away_output() {
+    card_watch_.reset();
+    return std::exchange(output_, nullptr);
+  }
+  void take_back(std::shared_ptr<Output> output) {
+    away_ = false;
+    output_ = std::move(output);
+    if (output_) card_watch_ = watcher_.when_readable(output_->card().fd(), [this] { flip_done(); });
   }
 
-  // A display that is still away leaves the problem as it is; one that is back but of no use is a new one.
-  void look_again() {
-    try {
-      if (output_) {
-        if (output_->relight(config_)) problem_.reset();
-      } else if (auto found = find_anywhere()) {
-        take(std::move(*found));
-      }
-    } catch (const HardwareError& error) {
-      problem_ = error.what();
+  enum class Tell { Recovery, EverythingNew };
+  // Looks whether a lost display is back, on the thread for blocking calls, and takes it up again if so.
+  void look_again(Tell tell) {
+    if (away_) {
+      look_wanted_ = true;
+      return;
     }
+    away_ = true;
+    calls_.run(
+        [output = give_away_output(), config = config_]() mutable {
+          return output ? relit(std::move(output), config) : found_anywhere(config);
+        },
+        [this, tell](DisplayLook look) { after_look(std::move(look), tell); });
   }
 
-  // Nothing while there is none, or its card is only just coming.
-  [[nodiscard]] std::optional<FoundOutput> find_anywhere() const {
-    try {
-      return find_output(config_).found;
-    } catch (const HardwareError&) {
-      return std::nullopt;
+  void after_look(DisplayLook look, Tell tell_what) {
+    take_back(std::move(look.output));
+    if (look.is_back) {
+      use(look.console_warning);
+      tell_recovery();
+    } else if (tell_what == Tell::EverythingNew && !look.refusal.empty() && look.refusal != *problem_) {
+      problem_ = look.refusal;
+      tell(Disturbance::Kind::Interruption, look.refusal);
     }
+    look_if_wanted();
   }
 
-  void take(FoundOutput found) {
-    warning_ = keep_console_dark(found.card.path());
-    output_ = std::make_unique<Output>(std::move(found.card), found.connector, config_);
-    card_watch_ = watcher_.when_readable(output_->card().fd(), [this] { flip_done(); });
+  void look_if_wanted() {
+    if (std::exchange(look_wanted_, false) && problem_) look_again(Tell::EverythingNew);
+  }
+
+  void turn_off() {
+    if (away_ || !output_) return;
+    away_ = true;
+    calls_.run(
+        [output = give_away_output()]() mutable {
+          output->turn_off();
+          return std::move(output);
+        },
+        [this](std::shared_ptr<Output> output) {
+          take_back(std::move(output));
+          look_if_wanted();
+        });
+  }
+
+  // Of the output that there is now.
+  void use(const std::optional<std::string>& console_warning) {
     problem_.reset();
+    warnings_ = output_->color_doubts();
+    if (console_warning) warnings_.push_back(*console_warning);
+    frame_ = output_->frame();
+    description_ =
+        output_->name() + ": " + describe(output_->mode()) + (output_->is_atomic() ? ", atomic" : ", legacy");
   }
 
   void flip_done() {
@@ -149,28 +180,39 @@ class DrmDisplay::Implementation {
 
   // The kernel announced something about displays: not necessarily this one.
   void displays_changed() {
-    if (!uevents_.read_all()) return;
-    if (problem_) {
-      const std::string before = *problem_;
-      look_again();
-      if (!problem_) return tell_recovery();
-      // Back, but of no use: another sentence than that it is away.
-      if (*problem_ != before) lose(*problem_);
-      return;
-    }
-    const Connector now = output_->connector();
+    const std::vector<DisplayChange> changes = uevents_.read_all();
+    if (changes.empty()) return;
+    if (problem_) return look_again(Tell::EverythingNew);
+    const dev_t card = output_->card().number();
+    const std::uint32_t connector = output_->connector_id();
+    if (std::ranges::any_of(changes, [&](const auto& change) { return concerns(change, card, connector); }))
+      ask_display();
+  }
+
+  // What it is, which may take it long: a mask may be on the screen, and the light on.
+  void ask_display() {
+    if (!output_->card().is_master()) return lose_to(EACCES);
+    ask_again_ = asking_;
+    if (std::exchange(asking_, true)) return;
+    calls_.run([output = output_] { return output->connector(); },
+               [this](const Connector& now) {
+                 asking_ = false;
+                 if (!problem_) judge(now);
+                 const bool again = std::exchange(ask_again_, false);
+                 if (again && problem_) return look_again(Tell::EverythingNew);
+                 if (again) ask_display();
+               });
+  }
+
+  void judge(const Connector& now) {
     if (now.name.empty()) return lose_card();
     if (now.status == Connector::Status::Disconnected) return lose(output_->name() + " was unplugged");
     const bool has_mode =
         std::ranges::any_of(now.modes, [&](const Mode& mode) { return same_timing(mode, output_->mode()); });
-    if (!has_mode) {
-      lose(output_->name() + " no longer has its mode " + describe(output_->mode()) +
-           "; modes: " + describe(now.modes));
-      look_again();  // another display may have the like
-      if (!problem_) tell_recovery();
-      return;
-    }
-    if (!output_->card().is_master()) lose_to(EACCES);
+    if (has_mode) return;
+    lose(output_->name() + " no longer has its mode " + describe(output_->mode()) +
+         "; modes: " + describe(now.modes));
+    look_again(Tell::EverythingNew);  // another display may have the like
   }
 
   void keep_looking(bool on) noexcept {
@@ -180,11 +222,24 @@ class DrmDisplay::Implementation {
     ::timerfd_settime(look_.get(), 0, &every, nullptr);
   }
 
-  // The kernel does not say that another program has become the card's master, and may show what it likes.
+  // The kernel does not say that another program has become the card's master, and may show what it likes;
+  // nor that it owes its word for a flip.
   void look_after_card() {
     std::uint64_t times = 0;
     if (::read(look_.get(), &times, sizeof times) != sizeof times || problem_) return;
-    if (!output_->card().is_master()) lose_to(EACCES);
+    if (!output_->card().is_master()) return lose_to(EACCES);
+    if (output_->flip_is_overdue()) return lose_flip();
+    if (!mask_is_up_ && !output_->flip_waits()) keep_looking(false);
+  }
+
+  // Where this program was held up, the kernel's word may be there all the same.
+  void lose_flip() {
+    flip_done();
+    if (problem_ || !output_->flip_is_overdue()) return;
+    const auto deadline = std::chrono::round<std::chrono::milliseconds>(flip_deadline(frame_));
+    report_loss(output_->name() + " has not said for " + std::to_string(deadline.count()) +
+                " ms that it shows a picture; it is set anew");
+    look_again(Tell::EverythingNew);
   }
 
   // A call that should have put a picture on the screen did not.
@@ -197,18 +252,22 @@ class DrmDisplay::Implementation {
   }
 
   void lose_card() {
-    lose(output_->name() + " is gone, with its card");
-    card_watch_.reset();
-    output_.reset();
+    report_loss(output_->name() + " is gone, with its card");
+    calls_.run([output = give_away_output()]() mutable { return output.reset(), 0; }, [](int) {});
   }
 
-  // The owner of the light is told first; then the screen, where a mask may still stand, goes off.
   void lose(const std::string& why) {
+    report_loss(why);
+    turn_off();
+  }
+
+  // The owner of the light is told first; then the screen, where a mask may still stand, is seen to.
+  void report_loss(const std::string& why) {
+    mask_is_up_ = false;
     keep_looking(false);
     problem_ = why;
     const Presented waiting = std::exchange(waiting_, nullptr);
     tell(Disturbance::Kind::Interruption, why);
-    if (problem_ && output_) output_->turn_off();
     if (waiting) waiting(std::nullopt);
   }
 
@@ -217,40 +276,55 @@ class DrmDisplay::Implementation {
   }
 
   void tell_recovery() {
-    Disturbance recovery{.kind = Disturbance::Kind::Recovery,
-                         .what = "the display is back: " + description()};
-    if (warning_) recovery.warnings.push_back(*warning_);
-    if (on_disturbance_) on_disturbance_(recovery);
+    if (on_disturbance_)
+      on_disturbance_({.kind = Disturbance::Kind::Recovery,
+                       .what = "the display is back: " + description_,
+                       .warnings = warnings_});
   }
 
   // For a show() or black() that must not call back from within itself.
-  void deny_later() { ::eventfd_write(wake_.get(), 1); }
+  void deny_later() {
+    denied_ = true;
+    ::eventfd_write(wake_.get(), 1);
+  }
   void lose_later(int error) {
     failed_show_ = error;
-    deny_later();
+    ::eventfd_write(wake_.get(), 1);
   }
   void deny_waiting() {
     eventfd_t count = 0;
     ::eventfd_read(wake_.get(), &count);
     const int error = std::exchange(failed_show_, 0);
     if (error != 0 && !problem_) return lose_to(error);
-    if (problem_ && waiting_) std::exchange(waiting_, nullptr)(std::nullopt);
+    // Also when the display has come back since.
+    if (std::exchange(denied_, false) && waiting_) std::exchange(waiting_, nullptr)(std::nullopt);
   }
 
   DescriptorWatcher& watcher_;
   DrmDisplayConfig config_;
   std::function<void(const Disturbance&)> on_disturbance_;
-  std::unique_ptr<Output> output_;  // none before the first was found, and while its card is gone
-  std::optional<std::string> problem_, warning_;
+  // None before the first was found, while its card is gone, and while the other thread has it. REQUIRES:
+  // there is one when there is no problem.
+  std::shared_ptr<Output> output_;
+  std::optional<std::string> problem_;
+  std::vector<std::string> warnings_;
+  std::string description_ = "no display";
+  Duration frame_{0};
   Presented waiting_;
+  bool denied_ = false;  // waiting_ is to be told that nothing can be shown
   int failed_show_ = 0;  // the errno of a show() or black() whose owner has not been told yet
   std::size_t bytes_written_ = 0;
 
   UeventSocket uevents_;
   FileDescriptor wake_;
-  FileDescriptor look_;  // a timer's, that runs while a mask is on the screen
+  FileDescriptor look_;  // a timer's, that runs while a mask is on the screen or a flip waits
   bool looking_ = false;
+  bool mask_is_up_ = false;
+  bool away_ = false;         // the other thread has the output, or looks for one
+  bool look_wanted_ = false;  // again, when it is done with that
+  bool asking_ = false, ask_again_ = false;
   std::unique_ptr<DescriptorWatcher::Watch> uevent_watch_, wake_watch_, look_watch_, card_watch_;
+  BlockingCalls calls_;  // last: nothing is handed back once the rest goes
 };
 
 DrmDisplay::DrmDisplay(DescriptorWatcher& watcher, const DrmDisplayConfig& config)
@@ -288,8 +362,8 @@ void DrmDisplay::on_disturbance(std::function<void(const Disturbance&)> call) {
 std::optional<std::string> DrmDisplay::problem() const {
   return implementation_->problem();
 }
-std::optional<std::string> DrmDisplay::warning() const {
-  return implementation_->warning();
+std::vector<std::string> DrmDisplay::warnings() const {
+  return implementation_->warnings();
 }
 std::string DrmDisplay::description() const {
   return implementation_->description();

@@ -1,10 +1,14 @@
 // A projector on one of the kernel's display outputs, by libdrm. Shows what it is told and nothing else:
 // black from its construction on, black and no signal when it goes, no console, no cursor.
 //
-// A display that is unplugged, whose mode is gone, or whose card another program took is lost: a waiting
-// `done` gets nothing, and a Disturbance says why, within 20 ms while a mask is on the screen. It is taken up
-// again, black, when the kernel says that it is back, at look_again(), or at the next show() or black();
-// those get nothing as long as it is lost.
+// A display that is unplugged, whose mode is gone, whose card another program took, or of which the kernel
+// does not say in time that it shows a picture (flip_deadline()), is lost: a waiting `done` gets nothing, and
+// a Disturbance says why, within 20 ms while a mask is on the screen. It is taken up again, black, when the
+// kernel says that it is back, or at look_again(); show() and black() give nothing as long as it is lost.
+//
+// What blocks is done on a thread of its own: asking a display what it is, setting and ending its mode. So
+// the event loop is held up by none of it, in an exposure or out of it, but for the constructor, which a
+// machine calls while it has no display, and so no job and no light.
 //
 // Presented times are those of the vblank at whose end the screen began to show the picture (CLOCK_MONOTONIC,
 // in whole microseconds); its last row follows a refresh later. Drivers without vblanks (virtio-gpu, bochs)
@@ -30,8 +34,8 @@ class DrmDisplay final : public MaskDisplay {
  public:
   // Sets the mode, black. A display that is merely not connected is a lost one: problem() says so. Throws
   // HardwareError for what waiting does not mend: no such card, connector, mode or format, a card in use, no
-  // permission. The watcher must outlive it. Blocks for some refreshes, and some milliseconds for each
-  // connected display.
+  // permission. The watcher must outlive it. Blocks for some refreshes, and some milliseconds, 300 and more
+  // with some, for each connected display.
   DrmDisplay(DescriptorWatcher& watcher, const DrmDisplayConfig& config);
   ~DrmDisplay() override;
 
@@ -40,25 +44,27 @@ class DrmDisplay final : public MaskDisplay {
   // Of its mode; 0 before the display was there.
   [[nodiscard]] Duration frame() const override;
 
-  // Neither allocates nor blocks unless the display is lost; then it looks whether it is back.
+  // Neither allocates nor blocks.
   void show(const Mask& mask, Presented done) override;
   void black(Presented done) override;
-  // Blocks for two refreshes at most when a mask is waiting for its refresh (10 s, the kernel's limit, if the
-  // driver hangs).
+  // Does not block: where a flip is waiting for its refresh black follows it, and a mask that it would bring
+  // is blackened in its memory. A commit that waits for the driver (10 s and more, the kernel's limit, when
+  // that hangs) would be no sooner.
   void black_now() noexcept override;
 
-  // `call` runs when the display is lost, before its waiting `done`, and when the kernel's word that it is
-  // back proves true; from the event loop.
+  // `call` runs when the display is lost, before its waiting `done`, and when it has been taken up again;
+  // from the event loop.
   void on_disturbance(std::function<void(const Disturbance&)> call);
 
-  // Whether a lost display is back, which it then is: on_disturbance()'s `call` runs. That another program
-  // gave the card back the kernel does not say.
+  // Begins to look whether a lost display is back; if so on_disturbance()'s `call` runs later. Does not
+  // block. That another program gave the card back the kernel does not say.
   void look_again();
 
   // Why nothing can be shown: one sentence. Nothing when all is well.
   [[nodiscard]] std::optional<std::string> problem() const;
-  // What an owner should know though it works: one sentence. The text console could not be kept off.
-  [[nodiscard]] std::optional<std::string> warning() const;
+  // What an owner should know though it works, a sentence each: the text console could not be kept off, the
+  // driver changes what pixels mean.
+  [[nodiscard]] std::vector<std::string> warnings() const;
   // "HDMI-A-1 of /dev/dri/card0 (vc4): 1920x1080 at 60.00 Hz, atomic"
   [[nodiscard]] std::string description() const;
 
@@ -73,9 +79,10 @@ class DrmDisplay final : public MaskDisplay {
 // What --check-hardware tells of an output.
 struct DrmReport {
   std::string card, driver, connector, mode;
-  std::string formats;                 // "XR24 RG16"
-  std::optional<std::string> console;  // the text console on the same card: "/dev/fb0"
-  std::optional<std::string> in_use;   // who has the card, so that the driver could not be asked
+  std::string formats;                     // "XR24 RG16"
+  std::optional<std::string> console;      // the text console on the same card: "/dev/fb0"
+  std::optional<std::string> in_use;       // who has the card, so that the driver could not be asked
+  std::optional<std::string> range_doubt;  // black may be sent as 16: a sentence
   bool atomic = false;
   bool vblank = false;  // the driver tells when a picture is on the screen
 };

@@ -1,6 +1,8 @@
 #include "hw/drm/card.hpp"
+#include "hw/drm/color.hpp"
 #include "hw/drm/crtc.hpp"
 #include "hw/drm/drm_display.hpp"
+#include "hw/drm/dumb_buffer.hpp"
 #include "hw/drm/master_holder.hpp"
 #include "hw/drm/text_console.hpp"
 #include "hw/hardware_error.hpp"
@@ -29,8 +31,10 @@ DrmReport check_drm_display(const DrmDisplayConfig& config) {
     report.in_use = describe_master_holder(card.path());
     return report;
   }
+  const ObjectProperties properties(card.fd(), connector.id, DRM_MODE_OBJECT_CONNECTOR);
+  report.range_doubt = range_doubt(connector.name, mode, properties, output);
   const Framebuffer picture(card, config.width, config.height, config.format);
-  report.atomic = make_crtc(card, connector, mode, picture, config.legacy)->is_atomic();
+  report.atomic = make_crtc(card, connector, mode, picture.id(), config.legacy)->is_atomic();
   return report;
 }
 
@@ -41,7 +45,8 @@ std::string describe(const DrmReport& report) {
                           : ", legacy") +
          (report.vblank ? "" : ", no vblank: times are those of the driver") +
          "; formats: " + report.formats +
-         (report.console ? "; the text console " + *report.console + " is on this card" : "");
+         (report.console ? "; the text console " + *report.console + " is on this card" : "") +
+         (report.range_doubt ? "; " + *report.range_doubt : "");
 }
 
 }  // namespace contourd

@@ -8,26 +8,30 @@
 namespace contourd {
 
 LegacyCrtc::LegacyCrtc(const Card& card, const Connector& connector, const CrtcRoute& route, const Mode& mode)
-    : fd_(card.fd()), id_(route.crtc_id), connector_id_(connector.id), mode_(mode) {}
+    : fd_(card.fd()),
+      id_(route.crtc_id),
+      connector_id_(connector.id),
+      mode_(mode),
+      changes_(changes_to_neutral(ObjectProperties(fd_, id_, DRM_MODE_OBJECT_CRTC),
+                                  ObjectProperties(fd_, connector_id_, DRM_MODE_OBJECT_CONNECTOR))) {}
 
-int LegacyCrtc::set_mode(const Framebuffer& picture) noexcept {
+int LegacyCrtc::set_mode(std::uint32_t picture) noexcept {
   // A cursor of somebody else's; refused where there is none.
   drmModeSetCursor(fd_, id_, 0, 0, 0);
-  return show(picture);
+  // What is refused is found when it is read back.
+  for (const PropertyChange& change : changes_)
+    drmModeObjectSetProperty(fd_, change.object, change.type, change.property, change.value);
+  return -drmModeSetCrtc(fd_, id_, picture, 0, 0, &connector_id_, 1, &mode_);
 }
 
-int LegacyCrtc::flip(const Framebuffer& picture, std::uint64_t serial) noexcept {
+int LegacyCrtc::flip(std::uint32_t picture, std::uint64_t serial) noexcept {
   // As drmModePageFlip(), which takes the serial as a pointer.
   drm_mode_crtc_page_flip flip{};
   flip.crtc_id = id_;
-  flip.fb_id = picture.id();
+  flip.fb_id = picture;
   flip.flags = DRM_MODE_PAGE_FLIP_EVENT;
   flip.user_data = serial;
   return drmIoctl(fd_, DRM_IOCTL_MODE_PAGE_FLIP, &flip) == 0 ? 0 : errno;
-}
-
-int LegacyCrtc::show(const Framebuffer& picture) noexcept {
-  return -drmModeSetCrtc(fd_, id_, picture.id(), 0, 0, &connector_id_, 1, &mode_);
 }
 
 int LegacyCrtc::turn_off() noexcept {

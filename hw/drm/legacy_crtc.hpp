@@ -1,6 +1,9 @@
 // A CRTC by the kernel's calls from before atomic ones. Not thread-safe.
 #pragma once
 
+#include <vector>
+
+#include "hw/drm/color.hpp"
 #include "hw/drm/crtc.hpp"
 
 namespace contourd {
@@ -12,16 +15,16 @@ class LegacyCrtc final : public Crtc {
 
   [[nodiscard]] std::uint32_t id() const noexcept override { return id_; }
   [[nodiscard]] bool is_atomic() const noexcept override { return false; }
-  [[nodiscard]] int test_mode(const Framebuffer&) noexcept override { return 0; }
-  [[nodiscard]] int set_mode(const Framebuffer& picture) noexcept override;
-  [[nodiscard]] int flip(const Framebuffer& picture, std::uint64_t serial) noexcept override;
-  [[nodiscard]] int show(const Framebuffer& picture) noexcept override;
+  [[nodiscard]] int test_mode(std::uint32_t) noexcept override { return 0; }
+  [[nodiscard]] int set_mode(std::uint32_t picture) noexcept override;
+  [[nodiscard]] int flip(std::uint32_t picture, std::uint64_t serial) noexcept override;
   int turn_off() noexcept override;
 
  private:
   int fd_;
   std::uint32_t id_, connector_id_;
   Mode mode_;
+  std::vector<PropertyChange> changes_;
 };
 
 }  // namespace contourd

@@ -2,16 +2,22 @@
 
 #include <unistd.h>
 #include <xf86drm.h>
+#include <xf86drmMode.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
+#include "hw/drm/color.hpp"
+#include "hw/drm/libdrm_pointer.hpp"
 #include "hw/hardware_error.hpp"
 
 namespace contourd {
 namespace {
+
+using KernelCrtc = LibdrmPointer<drmModeCrtc, drmModeFreeCrtc>;
 
 [[noreturn]] void fail_to_set_mode(const std::string& output, const Mode& mode, int error) {
   throw HardwareError(output + " does not take its mode " + describe(mode) + ": " + std::strerror(error));
@@ -51,14 +57,20 @@ Output::Output(Card card, const Connector& connector, const DrmDisplayConfig& co
     });
   };
   black_ = picture();
+  std::vector<std::uint32_t> masks;
   for (int i = 0; i < config.buffers; ++i)
-    masks_.push_back(picture());
+    masks.push_back(masks_.emplace_back(picture())->id());
+  flips_ = PageFlips(black_->id(), std::move(masks));
   set_mode(connector, config);
 }
 
 Output::~Output() {
   black_now();
   turn_off();
+}
+
+Duration Output::frame() const {
+  return Duration{std::llround(1e9 / refresh_hz(mode_))};
 }
 
 Connector Output::connector() const {
@@ -69,13 +81,19 @@ void Output::set_mode(const Connector& connector, const DrmDisplayConfig& config
   mode_ = choose_mode(connector.modes, connector.size, config, name_);
   for_output(name_, [&] {
     card_.become_master();
-    crtc_ = make_crtc(card_, connector, mode_, *black_, config.legacy);
+    crtc_ = make_crtc(card_, connector, mode_, black_->id(), config.legacy);
   });
-  if (const int error = crtc_->set_mode(*black_); error != 0) fail_to_set_mode(name_, mode_, error);
-  now_on_screen(*black_);
+  if (const int error = crtc_->set_mode(black_->id()); error != 0) fail_to_set_mode(name_, mode_, error);
+  flips_.reset();
+  const KernelCrtc shown(drmModeGetCrtc(card_.fd(), crtc_->id()));
+  // 0 where the picture comes by another plane than the CRTC's first.
+  if (shown && shown->buffer_id != black_->id() && shown->buffer_id != 0)
+    throw HardwareError(name_ + " does not show black though it took it");
+  color_doubts_ = settle_color(card_, crtc_->id(), connector, mode_, name_);
 }
 
 bool Output::relight(const DrmDisplayConfig& config) {
+  if (flip_waits()) blacken_masks();  // one may be on the screen for as long as the driver hangs
   const Connector now = connector();
   if (now.status == Connector::Status::Disconnected) return false;
   set_mode(now, config);
@@ -84,68 +102,42 @@ bool Output::relight(const DrmDisplayConfig& config) {
 
 void Output::turn_off() noexcept {
   if (const int error = crtc_ ? crtc_->turn_off() : 0; error != 0) blacken_masks_after(error);
-  now_on_screen(*black_);  // as dark as that
+  flips_.reset();  // as dark as black
 }
 
 // The kernel refused: what may be on the screen is blackened where it is, unless the card is gone.
 void Output::blacken_masks_after(int error) noexcept {
-  if (error == ENODEV) return;
+  if (error != ENODEV) blacken_masks();
+}
+
+void Output::blacken_masks() noexcept {
   for (const auto& mask : masks_)
     mask->writer().blacken();
 }
 
-// A flip that was waiting is no longer of interest: its event will bear an old serial.
-void Output::now_on_screen(const Framebuffer& picture) noexcept {
-  flip_.reset();
-  next_ = nullptr;
-  before_ = std::exchange(on_screen_, &picture);
-}
-
-Framebuffer& Output::writable_mask() noexcept {
-  const auto is_free = [&](const std::unique_ptr<Framebuffer>& mask) {
-    const Framebuffer* picture = mask.get();
-    const bool resting = masks_.size() > 2 && picture == before_;
-    return picture != on_screen_ && picture != next_ && !resting && (!flip_ || picture != flip_->picture);
-  };
-  // The one written last, if it is free, most likely resembles what comes now.
-  const auto last = std::ranges::find(masks_, written_, &std::unique_ptr<Framebuffer>::get);
-  if (last != masks_.end() && is_free(*last)) return **last;
-  const auto free = std::ranges::find_if(masks_, is_free);
-  return free != masks_.end() ? **free : *masks_.front();
-}
-
 std::size_t Output::write(const Mask& mask) noexcept {
-  Framebuffer& to = writable_mask();
-  written_ = &to;
-  return to.writer().write(mask);
+  return masks_[flips_.mask_to_write()]->writer().write(mask);
 }
 
 int Output::show_written() noexcept {
-  return show(*written_);
+  return flips_.show_written(*crtc_, now());
 }
 
 int Output::show_black() noexcept {
-  return show(*black_);
+  return flips_.show_black(*crtc_, now());
 }
 
-int Output::show(const Framebuffer& picture) noexcept {
-  if (flip_) {
-    next_ = &picture;
-    return 0;
-  }
-  const int error = crtc_->flip(picture, serial_ + 1);
-  if (error == 0) flip_ = Flip{&picture, ++serial_};
-  return error;
+int Output::black_now() noexcept {
+  if (!crtc_) return 0;
+  const PageFlips::Blackout blackout = flips_.black_now(*crtc_, now());
+  if (blackout.error != 0) blacken_masks_after(blackout.error);
+  if (blackout.mask_under_way) masks_[*blackout.mask_under_way]->writer().blacken();
+  return blackout.error;
 }
 
-void Output::black_now() noexcept {
-  next_ = nullptr;
-  const Framebuffer* coming = flip_ ? flip_->picture : on_screen_;
-  if (coming == black_.get() || !crtc_) return;
-  if (!flip_ && show(*black_) == 0) return;
-  const int error = crtc_->show(*black_);
-  if (error == 0) return now_on_screen(*black_);
-  blacken_masks_after(error);
+bool Output::flip_is_overdue() const noexcept {
+  const auto since = flips_.waiting_since();
+  return since && now() - *since > flip_deadline(frame());
 }
 
 Output::Events Output::read_events() noexcept {
@@ -159,22 +151,15 @@ Output::Events Output::read_events() noexcept {
     if (head.type == DRM_EVENT_FLIP_COMPLETE && head.length >= sizeof(drm_event_vblank)) {
       drm_event_vblank event;
       std::memcpy(&event, buffer + at, sizeof event);
-      finish_flip(event.user_data, monotonic_ ? time_of(event) : now(), events);
+      const TimePoint when = monotonic_ ? time_of(event) : now();
+      if (const auto done = flips_.finish(*crtc_, event.user_data, now())) {
+        events.error = done->error;
+        if (done->all) events.shown = when;
+      }
     }
     at += std::max<std::size_t>(head.length, sizeof head);
   }
   return events;
-}
-
-void Output::finish_flip(std::uint64_t serial, TimePoint when, Events& events) noexcept {
-  if (!flip_ || flip_->serial != serial) return;
-  const Framebuffer* const next = next_;
-  now_on_screen(*flip_->picture);
-  if (next == nullptr) {
-    events.shown = when;
-  } else {
-    events.error = show(*next);
-  }
 }
 
 }  // namespace contourd

@@ -1,8 +1,9 @@
 // A connector in one mode with the pictures that it shows: black, and two or three masks by turns. Black from
 // its construction on; black, then off, when it goes, so that nobody's former picture (a console, a desktop)
-// comes back as light. Not thread-safe.
+// comes back as light. Not thread-safe but where it says so; may be handed from one thread to another.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "hw/drm/card.hpp"
 #include "hw/drm/crtc.hpp"
 #include "hw/drm/dumb_buffer.hpp"
+#include "hw/drm/page_flips.hpp"
 
 namespace contourd {
 
@@ -29,9 +31,13 @@ class Output {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const Card& card() const { return card_; }
   [[nodiscard]] const Mode& mode() const { return mode_; }
+  [[nodiscard]] Duration frame() const;  // from one refresh to the next
   [[nodiscard]] bool is_atomic() const { return crtc_->is_atomic(); }
-  // The connector as it is now. Asks the display, some milliseconds.
+  [[nodiscard]] std::uint32_t connector_id() const { return connector_id_; }
+  // The connector as it is now. Asks the display, some milliseconds, 300 and more with some. From any thread.
   [[nodiscard]] Connector connector() const;
+  // A sentence for each thing that the driver does to the pixels and that could not be changed.
+  [[nodiscard]] const std::vector<std::string>& color_doubts() const { return color_doubts_; }
 
   // Writes the mask where the screen does not look, for show_written(). Returns the bytes written.
   // REQUIRES: the mask has the mode's size; show_written() or black_now() since the last write.
@@ -40,8 +46,12 @@ class Output {
   // errno.
   [[nodiscard]] int show_written() noexcept;
   [[nodiscard]] int show_black() noexcept;
-  // Black whatever is waiting. Blocks for two refreshes at most when a flip is (10 s if the driver hangs).
-  void black_now() noexcept;
+  // Black whatever is waiting. Does not block: a mask whose flip is under way is blackened where it is, and
+  // all masks where the kernel refuses. Returns 0 or an errno.
+  int black_now() noexcept;
+  // The kernel has not said for too long that a flip is done.
+  [[nodiscard]] bool flip_is_overdue() const noexcept;
+  [[nodiscard]] bool flip_waits() const noexcept { return flips_.waiting_since().has_value(); }
 
   struct Events {
     bool card_is_gone = false;
@@ -51,24 +61,19 @@ class Output {
   // To be called when the card's descriptor can be read.
   [[nodiscard]] Events read_events() noexcept;
 
-  // Sets the mode anew, black, after the display was unplugged or another program had the card. False while
-  // the display is not connected. Throws HardwareError.
+  // Sets the mode anew, black, after the display was unplugged, another program had the card, or the kernel
+  // did not say that a flip was done. False while the display is not connected. May block for 300 ms and
+  // more, and for 10 s and more when the driver hangs. Throws HardwareError, also when the kernel does not
+  // show black then.
   [[nodiscard]] bool relight(const DrmDisplayConfig& config);
-  // No signal, until relight(); black in place where the kernel refuses (this process is not DRM master).
+  // No signal, until relight(); black in place where the kernel refuses (this process is not DRM master). May
+  // block as relight().
   void turn_off() noexcept;
 
  private:
-  struct Flip {
-    const Framebuffer* picture = nullptr;
-    std::uint64_t serial = 0;
-  };
-
   void set_mode(const Connector& connector, const DrmDisplayConfig& config);
-  [[nodiscard]] Framebuffer& writable_mask() noexcept;
-  [[nodiscard]] int show(const Framebuffer& picture) noexcept;
   void blacken_masks_after(int error) noexcept;
-  void now_on_screen(const Framebuffer& picture) noexcept;
-  void finish_flip(std::uint64_t serial, TimePoint when, Events& events) noexcept;
+  void blacken_masks() noexcept;
 
   Card card_;
   std::uint32_t connector_id_;
@@ -78,13 +83,8 @@ class Output {
   std::unique_ptr<Framebuffer> black_;
   std::vector<std::unique_ptr<Framebuffer>> masks_;
   std::unique_ptr<Crtc> crtc_;
-
-  const Framebuffer* on_screen_ = nullptr;
-  const Framebuffer* before_ = nullptr;  // what was on the screen before that
-  const Framebuffer* written_ = nullptr;
-  const Framebuffer* next_ = nullptr;  // asked for while a flip was waiting
-  std::optional<Flip> flip_;           // waiting for its refresh
-  std::uint64_t serial_ = 0;
+  std::vector<std::string> color_doubts_;
+  PageFlips flips_{0, {}};
 };
 
 }  // namespace contourd

@@ -2,9 +2,11 @@
 
 #include <linux/netlink.h>
 #include <sys/socket.h>
+#include <sys/sysmacros.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdint>
 #include <string_view>
 #include <system_error>
@@ -25,22 +27,45 @@ FileDescriptor bound_socket() {
   return fd;
 }
 
+// What follows `key` in the field, if that is a number.
+void read_number(std::string_view field, std::string_view key, std::optional<std::uint32_t>& number) {
+  if (!field.starts_with(key)) return;
+  std::uint32_t value = 0;
+  const char* const end = field.data() + field.size();
+  const auto [rest, error] = std::from_chars(field.data() + key.size(), end, value);
+  if (error == std::errc{} && rest == end) number = value;
+}
+
 }  // namespace
 
-bool is_about_displays(std::span<const char> text) {
+std::optional<DisplayChange> display_change(std::span<const char> text) {
+  bool about_displays = false;
+  std::optional<std::uint32_t> major, minor;
+  DisplayChange change;
   while (!text.empty()) {
     const auto end = std::ranges::find(text, '\0');
     const std::string_view field(text.data(), static_cast<std::size_t>(end - text.begin()));
-    if (field == "SUBSYSTEM=drm") return true;
+    about_displays |= field == "SUBSYSTEM=drm";
+    change.of_state |= field == "HOTPLUG=1" || field == "ACTION=remove";
+    read_number(field, "CONNECTOR=", change.connector);
+    read_number(field, "MAJOR=", major);
+    read_number(field, "MINOR=", minor);
     text = text.subspan(std::min(field.size() + 1, text.size()));
   }
-  return false;
+  if (!about_displays) return std::nullopt;
+  if (major && minor) change.card = makedev(*major, *minor);
+  return change;
+}
+
+bool concerns(const DisplayChange& change, dev_t card, std::uint32_t connector) {
+  return change.of_state && change.card.value_or(card) == card &&
+         change.connector.value_or(connector) == connector;
 }
 
 UeventSocket::UeventSocket() : fd_(bound_socket()) {}
 
-bool UeventSocket::read_all() {
-  bool about_displays = false;
+std::vector<DisplayChange> UeventSocket::read_all() {
+  std::vector<DisplayChange> changes;
   char buffer[8192];  // the kernel's limit is 2048 bytes of fields
   for (;;) {
     sockaddr_nl sender{};
@@ -48,13 +73,14 @@ bool UeventSocket::read_all() {
     const ssize_t count =
         ::recvfrom(fd_.get(), buffer, sizeof buffer, 0, reinterpret_cast<sockaddr*>(&sender), &size);
     if (count < 0 && errno == ENOBUFS) {
-      about_displays = true;  // some were lost: look for oneself
+      changes.push_back({.card = {}, .connector = {}, .of_state = true});  // some were lost
       continue;
     }
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return about_displays;
-    const bool from_kernel = sender.nl_pid == 0;
-    if (from_kernel && is_about_displays({buffer, static_cast<std::size_t>(count)})) about_displays = true;
+    if (count < 0) return changes;
+    if (sender.nl_pid != 0) continue;  // not from the kernel
+    if (const auto change = display_change({buffer, static_cast<std::size_t>(count)}))
+      changes.push_back(*change);
   }
 }
 

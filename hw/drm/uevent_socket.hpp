@@ -2,15 +2,32 @@
 // a card came or went: uevents by netlink, as udev gets them. Not thread-safe.
 #pragma once
 
+#include <sys/types.h>
+
+#include <cstdint>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "hw/file_descriptor.hpp"
 
 namespace contourd {
 
-// Whether an announcement is about a graphics card. `text` is as the kernel sends it: "change@/devices/...",
+// What an announcement says; what it does not say may be any.
+struct DisplayChange {
+  std::optional<dev_t> card;               // the card's device number
+  std::optional<std::uint32_t> connector;  // the kernel's id of one that changed
+  // A display's state changed, or its device went; not so for what else there is to announce (a card that
+  // somebody has udev look at again, a lease).
+  bool of_state = false;
+};
+
+// Nothing where it is not about a graphics card. `text` is as the kernel sends it: "change@/devices/...",
 // then KEY=value, each ended by a zero byte.
-[[nodiscard]] bool is_about_displays(std::span<const char> text);
+[[nodiscard]] std::optional<DisplayChange> display_change(std::span<const char> text);
+
+// Whether the state of this connector, of this card, may have changed.
+[[nodiscard]] bool concerns(const DisplayChange& change, dev_t card, std::uint32_t connector);
 
 class UeventSocket {
  public:
@@ -19,8 +36,8 @@ class UeventSocket {
 
   [[nodiscard]] int fd() const { return fd_.get(); }
 
-  // Reads all that wait. Whether one of them is about displays, or some were lost.
-  [[nodiscard]] bool read_all();
+  // Reads all that wait. Where some were lost, there is one that says nothing: anything may have changed.
+  [[nodiscard]] std::vector<DisplayChange> read_all();
 
  private:
   FileDescriptor fd_;

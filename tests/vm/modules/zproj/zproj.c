@@ -4,10 +4,11 @@
  * connector, dumb buffers, vblank from an hrtimer at the mode's rate.  A flip takes effect at the next
  * vblank and is logged: CLOCK_MONOTONIC ns of that vblank, vblank number, size, CRC-32 (as zlib) of the
  * rows (X byte zeroed) and the number of lit pixels.
- * /sys/kernel/debug/zproj/{log,frame,edid,ctl}.  No fbdev emulation, so no console, no cursor.
+ * /sys/kernel/debug/zproj/{log,frame,edid,color,ctl}.  No fbdev emulation, so no console, no cursor.
  */
 #include <linux/crc32.h>
 #include <linux/debugfs.h>
+#include <linux/delay.h>
 #include <linux/hrtimer.h>
 #include <linux/module.h>
 #include <linux/platform_device.h>
@@ -29,12 +30,15 @@
 #include <drm/drm_simple_kms_helper.h>
 #include <drm/drm_vblank.h>
 
-static int width = 1920, height = 1080, refresh = 60, rehash, r8 = 1, atomic = 1, log_entries = 65536;
+static int width = 1920, height = 1080, refresh = 60, rehash, r8 = 1, atomic = 1, log_entries = 65536, edid_ms, gamma, range = 1;
 module_param(width, int, 0444); module_param(height, int, 0444); module_param(refresh, int, 0444);
 module_param(rehash, int, 0644);   /* >0: hash again every that many vblanks, log a change (drawing in place) */
 module_param(r8, int, 0444);       /* offer R8 next to XRGB8888 and RGB565 */
 module_param(atomic, int, 0444);   /* 0: programs find a driver without atomic mode setting */
 module_param(log_entries, int, 0444);
+module_param(edid_ms, int, 0644);  /* asking the display for its modes takes that long */
+module_param(gamma, int, 0444);    /* 1: somebody left a gamma table; 2: it cannot be changed */
+module_param(range, int, 0444);    /* 0: no "Broadcast RGB" */
 
 enum { ON = 1, FLIP, REDRAW, OFF, PLUG, UNPLUG };
 static const char * const names[] = { "?", "ON", "FLIP", "REDRAW", "OFF", "PLUG", "UNPLUG" };
@@ -58,7 +62,8 @@ static struct zj {
 	struct mutex wl;                /* the worker and the frame file */
 	struct ent *log; u32 nlog;
 	u32 seq;
-	bool connected, running;
+	struct drm_pending_vblank_event *held;
+	bool connected, running, lose, hold;
 	u8 *edid; size_t edid_n;
 } *z;
 
@@ -166,6 +171,17 @@ static void arm(struct drm_crtc *c)
 		return;
 	c->state->event = NULL;
 	spin_lock_irq(&c->dev->event_lock);
+	if (z->hold && e->base.file_priv && !z->held) {         /* a driver that hangs: the kernel waits for it, too */
+		z->hold = false; z->held = e;
+		spin_unlock_irq(&c->dev->event_lock);
+		return;
+	}
+	if (z->lose && e->base.file_priv) {                     /* as the kernel does when the file is closed */
+		z->lose = false;
+		list_del(&e->base.pending_link);
+		e->base.file_priv->event_space += e->base.event->length;
+		e->base.file_priv = NULL;
+	}
 	if (c->state->active && !drm_crtc_vblank_get(c))
 		drm_crtc_arm_vblank_event(c, e);
 	else
@@ -218,6 +234,14 @@ static void p_update(struct drm_simple_display_pipe *p, struct drm_plane_state *
 		show(p->plane.state->fb);
 	arm(&p->crtc);
 }
+static void let_go(void)
+{
+	spin_lock_irq(&z->drm.event_lock);
+	if (z->held)
+		drm_crtc_send_vblank_event(&z->pipe.crtc, z->held);
+	z->held = NULL;
+	spin_unlock_irq(&z->drm.event_lock);
+}
 static int p_von(struct drm_simple_display_pipe *p) { return 0; }
 static void p_voff(struct drm_simple_display_pipe *p) { }
 static const struct drm_simple_display_pipe_funcs pf = {
@@ -228,6 +252,8 @@ static int c_modes(struct drm_connector *c)
 	struct drm_display_mode *m;
 	int n;
 
+	if (edid_ms)
+		msleep(edid_ms);
 	if (z->edid_n) {
 		drm_connector_update_edid_property(c, (struct edid *)z->edid);
 		return drm_add_edid_modes(c, (struct edid *)z->edid);
@@ -296,7 +322,32 @@ static ssize_t edid_write(struct file *f, const char __user *b, size_t n, loff_t
 	return n;
 }
 static const struct file_operations edid_fops = { .owner = THIS_MODULE, .write = edid_write };
-static ssize_t ctl_write(struct file *f, const char __user *ub, size_t n, loff_t *o)   /* plug | unplug | reset */
+static int c_gamma(struct drm_crtc *c, u16 *r, u16 *g, u16 *b, u32 n, struct drm_modeset_acquire_ctx *x)
+{
+	int i;
+
+	for (i = 0; gamma == 2 && i < n; i++)           /* the caller has stored what it was given */
+		r[i] = g[i] = b[i] = i * i;
+	return gamma == 2 ? -EIO : 0;
+}
+static int color_show(struct seq_file *s, void *u)      /* what black, middle grey and white become; the range */
+{
+	struct drm_crtc *c = &z->pipe.crtc;
+	u32 range_now;
+
+	drm_modeset_lock(&z->drm.mode_config.connection_mutex, NULL);
+	range_now = z->conn.state->hdmi.broadcast_rgb;
+	drm_modeset_unlock(&z->drm.mode_config.connection_mutex);
+	seq_printf(s, "gamma %04x %04x %04x range %s\n", c->gamma_store[0], c->gamma_store[128], c->gamma_store[255],
+		   drm_hdmi_connector_get_broadcast_rgb_name(range_now));
+	return 0;
+}
+DEFINE_SHOW_ATTRIBUTE(color);
+/*
+ * plug | unplug | reset | announce (that something changed) | lose (the next flip's event, which only the program
+ * misses) | hold (it, which the kernel waits for, too) | free (what is held)
+ */
+static ssize_t ctl_write(struct file *f, const char __user *ub, size_t n, loff_t *o)
 {
 	char k[16] = "";
 
@@ -307,6 +358,10 @@ static ssize_t ctl_write(struct file *f, const char __user *ub, size_t n, loff_t
 		mutex_lock(&z->wl); spin_lock_irq(&z->lk); z->nlog = 0; if (z->act) z->act->ent = -1; spin_unlock_irq(&z->lk); mutex_unlock(&z->wl);
 		return n;
 	}
+	if (!strncmp(k, "announce", 8)) { drm_kms_helper_hotplug_event(&z->drm); return n; }
+	if (!strncmp(k, "lose", 4)) { z->lose = true; return n; }
+	if (!strncmp(k, "hold", 4)) { z->hold = true; return n; }
+	if (!strncmp(k, "free", 4)) { let_go(); return n; }
 	z->connected = !strncmp(k, "plug", 4);
 	spin_lock_irq(&z->lk); put(ktime_get_ns(), z->connected ? PLUG : UNPLUG, NULL); spin_unlock_irq(&z->lk);
 	drm_kms_helper_hotplug_event(&z->drm);
@@ -319,7 +374,7 @@ static int __init zinit(void)
 	static const u32 fmt[] = { DRM_FORMAT_XRGB8888, DRM_FORMAT_RGB565, DRM_FORMAT_R8 };
 	struct platform_device *pd = platform_device_register_simple("zproj", -1, NULL, 0);
 	struct dentry *d;
-	int r;
+	int r, i;
 
 	if (IS_ERR(pd))
 		return PTR_ERR(pd);
@@ -348,8 +403,13 @@ static int __init zinit(void)
 	r = r ?: drm_simple_display_pipe_init(&z->drm, &z->pipe, &pf, fmt, r8 ? 3 : 2, NULL, &z->conn);
 	if (r)
 		return r;
-	z->cf = *z->pipe.crtc.funcs; z->cf.get_vblank_timestamp = get_ts; z->pipe.crtc.funcs = &z->cf;
-	r = drm_vblank_init(&z->drm, 1);
+	z->cf = *z->pipe.crtc.funcs; z->cf.get_vblank_timestamp = get_ts; z->cf.gamma_set = c_gamma; z->pipe.crtc.funcs = &z->cf;
+	r = drm_mode_crtc_set_gamma_size(&z->pipe.crtc, 256);
+	for (i = 0; gamma && i < 3 * 256; i++)
+		z->pipe.crtc.gamma_store[i] = (i % 256) * (i % 256);
+	r = r ?: drm_vblank_init(&z->drm, 1);
+	if (range)
+		r = r ?: drm_connector_attach_broadcast_rgb_property(&z->conn);
 	drm_mode_config_reset(&z->drm);
 	r = r ?: drm_dev_register(&z->drm, 0);
 	if (r)
@@ -358,6 +418,7 @@ static int __init zinit(void)
 	debugfs_create_file("log", 0444, d, NULL, &log_fops);
 	debugfs_create_file("frame", 0444, d, NULL, &frame_fops);
 	debugfs_create_file("edid", 0200, d, NULL, &edid_fops);
+	debugfs_create_file("color", 0444, d, NULL, &color_fops);
 	debugfs_create_file("ctl", 0200, d, NULL, &ctl_fops);
 	return 0;
 }

@@ -1,0 +1,71 @@
+#include "hw/drm/color.hpp"
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+
+namespace {
+
+Mode timing(int width, int height, int line) {
+  Mode mode{};
+  mode.hdisplay = static_cast<std::uint16_t>(width);
+  mode.vdisplay = static_cast<std::uint16_t>(height);
+  mode.htotal = static_cast<std::uint16_t>(line);
+  return mode;
+}
+
+// Of an object that is not there: none.
+const ObjectProperties kNoProperties(-1, 0, 0);
+
+}  // namespace
+
+TEST_CASE("A gamma table that changes nothing runs from 0 to all in equal steps, whatever its size") {
+  CHECK(identity_gamma(2) == std::vector<std::uint16_t>{0, 0xffff});
+  CHECK(identity_gamma(256)[1] == 0x0101);
+  CHECK(identity_gamma(256).back() == 0xffff);
+  CHECK(identity_gamma(1025)[512] == 0x8000);
+  CHECK(identity_gamma(1).size() == 1);
+  for (const std::size_t size : {2U, 33U, 256U, 1024U, 4096U})
+    CHECK(is_identity_gamma(identity_gamma(size)));
+}
+
+TEST_CASE(
+    "A table with fewer bits than 16 is the identity still; one that changes what a pixel says is not") {
+  std::vector<std::uint16_t> table = identity_gamma(256);
+  for (std::uint16_t& value : table)
+    value &= 0xff00;  // the kernel's own first table
+  CHECK(is_identity_gamma(table));
+
+  for (const auto& [at, value] : {std::pair{0, 0x1000}, std::pair{128, 0x8383}, std::pair{255, 0xebeb}}) {
+    std::vector<std::uint16_t> other = identity_gamma(256);
+    other[static_cast<std::size_t>(at)] = static_cast<std::uint16_t>(value);
+    CHECK_FALSE(is_identity_gamma(other));
+  }
+}
+
+TEST_CASE("Televisions' modes are known by their timing; computers' of the same size are not among them") {
+  CHECK(is_television_mode(timing(1920, 1080, 2200)));
+  CHECK(is_television_mode(timing(1280, 720, 1980)));
+  CHECK(is_television_mode(timing(3840, 2160, 4400)));
+  CHECK_FALSE(is_television_mode(timing(1920, 1080, 2080)));  // CVT, reduced blanking
+  CHECK_FALSE(is_television_mode(timing(1280, 800, 1680)));
+  CHECK_FALSE(is_television_mode(timing(2560, 1440, 2720)));
+  CHECK_FALSE(is_television_mode(timing(640, 480, 800)));  // sent in full range, as all computers' are
+}
+
+TEST_CASE(
+    "Where the range cannot be set a sentence says what follows, for the plugs and modes that have one") {
+  const Mode television = timing(1920, 1080, 2200);
+  const auto doubt = range_doubt("HDMI-A-1", television, kNoProperties, "HDMI-A-1 of /dev/dri/card0 (vc4)");
+  REQUIRE(doubt);
+  CHECK(doubt->starts_with("HDMI-A-1 of /dev/dri/card0 (vc4) has no \"Broadcast RGB\""));
+  CHECK(doubt->find("16 of 255, 6 % of the light") != std::string::npos);
+  CHECK(range_doubt("DP-1", television, kNoProperties, "DP-1"));
+  CHECK_FALSE(range_doubt("DVI-D-1", television, kNoProperties, "DVI-D-1"));
+  CHECK_FALSE(range_doubt("Virtual-1", television, kNoProperties, "Virtual-1"));
+  CHECK_FALSE(range_doubt("HDMI-A-1", timing(1280, 800, 1680), kNoProperties, "HDMI-A-1"));
+}
+
+TEST_CASE("Where there are no properties, none is to be changed") {
+  CHECK(changes_to_neutral(kNoProperties, kNoProperties).empty());
+}
