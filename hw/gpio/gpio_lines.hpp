@@ -25,6 +25,8 @@ class GpioOutput final : public OutputLine {
   ~GpioOutput() override;
 
   [[nodiscard]] bool set(bool active) noexcept override { return line_.set(active); }
+  // For line_descriptor.hpp; -1 where there is none to be had.
+  [[nodiscard]] int descriptor() const noexcept { return line_.descriptor(); }
 
  private:
   GpiodLine line_;
