@@ -220,6 +220,8 @@ int start(int argc, char** argv) {
   }
   if (check->count() > 0) {
     const PrinterConfig config = load_printer_config(checked_file);
+    for (const Violation& warning : config.warnings)
+      fmt::print("{}\n", warning_line(warning));
     fmt::print("{}: good\n", checked_file);
     return EXIT_SUCCESS;
   }

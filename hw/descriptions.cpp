@@ -47,6 +47,8 @@ std::string_view describe(ProjectorReply reply) {
       return "the projector refused the command";
     case ProjectorReply::NoAnswer:
       return "the projector does not answer";
+    case ProjectorReply::Interlocked:
+      return "the light is kept off";
   }
   return "unknown";
 }

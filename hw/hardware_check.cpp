@@ -44,8 +44,10 @@ void HardwareCheck::check_input(const std::string& device, const GpioInputConfig
     const auto [user, is_new] = users_.try_emplace({line.chip, line.offset}, device);
     if (!is_new)
       return report(device, false, describe(line) + ": the " + user->second + " is on that line already");
-    GpioInput taken(input.line, input.bias, device);
-    report(device, true, describe(line) + "; it is " + (taken.level() ? active : inactive));
+    GpioInput taken(input.logical_line(), input.bias, device);
+    const std::optional<bool> level = taken.level();
+    if (!level) return report(device, false, describe(line) + ": it cannot be read");
+    report(device, true, describe(line) + "; it is " + (*level ? active : inactive));
   } catch (const std::exception& error) {
     report(device, false, error.what());
   }

@@ -14,8 +14,9 @@ namespace contourd {
 
 enum class ProjectorReply {
   Ok,
-  Refused,   // it answered, and said no
-  NoAnswer,  // it did not answer in time, retries included
+  Refused,      // it answered, and said no
+  NoAnswer,     // it did not answer in time, retries included
+  Interlocked,  // the light stays off for somebody's safety: no fault of the projector's
 };
 [[nodiscard]] std::string_view describe(ProjectorReply reply);
 

@@ -1,5 +1,6 @@
 #include "hw/projector_with_light_line.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "hw/hardware_error.hpp"
@@ -36,12 +37,9 @@ void LightLineProjector::power_on(Done done) {
 void LightLineProjector::light_on(Duration, LightOn tell) {
   dark_ = nullptr;
   light_ = LightSpan{clock_.now(), {}, {}, {}};
-  try {
-    line_.on();
-  } catch (const HardwareError& error) {
-    problem_ = error.what();
+  if (const ProjectorReply reply = turn_line_on(); reply != ProjectorReply::Ok) {
     light_off();
-    answer_after(Duration{0}, [tell = std::move(tell)] { tell.done(ProjectorReply::Refused); });
+    answer_after(Duration{0}, [reply, tell = std::move(tell)] { tell.done(reply); });
     return;
   }
   light_->on_latest = clock_.now();
@@ -51,8 +49,22 @@ void LightLineProjector::light_on(Duration, LightOn tell) {
   });
 }
 
+ProjectorReply LightLineProjector::turn_line_on() {
+  try {
+    line_.on();
+    return ProjectorReply::Ok;
+  } catch (const LightInterlocked& why) {
+    problem_ = why.what();
+    return ProjectorReply::Interlocked;
+  } catch (const HardwareError& error) {
+    problem_ = error.what();
+    return ProjectorReply::Refused;
+  }
+}
+
 void LightLineProjector::light_off() noexcept {
-  if (light_ && !light_->off_earliest) light_->off_earliest = clock_.now();
+  const TimePoint now = clock_.now();
+  if (light_ && !light_->off_earliest) light_->off_earliest = std::min(line_.cut_at().value_or(now), now);
   line_.off();
   answer_.reset();
   note_whether_off();

@@ -31,6 +31,7 @@ class LightLineProjector final : public Projector {
 
  private:
   void answer_after(Duration delay, std::function<void()> answer);
+  ProjectorReply turn_line_on();
   void note_whether_off();
   void look_whether_dark(Duration delay);
 

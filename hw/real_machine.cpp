@@ -50,13 +50,15 @@ RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineCo
 
 RealMachine::~RealMachine() {
   make_safe(*this);
+  if (axis_) axis_->set_light_cutoff(nullptr);  // the light goes before the axis
 }
 
 // In this order: nothing else may fail before the light is off.
 std::vector<RealMachine::Found> RealMachine::open_missing() {
   std::vector<Found> found;
   const auto tell_owner = [this](const Disturbance& disturbance) { tell(disturbance); };
-  if (config_.light && open_light()) found.push_back({light_words(), {}});
+  const bool light_came = config_.light && open_light();
+  if (light_came) found.push_back({light_words(), {}});
   const bool projector_came = config_.projector && open_projector();
   if (projector_came) found.push_back({projector_words(), {}});
   combine_projector();
@@ -68,10 +70,12 @@ std::vector<RealMachine::Found> RealMachine::open_missing() {
     if (!display_->problem()) found.push_back({"display: " + display_->description(), display_->warnings()});
   }
   if (axis_ && axis_->lost()) axis_.reset();
-  if (open(axis_, missing_.axis, openers_.axis)) {
+  const bool axis_came = open(axis_, missing_.axis, openers_.axis);
+  if (axis_came) {
     axis_->on_disturbance(tell_owner);
     found.push_back({axis_words(), axis_->refusals()});
   }
+  if (axis_ && (light_came || axis_came)) axis_->set_light_cutoff(light_.get());
   return found;
 }
 
@@ -83,6 +87,7 @@ bool RealMachine::open_light() {
   }
   const std::string refusal = light_ ? light_->refusal() : std::exchange(light_refusal_, "");
   combined_.reset();
+  if (axis_) axis_->set_light_cutoff(nullptr);
   light_.reset();
   if (!open(light_, missing_.light, openers_.light)) {
     light_refusal_ = refusal;
@@ -172,8 +177,8 @@ std::string RealMachine::hindrance() const {
     add(sentences, *missing);
   if (serial_ && serial_->dark_overdue()) add(sentences, "the light may be on: " + serial_->doubt());
   if (display_) add(sentences, display_->problem().value_or(""));
-  if (axis_ && axis_->emergency_stop_pressed()) add(sentences, "the emergency stop is pressed");
-  if (axis_ && axis_->lid_open()) add(sentences, "the lid is open");
+  for (const std::string& hindrance : axis_ ? axis_->hindrances() : std::vector<std::string>{})
+    add(sentences, hindrance);
   return sentences;
 }
 

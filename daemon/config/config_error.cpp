@@ -26,14 +26,17 @@ std::string printable(std::string_view text) {
   return result;
 }
 
+// "FILE: severity/pointer: message"
+std::string line(const Violation& violation, const char* severity) {
+  std::string text = printable(violation.file) + ": " + severity;
+  if (!violation.pointer.empty()) text += printable(violation.pointer) + ": ";
+  return text + violation.message;
+}
+
 std::string lines(const std::vector<Violation>& violations) {
   std::string text;
-  for (const Violation& violation : violations) {
-    if (!text.empty()) text += '\n';
-    text += printable(violation.file) + ": ";
-    if (!violation.pointer.empty()) text += printable(violation.pointer) + ": ";
-    text += violation.message;
-  }
+  for (const Violation& violation : violations)
+    text += (text.empty() ? "" : "\n") + line(violation, "");
   return text;
 }
 
@@ -41,6 +44,10 @@ std::string lines(const std::vector<Violation>& violations) {
 
 ConfigError::ConfigError(std::vector<Violation> violations)
     : std::runtime_error(lines(violations)), violations_(std::move(violations)) {}
+
+std::string warning_line(const Violation& warning) {
+  return line(warning, "warning: ");
+}
 
 std::string in_quotes(std::string_view text) {
   std::string shown(text.substr(0, longest_quote));

@@ -1,5 +1,5 @@
-// What is wrong with an owner's file: every violation, each with the file and the place in it.
-// Value types; thread-safe as any value is.
+// What is wrong with an owner's file, or hardly meant: every violation, each with the file and the place in
+// it. Value types; thread-safe as any value is.
 #pragma once
 
 #include <stdexcept>
@@ -28,6 +28,9 @@ class ConfigError : public std::runtime_error {
  private:
   std::vector<Violation> violations_;
 };
+
+// `FILE: warning: /pointer: message`, control characters escaped: of what is no error.
+[[nodiscard]] std::string warning_line(const Violation& warning);
 
 // The text in double quotes, cut at 60 bytes, control characters and invalid UTF-8 replaced: fit for a
 // message.

@@ -16,7 +16,11 @@ LineBias read_bias(const JsonSection& section) {
 }
 
 GpioInputConfig read_input(const JsonSection& input) {
-  return {.line = read_gpio_line(input), .bias = read_bias(input), .debounce = input.duration("debounce_ms")};
+  return {.line = read_gpio_line(input),
+          .bias = read_bias(input),
+          .debounce = input.duration("debounce_ms"),
+          .contact =
+              input.text("contact") == "normally_closed" ? Contact::NormallyClosed : Contact::NormallyOpen};
 }
 
 // What `read` makes of that section, where it is there.

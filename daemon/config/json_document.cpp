@@ -68,6 +68,12 @@ void normalize_numbers(nlohmann::json& value) {
   }
 }
 
+std::vector<Violation> by_pointer(std::vector<Violation> violations) {
+  std::stable_sort(violations.begin(), violations.end(),
+                   [](const Violation& a, const Violation& b) { return a.pointer < b.pointer; });
+  return violations;
+}
+
 }  // namespace
 
 JsonDocument::JsonDocument(std::string file, nlohmann::json value, std::vector<Violation> violations)
@@ -91,11 +97,16 @@ void JsonDocument::add_violation(std::string pointer, std::string message) {
   violations_.push_back({file_, std::move(pointer), std::move(message)});
 }
 
+void JsonDocument::add_warning(std::string pointer, std::string message) {
+  warnings_.push_back({file_, std::move(pointer), std::move(message)});
+}
+
 std::vector<Violation> JsonDocument::violations() const {
-  std::vector<Violation> sorted = violations_;
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const Violation& a, const Violation& b) { return a.pointer < b.pointer; });
-  return sorted;
+  return by_pointer(violations_);
+}
+
+std::vector<Violation> JsonDocument::warnings() const {
+  return by_pointer(warnings_);
 }
 
 void JsonDocument::throw_if_violated() const {
@@ -119,6 +130,12 @@ std::optional<std::string> JsonDocument::sound_text(const std::string& pointer) 
   const nlohmann::json* value = sound_value(pointer);
   if (value == nullptr || !value->is_string()) return std::nullopt;
   return value->get<std::string>();
+}
+
+std::optional<bool> JsonDocument::sound_boolean(const std::string& pointer) const {
+  const nlohmann::json* value = sound_value(pointer);
+  if (value == nullptr || !value->is_boolean()) return std::nullopt;
+  return value->get<bool>();
 }
 
 }  // namespace contourd

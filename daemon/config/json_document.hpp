@@ -31,14 +31,18 @@ class JsonDocument {
   [[nodiscard]] nlohmann::json& value() { return value_; }
 
   void add_violation(std::string pointer, std::string message);
+  // What is allowed, and hardly meant.
+  void add_warning(std::string pointer, std::string message);
   // In the order of their pointers.
   [[nodiscard]] std::vector<Violation> violations() const;
+  [[nodiscard]] std::vector<Violation> warnings() const;
   void throw_if_violated() const;
 
   // The value at the pointer, if it is of that kind and nothing was found to be wrong with it: for rules
   // across fields, which have nothing to say about a value that is wrong in itself.
   [[nodiscard]] std::optional<double> sound_number(const std::string& pointer) const;
   [[nodiscard]] std::optional<std::string> sound_text(const std::string& pointer) const;
+  [[nodiscard]] std::optional<bool> sound_boolean(const std::string& pointer) const;
 
  private:
   JsonDocument(std::string file, nlohmann::json value, std::vector<Violation> violations);
@@ -46,7 +50,7 @@ class JsonDocument {
 
   std::string file_;
   nlohmann::json value_;
-  std::vector<Violation> violations_;
+  std::vector<Violation> violations_, warnings_;
 };
 
 }  // namespace contourd

@@ -11,6 +11,7 @@
 
 #include "daemon/config/hardware_config.hpp"
 #include "daemon/config/hardware_rules.hpp"
+#include "daemon/config/input_plausibility.hpp"
 #include "daemon/config/json_document.hpp"
 #include "daemon/config/json_schema.hpp"
 #include "daemon/config/json_section.hpp"
@@ -247,6 +248,7 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .pace = !real && root.section("simulation").text("pace") == "fast" ? Pace::Fast : Pace::Realtime,
       .simulated = read_simulated(root, folder),
       .real = {},
+      .warnings = document.warnings(),
       .light_record = {},
   };
   if (real) read_real(document, std::move(companions.table), config);
@@ -262,6 +264,7 @@ PrinterConfig load_printer_config(const fs::path& path, Places places) {
   check_rules(document, folder);
   if (places == Places::Here) check_places(document, folder);
   check_hardware_rules(document);
+  warn_of_doubtful_contacts(document);
   std::vector<Violation> elsewhere;
   Companions companions;
   companions.resin = load_default_resin(document, folder, elsewhere);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/exposure_correction.hpp"
 #include "core/units.hpp"
@@ -50,6 +51,7 @@ struct PrinterConfig {
   Pace pace = Pace::Realtime;
   SimulatedPrinterConfig simulated;
   std::optional<RealMachineConfig> real;  // nothing when the machine is simulated
+  std::vector<Violation> warnings;        // what is allowed and hardly meant, by its place
   std::string
       light_record;  // what is to be left for `--light-off`; see light_config.hpp. Real machines' only
 };

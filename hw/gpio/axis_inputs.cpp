@@ -1,16 +1,30 @@
 #include "hw/gpio/axis_inputs.hpp"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <span>
+#include <utility>
 
 namespace contourd {
 namespace {
 
-// How often levels are read while something moves, in case the kernel had no room for an edge.
+// How often levels are read while something moves, and of safety inputs always, in case the kernel had no
+// room for an edge.
 constexpr Duration kReadLevels{std::chrono::milliseconds{20}};
+// The light is cut once more this long after a first edge: the event loop may have been about to turn it on,
+// and have lost its processor before it could see that it was cut.
+constexpr Duration kCutAgain{std::chrono::milliseconds{2}};
 
-constexpr std::array kContacts{AxisInput::LimitSwitch, AxisInput::SecondSwitch, AxisInput::EmergencyStop,
-                               AxisInput::Lid};
+// Those that cannot wait come first.
+constexpr std::array kContacts{AxisInput::EmergencyStop, AxisInput::Lid, AxisInput::LimitSwitch,
+                               AxisInput::SecondSwitch};
+constexpr std::array kSafetyInputs{AxisInput::EmergencyStop, AxisInput::Lid};
+constexpr std::array kSwitches{AxisInput::LimitSwitch, AxisInput::SecondSwitch};
+
+bool is_safety(AxisInput which) noexcept {
+  return which == AxisInput::EmergencyStop || which == AxisInput::Lid;
+}
 
 void keep_earlier(std::optional<TimePoint>& first, std::optional<TimePoint> other) noexcept {
   if (other && (!first || *other < *first)) first = other;
@@ -22,9 +36,15 @@ AxisInputs::AxisInputs(StepEngine& engine, const Lines& lines, StepEngine::Now n
     : engine_(engine), lines_(lines), now_(now), encoder_(lines.encoder_a, lines.encoder_b) {
   for (const AxisInput which : kContacts) {
     const Contact& contact = lines_.contacts[index(which)];
-    const bool level = contact.line != nullptr && contact.line->level();
-    contacts_[index(which)] = Debounce(contact.debounce, level);
-    settled_[index(which)] = level;
+    if (contact.line == nullptr) continue;
+    const bool level = level_of(which);
+    if (is_safety(which)) {
+      safety_[index(which)] = SafetyContact(contact.debounce, level);
+      put(which, safety_[index(which)].state());
+    } else {
+      switches_[index(which)] = Debounce(contact.debounce, level);
+      active_[index(which)] = level;
+    }
   }
   if (active(AxisInput::EmergencyStop)) engine_.bar();
 }
@@ -39,6 +59,38 @@ void AxisInputs::set_limit_rule(LimitRule rule, std::int64_t limit, bool from_ab
 void AxisInputs::watch_second_switch(bool watched) noexcept {
   second_watched_ = watched;
   work_.signal();
+}
+
+void AxisInputs::set_light_cutoff(LightCutoff* cutoff) noexcept {
+  cutoff_ = cutoff;
+  // Sequentially consistent on both sides: either the thread sees the new one, or this sees the old one in
+  // use.
+  while (cutting_)
+    sched_yield();
+  release_light();
+}
+
+// Both look again behind what they have undone: the thread says that an input is unsafe before it bars and
+// cuts.
+
+void AxisInputs::let_go() noexcept {
+  const auto stopped = [this] {
+    return lost_ || states_[index(AxisInput::EmergencyStop)] == SafetyState::Unsafe;
+  };
+  if (!stopped()) engine_.allow();
+  if (stopped()) engine_.bar();
+  release_light();
+}
+
+void AxisInputs::release_light() noexcept {
+  LightCutoff* const cutoff = cutoff_;
+  if (cutoff == nullptr) return;
+  if (!unsafe()) cutoff->release();
+  if (unsafe()) cutoff->cut(now_());
+}
+
+bool AxisInputs::unsafe() const noexcept {
+  return lost_ || active(AxisInput::EmergencyStop) || active(AxisInput::Lid);
 }
 
 std::optional<InputChange> AxisInputs::take_change() noexcept {
@@ -58,9 +110,22 @@ void AxisInputs::tell(const InputChange& change) noexcept {
 }
 
 void AxisInputs::lose() noexcept {
-  engine_.bar();
   lost_ = true;
+  cut_light();
+  engine_.bar();
   changed_.signal();
+}
+
+void AxisInputs::cut_light() noexcept {
+  cutting_ = true;
+  if (LightCutoff* const cutoff = cutoff_) cutoff->cut(now_());
+  cutting_ = false;
+}
+
+void AxisInputs::cut_again(TimePoint now) noexcept {
+  if (!cut_again_at_ || now < *cut_again_at_) return;
+  cut_again_at_.reset();
+  if (unsafe()) cut_light();
 }
 
 std::array<pollfd, AxisInputs::kDescriptors> AxisInputs::descriptors() const noexcept {
@@ -85,18 +150,30 @@ std::optional<TimePoint> AxisInputs::serve() noexcept {
   count_ = encoder_.counted().count();
   illegal_ = encoder_.counted().illegal();
   if (now - levels_read_ >= kReadLevels) read_levels(now);
-  for (const AxisInput which : kContacts)
-    settle(which, now);
+  for (const AxisInput which : kSafetyInputs)
+    settle_safety(which, now);
+  for (const AxisInput which : kSwitches)
+    settle_switch(which, now);
+  cut_again(now);
   apply_rules();
+  return next_due();
+}
+
+std::optional<TimePoint> AxisInputs::next_due() const noexcept {
   std::optional<TimePoint> next = encoder_.due();
-  for (const Debounce& contact : contacts_)
-    keep_earlier(next, contact.due());
+  for (const AxisInput which : kSwitches)
+    keep_earlier(next, switches_[index(which)].due());
+  for (const AxisInput which : kSafetyInputs)
+    keep_earlier(next, safety_[index(which)].due());
+  keep_earlier(next, cut_again_at_);
   if (watching()) keep_earlier(next, levels_read_ + kReadLevels);
   return next;
 }
 
 bool AxisInputs::watching() const noexcept {
-  return limit_rule_ != LimitRule::Never || second_watched_;
+  const auto fitted = [this](AxisInput which) { return lines_.contacts[index(which)].line != nullptr; };
+  return limit_rule_ != LimitRule::Never || second_watched_ || fitted(AxisInput::EmergencyStop) ||
+         fitted(AxisInput::Lid);
 }
 
 void AxisInputs::take_edges(AxisInput which) noexcept {
@@ -113,40 +190,81 @@ void AxisInputs::take_edges(AxisInput which) noexcept {
 }
 
 void AxisInputs::at_edge(AxisInput which, const LineEdge& edge) noexcept {
-  contacts_[index(which)].edge(edge.active, edge.at);
+  if (!is_safety(which)) return at_switch_edge(which, edge);
+  safety_[index(which)].edge(edge.active, edge.at);
+  if (active(which)) return;
+  put(which, SafetyState::Doubtful);
+  cut_light();
+  cut_again_at_ = now_() + kCutAgain;
+}
+
+void AxisInputs::at_switch_edge(AxisInput which, const LineEdge& edge) noexcept {
+  switches_[index(which)].edge(edge.active, edge.at);
   if (!edge.active) return;
   if (which == AxisInput::LimitSwitch && limit_rule_ == LimitRule::AtContact) {
     engine_.halt_soon();
     limit_rule_ = LimitRule::Never;
     halted_[index(which)] = true;
   }
-  // At once, unless the line is back already: a spike.
-  if (which == AxisInput::EmergencyStop && lines_.contacts[index(which)].line->level()) engine_.bar();
+}
+
+void AxisInputs::put(AxisInput which, SafetyState state) noexcept {
+  states_[index(which)] = state;
+  active_[index(which)] = state != SafetyState::Safe;
+}
+
+// A safety input that cannot be read is unsafe.
+bool AxisInputs::level_of(AxisInput which) noexcept {
+  const std::optional<bool> level = lines_.contacts[index(which)].line->level();
+  unreadable_[index(which)] = !level;
+  if (level) return *level;
+  if (is_safety(which)) return true;
+  if (!lost_) lose();
+  return last_level(which);
+}
+
+bool AxisInputs::last_level(AxisInput which) const noexcept {
+  return is_safety(which) ? safety_[index(which)].unsafe_level() : switches_[index(which)].raw();
 }
 
 void AxisInputs::read_levels(TimePoint now) noexcept {
   levels_read_ = now;
   for (const AxisInput which : kContacts) {
-    InputLine* line = lines_.contacts[index(which)].line;
-    if (line == nullptr) continue;
-    const bool level = line->level();
+    if (lines_.contacts[index(which)].line == nullptr) continue;
+    const bool level = level_of(which);
     // No later than this; if its event is still to come, that has its time.
-    if (level != contacts_[index(which)].raw()) at_edge(which, {level, now_()});
+    if (level != last_level(which)) at_edge(which, {level, now_()});
   }
 }
 
-void AxisInputs::settle(AxisInput which, TimePoint now) noexcept {
-  Debounce& contact = contacts_[index(which)];
+void AxisInputs::settle_switch(AxisInput which, TimePoint now) noexcept {
+  Debounce& contact = switches_[index(which)];
   if (!contact.due() || now < *contact.due()) return;
-  const bool level = lines_.contacts[index(which)].line->level();  // the truth
+  const bool level = level_of(which);  // the truth
   contact.read(level, now_());
   const auto settled = contact.settle(now);
   if (!settled) return;
-  settled_[index(which)] = settled->level;
-  if (which == AxisInput::EmergencyStop && settled->level) engine_.bar();
-  const bool halted = halted_[index(which)];
-  halted_[index(which)] = false;
-  tell({which, settled->level, settled->changed, halted, settled->since});
+  active_[index(which)] = settled->level;
+  tell({.which = which,
+        .active = settled->level,
+        .halted = std::exchange(halted_[index(which)], false),
+        .at = settled->since});
+}
+
+void AxisInputs::settle_safety(AxisInput which, TimePoint now) noexcept {
+  SafetyContact& contact = safety_[index(which)];
+  if (!contact.due()) return;
+  if (now >= *contact.due()) contact.read(level_of(which), now_());
+  while (const auto change = contact.change(now)) {
+    put(which, change->to);
+    if (which == AxisInput::EmergencyStop && change->to == SafetyState::Unsafe) engine_.bar();
+    tell({.which = which,
+          .active = change->to != SafetyState::Safe,
+          .at = change->since,
+          .from = change->from,
+          .to = change->to,
+          .readable = readable(which)});
+  }
 }
 
 bool AxisInputs::out_of_place(std::int64_t position) const noexcept {
@@ -154,19 +272,17 @@ bool AxisInputs::out_of_place(std::int64_t position) const noexcept {
 }
 
 void AxisInputs::apply_rules() noexcept {
-  const Debounce& limit = contacts_[index(AxisInput::LimitSwitch)];
-  if (limit_rule_ == LimitRule::AtContact && limit.raw()) {
-    at_edge(AxisInput::LimitSwitch, {true, now_()});
-  }
+  const Debounce& limit = switches_[index(AxisInput::LimitSwitch)];
+  if (limit_rule_ == LimitRule::AtContact && limit.raw()) at_edge(AxisInput::LimitSwitch, {true, now_()});
+  // What a halt is for is told first, so that it never comes without its cause.
   if (limit_rule_ == LimitRule::Beyond && limit.settled() && out_of_place(engine_.position())) {
     limit_rule_ = LimitRule::Never;
-    tell({AxisInput::LimitSwitch, true, false, true,
-          now_()});  // first, so that a halt never comes without its cause
+    tell({.which = AxisInput::LimitSwitch, .active = true, .halted = true, .at = now_()});
     engine_.halt_soon();
   }
-  if (second_watched_ && contacts_[index(AxisInput::SecondSwitch)].settled()) {
+  if (second_watched_ && switches_[index(AxisInput::SecondSwitch)].settled()) {
     second_watched_ = false;
-    tell({AxisInput::SecondSwitch, true, false, true, now_()});
+    tell({.which = AxisInput::SecondSwitch, .active = true, .halted = true, .at = now_()});
     engine_.halt_soon();
   }
 }

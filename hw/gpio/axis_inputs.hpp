@@ -1,6 +1,11 @@
 // The axis' switches, emergency stop, lid and encoder: what the thread that reads their edges does, without
-// the waiting. It halts the steps itself where that cannot wait, and tells the owner (the event loop) what
-// has settled. What runs on the thread neither allocates, locks, logs nor throws.
+// the waiting. It halts the steps and cuts the light itself where that cannot wait, and tells the owner (the
+// event loop) what has settled. What runs on the thread neither allocates, locks, logs nor throws.
+//
+// The emergency stop and the lid are safety inputs: the light is cut at their first edge, or when their level
+// cannot be read, and stays so until they have settled safe and the owner has let it go. An emergency stop
+// that lasts bars the steps, too. A switch that cannot be read leaves nothing to be known of the inputs: see
+// lost().
 #pragma once
 
 #include <poll.h>
@@ -14,6 +19,8 @@
 #include "hw/gpio/digital_line.hpp"
 #include "hw/gpio/encoder_edges.hpp"
 #include "hw/gpio/event_descriptor.hpp"
+#include "hw/gpio/light_cutoff.hpp"
+#include "hw/gpio/safety_contact.hpp"
 #include "hw/gpio/step_engine.hpp"
 
 namespace contourd {
@@ -21,13 +28,14 @@ namespace contourd {
 enum class AxisInput : std::uint8_t { LimitSwitch, SecondSwitch, EmergencyStop, Lid };
 inline constexpr std::size_t kAxisInputs = 4;
 
-// A contact has come to rest.
+// A switch has come to rest, or a safety input's state has changed.
 struct InputChange {
   AxisInput which = AxisInput::LimitSwitch;
   bool active = false;
-  bool changed = false;  // or else it bounced and is where it was
-  bool halted = false;   // the steps were halted for it
-  TimePoint at{};        // the first edge to this level
+  bool halted = false;                                           // the steps were halted for it
+  TimePoint at{};                                                // the first edge to this level
+  SafetyState from = SafetyState::Safe, to = SafetyState::Safe;  // of a safety input
+  bool readable = true;                                          // the same
 };
 
 // When the limit switch halts the steps.
@@ -58,12 +66,22 @@ class AxisInputs {
   void set_limit_rule(LimitRule rule, std::int64_t limit = 0, bool from_above = false) noexcept;
   // Whether the second switch, once settled, halts the steps.
   void watch_second_switch(bool watched) noexcept;
-  [[nodiscard]] bool active(AxisInput which) const noexcept { return settled_[index(which)]; }
+  // What is cut from now on; null: nothing. The one before is no longer used once this has returned.
+  void set_light_cutoff(LightCutoff* cutoff) noexcept;
+  // Lets steps be made and the light go on again, as far as no input says otherwise by now.
+  void let_go() noexcept;
+  // A switch: closed. A safety input: not safe.
+  [[nodiscard]] bool active(AxisInput which) const noexcept { return active_[index(which)]; }
+  // A safety input has moved, and it is not known yet whether that lasts.
+  [[nodiscard]] bool doubtful(AxisInput which) const noexcept {
+    return states_[index(which)] == SafetyState::Doubtful;
+  }
+  [[nodiscard]] bool readable(AxisInput which) const noexcept { return !unreadable_[index(which)]; }
   [[nodiscard]] std::optional<InputChange> take_change() noexcept;
   // Readable when there are changes to take.
   [[nodiscard]] EventDescriptor& changes() noexcept { return changed_; }
-  // Changes came faster than they were taken, or a line's chip has gone: what is said of the inputs cannot be
-  // relied on any more. The steps are barred.
+  // Changes came faster than they were taken, a switch cannot be read, or a line's chip has gone: what is
+  // said of the inputs cannot be relied on any more. The steps are barred and the light is cut.
   [[nodiscard]] bool lost() const noexcept { return lost_; }
   // Up while A leads B.
   [[nodiscard]] std::int64_t encoder_count() const noexcept { return count_; }
@@ -86,7 +104,17 @@ class AxisInputs {
   void take_edges(AxisInput which) noexcept;
   void read_levels(TimePoint now) noexcept;
   void at_edge(AxisInput which, const LineEdge& edge) noexcept;
-  void settle(AxisInput which, TimePoint now) noexcept;
+  void at_switch_edge(AxisInput which, const LineEdge& edge) noexcept;
+  void settle_switch(AxisInput which, TimePoint now) noexcept;
+  void settle_safety(AxisInput which, TimePoint now) noexcept;
+  [[nodiscard]] bool level_of(AxisInput which) noexcept;
+  [[nodiscard]] bool last_level(AxisInput which) const noexcept;
+  void put(AxisInput which, SafetyState state) noexcept;
+  [[nodiscard]] bool unsafe() const noexcept;
+  void cut_light() noexcept;
+  void release_light() noexcept;
+  void cut_again(TimePoint now) noexcept;
+  [[nodiscard]] std::optional<TimePoint> next_due() const noexcept;
   void apply_rules() noexcept;
   void tell(const InputChange& change) noexcept;
   [[nodiscard]] bool out_of_place(std::int64_t position) const noexcept;
@@ -100,17 +128,23 @@ class AxisInputs {
   std::atomic<LimitRule> limit_rule_{LimitRule::Never};
   std::atomic<std::int64_t> limit_{0};
   std::atomic<bool> from_above_{false}, second_watched_{false}, lost_{false};
-  std::array<std::atomic<bool>, kAxisInputs> settled_{};
+  std::array<std::atomic<bool>, kAxisInputs> active_{}, unreadable_{};
+  std::array<std::atomic<SafetyState>, kAxisInputs> states_{};  // those of the safety inputs
+  std::atomic<LightCutoff*> cutoff_{nullptr};
+  std::atomic<bool> cutting_{false};  // the thread uses it
   std::atomic<std::int64_t> count_{0};
   std::atomic<std::uint64_t> illegal_{0};
 
-  static constexpr std::uint32_t kChanges = 64;
+  // Three a disturbance of the safety inputs, which may be mains hum: more than a second's.
+  static constexpr std::uint32_t kChanges = 256;
   std::array<InputChange, kChanges> ring_{};
   std::atomic<std::uint32_t> told_{0}, taken_{0};
 
   // The thread's.
-  std::array<Debounce, kAxisInputs> contacts_;
+  std::array<Debounce, kAxisInputs> switches_;
+  std::array<SafetyContact, kAxisInputs> safety_;
   std::array<bool, kAxisInputs> halted_{};  // in this bout of edges
+  std::optional<TimePoint> cut_again_at_;
   EncoderEdges encoder_;
   TimePoint levels_read_{};
 };

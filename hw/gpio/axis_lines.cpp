@@ -9,7 +9,7 @@ namespace {
 
 std::unique_ptr<InputLine> take_input(const std::optional<GpioInputConfig>& config, const char* use) {
   if (!config) return nullptr;
-  return std::make_unique<GpioInput>(config->line, config->bias, use);
+  return std::make_unique<GpioInput>(config->logical_line(), config->bias, use);
 }
 
 }  // namespace

@@ -8,7 +8,9 @@ namespace contourd {
 EncoderEdges::EncoderEdges(InputLine* a, InputLine* b) noexcept {
   a_.line = a;
   b_.line = b;
-  if (a != nullptr && b != nullptr) quadrature_ = Quadrature(a->level(), b->level());
+  if (a == nullptr || b == nullptr) return;
+  // One that cannot be read shows by its edges, which do not fit.
+  quadrature_ = Quadrature(a->level().value_or(false), b->level().value_or(false));
 }
 
 void EncoderEdges::Channel::read() noexcept {

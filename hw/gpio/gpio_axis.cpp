@@ -80,7 +80,8 @@ GpioAxis::~GpioAxis() {
 // Steps.
 
 void GpioAxis::when_ready(std::function<void()> call) {
-  if (engine_.moving()) {  // a run that was aborted has yet to end
+  if (engine_.moving() ||
+      inputs_.doubtful(AxisInput::EmergencyStop)) {  // a run that was aborted has yet to end
     ready_ = [this, call = std::move(call)]() mutable { when_ready(std::move(call)); };
     return;
   }
@@ -107,13 +108,24 @@ MotionLimits GpioAxis::limits(MillimetersPerSecond speed) const {
 }
 
 void GpioAxis::run(Way way, std::int64_t steps, MillimetersPerSecond speed, std::function<void()> then) {
+  then_ = std::move(then);
+  run_ = {way, engine_.position() + steps, speed};
+  run_on();
+}
+
+// The run, or what an emergency stop that did not last has left of it.
+void GpioAxis::run_on() {
+  if (inputs_.doubtful(AxisInput::EmergencyStop)) {
+    ready_ = [this] { run_on(); };
+    return;
+  }
   rest_ = now_at();
   trip_.reset();
-  then_ = std::move(then);
   running_ = true;
   begin_following();
-  engine_.start({steps, limits(speed)});
-  set_rules(way, steps * towards_switch() > 0);
+  const std::int64_t steps = run_.target - engine_.position();
+  engine_.start({steps, limits(run_.speed)});
+  set_rules(run_.way, steps * towards_switch() > 0);
 }
 
 // After start(), which forgets halts: a rule that is broken already halts at once.
@@ -134,7 +146,7 @@ void GpioAxis::after(Duration wait, std::function<void()> call) {
 void GpioAxis::run_ended() {
   engine_.ended().clear();
   if (engine_.moving()) return;
-  if (const auto ready = std::exchange(ready_, nullptr)) return ready();
+  if (ready_) return go_on();
   if (!running_) return;
   running_ = false;
   rest_ = now_at();
@@ -153,67 +165,12 @@ void GpioAxis::run_ended() {
     case StepEnd::Halted:
       return seek_on();
     case StepEnd::Stopped:
-      return end_stopped();
+      return stop_wanted_ ? end_stopped() : run_on();
     case StepEnd::Completed:
       break;
   }
   if (stop_wanted_) return end_stopped();
   if (const auto then = std::exchange(then_, nullptr)) then();
-}
-
-// Inputs.
-
-void GpioAxis::inputs_changed() {
-  inputs_.changes().clear();
-  if (inputs_.lost() && !loss_told_) blocked();
-  while (const auto change = inputs_.take_change())
-    take_change(*change);
-}
-
-void GpioAxis::take_change(const InputChange& change) {
-  const std::string where = position_known_ ? " at " + millimeters(to_millimeters(*height()).count()) : "";
-  switch (change.which) {
-    case AxisInput::EmergencyStop:
-      if (!emergency_told_ && (change.active || engine_.barred())) blocked();
-      if (change.active || inputs_.lost()) return;
-      emergency_told_ = false;
-      engine_.allow();
-      return disturb(Disturbance::Kind::Recovery,
-                     "the emergency stop was let go (" + words_of(config_.emergency_stop->line) + ")", true);
-    case AxisInput::Lid:
-      if (!change.changed) return;
-      return change.active ? disturb(Disturbance::Kind::Interruption,
-                                     "the lid was opened (" + words_of(config_.lid->line) + ")")
-                           : disturb(Disturbance::Kind::Recovery,
-                                     "the lid was closed (" + words_of(config_.lid->line) + ")");
-    case AxisInput::SecondSwitch:
-      if (!change.halted) return;
-      trip_ = Trip{HomingResult::WrongSwitch, "the switch at the end that is not homed to (" +
-                                                  words_of(config_.second_switch->line) + ") closed" + where};
-      return;
-    case AxisInput::LimitSwitch:
-      if (!change.halted) return;
-      if (!seek_) {
-        trip_ = Trip{HomingResult::Fault, "the limit switch (" + words_of(config_.limit_switch.line) +
-                                              ") is closed" + where + ", where it should be open"};
-        return;
-      }
-      seek_->contact = change;
-      if (!engine_.moving() && !running_) seek_on();
-  }
-}
-
-// Barred: by the emergency stop, or because the inputs are lost.
-void GpioAxis::blocked() {
-  if (inputs_.lost()) {
-    loss_told_ = true;
-    return fail(
-        {HomingResult::Fault, "the axis' inputs on " + config_.limit_switch.line.chip +
-                                  " can no longer be read: their chip has gone, or they change without end"});
-  }
-  emergency_told_ = true;
-  fail({HomingResult::Fault, "the emergency stop is pressed (" + words_of(config_.emergency_stop->line) + ")",
-        true});
 }
 
 // Moves.
@@ -336,6 +293,11 @@ std::optional<Nanometers> GpioAxis::height_at(TimePoint time) const {
   const double made = static_cast<double>(screw_.moved(rest_, engine_.position_at(time)).plate());
   const double off = config_.encoder ? measured_plate() - static_cast<double>(now_at().plate()) : 0;
   return screw_.height(made + off);
+}
+
+std::string GpioAxis::where() const {
+  if (!position_known_) return "";
+  return " at " + millimeters(to_millimeters(*height()).count());
 }
 
 Duration GpioAxis::move_duration(Nanometers distance, MillimetersPerSecond speed) const {

@@ -69,12 +69,17 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] Nanometers travel() const override { return config_.travel; }
   [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
 
-  // `call` runs for every disturbance from now on: after an emergency stop, with the motor still already; for
-  // an open lid; for either when it is over; for a switch that closes where it must not, steps that were
-  // lost, a line that cannot be set. Before the `done` of a move that it ends.
+  // `call` runs for every disturbance from now on: for the first edge of the emergency stop, the motor
+  // slowing down already, and when that lasts, with the motor still; for an open lid; for either when it is
+  // over; for a switch that closes where it must not, steps that were lost, a line that cannot be set. Before
+  // the `done` of a move that it ends. A move that an emergency stop has slowed down goes on when that did
+  // not last.
   void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
-  [[nodiscard]] bool lid_open() const { return inputs_.active(AxisInput::Lid); }
-  [[nodiscard]] bool emergency_stop_pressed() const { return inputs_.active(AxisInput::EmergencyStop); }
+  // What is cut for the emergency stop, the lid and inputs that cannot be read, without waiting for the event
+  // loop; null: nothing. It must outlive the axis, or be taken back before it goes.
+  void set_light_cutoff(LightCutoff* cutoff) noexcept { inputs_.set_light_cutoff(cutoff); }
+  // Why nothing may be lit or moved at this moment, a sentence each: the emergency stop, the lid.
+  [[nodiscard]] std::vector<std::string> hindrances() const;
 
   // Its chip has gone, or its lines can no longer be relied on: nothing moves any more. For good.
   [[nodiscard]] bool lost() const { return inputs_.lost() || line_refused_; }
@@ -95,6 +100,12 @@ class GpioAxis final : public ZAxis {
     std::string what;
     bool emergency_stop = false;
   };
+  // The run under way.
+  struct Run {
+    Way way;
+    std::int64_t target;
+    MillimetersPerSecond speed;
+  };
   // A run towards the limit switch.
   struct Seek {
     std::int64_t last;  // position at which it is given up
@@ -106,12 +117,19 @@ class GpioAxis final : public ZAxis {
   // Steps.
   void when_ready(std::function<void()> call);
   void run(Way way, std::int64_t steps, MillimetersPerSecond speed, std::function<void()> then);
+  void run_on();
+  void go_on();
   void set_rules(Way way, bool towards_switch);
   void run_ended();
   void after(Duration wait, std::function<void()> call);
   void inputs_changed();
   void take_change(const InputChange& change);
+  void take_emergency_stop(const InputChange& change);
+  void take_lid(const InputChange& change);
+  void take_limit_switch(const InputChange& change);
   void blocked();
+  [[nodiscard]] std::string loss() const;
+  [[nodiscard]] std::string where() const;  // " at 12.345 mm"; empty where that is unknown
 
   // Moves.
   void approach(std::int64_t plate, MillimetersPerSecond speed, std::function<void()> then);
@@ -160,8 +178,11 @@ class GpioAxis final : public ZAxis {
   Screw::Rest rest_;  // before the run under way
   std::function<void(HomingResult)> homing_done_;
   std::function<void(MoveResult)> move_done_;
-  std::function<void()> then_;   // behind the run under way
-  std::function<void()> ready_;  // waits until a halted run has come to its end
+  std::function<void()> then_;  // behind the run under way
+  Run run_{};
+  // Waits until a halted run has come to its end, and until it is known whether the emergency stop is
+  // pressed.
+  std::function<void()> ready_;
   std::optional<Seek> seek_;
   std::optional<Trip> trip_;
   // Where the encoder and the steps agreed.

@@ -9,10 +9,22 @@
 
 namespace contourd {
 
+// How a contact stands at rest: switch not reached, stop not pressed, lid closed. A normally closed one has
+// its line at the active level then, and a broken wire is as if it were not at rest.
+enum class Contact { NormallyOpen, NormallyClosed };
+
 struct GpioInputConfig {
-  GpioLineConfig line;  // active is: switch closed, stop pressed, lid open
+  GpioLineConfig line;  // active is: the contact conducts
   LineBias bias = LineBias::AsIs;
   Duration debounce{std::chrono::milliseconds{5}};  // a level counts when it has lasted this long
+  Contact contact = Contact::NormallyOpen;
+
+  // The line as it is taken: active is switch reached, stop pressed, lid open.
+  [[nodiscard]] GpioLineConfig logical_line() const {
+    GpioLineConfig logical = line;
+    logical.active_low = line.active_low != (contact == Contact::NormallyClosed);
+    return logical;
+  }
 };
 
 struct EncoderConfig {

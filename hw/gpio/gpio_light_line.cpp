@@ -8,21 +8,51 @@ namespace {
 
 constexpr Duration kTryAgain = std::chrono::seconds{1};
 
+std::unique_ptr<CuttableLine> take_light(const GpioLineConfig& config) {
+  auto line = std::make_unique<GpioOutput>(config, "light", false);
+  if (line->descriptor() >= 0) return line;
+  throw HardwareError("the light's line " + config.line + " of " + config.chip +
+                      " could not be turned off in time: its descriptor is not found in /proc/self/fd");
+}
+
 }  // namespace
 
 GpioLightLine::GpioLightLine(const GpioLineConfig& config, Clock& clock)
-    : GpioLightLine(std::make_unique<GpioOutput>(config, "light", false),
-                    "line " + config.line + " of " + config.chip, clock) {}
+    : GpioLightLine(take_light(config), "line " + config.line + " of " + config.chip, clock) {}
 
-GpioLightLine::GpioLightLine(std::unique_ptr<OutputLine> line, std::string words, Clock& clock)
+GpioLightLine::GpioLightLine(std::unique_ptr<CuttableLine> line, std::string words, Clock& clock)
     : words_(std::move(words)), clock_(clock), line_(std::move(line)) {}
 
 void GpioLightLine::on() {
   if (refuses_off_) throw HardwareError(cannot_be_set());
+  if (cut_at()) refuse_interlocked();
   if (!line_->set(true)) {
     off();
     throw HardwareError(cannot_be_set());
   }
+  // Cut meanwhile, perhaps before it was on.
+  if (!cut_at()) return;
+  off();
+  refuse_interlocked();
+}
+
+void GpioLightLine::cut(TimePoint now) noexcept {
+  // Before the line: whoever has just set it looks again.
+  Duration::rep not_cut = kNotCut;
+  cut_at_.compare_exchange_strong(not_cut, now.time_since_epoch().count());
+  // What the kernel refuses here it refuses the event loop too, which tells.
+  (void)line_->cut();
+}
+
+std::optional<TimePoint> GpioLightLine::cut_at() const {
+  const Duration::rep at = cut_at_;
+  return at == kNotCut ? std::nullopt : std::optional(TimePoint{Duration{at}});
+}
+
+void GpioLightLine::refuse_interlocked() const {
+  throw LightInterlocked(
+      "the light's " + words_ +
+      " stays off: the emergency stop, the lid or an input that cannot be read asks for it");
 }
 
 void GpioLightLine::off() noexcept {

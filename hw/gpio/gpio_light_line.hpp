@@ -1,38 +1,51 @@
-// The light by a GPIO line. Event loop's thread only.
+// The light by a GPIO line. Event loop's thread only, but for cut(), which goes past the library's object for
+// the line to the kernel.
 #pragma once
 
+#include <atomic>
 #include <functional>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "hw/clock.hpp"
 #include "hw/gpio/gpio_lines.hpp"
+#include "hw/gpio/light_cutoff.hpp"
 #include "hw/light_line.hpp"
 #include "hw/machine.hpp"
 
 namespace contourd {
 
-class GpioLightLine final : public LightLine {
+class GpioLightLine final : public LightLine, public LightCutoff {
  public:
   // Takes the line, dark. Throws HardwareError. The clock must outlive it.
   GpioLightLine(const GpioLineConfig& config, Clock& clock);
   // Of a line that is there; `words` are what an owner calls it: "line 24 of gpiochip0".
-  GpioLightLine(std::unique_ptr<OutputLine> line, std::string words, Clock& clock);
+  GpioLightLine(std::unique_ptr<CuttableLine> line, std::string words, Clock& clock);
 
   // The line refuses to go off; said once, and tried again and again until it does.
   void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
   // Throws HardwareError too as long as the line refuses to go off.
   void on() override;
   void off() noexcept override;
+  void cut(TimePoint now) noexcept override;
+  void release() noexcept override { cut_at_ = kNotCut; }
+  [[nodiscard]] std::optional<TimePoint> cut_at() const override;
+  // For another process that is to turn the light off; the line's, and -1 for a line that has none.
+  [[nodiscard]] int descriptor() const noexcept { return line_->descriptor(); }
   [[nodiscard]] std::string refusal() const override { return refuses_off_ ? cannot_be_set() : ""; }
 
  private:
   [[nodiscard]] std::string cannot_be_set() const;
+  [[noreturn]] void refuse_interlocked() const;
   void insist();
 
   std::string words_;
   Clock& clock_;
-  std::unique_ptr<OutputLine> line_;
+  std::unique_ptr<CuttableLine> line_;
+  static constexpr Duration::rep kNotCut = std::numeric_limits<Duration::rep>::min();
+  std::atomic<Duration::rep> cut_at_{kNotCut};
   std::function<void(const Disturbance&)> disturbed_;
   bool refuses_off_ = false;
   bool told_ = false;  // of that

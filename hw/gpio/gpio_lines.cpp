@@ -162,14 +162,7 @@ GpioOutput::~GpioOutput() {
 GpioInput::GpioInput(const GpioLineConfig& config, LineBias bias, std::string_view use)
     : line_(take_line(config, use, [bias](const GpiodLine::Request& request) {
         return GpiodLine::input(request, bias);
-      })) {
-  (void)level();
-}
-
-bool GpioInput::level() noexcept {
-  if (const auto now = line_.get()) last_level_ = *now;
-  return last_level_;
-}
+      })) {}
 
 GpioLineReport report_line(const GpioLineConfig& config, const std::filesystem::path& devices) {
   return find_line(config, devices).report;

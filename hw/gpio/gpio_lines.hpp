@@ -2,7 +2,6 @@
 // sentence names the chip and the line, who holds it, and what there is instead.
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,13 +10,14 @@
 #include "hw/gpio/digital_line.hpp"
 #include "hw/gpio/gpio_line_config.hpp"
 #include "hw/gpio/gpiod.hpp"
+#include "hw/gpio/line_descriptor.hpp"
 #include "hw/hardware_error.hpp"
 
 namespace contourd {
 
-// Holds a line as an output. Any one thread at a time; destroying it makes the line inactive and gives it
-// back.
-class GpioOutput final : public OutputLine {
+// Holds a line as an output. Any one thread at a time, but for cut(); destroying it makes the line inactive
+// and gives it back.
+class GpioOutput final : public CuttableLine {
  public:
   // Takes the line and sets its level in one act of the kernel: there is no moment at another level. `use` is
   // the word that others are shown for it ("step"). Throws HardwareError.
@@ -25,6 +25,8 @@ class GpioOutput final : public OutputLine {
   ~GpioOutput() override;
 
   [[nodiscard]] bool set(bool active) noexcept override { return line_.set(active); }
+  [[nodiscard]] bool cut() noexcept override { return set_line_inactive(line_.descriptor()); }
+  [[nodiscard]] int descriptor() const noexcept override { return line_.descriptor(); }
 
  private:
   GpiodLine line_;
@@ -37,14 +39,13 @@ class GpioInput final : public InputLine {
   GpioInput(const GpioLineConfig& config, LineBias bias, std::string_view use);
 
   [[nodiscard]] int descriptor() const noexcept override { return line_.event_descriptor(); }
-  [[nodiscard]] bool level() noexcept override;
+  [[nodiscard]] std::optional<bool> level() noexcept override { return line_.get(); }
   [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
     return line_.read_edges(edges);
   }
 
  private:
   GpiodLine line_;
-  std::atomic<bool> last_level_{false};
 };
 
 struct GpioLineReport {

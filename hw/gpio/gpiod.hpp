@@ -61,6 +61,9 @@ class GpiodLine {
   ~GpiodLine();
 
   [[nodiscard]] bool set(bool active) noexcept;
+  // Of an output, for line_descriptor.hpp; the line's. -1 where the library does not tell it and the kernel
+  // has no /proc to look it up in.
+  [[nodiscard]] int descriptor() const noexcept;
   // Nothing when the kernel refuses.
   [[nodiscard]] std::optional<bool> get() noexcept;
   // Of an input; not blocking.

@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
+#include <filesystem>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "hw/gpio/gpiod.hpp"
 
@@ -25,6 +29,29 @@ int line_flags(bool active_low, LineBias bias) {
 
 TimePoint time_point(const timespec& time) {
   return TimePoint{std::chrono::seconds{time.tv_sec} + std::chrono::nanoseconds{time.tv_nsec}};
+}
+
+// This process' descriptors that hold output lines, sorted.
+std::vector<int> line_handles() {
+  std::vector<int> found;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", ignored)) {
+    if (std::filesystem::read_symlink(entry.path(), ignored) != "anon_inode:gpio-linehandle") continue;
+    const std::string name = entry.path().filename().string();
+    int descriptor = -1;
+    std::from_chars(name.data(), name.data() + name.size(), descriptor);
+    found.push_back(descriptor);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+// The one of them that was not there before.
+int new_line_handle(const std::vector<int>& before) {
+  for (const int descriptor : line_handles()) {
+    if (!std::binary_search(before.begin(), before.end(), descriptor)) return descriptor;
+  }
+  return -1;
 }
 
 }  // namespace
@@ -59,6 +86,7 @@ struct GpiodLine::Handle {
   }
   GpiodChip chip;
   gpiod_line* line = nullptr;
+  int descriptor = -1;  // of an output: this version of the library has no call for it
 };
 
 GpiodLine::GpiodLine(std::unique_ptr<Handle> handle) : handle_(std::move(handle)) {}
@@ -69,11 +97,13 @@ GpiodLine GpiodLine::output(const Request& request, bool active) {
   auto handle = std::make_unique<Handle>(request);
   gpiod_line* line = gpiod_chip_get_line(handle->chip.chip_, request.offset);
   const int flags = line_flags(request.active_low, LineBias::AsIs);
+  const std::vector<int> before = line_handles();
   if (line == nullptr ||
       gpiod_line_request_output_flags(line, request.consumer.c_str(), flags, active ? 1 : 0) != 0) {
     fail();
   }
   handle->line = line;
+  handle->descriptor = new_line_handle(before);
   return GpiodLine(std::move(handle));
 }
 
@@ -93,6 +123,10 @@ GpiodLine GpiodLine::input(const Request& request, LineBias bias) {
 
 bool GpiodLine::set(bool active) noexcept {
   return gpiod_line_set_value(handle_->line, active ? 1 : 0) == 0;
+}
+
+int GpiodLine::descriptor() const noexcept {
+  return handle_->descriptor;
 }
 
 std::optional<bool> GpiodLine::get() noexcept {

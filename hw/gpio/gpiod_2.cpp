@@ -134,6 +134,10 @@ bool GpiodLine::set(bool active) noexcept {
   return gpiod_line_request_set_value(handle_->request.get(), handle_->offset, line_value(active)) == 0;
 }
 
+int GpiodLine::descriptor() const noexcept {
+  return gpiod_line_request_get_fd(handle_->request.get());
+}
+
 std::optional<bool> GpiodLine::get() noexcept {
   const gpiod_line_value value = gpiod_line_request_get_value(handle_->request.get(), handle_->offset);
   return value == GPIOD_LINE_VALUE_ERROR ? std::nullopt : std::optional(value == GPIOD_LINE_VALUE_ACTIVE);

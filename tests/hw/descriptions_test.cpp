@@ -17,7 +17,8 @@ TEST_CASE("Every outcome of the axis and the projector has words of its own") {
                              MoveResult::NotHomed, MoveResult::Fault}) {
     CHECK(words.insert(describe(r)).second);
   }
-  for (const ProjectorReply r : {ProjectorReply::Ok, ProjectorReply::Refused, ProjectorReply::NoAnswer}) {
+  for (const ProjectorReply r :
+       {ProjectorReply::Ok, ProjectorReply::Refused, ProjectorReply::NoAnswer, ProjectorReply::Interlocked}) {
     CHECK(words.insert(describe(r)).second);
   }
   CHECK(words.count("unknown") == 0);

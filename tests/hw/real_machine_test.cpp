@@ -174,17 +174,20 @@ namespace {
 
 // A machine whose light is a line that may break.
 struct LightBench {
-  LightBench() {
+  explicit LightBench(bool without_light = false, bool without_axis = false)
+      : chip_gone(without_light), axis_missing(without_axis) {
+    plant.config.lid = GpioInputConfig{.line = {.chip = "gpiochip0", .line = "5"}};
     config.light = GpioLineConfig{.chip = "gpiochip7", .line = "24"};
     config.projector.reset();
     machine = std::make_unique<RealMachine>(plant.clock, plant, config,
-                                            RealMachine::Openers{.axis =
-                                                                     [this] {
-                                                                       plant.build();
-                                                                       return std::move(plant.axis);
-                                                                     },
+                                            RealMachine::Openers{.axis = [this] { return open_axis(); },
                                                                  .light = [this] { return open_light(); }});
     machine->on_disturbance([this](const Disturbance& disturbance) { told.push_back(disturbance); });
+  }
+  std::unique_ptr<GpioAxis> open_axis() {
+    if (axis_missing) throw HardwareError("the axis is missing");
+    plant.build();
+    return std::move(plant.axis);
   }
   std::unique_ptr<GpioLightLine> open_light() {
     ++opened;
@@ -193,26 +196,36 @@ struct LightBench {
     line = output.get();
     return std::make_unique<GpioLightLine>(std::move(output), "line 24 of gpiochip7", plant.clock);
   }
-  void light_on() {
+  std::optional<ProjectorReply> light_on() {
+    std::optional<ProjectorReply> reply;
     machine->projector().light_on(std::chrono::seconds{1},
-                                  {.sent = [](TimePoint) {}, .done = [](ProjectorReply) {}});
+                                  {.sent = [](TimePoint) {}, .done = [&](ProjectorReply r) { reply = r; }});
+    plant.run([&] { return reply.has_value(); });
+    return reply;
+  }
+  void move_lid(bool open) {
+    plant.press(AxisInput::Lid, open);
+    plant.run_for(std::chrono::milliseconds{100});
   }
 
   RealMachineConfig config = nowhere();
   testing::Plant plant{GpioAxisConfig{}};
   testing::PlantOutput* line = nullptr;
-  bool chip_gone = false;
+  bool chip_gone, axis_missing;
   int opened = 0;
   std::vector<Disturbance> told;
   std::unique_ptr<RealMachine> machine;
 };
+
+// When what is missing has been looked for, and nothing is looked for at the same time.
+constexpr Duration kPastSearch = RealMachine::kSearchInterval + std::chrono::seconds{1};
 
 }  // namespace
 
 TEST_CASE(
     "A light line that refuses to go off stands in the way, and its chip is opened again when it is back") {
   LightBench bench;
-  bench.light_on();
+  CHECK(bench.light_on() == ProjectorReply::Ok);
   REQUIRE(bench.line->level);
   bench.line->refuses = bench.chip_gone = true;
   bench.machine->projector().light_off();
@@ -237,7 +250,7 @@ TEST_CASE(
 
 TEST_CASE("A light line that goes off after all no longer stands in the way") {
   LightBench bench;
-  bench.light_on();
+  CHECK(bench.light_on() == ProjectorReply::Ok);
   bench.line->refuses = bench.chip_gone = true;
   bench.machine->projector().light_off();
   bench.plant.run_for(std::chrono::milliseconds{100});
@@ -247,6 +260,58 @@ TEST_CASE("A light line that goes off after all no longer stands in the way") {
   CHECK(bench.opened == 1);
   CHECK(count(bench.machine->hindrance(), "light") == 0);
   CHECK(bench.told.back().kind == Disturbance::Kind::Recovery);
+}
+
+TEST_CASE("The lid cuts the light's line before the event loop hears of it, until it is closed again") {
+  LightBench bench;
+  REQUIRE(bench.light_on() == ProjectorReply::Ok);
+  REQUIRE(bench.line->level);
+  const TimePoint opened = bench.plant.clock.now();
+  bench.plant.press(AxisInput::Lid, true);
+  bench.plant.run_threads_for(std::chrono::milliseconds{100});
+  CHECK_FALSE(bench.line->level);
+  bench.machine->projector().light_off();
+  // Its exposure ended with the cut, 60 us for the thread to wake after the lid, not when the event loop came
+  // to it.
+  const auto span = bench.machine->projector().last_light();
+  REQUIRE((span && span->off_earliest));
+  CHECK(*span->off_earliest - opened == std::chrono::microseconds{60});
+  CHECK(bench.light_on() == ProjectorReply::Interlocked);
+  CHECK(count(bench.machine->projector().last_problem(), "stays off") == 1);
+  CHECK_FALSE(bench.line->level);
+  CHECK(count(bench.machine->hindrance(), "the lid is open") == 1);
+  bench.move_lid(false);
+  CHECK(count(bench.machine->hindrance(), "the lid") == 0);
+  CHECK(bench.light_on() == ProjectorReply::Ok);
+}
+
+TEST_CASE("A light's line that comes after the axis, before it, or anew, is cut by it, too") {
+  const bool light_late = GENERATE(false, true), axis_late = GENERATE(false, true);
+  LightBench bench(light_late, axis_late);
+  bench.chip_gone = bench.axis_missing = false;
+  bench.plant.run_for(kPastSearch);
+  REQUIRE(bench.light_on() == ProjectorReply::Ok);
+  bench.line->refuses = true;
+  bench.machine->projector().light_off();
+  bench.plant.run_for(kPastSearch);
+  REQUIRE(bench.opened >= 2);
+  REQUIRE(bench.light_on() == ProjectorReply::Ok);
+  bench.move_lid(true);
+  CHECK_FALSE(bench.line->level);
+}
+
+TEST_CASE("A light that was cut because the axis' chip went goes on again with the axis that comes back") {
+  LightBench bench;
+  REQUIRE(bench.light_on() == ProjectorReply::Ok);
+  bench.axis_missing = true;
+  bench.plant.pull_chip();
+  CHECK_FALSE(bench.line->level);
+  CHECK(bench.light_on() == ProjectorReply::Interlocked);
+  bench.plant.run_for(kPastSearch);
+  CHECK(bench.light_on() == ProjectorReply::Interlocked);
+  bench.axis_missing = false;
+  bench.plant.run_for(kPastSearch);
+  CHECK(bench.light_on() == ProjectorReply::Ok);
 }
 
 TEST_CASE("A look at the hardware tells of every device, whatever is wrong with the others") {

@@ -62,6 +62,17 @@ class CheckConfig(ConfigTest):
             self.assertEqual(result.returncode, OK, result.stderr)
             self.assertIn(b"good", result.stdout)
 
+    def test_what_is_hardly_meant_is_a_warning_and_the_configuration_is_good(self):
+        stop = {"emergency_stop": {"line": 5, "active_low": True, "bias": "pull_up"}}
+        step, direction, switch = {"line": 17}, {"line": 27}, {"line": 23, "bias": "pull_down", "contact": "normally_closed"}
+        axis = {"top_speed_mm_s": 6, "step": step, "direction": direction, "limit_switch": switch, **stop}
+        path = self.config({"hardware": "real", "z_axis": axis, "projector": {"light": {"line": 24}}})
+        result = self.check(path)
+        warning, good = result.stdout.decode().splitlines()
+        self.assertEqual((result.returncode, good), (OK, f"{path}: good"))
+        self.assertTrue(warning.startswith(f"{path}: warning: /z_axis/emergency_stop: "), warning)
+        self.assertIn("a broken wire is silent", warning)
+
     def test_checking_makes_nothing(self):
         self.check(self.config({}))
         self.assertEqual(sorted(os.listdir(self.folder)), ["contourd.json", "resins"])

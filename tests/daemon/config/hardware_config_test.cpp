@@ -58,6 +58,8 @@ TEST_CASE("the shipped profile of a real machine loads, with the pins that the R
   CHECK(axis.enable->active_low);
   CHECK(axis.limit_switch.line.line == "23");
   CHECK(axis.limit_switch.bias == LineBias::PullUp);
+  CHECK(axis.limit_switch.contact == Contact::NormallyClosed);
+  CHECK(config.warnings.empty());
   CHECK(config.real->display.connector == "HDMI-A-1");
   REQUIRE(config.real->projector);
   CHECK(config.real->projector->table.name == "Optoma");
@@ -75,6 +77,7 @@ TEST_CASE(
   CHECK_FALSE(axis.step.active_low);
   CHECK(axis.limit_switch.bias == LineBias::AsIs);
   CHECK(axis.limit_switch.debounce == defaults.limit_switch.debounce);
+  CHECK(axis.limit_switch.contact == Contact::NormallyOpen);
   CHECK(axis.pulse_width == defaults.pulse_width);
   CHECK(axis.direction_setup == defaults.direction_setup);
   CHECK(axis.realtime_priority == defaults.realtime_priority);
@@ -100,7 +103,7 @@ TEST_CASE("every key of a real machine arrives with its unit") {
     "top_speed_mm_s": 7.5, "acceleration_mm_s2": 30.5, "jerk_mm_s3": 500.5, "backlash_um": 12.5,
     "switch_height_mm": 151.25, "homes_upwards": true, "pulse_width_us": 2.5, "direction_setup_us": 6.5,
     "second_switch": {"chip": "/dev/gpiochip1", "line": "END2", "bias": "pull_down", "debounce_ms": 1.5},
-    "emergency_stop": {"line": 5, "bias": "off"}, "lid": {"line": 6, "active_low": true},
+    "emergency_stop": {"line": 5, "bias": "off", "contact": "normally_closed"}, "lid": {"line": 6, "active_low": true},
     "encoder": {"a": {"line": 7}, "b": {"line": 8, "active_low": true}, "bias": "pull_up", "counts_per_mm": 200.5,
                 "reversed": true, "tolerance_um": 12.5, "policy": "correct"},
     "realtime_priority": 30})"));
@@ -127,6 +130,9 @@ TEST_CASE("every key of a real machine arrives with its unit") {
   CHECK(axis.second_switch->bias == LineBias::PullDown);
   CHECK(axis.second_switch->debounce == Duration{1'500'000});
   CHECK(axis.emergency_stop->bias == LineBias::Off);
+  CHECK(axis.emergency_stop->contact == Contact::NormallyClosed);
+  CHECK_FALSE(axis.emergency_stop->line.active_low);
+  CHECK(axis.lid->contact == Contact::NormallyOpen);
   CHECK(axis.lid->line.active_low);
   REQUIRE(axis.encoder);
   CHECK(axis.encoder->a.line == "7");
@@ -330,6 +336,55 @@ TEST_CASE(
 TEST_CASE("a brightness that the projector does not have is refused") {
   CHECK(complaints_with("/projector/brightness", 50) ==
         Complaints{"/projector/brightness: the table \"optoma\" has no brightness"});
+}
+
+// As --check-config prints them, without the file's name.
+Complaints warnings_with(const std::string& key, const char* input, const char* hardware = "real") {
+  RealPrinter printer;
+  printer.at("/z_axis")[key] = json::parse(input);
+  printer.at("/hardware") = hardware;
+  Complaints warnings;
+  for (const Violation& warning : printer.load().warnings) {
+    const std::string line = warning_line(warning);
+    warnings.push_back(line.substr(line.find(": ") + 2));
+  }
+  return warnings;
+}
+
+TEST_CASE("a contact that leaves a broken wire silent is a warning with what follows from it, and no error") {
+  const std::string open = "the contact is normally open, so a broken wire is silent: then ";
+  CHECK(warnings_with("emergency_stop", R"({"line": 5})") ==
+        Complaints{"warning: /z_axis/emergency_stop: " + open + "pressing it stops nothing"});
+  CHECK(warnings_with("lid", R"({"line": 5, "bias": "pull_up", "active_low": true})") ==
+        Complaints{"warning: /z_axis/lid: " + open + "the light stays on under an open lid"});
+  CHECK(warnings_with("second_switch", R"({"line": 5})") ==
+        Complaints{"warning: /z_axis/second_switch: " + open + "a move runs on against the end"});
+  CHECK(warnings_with("limit_switch", R"({"line": 5})") ==
+        Complaints{"warning: /z_axis/limit_switch: " + open + "homing drives the plate on against its end"});
+}
+
+TEST_CASE("a normally closed contact wants a bias that pulls a broken wire away from its level at rest") {
+  const auto warnings = [](const char* bias, bool active_low) {
+    json input = {{"line", 5}, {"contact", "normally_closed"}, {"active_low", active_low}};
+    if (*bias != '\0') input["bias"] = bias;
+    return warnings_with("lid", input.dump().c_str());
+  };
+  CHECK(warnings("pull_up", true).empty());
+  CHECK(warnings("pull_down", false).empty());
+  CHECK(warnings("pull_down", true) ==
+        Complaints{"warning: /z_axis/lid: the bias \"pull_down\" pulls the line to the level that it has at "
+                   "rest, so a "
+                   "broken wire is silent: then the light stays on under an open lid"});
+  CHECK(warnings("pull_up", false).size() == 1);
+  CHECK(warnings("", true) ==
+        Complaints{"warning: /z_axis/lid: the bias \"as_is\" leaves a broken wire's level to chance where no "
+                   "resistor is "
+                   "fitted (\"pull_up\" makes it noticed): at worst the light stays on under an open lid"});
+  CHECK(warnings("off", false).size() == 1);
+}
+
+TEST_CASE("a simulated machine's contacts warn of nothing") {
+  CHECK(warnings_with("emergency_stop", R"({"line": 5})", "simulated").empty());
 }
 
 }  // namespace

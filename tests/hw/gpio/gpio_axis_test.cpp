@@ -35,10 +35,6 @@ GpioAxisConfig with_second_switch(GpioAxisConfig c = config()) {
   c.second_switch = GpioInputConfig{{"gpiochip0", "24", false}};
   return c;
 }
-GpioAxisConfig with_emergency_stop(GpioAxisConfig c = config()) {
-  c.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};
-  return c;
-}
 GpioAxisConfig with_encoder(EncoderConfig::Policy policy, GpioAxisConfig c = config()) {
   EncoderConfig encoder;
   encoder.counts_per_mm = 800;  // a count a step
@@ -514,82 +510,6 @@ TEST_CASE("The other end's switch halts a move as a fault") {
   plant.disturbances.clear();
   CHECK(plant.home() == HomingResult::Homed);  // away from it, though it is closed yet
   CHECK(plate_above_switch(plant) == 0);
-}
-
-TEST_CASE("The emergency stop halts the motor before the event loop hears of it") {
-  Plant plant(with_emergency_stop());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
-  std::size_t made = 0;
-  bool aborts = false;
-  plant.on_disturbance = [&] { aborts = plant.axis->moving(); };
-  const auto press = plant.clock.call_after(2s, [&] {
-    plant.press(AxisInput::EmergencyStop, true);
-    made = plant.pulses.size();
-  });
-  CHECK(plant.move_to(50) == MoveResult::Fault);
-  CHECK(plant.pulses.size() - made <= 1);  // 60 us until the edge is read
-  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault,
-                              "the emergency stop is pressed (line 5 of gpiochip0)"));
-  CHECK(aborts);  // told before the move's answer
-  CHECK_FALSE(plant.axis->height());
-
-  plant.disturbances.clear();
-  plant.run_for(100ms);
-  CHECK(plant.axis->emergency_stop_pressed());
-  CHECK(plant.disturbances.empty());
-  CHECK(plant.home() == HomingResult::Fault);  // still pressed
-  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "the emergency stop is pressed"));
-  CHECK(plant.disturbances.back().owner_decides);
-  plant.disturbances.clear();
-  plant.press(AxisInput::EmergencyStop, false);
-  plant.run_for(100ms);
-  CHECK(only_disturbance_says(plant, Disturbance::Kind::Recovery,
-                              "the emergency stop was let go (line 5 of gpiochip0)"));
-  CHECK(plant.disturbances.back().owner_decides);  // the motor does not start for that alone
-  CHECK(plant.home() == HomingResult::Homed);
-}
-
-TEST_CASE("An emergency stop pressed from the start lets nothing move") {
-  Plant plant(with_emergency_stop());
-  plant.build();
-  plant.press(AxisInput::EmergencyStop, true);
-  plant.run_for(100ms);
-  CHECK(plant.disturbances.size() == 1);
-  CHECK(plant.home() == HomingResult::Fault);
-  CHECK(plant.pulses.empty());
-}
-
-TEST_CASE("Who is told of an emergency stop may abort: the move's answer is dropped") {
-  Plant plant(with_emergency_stop());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
-  bool answered = false;
-  plant.on_disturbance = [&] { plant.axis->abort(); };
-  plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult) { answered = true; });
-  plant.run_for(1s);
-  plant.press(AxisInput::EmergencyStop, true);
-  plant.run_for(1s);
-  CHECK_FALSE(answered);
-  CHECK_FALSE(plant.axis->moving());
-}
-
-TEST_CASE(
-    "The lid is an interruption when it opens, once, that is over when it closes, and the motor goes on") {
-  GpioAxisConfig c = config();
-  c.lid = GpioInputConfig{{"gpiochip0", "6", false}};
-  Plant plant(c);
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
-  const auto open = plant.clock.call_after(1s, [&] { plant.press(AxisInput::Lid, true); });
-  const auto close = plant.clock.call_after(3s, [&] { plant.press(AxisInput::Lid, false); });
-  CHECK(plant.move_to(20) == MoveResult::Reached);
-  REQUIRE(plant.disturbances.size() == 2);
-  CHECK(plant.disturbances[0].kind == Disturbance::Kind::Interruption);
-  CHECK(plant.disturbances[0].what == "the lid was opened (line 6 of gpiochip0)");
-  CHECK(plant.disturbances[1].kind == Disturbance::Kind::Recovery);
-  CHECK(plant.disturbances[1].what == "the lid was closed (line 6 of gpiochip0)");
-  CHECK_FALSE(plant.axis->lid_open());
 }
 
 TEST_CASE("With an encoder the height is the measured one") {

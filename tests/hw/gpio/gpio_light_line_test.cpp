@@ -1,5 +1,6 @@
 #include "hw/gpio/gpio_light_line.hpp"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,18 +17,27 @@ namespace {
 struct Wire {
   bool active = false;
   bool refuses_off = false, refuses_on = false;
-  int sets = 0;
+  int sets = 0, cuts = 0;
+  std::function<void()> before_on;  // what another thread does right before the line is on
 };
 
-class FakeLine final : public OutputLine {
+class FakeLine final : public CuttableLine {
  public:
   explicit FakeLine(Wire& wire) : wire_(wire) {}
   [[nodiscard]] bool set(bool active) noexcept override {
     ++wire_.sets;
     if (active ? wire_.refuses_on : wire_.refuses_off) return false;
+    if (active && wire_.before_on) wire_.before_on();
     wire_.active = active;
     return true;
   }
+  [[nodiscard]] bool cut() noexcept override {
+    ++wire_.cuts;
+    if (wire_.refuses_off) return false;
+    wire_.active = false;
+    return true;
+  }
+  [[nodiscard]] int descriptor() const noexcept override { return -1; }
 
  private:
   Wire& wire_;
@@ -102,4 +112,39 @@ TEST_CASE("a light line that refuses to go on goes off, and is no fault of its o
   bench.pass(10s);
   CHECK(bench.disturbances.empty());
   CHECK(bench.wire.sets == 2);
+}
+
+TEST_CASE("a light line that was cut is off, and goes on only when it was released") {
+  Bench bench;
+  bench.line.on();
+  bench.line.cut(bench.clock.now());
+  CHECK_FALSE(bench.wire.active);
+  CHECK_THROWS_AS(bench.line.on(), LightInterlocked);
+  bench.line.off();
+  CHECK_THROWS_AS(bench.line.on(), LightInterlocked);
+  CHECK_FALSE(bench.wire.active);
+  bench.line.release();
+  CHECK_FALSE(bench.wire.active);  // not by itself
+  bench.line.on();
+  CHECK(bench.wire.active);
+  CHECK(bench.disturbances.empty());
+}
+
+TEST_CASE("a light line that is cut while it is turned on goes off again, whichever comes first") {
+  Bench bench;
+  bench.wire.before_on = [&bench] { bench.line.cut(bench.clock.now()); };
+  CHECK_THROWS_AS(bench.line.on(), LightInterlocked);
+  CHECK_FALSE(bench.wire.active);
+  CHECK(bench.wire.cuts == 1);
+}
+
+TEST_CASE("a light line that refuses to be cut is a fault when the event loop turns it off") {
+  Bench bench;
+  bench.line.on();
+  bench.wire.refuses_off = true;
+  bench.line.cut(bench.clock.now());
+  CHECK(bench.disturbances.empty());
+  bench.line.off();
+  bench.pass(100ms);
+  CHECK(bench.disturbances.size() == 1);
 }

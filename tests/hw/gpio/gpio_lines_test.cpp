@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include "hw/gpio/gpio_axis_config.hpp"
 #include "tests/catch.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -54,4 +55,14 @@ TEST_CASE("A line's report reads as a sentence's part") {
         "line 22 of gpiochip0 (zplant), an output, used by \"contourd enable\"");
   CHECK(describe(GpioLineReport{"gpiochip0", "zplant", 22, "", "", true}) ==
         "line 22 of gpiochip0 (zplant), an output, used by something that does not say its name");
+}
+
+TEST_CASE("A normally closed contact's line is taken the other way round: active is not at rest") {
+  for (const bool active_low : {false, true}) {
+    GpioInputConfig input{{"gpiochip0", "5", active_low}};
+    CHECK(input.logical_line().active_low == active_low);
+    input.contact = Contact::NormallyClosed;
+    CHECK(input.logical_line().active_low != active_low);
+    CHECK(input.logical_line().line == "5");
+  }
 }

@@ -25,9 +25,9 @@ namespace contourd::testing {
 class PlantInput final : public InputLine {
  public:
   [[nodiscard]] int descriptor() const noexcept override { return -1; }
-  [[nodiscard]] bool level() noexcept override {
+  [[nodiscard]] std::optional<bool> level() noexcept override {
     if (before_level) before_level();
-    return level_;
+    return unreadable ? std::nullopt : std::optional(level_);
   }
   [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
     const std::size_t count = std::min(edges.size(), edges_.size());
@@ -43,7 +43,7 @@ class PlantInput final : public InputLine {
     edges_.push_back({level, at});
     if (changed) changed();
   }
-  bool loses_edges = false;
+  bool loses_edges = false, unreadable = false;
   std::function<void()> changed;
   std::function<void()>
       before_level;  // what happens before the level is read, and after the reader has begun
@@ -53,7 +53,7 @@ class PlantInput final : public InputLine {
   std::deque<LineEdge> edges_;
 };
 
-class PlantOutput final : public OutputLine {
+class PlantOutput final : public CuttableLine {
  public:
   [[nodiscard]] bool set(bool active) noexcept override {
     if (refuses) return false;
@@ -61,6 +61,8 @@ class PlantOutput final : public OutputLine {
     level = active;
     return true;
   }
+  [[nodiscard]] bool cut() noexcept override { return set(false); }
+  [[nodiscard]] int descriptor() const noexcept override { return -1; }
   bool level = false, refuses = false;
   std::function<void(bool)> changed;
 };
@@ -84,17 +86,19 @@ class Plant final : public DescriptorWatcher {
   explicit Plant(GpioAxisConfig axis_config) : config(std::move(axis_config)) {
     second.at = 1'000'000'000;
     plant_clock = &clock;
-    for (std::size_t i = 0; i < kAxisInputs; ++i)
-      inputs_[i] = std::make_unique<PlantInput>();
   }
   ~Plant() override {
     axis.reset();
     plant_clock = nullptr;
   }
 
-  // The axis over this plant, as it stands now.
+  // The axis over this plant, as it stands now; again when the one before has gone.
   GpioAxis& build() {
     plate_ = motor;
+    lines = {};
+    for (auto& input : inputs_) {
+      if (!input) input = std::make_unique<PlantInput>();
+    }
     update_switches();
     GpioAxis::Parts parts;
     step = new PlantOutput, direction = new PlantOutput;
@@ -138,6 +142,14 @@ class Plant final : public DescriptorWatcher {
     bool over = false;
     const auto timer = clock.call_after(time, [&] { over = true; });
     run([&] { return over; });
+  }
+
+  // The event loop does not run for so long; the threads do.
+  void run_threads_for(Duration time) {
+    loop_busy_ = true;
+    run_for(time);
+    loop_busy_ = false;
+    dispatch();
   }
 
   std::optional<HomingResult> home() {
@@ -237,7 +249,7 @@ class Plant final : public DescriptorWatcher {
     for (;;) {
       std::vector<pollfd> waited{{steps, POLLIN, 0}, {reader, POLLIN, 0}};
       for (const auto& [fd, call] : watched_)
-        waited.push_back({fd, POLLIN, 0});
+        waited.push_back({loop_busy_ ? -1 : fd, POLLIN, 0});
       if (poll(waited.data(), waited.size(), 0) == 0) return;
       const auto ready =
           std::find_if(waited.begin(), waited.end(), [](const pollfd& fd) { return fd.revents != 0; });
@@ -338,7 +350,7 @@ class Plant final : public DescriptorWatcher {
   StepEngine* engine_ = nullptr;
   AxisInputs* inputs_engine_ = nullptr;
   std::int64_t plate_ = 0;
-  bool limit_closed_ = false, second_closed_ = false, woken_ = false, preempted_ = false;
+  bool limit_closed_ = false, second_closed_ = false, woken_ = false, preempted_ = false, loop_busy_ = false;
   TimePoint fell_at_{}, direction_changed_at_{};
   std::unique_ptr<Timer> next_act_, next_serve_, next_wake_;
   std::vector<std::unique_ptr<Timer>> bounces_;

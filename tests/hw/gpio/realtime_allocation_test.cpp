@@ -33,7 +33,7 @@ class CountingLine final : public OutputLine {
 class TellingLine final : public InputLine {
  public:
   [[nodiscard]] int descriptor() const noexcept override { return -1; }
-  [[nodiscard]] bool level() noexcept override { return level_; }
+  [[nodiscard]] std::optional<bool> level() noexcept override { return level_; }
   [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
     if (!pending_ || edges.empty()) return 0;
     pending_ = false;

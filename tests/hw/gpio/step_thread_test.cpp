@@ -36,7 +36,7 @@ class PipeLine final : public InputLine {
   }
   void press() noexcept { pressed_ = write(ends_[1], "1", 1) == 1; }
   [[nodiscard]] int descriptor() const noexcept override { return ends_[0]; }
-  [[nodiscard]] bool level() noexcept override { return pressed_; }
+  [[nodiscard]] std::optional<bool> level() noexcept override { return pressed_; }
   [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
     char byte = 0;
     if (read(ends_[0], &byte, 1) != 1) return 0;

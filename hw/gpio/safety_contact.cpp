@@ -1,0 +1,37 @@
+#include "hw/gpio/safety_contact.hpp"
+
+#include <algorithm>
+
+namespace contourd {
+
+void SafetyContact::edge(bool unsafe, TimePoint at) noexcept {
+  first_ = moving_ ? std::min(first_, at) : at;
+  last_ = moving_ ? std::max(last_, at) : at;
+  moving_ = true;
+  unsafe_ = unsafe;
+}
+
+std::optional<TimePoint> SafetyContact::due() const noexcept {
+  if (!moving_) return std::nullopt;
+  if (state_ == SafetyState::Safe) return first_;
+  if (!unsafe_) return last_ + debounce_;
+  return state_ == SafetyState::Doubtful ? std::optional(first_ + debounce_) : std::nullopt;
+}
+
+std::optional<SafetyContact::Change> SafetyContact::change(TimePoint now) noexcept {
+  if (!moving_) return std::nullopt;
+  if (state_ == SafetyState::Safe) return step_to(SafetyState::Doubtful, first_);
+  const Duration lasted = (unsafe_ ? now : last_) - first_;
+  if (state_ == SafetyState::Doubtful && lasted >= debounce_) return step_to(SafetyState::Unsafe, first_);
+  if (unsafe_ || now - last_ < debounce_) return std::nullopt;
+  moving_ = false;
+  return step_to(SafetyState::Safe, last_);
+}
+
+SafetyContact::Change SafetyContact::step_to(SafetyState state, TimePoint since) noexcept {
+  const Change change{state_, state, since};
+  state_ = state;
+  return change;
+}
+
+}  // namespace contourd

@@ -1,0 +1,331 @@
+// The safety inputs, as the reading thread serves them: its calls alone, in one thread under a clock of the
+// test's own.
+#include "hw/gpio/axis_inputs.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/core/random_shapes.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+using testing::draw;
+
+namespace {
+
+TimePoint test_time{};  // AxisInputs wants a plain function
+
+class IdleLine final : public OutputLine {
+ public:
+  [[nodiscard]] bool set(bool) noexcept override { return true; }
+};
+
+class Wire final : public InputLine {
+ public:
+  [[nodiscard]] int descriptor() const noexcept override { return -1; }
+  [[nodiscard]] std::optional<bool> level() noexcept override {
+    return unreadable ? std::nullopt : std::optional(level_);
+  }
+  [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
+    const std::size_t count = std::min(edges.size(), waiting_.size());
+    std::copy_n(waiting_.begin(), count, edges.begin());
+    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
+    return count;
+  }
+  void set(bool level) {
+    if (level == level_) return;
+    level_ = level;
+    if (!loses_edges) waiting_.push_back({level, test_time});
+  }
+  bool unreadable = false, loses_edges = false;
+
+ private:
+  bool level_ = false;
+  std::deque<LineEdge> waiting_;
+};
+
+class Lamp final : public LightCutoff {
+ public:
+  void cut(TimePoint) noexcept override {
+    ++cuts;
+    cut_ = true;
+  }
+  void release() noexcept override { cut_ = false; }
+  [[nodiscard]] bool is_cut() const { return cut_; }
+  int cuts = 0;
+
+ private:
+  bool cut_ = false;
+};
+
+constexpr Duration kDebounce = 5ms;
+
+struct Bench {
+  Bench() { build(); }
+  void build() {
+    AxisInputs::Lines lines;
+    lines.contacts[0] = {&limit, kDebounce};
+    lines.contacts[static_cast<std::size_t>(AxisInput::EmergencyStop)] = {&stop, kDebounce};
+    lines.contacts[static_cast<std::size_t>(AxisInput::Lid)] = {&lid, kDebounce};
+    inputs.emplace(engine, lines, []() noexcept { return test_time; });
+    inputs->set_light_cutoff(&lamp);
+    next = inputs->serve();
+  }
+  // The thread: at once for edges, else when it asked for it.
+  void serve() { next = inputs->serve(); }
+  void pass(Duration time) {
+    const TimePoint end = test_time + time;
+    while (next && *next <= end) {
+      test_time = std::max(test_time, *next);
+      serve();
+    }
+    test_time = end;
+  }
+  void set(Wire& wire, bool level) {
+    wire.set(level);
+    serve();
+  }
+  // What the owner is told, who lets go of what is safe again.
+  std::vector<InputChange> told() {
+    std::vector<InputChange> all;
+    while (const auto change = inputs->take_change()) {
+      all.push_back(*change);
+      if (change->to == SafetyState::Safe) inputs->let_go();
+    }
+    return all;
+  }
+  [[nodiscard]] bool active(AxisInput which) const { return inputs->active(which); }
+
+  IdleLine step, direction;
+  Wire limit, stop, lid;
+  Lamp lamp;
+  StepEngine engine{step, direction, {}, []() noexcept { return test_time; }};
+  std::optional<AxisInputs> inputs;
+  std::optional<TimePoint> next;
+};
+
+std::vector<SafetyState> states_of(const std::vector<InputChange>& changes, AxisInput which) {
+  std::vector<SafetyState> states;
+  for (const InputChange& change : changes) {
+    if (change.which == which) states.push_back(change.to);
+  }
+  return states;
+}
+using States = std::vector<SafetyState>;
+
+}  // namespace
+
+TEST_CASE("The light is cut at the first edge of either safety input, and released when it was let go") {
+  Bench bench;
+  const bool lid = GENERATE(false, true);
+  Wire& wire = lid ? bench.lid : bench.stop;
+  bench.set(wire, true);
+  CHECK(bench.lamp.is_cut());
+  bench.pass(100ms);
+  CHECK(bench.engine.barred() == !lid);
+  bench.set(wire, false);
+  bench.pass(kDebounce - 1ns);
+  (void)bench.told();
+  CHECK(bench.lamp.is_cut());
+  bench.pass(1ns);
+  CHECK(bench.lamp.is_cut());  // until its owner has heard of it
+  CHECK(bench.told().size() == 1);
+  CHECK_FALSE(bench.lamp.is_cut());
+  CHECK_FALSE(bench.engine.barred());
+}
+
+TEST_CASE("A chatter at 125 Hz keeps the light cut from its first edge to its end and the debounce time") {
+  Bench bench;
+  for (int i = 0; i < 29 * 125; ++i) {
+    for (const bool level : {true, false}) {
+      bench.set(bench.stop, level);
+      REQUIRE(bench.lamp.is_cut());
+      bench.pass(4ms);
+      (void)bench.told();
+      REQUIRE(bench.lamp.is_cut());
+    }
+  }
+  bench.pass(1ms);
+  CHECK(bench.told().back().to == SafetyState::Safe);
+  CHECK_FALSE(bench.lamp.is_cut());
+}
+
+TEST_CASE("A light that was about to be turned on when it was cut is cut once more") {
+  Bench bench;
+  bench.set(bench.stop, true);
+  const int cuts = bench.lamp.cuts;
+  bench.pass(3ms);
+  CHECK(bench.lamp.cuts > cuts);
+}
+
+TEST_CASE("The light is cut until both safety inputs are safe") {
+  Bench bench;
+  bench.set(bench.stop, true);
+  bench.set(bench.lid, true);
+  bench.pass(1ms);
+  bench.set(bench.stop, false);
+  bench.pass(100ms);
+  CHECK(states_of(bench.told(), AxisInput::EmergencyStop) ==
+        States{SafetyState::Doubtful, SafetyState::Safe});
+  CHECK(bench.lamp.is_cut());
+  bench.set(bench.lid, false);
+  bench.pass(100ms);
+  (void)bench.told();
+  CHECK_FALSE(bench.lamp.is_cut());
+}
+
+TEST_CASE("What was let go and is unsafe again before the owner hears of it stays cut and barred") {
+  Bench bench;
+  bench.set(bench.stop, true);
+  bench.pass(100ms);
+  bench.set(bench.stop, false);
+  bench.pass(100ms);
+  bench.set(bench.stop, true);
+  bench.pass(100ms);
+  (void)bench.told();  // among others that it was safe
+  CHECK(bench.lamp.is_cut());
+  CHECK(bench.engine.barred());
+}
+
+TEST_CASE("A safety input that is unsafe from the start has the light cut as soon as there is one") {
+  Bench bench;
+  bench.lid.set(true);
+  bench.lamp.release();
+  bench.build();
+  CHECK(bench.active(AxisInput::Lid));
+  CHECK(bench.lamp.is_cut());
+  CHECK_FALSE(bench.engine.barred());
+  Lamp other;
+  bench.inputs->set_light_cutoff(&other);
+  CHECK(other.is_cut());
+}
+
+TEST_CASE("A light that was cut before its inputs were opened anew goes on when they are safe") {
+  Bench bench;
+  Lamp lamp;
+  lamp.cut(test_time);
+  bench.inputs->set_light_cutoff(&lamp);
+  CHECK_FALSE(lamp.is_cut());
+  bench.inputs->set_light_cutoff(nullptr);
+  bench.set(bench.stop, true);
+  CHECK_FALSE(lamp.is_cut());
+  CHECK(lamp.cuts == 1);
+}
+
+TEST_CASE(
+    "An edge of a safety input that the kernel lost is found by the level within 20 ms, while nothing "
+    "moves") {
+  Bench bench;
+  bench.stop.loses_edges = true;
+  bench.pass(1s);
+  bench.stop.set(true);
+  bench.pass(20ms);
+  CHECK(bench.lamp.is_cut());
+  bench.pass(kDebounce);
+  CHECK(bench.engine.barred());
+}
+
+TEST_CASE("A safety input that cannot be read is unsafe: an interruption when that does not last") {
+  Bench bench;
+  bench.lid.unreadable = true;
+  bench.pass(20ms);
+  CHECK(bench.lamp.is_cut());
+  CHECK(bench.active(AxisInput::Lid));
+  CHECK_FALSE(bench.inputs->readable(AxisInput::Lid));
+  const auto told = bench.told();
+  REQUIRE(told.size() >= 1);
+  CHECK(told[0].to == SafetyState::Doubtful);
+  CHECK_FALSE(told[0].readable);
+  bench.lid.unreadable = false;
+  bench.pass(100ms);
+  CHECK(bench.told().back().to == SafetyState::Safe);
+  CHECK_FALSE(bench.lamp.is_cut());
+  CHECK_FALSE(bench.inputs->lost());
+}
+
+TEST_CASE("An emergency stop that stays unreadable bars the steps") {
+  Bench bench;
+  bench.stop.unreadable = true;
+  bench.pass(20ms + kDebounce);
+  CHECK(bench.engine.barred());
+  CHECK(states_of(bench.told(), AxisInput::EmergencyStop) ==
+        States{SafetyState::Doubtful, SafetyState::Unsafe});
+}
+
+TEST_CASE("A limit switch that cannot be read leaves nothing to rely on: light cut, steps barred") {
+  Bench bench;
+  bench.limit.unreadable = true;
+  bench.pass(20ms);
+  CHECK(bench.inputs->lost());
+  CHECK(bench.engine.barred());
+  CHECK(bench.lamp.is_cut());
+  CHECK_FALSE(bench.inputs->readable(AxisInput::LimitSwitch));
+  bench.inputs->let_go();
+  CHECK(bench.engine.barred());
+  CHECK(bench.lamp.is_cut());
+}
+
+TEST_CASE("A chip that has gone cuts the light") {
+  Bench bench;
+  bench.inputs->lose();
+  CHECK(bench.lamp.is_cut());
+}
+
+TEST_CASE(
+    "Random edges: unsafe from the first one to a debounce time of quiet, and each bout told in order") {
+  CHECK(rc::check([] {
+    Bench bench;
+    struct Truth {
+      std::optional<TimePoint> first;  // edge of the bout under way
+      TimePoint last{};
+      bool level = false, lasted = false;
+    };
+    std::array<Truth, 2> truths;
+    const std::array wires{&bench.stop, &bench.lid};
+    const std::array inputs{AxisInput::EmergencyStop, AxisInput::Lid};
+    std::array<States, 2> expected, seen;
+    // What must have been told by now.
+    const auto settle = [&](std::size_t i, TimePoint now) {
+      Truth& truth = truths[i];
+      if (!truth.first) return;
+      if (!truth.lasted && (truth.level ? now : truth.last) - *truth.first >= kDebounce) {
+        truth.lasted = true;
+        expected[i].push_back(SafetyState::Unsafe);
+      }
+      if (truth.level || now - truth.last < kDebounce) return;
+      expected[i].push_back(SafetyState::Safe);
+      truth = {};
+    };
+    for (int edge = 0; edge < 60; ++edge) {
+      const auto i = static_cast<std::size_t>(draw(0, 1));
+      Truth& truth = truths[i];
+      // Much within the debounce time, some at its very end, some beyond it.
+      bench.pass(std::chrono::microseconds{draw(0, 4) == 0   ? 5'000
+                                           : draw(0, 4) == 0 ? draw(0, 60'000)
+                                                             : draw(0, 6'000)});
+      settle(0, test_time);
+      settle(1, test_time);
+      truth.level = !truth.level;
+      truth.last = test_time;
+      if (!truth.first) {
+        truth.first = test_time;
+        expected[i].push_back(SafetyState::Doubtful);
+      }
+      bench.set(*wires[i], truth.level);
+      settle(i, test_time);
+      RC_ASSERT(bench.lamp.is_cut());  // at this edge
+      for (const InputChange& change : bench.told())
+        seen[change.which == inputs[0] ? 0 : 1].push_back(change.to);
+      for (std::size_t each = 0; each < 2; ++each) {
+        RC_ASSERT(seen[each] == expected[each]);
+        RC_ASSERT(bench.active(inputs[each]) == truths[each].first.has_value());
+      }
+      RC_ASSERT(bench.lamp.is_cut() == (truths[0].first || truths[1].first));
+      RC_ASSERT(bench.engine.barred() == truths[0].lasted);
+    }
+    RC_ASSERT(!bench.inputs->lost());
+  }));
+}

@@ -1,0 +1,383 @@
+// An axis and its emergency stop, lid and inputs that cannot be read.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/core/random_shapes.hpp"
+#include "tests/hw/gpio/plant.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+using testing::draw;
+using testing::Plant;
+
+namespace {
+
+using Kind = Disturbance::Kind;
+using Sentences = std::vector<std::string>;
+
+// A 4 mm screw at 16 microsteps: 1.25 um a step, 4,000 steps/s at 5 mm/s. All inputs there are, of 5 ms each.
+GpioAxisConfig config() {
+  GpioAxisConfig config;
+  config.travel = Nanometers{100'000'000};
+  config.acceleration = MillimetersPerSecondSquared{50};
+  config.step.line = "17";
+  config.limit_switch.line.line = "23";
+  config.second_switch = GpioInputConfig{{"gpiochip0", "24", false}};
+  config.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};
+  config.lid = GpioInputConfig{{"gpiochip0", "6", false}};
+  return config;
+}
+
+constexpr Duration kDebounce = 5ms;
+
+Nanometers mm(double length) {
+  return Nanometers{std::llround(length * 1e6)};
+}
+
+std::int64_t plate_above_switch(const Plant& plant) {
+  return plant.plate() - plant.limit.at;
+}
+
+std::vector<Kind> kinds(const Plant& plant) {
+  std::vector<Kind> all;
+  for (const Disturbance& disturbance : plant.disturbances)
+    all.push_back(disturbance.kind);
+  return all;
+}
+using Kinds = std::vector<Kind>;
+
+// A press of `lasting` at a time from now.
+class Press {
+ public:
+  Press(Plant& plant, AxisInput which, Duration at, Duration lasting)
+      : press_(plant.clock.call_after(at,
+                                      [this, &plant, which] {
+                                        at_ = plant.clock.now();
+                                        made_ = plant.pulses.size();
+                                        plant.press(which, true);
+                                      })),
+        release_(plant.clock.call_after(at + lasting, [&plant, which] { plant.press(which, false); })) {}
+
+  [[nodiscard]] TimePoint at() const { return at_; }
+  // Steps from the press on.
+  [[nodiscard]] std::size_t steps_since(const Plant& plant) const { return plant.pulses.size() - made_; }
+
+ private:
+  TimePoint at_{};
+  std::size_t made_ = 0;
+  std::unique_ptr<Timer> press_, release_;
+};
+
+constexpr Duration kForGood = 1000s;
+
+}  // namespace
+
+TEST_CASE("An emergency stop slows the motor from its first edge on, and halts it when it has lasted") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  bool answered_before = true;
+  plant.on_disturbance = [&] { answered_before = !plant.axis->moving(); };
+  const Press press(plant, AxisInput::EmergencyStop, 2s, kForGood);
+  CHECK(plant.move_to(50) == MoveResult::Fault);
+  CHECK_FALSE(answered_before);  // told before the move's answer
+  // No step once the debounce time and 60 us for the thread to wake are over.
+  CHECK(plant.pulses.back() - press.at() <= kDebounce + 60us);
+  // Slower from the first edge on: 5 mm/s less 50 mm/s^2 for 5 ms is a twentieth, half of it on average, of
+  // 20 steps.
+  CHECK(press.steps_since(plant) <= 20);
+  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Fault});
+  CHECK(plant.disturbances[0].what ==
+        "the emergency stop was touched, or its line disturbed (line 5 of gpiochip0)");
+  CHECK(plant.disturbances[1].what == "the emergency stop is pressed (line 5 of gpiochip0)");
+  CHECK_FALSE(plant.disturbances[0].owner_decides);
+  CHECK(plant.disturbances[1].owner_decides);
+  CHECK_FALSE(plant.axis->height());
+}
+
+TEST_CASE(
+    "An emergency stop halts the motor also while the event loop is busy, and is then told as the fault") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  std::optional<MoveResult> result;
+  plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult r) { result = r; });
+  plant.run_for(2s);
+  const TimePoint pressed = plant.clock.now();
+  plant.press(AxisInput::EmergencyStop, true);
+  plant.run_threads_for(1s);
+  CHECK(plant.pulses.back() - pressed <= kDebounce + 60us);
+  plant.run([&] { return result.has_value(); });
+  CHECK(result == MoveResult::Fault);
+  CHECK(kinds(plant) == Kinds{Kind::Fault});
+}
+
+TEST_CASE("While an emergency stop is pressed nothing moves; let go, the owner decides") {
+  Plant plant(config());
+  plant.build();
+  plant.press(AxisInput::EmergencyStop, true);
+  plant.run_for(100ms);
+  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Fault});
+  CHECK(plant.axis->hindrances() == Sentences{"the emergency stop is pressed"});
+  plant.disturbances.clear();
+  CHECK(plant.home() == HomingResult::Fault);
+  CHECK(plant.pulses.empty());
+  CHECK(kinds(plant) == Kinds{Kind::Fault});
+  plant.disturbances.clear();
+  plant.press(AxisInput::EmergencyStop, false);
+  plant.run_for(100ms);
+  REQUIRE(kinds(plant) == Kinds{Kind::Recovery});
+  CHECK(plant.disturbances[0].what == "the emergency stop was let go (line 5 of gpiochip0)");
+  CHECK(plant.disturbances[0].owner_decides);  // the motor does not start for that alone
+  CHECK(plant.axis->hindrances().empty());
+  CHECK(plant.home() == HomingResult::Homed);
+}
+
+TEST_CASE("Who is told of an emergency stop may abort: the move's answer is dropped") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  bool answered = false;
+  plant.on_disturbance = [&] { plant.axis->abort(); };
+  plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult) { answered = true; });
+  plant.run_for(1s);
+  plant.press(AxisInput::EmergencyStop, true);
+  plant.run_for(1s);
+  CHECK_FALSE(answered);
+  CHECK_FALSE(plant.axis->moving());
+}
+
+TEST_CASE("A spike on the emergency stop's line rests a move, which then goes on, its position known") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  const Press spike(plant, AxisInput::EmergencyStop, 2s, 1ms);
+  CHECK(plant.move_to(20) == MoveResult::Reached);
+  CHECK(plate_above_switch(plant) == 16'000);
+  CHECK(plant.axis->height() == mm(20));
+  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Recovery});
+  CHECK(plant.disturbances[1].what == "the emergency stop is not pressed (line 5 of gpiochip0)");
+  CHECK_FALSE(plant.disturbances[1].owner_decides);
+  // Slowed down from 5 mm/s at 50 mm/s^2, a tenth of a second, and sped up again: once at walking pace in
+  // between.
+  const auto slowest = [&] {
+    Duration longest{};
+    for (std::size_t i = 1; i < plant.pulses.size(); ++i) {
+      if (plant.pulses[i - 1] > spike.at() && plant.pulses[i] < spike.at() + 1s)
+        longest = std::max(longest, plant.pulses[i] - plant.pulses[i - 1]);
+    }
+    return longest;
+  }();
+  CHECK(slowest > 1ms);
+  CHECK(slowest < 50ms);
+}
+
+TEST_CASE("No step begins while it is not known whether the emergency stop is pressed") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  const bool lasts = GENERATE(false, true);
+  plant.pulses.clear();
+  const Press press(plant, AxisInput::EmergencyStop, 1ms, lasts ? kForGood : Duration{2ms});
+  plant.run_for(1ms);
+  plant.run_for(100us);  // it has been told
+  CHECK(plant.axis->hindrances() == Sentences{"the emergency stop is pressed"});
+  CHECK(plant.move_to(1) == (lasts ? MoveResult::Fault : MoveResult::Reached));
+  if (lasts) {
+    CHECK(plant.pulses.empty());
+    return;
+  }
+  CHECK(plant.pulses.front() - press.at() >= 2ms + kDebounce);
+  CHECK(plate_above_switch(plant) == 800);
+}
+
+TEST_CASE("A move that waits for the emergency stop to be known can be stopped and aborted") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.pulses.clear();
+  std::optional<MoveResult> result;
+  const Press press(plant, AxisInput::EmergencyStop, 0ms, 4ms);
+  plant.run_for(1ms);
+  plant.axis->move_to(mm(1), MillimetersPerSecond{5}, [&](MoveResult r) { result = r; });
+  const bool aborts = GENERATE(false, true);
+  aborts ? plant.axis->abort() : plant.axis->stop();
+  plant.run_for(1s);
+  CHECK(result == (aborts ? std::nullopt : std::optional(MoveResult::Stopped)));
+  CHECK(plant.pulses.empty());
+  CHECK_FALSE(plant.axis->moving());
+}
+
+TEST_CASE(
+    "A spike whose owner stops the move ends it there, and the next one waits until the spike is over") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  REQUIRE(plant.move_to(30) == MoveResult::Reached);
+  plant.on_disturbance = [&] { plant.axis->stop(); };  // as a print does on its way down
+  const Press spike(plant, AxisInput::EmergencyStop, 1s, 1ms);
+  CHECK(plant.move_to(10) == MoveResult::Stopped);
+  plant.on_disturbance = nullptr;
+  CHECK(plant.axis->height() == Nanometers{plate_above_switch(plant) * 1'250});
+  CHECK(plant.move_to(31) == MoveResult::Reached);
+  CHECK(plate_above_switch(plant) == 24'800);
+}
+
+TEST_CASE("A spike while homing does not make it find the switch elsewhere") {
+  CHECK(rc::check([] {
+    Plant plant(config());
+    plant.limit.bounces = static_cast<int>(draw(0, 4));
+    plant.limit.bounce = 200us;
+    plant.build();
+    std::vector<std::unique_ptr<Press>> spikes;
+    for (auto count = draw(1, 3); count > 0; --count)
+      spikes.push_back(std::make_unique<Press>(plant, AxisInput::EmergencyStop,
+                                               std::chrono::milliseconds{count * 1'500 - draw(100, 1'500)},
+                                               std::chrono::microseconds{draw(10, 1'500)}));
+    RC_ASSERT(plant.home() == HomingResult::Homed);
+    RC_ASSERT(plate_above_switch(plant) == 0);
+    for (const Disturbance& disturbance : plant.disturbances)
+      RC_ASSERT(disturbance.kind != Kind::Fault);
+  }));
+}
+
+TEST_CASE("A spike while homing whose owner aborts leaves the axis to be homed again") {
+  Plant plant(config());
+  plant.build();
+  plant.on_disturbance = [&] { plant.axis->abort(); };  // as a print does, which is held then
+  const Press spike(plant, AxisInput::EmergencyStop, 500ms, 1ms);
+  bool answered = false;
+  plant.axis->home([&](HomingResult) { answered = true; });
+  plant.run_for(1s);
+  CHECK_FALSE(answered);
+  CHECK_FALSE(plant.axis->moving());
+  CHECK(plant.axis->hindrances().empty());
+  CHECK(plant.home() == HomingResult::Homed);
+  CHECK(plate_above_switch(plant) == 0);
+}
+
+TEST_CASE("Moves with spikes on both safety inputs end where they should, and only interruptions are told") {
+  CHECK(rc::check([] {
+    Plant plant(config());
+    plant.build();
+    RC_ASSERT(plant.home() == HomingResult::Homed);
+    std::vector<std::unique_ptr<Press>> spikes;
+    for (auto count = draw(1, 6); count > 0; --count) {
+      // 20 ms apart at least: two within the debounce time are a press.
+      spikes.push_back(std::make_unique<Press>(
+          plant, draw(0, 1) == 0 ? AxisInput::EmergencyStop : AxisInput::Lid,
+          std::chrono::milliseconds{count * 300 + draw(0, 280)}, std::chrono::microseconds{draw(10, 4'900)}));
+    }
+    RC_ASSERT(plant.move_to(6) == MoveResult::Reached);
+    RC_ASSERT(plant.move_to(2) == MoveResult::Reached);
+    plant.run_for(3s);
+    RC_ASSERT(plate_above_switch(plant) == 1'600);
+    RC_ASSERT(plant.axis->height() == mm(2));
+    RC_ASSERT(plant.axis->hindrances().empty());
+    RC_ASSERT(plant.disturbances.size() == 2 * spikes.size());
+    for (std::size_t i = 0; i < plant.disturbances.size(); ++i)
+      RC_ASSERT(plant.disturbances[i].kind == (i % 2 == 0 ? Kind::Interruption : Kind::Recovery));
+  }));
+}
+
+TEST_CASE("An emergency stop that chatters for longer than its debounce time is a pressed one, told once") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  std::vector<std::unique_ptr<Press>> touches;
+  for (int i = 0; i < 1'000; ++i)
+    touches.push_back(std::make_unique<Press>(plant, AxisInput::EmergencyStop, 2s + i * 4ms, 300us));
+  CHECK(plant.move_to(50) == MoveResult::Fault);
+  CHECK(plant.pulses.back() - touches[0]->at() <= 8ms + 60us);  // the first touch at 5 ms or later
+  plant.run_for(5s);
+  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Fault, Kind::Recovery});
+}
+
+TEST_CASE("A spike while nothing moves hinders until it has settled, and is told as such") {
+  Plant plant(config());
+  plant.build();
+  const Press spike(plant, AxisInput::EmergencyStop, 1ms, 1ms);
+  plant.run_for(3ms);
+  CHECK(plant.axis->hindrances() == Sentences{"the emergency stop is pressed"});
+  plant.run_for(10ms);
+  CHECK(plant.axis->hindrances().empty());
+  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Recovery});
+}
+
+TEST_CASE("Lid and emergency stop at once are an interruption each, and one fault") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  const Press lid(plant, AxisInput::Lid, 1s, 2s), stop(plant, AxisInput::EmergencyStop, 1s, 2s);
+  CHECK(plant.move_to(50) == MoveResult::Fault);
+  CHECK(plant.axis->hindrances() == Sentences{"the emergency stop is pressed", "the lid is open"});
+  plant.run_for(3s);
+  CHECK(kinds(plant) ==
+        Kinds{Kind::Interruption, Kind::Interruption, Kind::Fault, Kind::Recovery, Kind::Recovery});
+  CHECK(plant.axis->hindrances().empty());
+}
+
+TEST_CASE(
+    "The lid is an interruption when it opens, once, that is over when it closes, and the motor goes on") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  const Duration lasting = GENERATE(Duration{1ms}, Duration{2s});
+  const Press open(plant, AxisInput::Lid, 1s, lasting);
+  CHECK(plant.move_to(20) == MoveResult::Reached);
+  REQUIRE(kinds(plant) == Kinds{Kind::Interruption, Kind::Recovery});
+  CHECK(plant.disturbances[0].what == "the lid was opened (line 6 of gpiochip0)");
+  CHECK(plant.disturbances[1].what == "the lid was closed (line 6 of gpiochip0)");
+  CHECK(plant.axis->hindrances().empty());
+}
+
+TEST_CASE("A safety input that cannot be read is told as such, and stands in the way") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.lines[static_cast<std::size_t>(AxisInput::Lid)]->unreadable = true;
+  plant.run_for(100ms);
+  CHECK(kinds(plant) == Kinds{Kind::Interruption});
+  CHECK(plant.disturbances[0].what == "the lid cannot be read, which counts as open (line 6 of gpiochip0)");
+  CHECK(plant.axis->hindrances() == Sentences{"the lid cannot be read"});
+  plant.lines[static_cast<std::size_t>(AxisInput::Lid)]->unreadable = false;
+  plant.run_for(100ms);
+  CHECK(plant.axis->hindrances().empty());
+  plant.disturbances.clear();
+
+  plant.lines[static_cast<std::size_t>(AxisInput::EmergencyStop)]->unreadable = true;
+  CHECK(plant.move_to(10) == MoveResult::Fault);
+  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Fault});
+  CHECK(plant.disturbances[0].what == "the emergency stop cannot be read (line 5 of gpiochip0)");
+  CHECK(plant.disturbances[1].what == "the emergency stop cannot be read (line 5 of gpiochip0)");
+  CHECK(plant.axis->hindrances() == Sentences{"the emergency stop cannot be read"});
+}
+
+TEST_CASE(
+    "A limit switch that cannot be read ends a move and homing as a fault with its sentence, told once") {
+  Plant plant(config());
+  plant.build();
+  const AxisInput which = GENERATE(AxisInput::LimitSwitch, AxisInput::SecondSwitch);
+  const bool homes = GENERATE(false, true);
+  if (!homes) REQUIRE(plant.home() == HomingResult::Homed);
+  const auto breaks =
+      plant.clock.call_after(500ms, [&] { plant.lines[static_cast<std::size_t>(which)]->unreadable = true; });
+  plant.pulses.clear();
+  if (homes) {
+    CHECK(plant.home() == HomingResult::Fault);
+  } else {
+    CHECK(plant.move_to(50) == MoveResult::Fault);
+  }
+  REQUIRE(kinds(plant) == Kinds{Kind::Fault});
+  CHECK(plant.disturbances[0].what == (which == AxisInput::LimitSwitch
+                                           ? "the limit switch cannot be read (line 23 of gpiochip0)"
+                                           : "the second switch cannot be read (line 24 of gpiochip0)"));
+  CHECK(plant.axis->lost());
+  CHECK_FALSE(plant.axis->height());
+  plant.run_for(1s);
+  CHECK(plant.disturbances.size() == 1);
+}

@@ -1,0 +1,113 @@
+#include "hw/gpio/safety_contact.hpp"
+
+#include <vector>
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr Duration kDebounce = 5ms;
+
+// The states it comes to by `now`.
+std::vector<SafetyState> states(SafetyContact& contact, Duration now) {
+  std::vector<SafetyState> all;
+  while (const auto change = contact.change(TimePoint{now}))
+    all.push_back(change->to);
+  return all;
+}
+using States = std::vector<SafetyState>;
+constexpr SafetyState kSafe = SafetyState::Safe, kDoubtful = SafetyState::Doubtful,
+                      kUnsafe = SafetyState::Unsafe;
+
+}  // namespace
+
+TEST_CASE("A safety contact at rest has nothing to tell and waits for nothing") {
+  SafetyContact contact(kDebounce, false);
+  contact.read(false, TimePoint{1s});
+  CHECK_FALSE(contact.due());
+  CHECK(states(contact, 2s).empty());
+}
+
+TEST_CASE("A safety contact is unsafe by its first edge, and has lasted when the debounce time is over") {
+  SafetyContact contact(kDebounce, false);
+  contact.edge(true, TimePoint{10ms});
+  CHECK(states(contact, 10ms) == States{kDoubtful});
+  CHECK(contact.due() == TimePoint{15ms});
+  CHECK(states(contact, 15ms - 1ns).empty());
+  const auto change = contact.change(TimePoint{15ms});
+  REQUIRE(change);
+  CHECK(change->from == kDoubtful);
+  CHECK(change->to == kUnsafe);
+  CHECK(change->since == TimePoint{10ms});
+  CHECK_FALSE(contact.due());  // until it is let go
+}
+
+TEST_CASE("A spike on a safety contact is over after a debounce time of quiet, and has not lasted") {
+  SafetyContact contact(kDebounce, false);
+  contact.edge(true, TimePoint{10ms});
+  contact.edge(false, TimePoint{11ms});
+  CHECK(states(contact, 12ms) == States{kDoubtful});
+  CHECK(contact.due() == TimePoint{16ms});
+  CHECK(states(contact, 16ms - 1ns).empty());
+  CHECK(states(contact, 16ms) == States{kSafe});
+  CHECK_FALSE(contact.due());
+}
+
+TEST_CASE("A spike and a press that are learned of late are told apart all the same") {
+  SafetyContact spike(kDebounce, false), press(kDebounce, false);
+  spike.edge(true, TimePoint{10ms});
+  spike.edge(false, TimePoint{11ms});
+  CHECK(states(spike, 1s) == States{kDoubtful, kSafe});
+  press.edge(true, TimePoint{10ms});
+  press.edge(false, TimePoint{15ms});
+  CHECK(states(press, 1s) == States{kDoubtful, kUnsafe, kSafe});
+}
+
+TEST_CASE("A safety contact that chatters for the debounce time has lasted, however short each touch is") {
+  SafetyContact contact(kDebounce, false);
+  States all;
+  for (int ms = 10; ms < 100; ms += 4) {  // 4 ms of quiet at the most
+    contact.edge(true, TimePoint{ms * 1ms});
+    contact.edge(false, TimePoint{ms * 1ms + 100us});
+    for (const SafetyState state : states(contact, ms * 1ms + 200us))
+      all.push_back(state);
+  }
+  CHECK(all == States{kDoubtful, kUnsafe});
+  CHECK(contact.due() == TimePoint{98ms + 100us + kDebounce});
+  CHECK(states(contact, 98ms + 100us + kDebounce) == States{kSafe});
+}
+
+TEST_CASE("An edge to the safe level where it was safe says that one was missed, and counts") {
+  SafetyContact contact(kDebounce, false);
+  contact.edge(false, TimePoint{10ms});
+  CHECK(states(contact, 10ms) == States{kDoubtful});
+  CHECK(states(contact, 15ms) == States{kSafe});
+}
+
+TEST_CASE("A level that was read before its edge was told has the edge's time") {
+  SafetyContact contact(kDebounce, false);
+  contact.read(true, TimePoint{12ms});
+  contact.edge(true, TimePoint{10ms});
+  CHECK(states(contact, 12ms) == States{kDoubtful});
+  CHECK(contact.due() == TimePoint{15ms});
+}
+
+TEST_CASE("A safety contact that is unsafe from the start has lasted") {
+  SafetyContact contact(kDebounce, true);
+  CHECK(contact.state() == kUnsafe);
+  CHECK_FALSE(contact.due());
+  contact.edge(false, TimePoint{10ms});
+  CHECK(states(contact, 14ms).empty());
+  CHECK(states(contact, 15ms) == States{kSafe});
+}
+
+TEST_CASE("A safety contact without a debounce time lasts from its first edge on") {
+  SafetyContact contact(Duration{0}, false);
+  contact.edge(true, TimePoint{10ms});
+  CHECK(states(contact, 10ms) == States{kDoubtful, kUnsafe});
+  contact.edge(false, TimePoint{11ms});
+  CHECK(states(contact, 11ms) == States{kSafe});
+}
