@@ -12,6 +12,7 @@
 #include "daemon/config/hardware_config.hpp"
 #include "daemon/config/hardware_rules.hpp"
 #include "daemon/config/input_plausibility.hpp"
+#include "daemon/config/light_plausibility.hpp"
 #include "daemon/config/json_document.hpp"
 #include "daemon/config/json_schema.hpp"
 #include "daemon/config/json_section.hpp"
@@ -210,6 +211,14 @@ struct Companions {
   std::optional<LoadedTable> table;
 };
 
+void warn_of_light(JsonDocument& document, const Companions& companions) {
+  const ResinProfile& resin = *companions.resin;
+  const auto irradiance = document.sound_number("/projector/irradiance_mw_cm2");
+  const int behind_fade = resin.bottom_layers + resin.fade_layers;
+  warn_of_doubtful_light(document, companions.table->table, resin.tolerance,
+                         exposure_time(resin, resin.layer_height, behind_fade, irradiance.value()));
+}
+
 // What only a real machine has.
 void read_real(const JsonDocument& document, std::optional<LoadedTable> table, PrinterConfig& config) {
   std::optional<nlohmann::json> json;
@@ -275,6 +284,7 @@ PrinterConfig load_printer_config(const fs::path& path, Places places) {
   std::vector<Violation> violations = document.violations();
   violations.insert(violations.end(), elsewhere.begin(), elsewhere.end());
   if (!violations.empty()) throw ConfigError(std::move(violations));
+  if (companions.table) warn_of_light(document, companions);
   return read_printer(document, folder, std::move(companions));
 }
 

@@ -1,0 +1,46 @@
+#include "daemon/config/light_plausibility.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <string>
+
+namespace contourd {
+namespace {
+
+std::string in_ms(Duration duration) {
+  return std::to_string(std::llround(std::chrono::duration<double, std::milli>(duration).count())) + " ms";
+}
+
+// A start bit, 8 data bits, a stop bit.
+Duration wire_time(const std::string& bytes, int baud) {
+  return Duration{std::chrono::seconds{10}} * static_cast<std::int64_t>(bytes.size()) / baud;
+}
+
+}  // namespace
+
+void warn_of_doubtful_light(JsonDocument& printer, const ProjectorTable& table,
+                            const ExposureTolerance& tolerance, Duration exposure) {
+  if (!table.switches_light()) return;
+  const auto warn = [&printer](const std::string& what) { printer.add_warning("/projector/table", what); };
+  const std::string tolerated =
+      "the resin's exposure_tolerance_ms is " + in_ms(tolerance.bounds) +
+      (tolerance.doubt == ExposureTolerance::Doubt::Interrupt ? ", so every layer will wait for its owner"
+                                                              : ", so every layer will be warned about");
+  const Duration commands =
+      wire_time(table.light_on->bytes, table.baud) + wire_time(table.light_off->bytes, table.baud);
+  if (commands > tolerance.bounds) {
+    warn("light_on and light_off alone take " + in_ms(commands) + " at " + std::to_string(table.baud) +
+         " baud: " + tolerated);
+  }
+  if (table.latency > tolerance.bounds) {
+    warn("its latency_ms is " + in_ms(table.latency) +
+         ", and light_off is hardly faster than light_on: " + tolerated);
+  }
+  if (table.light_on->timeout >= exposure) {
+    warn("the reply to light_on may take " + in_ms(table.light_on->timeout) +
+         ", but the resin's exposure is " + in_ms(exposure) +
+         ": of a reply that is lost nobody knows before the exposure is over, nor whether there was light");
+  }
+}
+
+}  // namespace contourd

@@ -1,0 +1,15 @@
+// What a projector's table allows, and would leave the light of a layer known less well than its resin
+// tolerates.
+#pragma once
+
+#include "daemon/config/json_document.hpp"
+#include "daemon/config/resin_profile.hpp"
+#include "hw/serial/projector_table.hpp"
+
+namespace contourd {
+
+// Adds warnings at the printer's /projector/table. `exposure` is the resin's shortest.
+void warn_of_doubtful_light(JsonDocument& printer, const ProjectorTable& table,
+                            const ExposureTolerance& tolerance, Duration exposure);
+
+}  // namespace contourd
