@@ -152,6 +152,7 @@ void PrintProcess::perform(PrintEffect effect) {
   switch (effect) {
     case PrintEffect::LightOff:
       machine_.projector().light_off();
+      if (light_asked_) light_ = machine_.projector().last_light();
       return expect_darkness();
     case PrintEffect::BlackNow:
       return machine_.display().black_now();
@@ -287,9 +288,8 @@ void PrintProcess::display_lost() {
 void PrintProcess::light_on() {
   expect_within(kProjectorDeadline, "the projector to be told to turn the light on");
   light_asked_ = true;
-  light_on_at_.reset();
+  light_.reset();
   const auto sent = while_in_state<TimePoint>([this](TimePoint earliest) {
-    light_on_at_ = earliest;
     exposure_end_ = earliest + exposure_left();
     handle(PrintEvent::LightOnSent);
   });
@@ -314,16 +314,15 @@ void PrintProcess::is_dark() {
   handle(state_ == PrintState::AwaitingDark ? next_due() : PrintEvent::LightIsOff);
 }
 
-// What the light that has gone off has given; or, where nobody confirms that, has given so far.
+// What the light that has gone off has given; or, where nobody confirms that, has given so far. A projector
+// that was lost meanwhile, and one that was found, know nothing of it: it may shine on.
 void PrintProcess::count_light() {
-  if (!std::exchange(light_asked_, false)) return;
-  std::optional<LightSpan> light = machine_.projector().last_light();
-  // Its projector was lost: it may shine on.
-  if (!light && light_on_at_) light = LightSpan{*light_on_at_, {}, {}, {}};
-  if (!light) return;
-  record_.exposure_least += light->least();
-  record_.exposure_most += light->most(clock_.now());
-  record_.dark_confirmed = record_.dark_confirmed && light->off_latest;
+  if (!std::exchange(light_asked_, false) || !light_) return;
+  const std::optional<LightSpan> known = machine_.projector().last_light();
+  if (known && known->on_earliest == light_->on_earliest) light_ = known;
+  record_.exposure_least += light_->least();
+  record_.exposure_most += light_->most(clock_.now());
+  record_.dark_confirmed = record_.dark_confirmed && light_->off_latest;
   ++record_.exposure_parts;
 }
 

@@ -172,11 +172,11 @@ class PrintProcess {
   bool canceled_ = false;
   std::string failure_;
   std::string interruption_;
-  LayerRecord record_;                    // of the layer under way
-  bool layer_exposed_ = false;            // it has had all its light
-  bool layer_told_ = false;               // its record was
-  bool light_asked_ = false;              // what light it gave is not in the record yet
-  std::optional<TimePoint> light_on_at_;  // of that light, once its command was sent
+  LayerRecord record_;              // of the layer under way
+  bool layer_exposed_ = false;      // it has had all its light
+  bool layer_told_ = false;         // its record was
+  bool light_asked_ = false;        // what light it gave is not in the record yet
+  std::optional<LightSpan> light_;  // of that light, as it was known when it was told to go off
   TimePoint exposure_end_{};
   std::vector<Duration> left_after_;  // by expected layer: how long the layers behind it take
   std::unique_ptr<Timer> wait_;

@@ -100,8 +100,10 @@ void LightLineProjector::ask_status(StatusDone done) {
 ProjectorWithLightLine::ProjectorWithLightLine(Projector& projector, LightLine& line, Clock& clock)
     : projector_(projector), behind_line_(line, clock, Duration{0}) {}
 
+// The projector may outlive this: it is not to call back.
 ProjectorWithLightLine::~ProjectorWithLightLine() {
   behind_line_.light_off();
+  projector_.when_dark(nullptr);
 }
 
 void ProjectorWithLightLine::power_on(Done done) {

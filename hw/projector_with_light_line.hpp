@@ -50,7 +50,7 @@ class LightLineProjector final : public Projector {
 // when both are.
 class ProjectorWithLightLine final : public Projector {
  public:
-  // All must outlive this.
+  // All must outlive this. What waits for an answer is dropped by light_off(), before this goes.
   ProjectorWithLightLine(Projector& projector, LightLine& line, Clock& clock);
   ~ProjectorWithLightLine() override;
 

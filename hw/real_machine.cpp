@@ -86,6 +86,7 @@ bool RealMachine::open_light() {
     return was_lost;
   }
   const std::string refusal = light_ ? light_->refusal() : std::exchange(light_refusal_, "");
+  projector().light_off();  // and what waits for the combined one is dropped
   combined_.reset();
   if (axis_) axis_->set_light_cutoff(nullptr);
   light_.reset();

@@ -24,26 +24,44 @@ void keep_last(std::string& bytes, char next) {
   if (bytes.size() > most_kept) bytes.erase(0, bytes.size() - most_kept);
 }
 
+bool fits(const ProjectorCommand& command, bool line, std::string_view text) {
+  return std::ranges::any_of(command.replies, [&](const ExpectedReply& expected) {
+    return line ? expected.pattern.match_line(text).has_value()
+                : expected.pattern.match_end(text).has_value();
+  });
+}
+
 }  // namespace
 
-void ReplyReader::expect(RequestId request, const ProjectorCommand& command, TimePoint until) {
+void ReplyReader::expect(RequestId request, const ProjectorCommand& command, TimePoint sent,
+                         Duration patience) {
   if (command.replies.empty() && !table_.echo) return;
-  owed_.push_back({request, &command, table_.echo ? command.bytes : std::string(), until});
+  Owed next{request, &command, table_.echo ? command.bytes : std::string(), patience, {}, sent + patience};
+  for (const Owed& owed : owed_) {
+    if (owed.request != request) next.before.push_back(owed.command);
+  }
+  owed_.push_back(std::move(next));
+}
+
+// As long as one may still be answered, so may those behind it.
+void ReplyReader::give_up(TimePoint now) {
+  const auto kept = std::ranges::find_if(owed_, [now](const Owed& owed) { return owed.until >= now; });
+  owed_.erase(owed_.begin(), kept);
 }
 
 ReplyReader::Heard ReplyReader::take(char byte, TimePoint now) {
-  std::erase_if(owed_, [now](const Owed& owed) { return owed.until < now; });
+  give_up(now);
   keep_last(received_, byte);
   keep_last(unexplained_, byte);
   const bool ends_line = byte == '\r' || byte == '\n';
   if (!ends_line) line_ += byte;
   if (is_echo(false)) return explained({});
-  if (auto reply = match(false, received_)) return explained({std::move(reply), nullptr});
+  if (auto reply = match(false, received_, now)) return explained({std::move(reply), nullptr});
   return ends_line || line_.size() >= longest_line ? end_line(now) : Heard{};
 }
 
 ReplyReader::Heard ReplyReader::end_line(TimePoint now) {
-  std::erase_if(owed_, [now](const Owed& owed) { return owed.until < now; });
+  give_up(now);
   const bool echo = is_echo(true);
   const std::string whole = std::exchange(line_, {});
   const std::string_view line = trimmed(whole);
@@ -55,7 +73,7 @@ ReplyReader::Heard ReplyReader::end_line(TimePoint now) {
   for (const UnaskedLine& unasked : table_.unasked) {
     if (unasked.pattern.match_line(line)) return explained({{}, &unasked});
   }
-  if (auto reply = match(true, line)) return explained({std::move(reply), nullptr});
+  if (auto reply = match(true, line, now)) return explained({std::move(reply), nullptr});
   return {};
 }
 
@@ -72,13 +90,17 @@ bool ReplyReader::is_echo(bool of_line) {
   return false;
 }
 
-std::optional<ReplyReader::Reply> ReplyReader::match(bool line, std::string_view text) {
+std::optional<ReplyReader::Reply> ReplyReader::match(bool line, std::string_view text, TimePoint now) {
   for (auto owed = owed_.begin(); owed != owed_.end(); ++owed) {
     for (const ExpectedReply& expected : owed->command->replies) {
       const auto found = line ? expected.pattern.match_line(text) : expected.pattern.match_end(text);
       if (!found) continue;
-      Reply reply{owed->request, expected.meaning, found->value, std::string(text)};
+      Reply reply{owed->request, expected.meaning, found->value, std::string(text), false};
+      reply.doubtful = std::ranges::any_of(
+          owed->before, [&](const ProjectorCommand* other) { return fits(*other, line, text); });
       owed_.erase(owed_.begin(), owed + 1);
+      for (Owed& next : owed_)
+        next.until = std::max(next.until, now + next.patience);
       return reply;
     }
   }

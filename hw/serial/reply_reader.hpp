@@ -20,6 +20,8 @@ class ReplyReader {
     ReplyMeaning meaning;
     std::optional<std::int64_t> value;
     std::string text;  // the line, or the bytes it ended in, as received
+    // Another request was unanswered when the command was sent: this may be its reply once more.
+    bool doubtful = false;
   };
   struct Heard {  // one or neither
     std::optional<Reply> reply;
@@ -29,10 +31,11 @@ class ReplyReader {
   // The table must outlive the reader and stay where it is.
   explicit ReplyReader(const ProjectorTable& table) : table_(table) {}
 
-  // The command was sent: a reply to it may come up to `until`. Projectors answer in the order of the
-  // commands, so that a reply belongs to the oldest command that it fits, and commands before that one have
-  // gone unanswered. The command must outlive that time.
-  void expect(RequestId request, const ProjectorCommand& command, TimePoint until);
+  // The command will have left by `sent`: a reply to it may come up to `patience` after that, or after the
+  // reply before it. Projectors answer in the order of the commands, so that a reply belongs to the oldest
+  // command that it fits, and commands before that one have gone unanswered. The command must outlive that
+  // time.
+  void expect(RequestId request, const ProjectorCommand& command, TimePoint sent, Duration patience);
 
   [[nodiscard]] Heard take(char byte, TimePoint now);
   // Nothing more has come for a while: what there is of a line is all of it.
@@ -47,11 +50,14 @@ class ReplyReader {
     RequestId request;
     const ProjectorCommand* command;
     std::string bytes;  // as sent; empty once its echo has come
+    Duration patience;
+    std::vector<const ProjectorCommand*> before;  // of other requests, unanswered when it was sent
     TimePoint until;
   };
 
   [[nodiscard]] bool is_echo(bool of_line);
-  [[nodiscard]] std::optional<Reply> match(bool line, std::string_view text);
+  [[nodiscard]] std::optional<Reply> match(bool line, std::string_view text, TimePoint now);
+  void give_up(TimePoint now);
   [[nodiscard]] Heard explained(Heard heard);
 
   const ProjectorTable& table_;

@@ -111,9 +111,8 @@ void SerialProjector::send() {
   const TimePoint sent_at = clock_.now() + wire_time(command.bytes.size());
   free_at_ = sent_at + table_.gap;
   const bool lights = &command == light_on_command();
-  reader_.expect(
-      current_->id, command,
-      sent_at + kLateTimeouts * (lights ? std::max(command.timeout, kLateLightOn) : command.timeout));
+  reader_.expect(current_->id, command, sent_at,
+                 kLateTimeouts * (lights ? std::max(command.timeout, kLateLightOn) : command.timeout));
   if (command.replies.empty()) {
     timer_ = clock_.call_at(free_at_, [this] { finish({}); });
   } else {
@@ -146,12 +145,15 @@ void SerialProjector::take(const ReplyReader::Heard& heard) {
   if (heard.unasked != nullptr) return unasked(*heard.unasked);
   if (!heard.reply) return;
   free_at_ = clock_.now() + table_.gap;
-  if (!current_ || heard.reply->request != current_->id) {  // late, and somebody else's
-    // Or this light off's, where light on's was lost: the next one's reply will tell, sooner than a timeout.
-    if (current_ && current_->command == light_off_command() && current_->sent > 0)
-      timer_ = clock_.call_at(free_at_, [this] { send(); });
+  const bool own = current_ && heard.reply->request == current_->id;  // else late, and somebody else's
+  const bool dark_waits = current_ && current_->command == light_off_command() && current_->sent > 0;
+  // Of light off's and light on's nobody knows which this one is, where they look alike: light on's may have
+  // been lost, or come late, or twice. The next light off's will tell, sooner than a timeout.
+  if (dark_waits && (!own || heard.reply->doubtful)) {
+    timer_ = clock_.call_at(free_at_, [this] { send(); });
     return;
   }
+  if (!own) return;
   if (heard.reply->meaning == ReplyMeaning::Refused) {
     problem_ = called() + " refused \"" + current_->command->name + "\": it answered " +
                readable_bytes(heard.reply->text);
@@ -515,6 +517,11 @@ void SerialProjector::ask_whether_on(const Answer& answer) {
   ask(*table_.power, [this, answer, problem = problem_](const Answer& power) {
     const bool says_off = power.reply == ProjectorReply::Ok && power.meaning == ReplyMeaning::Off;
     const bool says_on = power.reply == ProjectorReply::Ok && !says_off;
+    // As it warms up it may not call itself on yet.
+    if (light_may_be_on_ && clock_.now() < warm_at_) {
+      dark_wanted_ = true;
+      return try_later();
+    }
     if (says_off) {
       is_dark();
       return tell_darkness({});

@@ -601,7 +601,50 @@ class DeafMachine final : public Machine {
   SimulatedPrinter rest_;
 };
 
+// One whose projector was lost, and another was found.
+class ChangedMachine final : public Machine {
+ public:
+  explicit ChangedMachine(Clock& clock)
+      : before(clock, Bench::small_printer()), after(clock, Bench::small_printer()) {}
+  [[nodiscard]] ZAxis& z_axis() override { return before.z_axis(); }
+  [[nodiscard]] MaskDisplay& display() override { return before.display(); }
+  [[nodiscard]] Projector& projector() override { return (changed ? after : before).projector(); }
+  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  [[nodiscard]] std::string hindrance() const override { return ""; }
+  std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
+
+  SimulatedPrinter before, after;
+  bool changed = false;
+};
+
 }  // namespace
+
+TEST_CASE("A projector found in place of a lost one does not answer for that one's light") {
+  Bench observer;
+  VirtualClock clock;
+  ChangedMachine machine(clock);
+  // Ten seconds of the other's own.
+  Projector& other = machine.after.projector();
+  other.power_on([](ProjectorReply) {});
+  while (clock.run_next()) {
+  }
+  other.light_on(10s, {.sent = [](TimePoint) {}, .done = [](ProjectorReply) {}});
+  const auto off = clock.call_after(10s, [&other] { other.light_off(); });
+  while (clock.run_next()) {
+  }
+  PrintProcess process(machine, clock, observer);
+  process.start(Bench::plan(1));
+  while (process.state() != S::Exposing)
+    REQUIRE(clock.run_next());
+  REQUIRE(other.last_light());
+  process.fail("the serial port was lost");
+  machine.changed = true;
+  while (clock.run_next()) {
+  }
+  REQUIRE(observer.layers.size() == 1);
+  CHECK(observer.layers[0].exposure_least < 1s);
+  CHECK(observer.layers[0].exposure_most < 1s);
+}
 
 TEST_CASE(
     "A move that never ends fails the print after its expected time, a tenth and 15 s, and is aborted") {

@@ -171,6 +171,19 @@ TEST_CASE("a light behind a line is dark when both the projector and the line ar
   CHECK(bench.projector.doubt() == "nobody knows");
 }
 
+TEST_CASE("a projector whose line was taken from before it calls nobody back") {
+  Log log;
+  VirtualClock clock;
+  NotedProjector inner(log);
+  NotedLine line(log);
+  {
+    ProjectorWithLightLine projector(inner, line, clock);
+    projector.when_dark([] {});
+    REQUIRE(inner.dark);
+  }
+  CHECK_FALSE(inner.dark);
+}
+
 TEST_CASE("a light line that cannot be turned off is no projector to begin with") {
   Bench bench;
   bench.line.stuck = true;

@@ -124,7 +124,7 @@ class Plant final : public DescriptorWatcher {
     parts.start_threads = [this](StepEngine& engine, AxisInputs& axis_inputs) {
       return std::make_unique<Threads>(*this, engine, axis_inputs);
     };
-    axis = std::make_unique<GpioAxis>(clock, *this, config, std::move(parts));
+    axis = std::make_unique<GpioAxis>(loop != nullptr ? *loop : clock, *this, config, std::move(parts));
     axis->on_disturbance([this](const Disturbance& disturbance) {
       disturbances.push_back(disturbance);
       if (on_disturbance) on_disturbance();
@@ -190,6 +190,9 @@ class Plant final : public DescriptorWatcher {
   [[nodiscard]] std::int64_t plate() const { return plate_; }
 
   VirtualClock clock;
+  // An event loop that may be held up; nothing: it never is, and its clock is the plant's.
+  Clock* loop = nullptr;
+  std::function<bool()> loop_is_held_up = [] { return false; };
   GpioAxisConfig config;
   std::unique_ptr<GpioAxis> axis;
   std::vector<Disturbance> disturbances;
@@ -248,8 +251,10 @@ class Plant final : public DescriptorWatcher {
     const int steps = engine_->work().descriptor(), reader = inputs_engine_->work().descriptor();
     for (;;) {
       std::vector<pollfd> waited{{steps, POLLIN, 0}, {reader, POLLIN, 0}};
-      for (const auto& [fd, call] : watched_)
-        waited.push_back({loop_busy_ ? -1 : fd, POLLIN, 0});
+      if (!loop_is_held_up()) {
+        for (const auto& [fd, call] : watched_)
+          waited.push_back({loop_busy_ ? -1 : fd, POLLIN, 0});
+      }
       if (poll(waited.data(), waited.size(), 0) == 0) return;
       const auto ready =
           std::find_if(waited.begin(), waited.end(), [](const pollfd& fd) { return fd.revents != 0; });

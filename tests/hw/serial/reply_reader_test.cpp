@@ -16,7 +16,8 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr TimePoint kNow{};
-constexpr TimePoint kLater{10s};
+constexpr Duration kPatience{10s};
+constexpr TimePoint kLater = kNow + kPatience;
 
 // What a reader makes of these bytes, one word a reply.
 std::vector<std::string> heard(ReplyReader& reader, const std::string& bytes, TimePoint now = kNow) {
@@ -36,25 +37,57 @@ using Words = std::vector<std::string>;
 TEST_CASE("replies go to the oldest command that they fit") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
-  reader.expect(1, table.power_on, kLater);
-  reader.expect(2, *table.power, kLater);
-  reader.expect(3, table.power_on, kLater);
+  reader.expect(1, table.power_on, kNow, kPatience);
+  reader.expect(2, *table.power, kNow, kPatience);
+  reader.expect(3, table.power_on, kNow, kPatience);
   CHECK(heard(reader, "P\rOK1\rP\rP\r") == Words{"1 P", "2 OK1", "3 P"});
 }
 
 TEST_CASE("a command before one that was answered has gone unanswered") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
-  reader.expect(1, table.power_on, kLater);
-  reader.expect(2, *table.power, kLater);
+  reader.expect(1, table.power_on, kNow, kPatience);
+  reader.expect(2, *table.power, kNow, kPatience);
   CHECK(heard(reader, "OK1\rP\r") == Words{"2 OK1"});
   CHECK(reader.unexplained() == "P\r");
+}
+
+TEST_CASE("a command is waited for as long as one before it is, and as long again behind that one's reply") {
+  const ProjectorTable table = text_table();
+  ReplyReader reader(table);
+  reader.expect(1, *table.light_on, kNow, 3 * kPatience);
+  reader.expect(2, *table.light_off, kNow, kPatience);
+  const TimePoint late = kNow + 2 * kPatience;
+  CHECK(heard(reader, "P\r", late) == Words{"1 P"});
+  CHECK(heard(reader, "P\r", late + kPatience) == Words{"2 P"});
+  reader.expect(3, *table.light_on, kNow, 3 * kPatience);
+  reader.expect(4, *table.light_off, kNow, kPatience);
+  CHECK(heard(reader, "P\r", late) == Words{"3 P"});
+  CHECK(heard(reader, "P\r", late + kPatience + 1ns).empty());
+}
+
+TEST_CASE("a reply is doubtful where the like was still to come for another request when its command went") {
+  const ProjectorTable table = text_table();
+  const auto doubtful = [&table](const ProjectorCommand& before, ReplyReader::RequestId id) {
+    ReplyReader reader(table);
+    reader.expect(1, before, kNow, kPatience);
+    reader.expect(id, *table.light_off, kNow, kPatience);
+    ReplyReader::Heard last;
+    for (const char byte : std::string("P\rP\r")) {
+      ReplyReader::Heard one = reader.take(byte, kNow);
+      if (one.reply) last = std::move(one);
+    }
+    return last.reply.value().doubtful;
+  };
+  CHECK(doubtful(*table.light_on, 2));
+  CHECK_FALSE(doubtful(*table.light_on, 1));  // the same request, sent once more
+  CHECK_FALSE(doubtful(*table.power, 2));     // that answers otherwise
 }
 
 TEST_CASE("a reply that is too late to be one is none") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
-  reader.expect(1, table.power_on, kLater);
+  reader.expect(1, table.power_on, kNow, kPatience);
   CHECK(heard(reader, "P\r", kLater + 1ns).empty());
   CHECK(heard(reader, "P\r").empty());
 }
@@ -62,7 +95,7 @@ TEST_CASE("a reply that is too late to be one is none") {
 TEST_CASE("blanks, line feeds and NULs around a reply are not part of it, and are nothing to wonder at") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
-  reader.expect(1, table.power_on, kLater);
+  reader.expect(1, table.power_on, kNow, kPatience);
   CHECK(heard(reader, std::string("\r\n \0P \r\n\0\r", 10)) == Words{"1 P"});
   CHECK(reader.unexplained().empty());
 }
@@ -72,7 +105,7 @@ TEST_CASE("a command's echo is taken out once, with the prompt before it") {
   table.echo = true;
   table.power_on = text_command("power on", "\r*pow=on#", {{ReplyMeaning::Accepted, "\\*pow=on#"}});
   ReplyReader reader(table);
-  reader.expect(1, table.power_on, kLater);
+  reader.expect(1, table.power_on, kNow, kPatience);
   CHECK(heard(reader, ">*pow=on#\r\n").empty());
   CHECK(reader.unexplained().empty());
   CHECK(heard(reader, "*pow=on#\r") == Words{"1 *pow=on#"});
@@ -82,7 +115,7 @@ TEST_CASE("a raw command's echo is taken out before its reply is looked for") {
   ProjectorTable table = bytes_table();
   table.echo = true;
   ReplyReader reader(table);
-  reader.expect(1, table.power_on, kLater);
+  reader.expect(1, table.power_on, kNow, kPatience);
   CHECK(heard(reader, table.power_on.bytes).empty());
   CHECK(reader.unexplained().empty());
   const std::string yes("\x03\x14\x00\x00\x00\x14", 6);
@@ -92,7 +125,7 @@ TEST_CASE("a raw command's echo is taken out before its reply is looked for") {
 TEST_CASE("raw replies are found behind noise, and not without their checksum") {
   const ProjectorTable table = bytes_table();
   ReplyReader reader(table);
-  reader.expect(1, *table.power, kLater);
+  reader.expect(1, *table.power, kNow, kPatience);
   CHECK(heard(reader, std::string("\x05\x14\x00\x03\x00\x00\x00\x01\x19", 9)).empty());
   CHECK(heard(reader, std::string("\xff\x05\x14\x00\x03\x00\x00\x00\x01\x18", 10)).size() == 1);
 }
@@ -100,7 +133,7 @@ TEST_CASE("raw replies are found behind noise, and not without their checksum") 
 TEST_CASE("a line that never ends is cut, and what came last is kept to be shown") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
-  reader.expect(1, table.power_on, kLater);
+  reader.expect(1, table.power_on, kNow, kPatience);
   CHECK(heard(reader, std::string(10'000, 'x')).empty());
   CHECK(reader.unexplained() == std::string(64, 'x'));
   CHECK(heard(reader, "\rP\r") == Words{"1 P"});
@@ -111,9 +144,9 @@ TEST_CASE("however bytes are portioned, a projector hears the same") {
   const auto converse = [](const ProjectorTable& table, const std::string& bytes,
                            const std::vector<std::size_t>& sizes) {
     ReplyReader reader(table);
-    reader.expect(1, table.power_on, kLater);
-    reader.expect(2, *table.power, kLater);
-    reader.expect(3, *table.lamp_hours, kLater);
+    reader.expect(1, table.power_on, kNow, kPatience);
+    reader.expect(2, *table.power, kNow, kPatience);
+    reader.expect(3, *table.lamp_hours, kNow, kPatience);
     Words all;
     std::size_t at = 0;
     for (std::size_t i = 0; at < bytes.size(); ++i) {

@@ -1,0 +1,96 @@
+// A screen: what is really on it, from which refresh on. Tells the loop so, if nothing comes in between. Not
+// thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "hw/mask_display.hpp"
+#include "tests/rig/loop.hpp"
+
+namespace contourd::rig {
+
+class DisplayModel final : public MaskDisplay {
+ public:
+  using Picture = std::optional<int>;  // the mask's number; nothing: black
+
+  DisplayModel(VirtualClock& world, Loop& loop, Pixels width, Pixels height)
+      : world_(world), loop_(loop), width_(width), height_(height) {}
+
+  // What the next mask shown is called.
+  std::function<int()> number = [] { return 0; };
+  std::function<void()> changed = [] {};
+
+  [[nodiscard]] const Picture& picture() const { return picture_; }
+  [[nodiscard]] bool there() const { return there_; }
+
+  void lose_next_event() { loses_event_ = true; }
+  void lose_next_flip() { loses_flip_ = true; }
+  void unplug() {
+    there_ = false;
+    picture_.reset();
+    changed();
+    answer(std::nullopt);
+  }
+  void plug() { there_ = true; }
+
+  [[nodiscard]] Pixels width() const override { return width_; }
+  [[nodiscard]] Pixels height() const override { return height_; }
+  [[nodiscard]] Duration frame() const override { return kFrame; }
+  void show(const Mask&, Presented done) override { put(number(), std::move(done)); }
+  void black(Presented done) override { put(std::nullopt, std::move(done)); }
+  void black_now() noexcept override {
+    done_ = nullptr;
+    flip_ = world_.call_at(next_refresh(), [this] { flip(std::nullopt); });
+  }
+
+  // A flip that does not come is told after this.
+  static constexpr Duration kFlipDeadline{std::chrono::milliseconds{500}};
+  static constexpr Duration kFrame{16'666'667};
+
+ private:
+  [[nodiscard]] TimePoint next_refresh() const {
+    return TimePoint{
+        Duration{(world_.now().time_since_epoch().count() / kFrame.count() + 1) * kFrame.count()}};
+  }
+  void put(Picture picture, Presented done) {
+    done_ = std::move(done);
+    ++asked_;
+    if (!there_) return answer(std::nullopt);
+    if (std::exchange(loses_flip_, false)) {
+      lost_ = world_.call_after(kFlipDeadline, [this] { answer(std::nullopt); });
+      return;
+    }
+    flip_ = world_.call_at(next_refresh(), [this, picture] {
+      flip(picture);
+      if (!std::exchange(loses_event_, false)) answer(world_.now());
+    });
+  }
+  void flip(Picture picture) {
+    if (!there_) return;
+    picture_ = picture;
+    changed();
+  }
+  void answer(std::optional<TimePoint> at) {
+    event_ = world_.call_after(Duration{0}, [this, at, asked = asked_] {
+      loop_.post([this, at, asked] {
+        if (asked != asked_) return;
+        if (const auto done = std::exchange(done_, nullptr)) done(at);
+      });
+    });
+  }
+
+  VirtualClock& world_;
+  Loop& loop_;
+  Pixels width_, height_;
+  Picture picture_;
+  Presented done_;
+  std::uint64_t asked_ = 0;
+  bool there_ = true, loses_event_ = false, loses_flip_ = false;
+  std::unique_ptr<Timer> flip_, event_, lost_;
+};
+
+}  // namespace contourd::rig

@@ -1,0 +1,227 @@
+#include "tests/rig/machine_model.hpp"
+
+#include <utility>
+
+#include "hw/projector_with_light_line.hpp"
+
+namespace contourd::rig {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Light off, and whether it is on, three tries of a second each, and some warm-up.
+constexpr Duration kFirstAnswers = 7s;
+constexpr Pixels kWidth{16}, kHeight{12};
+
+// A coarse screw, so that a step is long and a print short of them: 12.5 um.
+GpioAxisConfig axis_of(const Scenario& scenario) {
+  GpioAxisConfig config;
+  config.travel = Nanometers{5'000'000};
+  config.microsteps_per_mm = MachineModel::kStepsPerMm;
+  config.top_speed = MillimetersPerSecond{10};
+  config.acceleration = MillimetersPerSecondSquared{50};
+  if (scenario.backlash) config.backlash = Nanometers{50'000};
+  config.step.line = "17";
+  config.limit_switch.line.line = "23";
+  config.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};
+  config.lid = GpioInputConfig{{"gpiochip0", "6", false}};
+  if (scenario.encoder == EncoderKind::None) return config;
+  config.encoder = EncoderConfig{};
+  config.encoder->counts_per_mm = MachineModel::kStepsPerMm;
+  config.encoder->policy = scenario.encoder == EncoderKind::Corrects ? EncoderConfig::Policy::Correct
+                                                                     : EncoderConfig::Policy::Fault;
+  return config;
+}
+
+bool has_line(LightKind kind) {
+  return kind != LightKind::Serial;
+}
+bool has_projector(LightKind kind) {
+  return kind != LightKind::Line;
+}
+bool switches_light(LightKind kind) {
+  return kind == LightKind::Serial || kind == LightKind::SerialAndLine;
+}
+
+}  // namespace
+
+MachineModel::MachineModel(const Scenario& scenario)
+    : plant(axis_of(scenario)),
+      loop(plant.clock),
+      screen(plant.clock, loop, kWidth, kHeight),
+      kind_(scenario.light),
+      table_(table_of(scenario.projector, switches_light(kind_))),
+      light_(*this),
+      axis_(*this),
+      no_projector_(loop),
+      model_(std::make_unique<ProjectorModel>(plant.clock, scenario.projector, switches_light(kind_),
+                                              scenario.line, scenario.seed)) {
+  plant.loop = &loop;
+  plant.loop_is_held_up = [this] { return loop.held_up(); };
+  plant.motor = 160;
+  model_->changed = screen.changed = [this] { changed(); };
+  if (scenario.backlash) plant.slack = 4;
+  plant.on_disturbance = [this] { tell(plant.disturbances.back()); };
+  plant.build();
+  if (has_line(kind_)) open_line();
+  if (has_projector(kind_)) open_adapter();
+  combine();
+  projector().light_off();
+  if (serial_) serial_->power_off_if_on();
+}
+
+MachineModel::~MachineModel() {
+  make_safe(*this);
+}
+
+Projector& MachineModel::present_projector() {
+  if (combined_) return *combined_;
+  if (serial_) return *serial_;
+  return no_projector_;
+}
+
+void MachineModel::combine() {
+  if (combined_ || !line_ || (has_projector(kind_) && !serial_)) return;
+  if (serial_) {
+    combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, *line_, loop);
+  } else {
+    combined_ = std::make_unique<LightLineProjector>(*line_, loop, 1s);
+  }
+}
+
+void MachineModel::open_adapter() {
+  port_ = std::make_shared<LineEnd>(*model_, [this] {
+    const Duration time = std::exchange(write_takes_, Duration{0});
+    if (time > Duration{0}) loop.hold_up_here(time, [this] { turn(); });
+  });
+  found_at_ = loop.now();
+  heard_ = false;
+  model_->answers = [this, weak = std::weak_ptr(port_)](const std::string& bytes) {
+    loop.post([this, weak, bytes] {
+      heard_ = true;
+      if (const auto port = weak.lock()) port->bring(bytes);
+    });
+  };
+  serial_ = std::make_unique<SerialProjector>(*port_, loop, table_);
+  serial_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
+  serial_->may_warm_up();
+}
+
+// Taken dark.
+void MachineModel::open_line() {
+  line_.reset();
+  auto output = std::make_unique<testing::PlantOutput>();
+  output_ = output.get();
+  output_->level = line_level_;
+  output_->changed = [this](bool active) {
+    line_level_ = active;
+    changed();
+  };
+  static_cast<void>(output_->set(false));
+  line_ = std::make_unique<GpioLightLine>(std::move(output), "line 24 of gpiochip0", loop);
+  line_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
+}
+
+void MachineModel::unplug_adapter(Duration time) {
+  if (!port_ || !port_->plugged()) return;
+  adapter_there_ = false;
+  port_->unplug();
+  plug_ = plant.clock.call_after(time, [this] { adapter_there_ = true; });
+  loop.post([weak = std::weak_ptr(port_)] {
+    if (const auto port = weak.lock()) port->tell_loss();
+  });
+}
+
+// As RealMachine: what is lost is closed when it is looked for.
+void MachineModel::search() {
+  const bool line_lost = has_line(kind_) && (!line_ || !line_->refusal().empty());
+  const bool serial_lost = serial_ && serial_->lost();
+  if (line_lost) {
+    if (line_) line_refusal_ = line_->refusal();
+    projector().light_off();
+    combined_.reset();
+    line_.reset();
+    if (!line_refuses_) {
+      open_line();
+      line_refusal_.clear();
+    }
+  }
+  const bool projector_came = serial_lost && adapter_there_;
+  if (projector_came) {
+    combined_.reset();
+    serial_.reset();
+    open_adapter();
+  }
+  combine();
+  projector().light_off();
+  if (projector_came) serial_->power_off_if_on();
+  const bool missing = (has_line(kind_) && !line_) || (serial_ && serial_->lost());
+  if (missing) search_ = loop.call_after(5s, [this] { search(); });
+  if (projector_came || (line_lost && line_))
+    tell({.kind = Disturbance::Kind::Recovery, .what = "found what was missing"});
+}
+
+void MachineModel::lose_display(Duration time) {
+  if (!screen.there()) return;
+  screen.unplug();
+  screen_timer_ = plant.clock.call_after(time, [this] { screen.plug(); });
+  loop.post([this] {
+    tell({.kind = Disturbance::Kind::Interruption, .what = "the display on HDMI-A-1 was unplugged"});
+  });
+}
+
+void MachineModel::refuse_line(Duration time) {
+  if (!line_) return;
+  line_refuses_ = output_->refuses = true;
+  line_timer_ = plant.clock.call_after(time, [this] {
+    line_refuses_ = false;
+    if (line_) output_->refuses = false;
+  });
+}
+
+void MachineModel::heal() {
+  model_->heal();
+  adapter_there_ = true;
+  line_refuses_ = false;
+  if (line_) output_->refuses = false;
+  if (!screen.there()) screen.plug();
+  write_takes_ = Duration{0};
+}
+
+void MachineModel::tell(const Disturbance& disturbance) {
+  const bool line_lost = line_ && !line_->refusal().empty();
+  if ((serial_ && serial_->lost()) || line_lost) search_ = loop.call_after(500ms, [this] { search(); });
+  if (disturbed_) disturbed_(disturbance);
+}
+
+std::string MachineModel::hindrance() const {
+  if (!line_refusal_.empty() || (line_ && !line_->refusal().empty())) return "the light may be on";
+  if (serial_ && serial_->lost()) return "the projector is lost";
+  if (serial_ && serial_->dark_overdue()) return "the light may be on";
+  if (!screen.there()) return "the display is unplugged";
+  if (plant.axis->lost()) return "the axis is lost";
+  const std::vector<std::string> hindrances = plant.axis->hindrances();
+  return hindrances.empty() ? "" : hindrances.front();
+}
+
+bool MachineModel::doubted() const {
+  if (!line_refusal_.empty() || (serial_ && (!heard_ || loop.now() < found_at_ + kFirstAnswers))) return true;
+  const Projector* present = combined_ ? combined_.get() : serial_.get();
+  return present != nullptr && !present->doubt().empty();
+}
+
+bool MachineModel::lit() const {
+  if (has_line(kind_) && !line_level_) return false;
+  return !has_projector(kind_) || model_->lit();
+}
+
+Nanometers MachineModel::plate() const {
+  return kStep * (plant.plate() - plant.limit.at);
+}
+
+void MachineModel::turn() {
+  int turns = 0;
+  plant.run([&turns] { return turns++ > 0; });
+}
+
+}  // namespace contourd::rig

@@ -1,0 +1,163 @@
+// The machine of a world: the daemon's own axis, projector and light line over models of what they drive. It
+// loses devices and finds them again as RealMachine does. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hw/absent_devices.hpp"
+#include "hw/gpio/gpio_light_line.hpp"
+#include "hw/machine.hpp"
+#include "hw/serial/serial_projector.hpp"
+#include "tests/hw/gpio/plant.hpp"
+#include "tests/rig/display_model.hpp"
+#include "tests/rig/loop.hpp"
+#include "tests/rig/projector_model.hpp"
+#include "tests/rig/scenario.hpp"
+
+namespace contourd::rig {
+
+class MachineModel final : public Machine {
+ public:
+  explicit MachineModel(const Scenario& scenario);
+  ~MachineModel() override;
+
+  [[nodiscard]] ZAxis& z_axis() override { return axis_; }
+  [[nodiscard]] MaskDisplay& display() override { return screen; }
+  [[nodiscard]] Projector& projector() override { return light_; }
+  void on_disturbance(std::function<void(const Disturbance&)> call) override { disturbed_ = std::move(call); }
+  [[nodiscard]] std::string hindrance() const override;
+  std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
+
+  // What is asked of the devices, before they are.
+  std::function<void(Duration exposure)> light_asked = [](Duration) {};
+  std::function<void()> light_unasked = [] {};
+  std::function<void()> stop_asked = [] {};  // motion is to end
+  std::function<void()> move_asked = [] {};
+
+  // The light has changed, or the screen.
+  std::function<void()> changed = [] {};
+
+  // What goes over the serial line, for a story.
+  void on_message(std::function<void(const std::string&)> call) { model_->tell = std::move(call); }
+
+  // Happenings.
+  void unplug_adapter(Duration time);
+  void lose_display(Duration time);
+  // The line stays as it is for so long.
+  void refuse_line(Duration time);
+  void hold_up_next_write(Duration time) { write_takes_ = time; }
+  // Everything works from now on.
+  void heal();
+
+  // That the light may be on is told, or nobody can know better yet: a projector that was just found has not
+  // said anything.
+  [[nodiscard]] bool doubted() const;
+
+  // The truth.
+  [[nodiscard]] bool lit() const;
+  [[nodiscard]] bool stray() const { return kind_ == LightKind::Serial && model_->came_up_lit(); }
+  [[nodiscard]] Nanometers plate() const;
+  [[nodiscard]] std::uint64_t line_faults() const { return model_->faults_made(); }
+
+  // One thing of the world happens.
+  void turn();
+
+  static constexpr double kStepsPerMm = 80;
+  static constexpr Nanometers kStep{12'500};
+
+  testing::Plant plant;
+  Loop loop;
+  DisplayModel screen;
+
+ private:
+  // Whatever stands for the light at the time: it may go and come again.
+  class NotedProjector final : public Projector {
+   public:
+    explicit NotedProjector(MachineModel& machine) : machine_(machine) {}
+    void power_on(Done done) override { now().power_on(std::move(done)); }
+    void light_on(Duration exposure, LightOn tell) override {
+      machine_.light_asked(exposure);
+      now().light_on(exposure, std::move(tell));
+    }
+    void light_off() noexcept override {
+      machine_.light_unasked();
+      now().light_off();
+    }
+    void when_dark(std::function<void()> call) override { now().when_dark(std::move(call)); }
+    [[nodiscard]] std::optional<LightSpan> last_light() const override { return now().last_light(); }
+    void power_off() noexcept override { now().power_off(); }
+    void ask_status(StatusDone done) override { now().ask_status(std::move(done)); }
+    [[nodiscard]] std::string last_problem() const override { return now().last_problem(); }
+    [[nodiscard]] std::string doubt() const override { return now().doubt(); }
+
+   private:
+    [[nodiscard]] Projector& now() const { return machine_.present_projector(); }
+    MachineModel& machine_;
+  };
+  class NotedAxis final : public ZAxis {
+   public:
+    explicit NotedAxis(MachineModel& machine) : machine_(machine) {}
+    void home(std::function<void(HomingResult)> done) override {
+      machine_.move_asked();
+      now().home(std::move(done));
+    }
+    void move_to(Nanometers target, MillimetersPerSecond speed,
+                 std::function<void(MoveResult)> done) override {
+      machine_.move_asked();
+      now().move_to(target, speed, std::move(done));
+    }
+    void stop() override {
+      machine_.stop_asked();
+      now().stop();
+    }
+    void abort() noexcept override {
+      machine_.stop_asked();
+      now().abort();
+    }
+    [[nodiscard]] bool moving() const override { return now().moving(); }
+    [[nodiscard]] std::optional<Nanometers> height() const override { return now().height(); }
+    [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override {
+      return now().height_at(time);
+    }
+    [[nodiscard]] Nanometers travel() const override { return now().travel(); }
+    [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
+      return now().move_duration(distance, speed);
+    }
+
+   private:
+    [[nodiscard]] GpioAxis& now() const { return *machine_.plant.axis; }
+    MachineModel& machine_;
+  };
+
+  [[nodiscard]] Projector& present_projector();
+  void open_adapter();
+  void open_line();
+  void combine();
+  void search();
+  void tell(const Disturbance& disturbance);
+
+  const LightKind kind_;
+  const ProjectorTable table_;
+  std::function<void(const Disturbance&)> disturbed_;
+  NotedProjector light_;
+  NotedAxis axis_;
+  AbsentProjector no_projector_;
+  std::unique_ptr<ProjectorModel> model_;
+  bool adapter_there_ = true, line_level_ = false, line_refuses_ = false;
+  Duration write_takes_{};
+  TimePoint found_at_{};
+  bool heard_ = false;  // of the projector, since then
+  testing::PlantOutput* output_ = nullptr;
+  std::string line_refusal_;  // of a line that could not be taken anew
+  std::unique_ptr<Timer> search_, plug_, screen_timer_, line_timer_;
+  std::unique_ptr<GpioLightLine> line_;
+  std::shared_ptr<LineEnd> port_;
+  std::unique_ptr<SerialProjector> serial_;
+  std::unique_ptr<Projector> combined_;
+};
+
+}  // namespace contourd::rig

@@ -1,0 +1,77 @@
+// print-rig: many random prints, or one by its seed.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/rig/print_rig.hpp"
+
+namespace {
+
+using namespace contourd;
+using namespace contourd::rig;
+
+double ms(Duration time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
+void tell(const Figures& figures, double took_s) {
+  fmt::print(
+      "{} prints in {:.0f} s: {} done, {} cancelled, {} failed; {} layers in {} parts, {} interruptions; {} "
+      "faults "
+      "on the line, {} other happenings\n",
+      figures.prints, took_s, figures.done, figures.canceled, figures.failed, figures.layers, figures.parts,
+      figures.interruptions, figures.line_faults, figures.happenings);
+  fmt::print(
+      "a record's bounds are {:.1f} ms apart at most, light is {:.1f} ms beyond what was asked at most, "
+      "within its "
+      "record; nobody confirmed the end of the light of {} layers\n",
+      ms(figures.widest), ms(figures.most_over), figures.unconfirmed);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::uint64_t first = 1, prints = 10'000, shown = 5;
+  bool one = false, as_drawn = false;
+  std::string rule;
+  CLI::App app("Random prints with random faults, held against what is true of light and plate");
+  app.add_option("--prints", prints, "so many worlds, each with one print or two");
+  app.add_option("--seed", first, "the first world's; the others count on from it");
+  app.add_flag("--one", one, "that world alone, and all that happens in it");
+  app.add_flag("--as-drawn", as_drawn, "do not make smaller what breaks a rule");
+  app.add_option("--show", shown, "so many worlds that break a rule are told in full");
+  app.add_option("--rule", rule, "of those that break this rule, by its letter");
+  CLI11_PARSE(app, argc, argv);
+
+  if (one) {
+    fmt::print("{}", report(draw_scenario(first)));
+    return print(draw_scenario(first)).violations().empty() ? 0 : 1;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  Figures figures;
+  std::map<std::string, std::vector<std::uint64_t>> broken;
+  for (std::uint64_t seed = first; seed < first + prints; ++seed) {
+    const Scenario scenario = draw_scenario(seed);
+    const Verdict verdict = print(scenario);
+    figures.add(verdict.figures);
+    if (verdict.violations().empty()) continue;
+    for (const Violation& violation : verdict.violations())
+      broken[violation.rule].push_back(seed);
+    const auto is_wanted = [&rule](const Violation& v) { return v.rule.starts_with(rule); };
+    if (shown == 0 || std::ranges::none_of(verdict.violations(), is_wanted)) continue;
+    --shown;
+    fmt::print("{}\n", report(as_drawn ? scenario : smaller(scenario, rule)));
+  }
+  tell(figures, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  for (const auto& [name, seeds] : broken)
+    fmt::print(
+        "BROKEN {}: {} worlds, seeds {}\n", name, seeds.size(),
+        fmt::join(seeds.begin(),
+                  seeds.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(seeds.size(), 8)), " "));
+  return broken.empty() ? 0 : 1;
+}

@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""Puts defects that were mended back, one at a time, and sees that print-rig finds each: a rig that finds nothing
+proves nothing. It changes the sources and puts them back: commit first.
+
+    tests/rig/mutate.py BUILD_FOLDER [--prints N] [--only PART_OF_A_NAME]
+"""
+
+import argparse
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+SERIAL = "hw/serial/serial_projector.cpp"
+READER = "hw/serial/reply_reader.cpp"
+PROCESS = "daemon/print_process.cpp"
+STATES = "daemon/print_states.cpp"
+LINE = "hw/projector_with_light_line.cpp"
+
+# Name, file, what stands there once, what stands there instead.
+MUTATIONS = [
+    ("a lost reply is answered by a second light on", SERIAL,
+     "const bool once = current_->command == light_on_command() && current_->sent > 0;", "const bool once = false;"),
+    ("light counts from the reply to light on", "hw/projector.hpp",
+     "off_latest.value_or(now) - on_earliest", "off_latest.value_or(now) - on_latest.value_or(on_earliest)"),
+    ("the exposure begins when light on is answered", PROCESS,
+     "    exposure_end_ = earliest + exposure_left();",
+     "    exposure_end_ = earliest + exposure_left() + std::chrono::milliseconds{500};"),
+    ("nobody waits for darkness", PROCESS,
+     "  machine_.projector().when_dark([this] { is_dark(); });",
+     "  wait_ = clock_.call_after(Duration{0}, [this] { is_dark(); });"),
+    ("a late or doubled reply to light on makes dark", SERIAL, "(!own || heard.reply->doubtful)", "!own"),
+    ("any reply makes dark", SERIAL, "  const bool own = current_ && heard.reply->request == current_->id;",
+     "  const bool own = current_.has_value();"),
+    ("light off is sent once", SERIAL, "void SerialProjector::keep_trying() {\n  try_later();",
+     "void SerialProjector::keep_trying() {"),
+    ("power off is sent once", SERIAL, "  if (power_off_waits_) power_off_later();", "  power_off_waits_ = false;"),
+    ("a projector that warms up is off because it says so", SERIAL,
+     "    if (light_may_be_on_ && clock_.now() < warm_at_) {", "    if (false) {"),
+    ("a reply is owed by its own time alone", READER,
+     "  const auto kept = std::ranges::find_if(owed_, [now](const Owed& owed) { return owed.until >= now; });\n"
+     "  owed_.erase(owed_.begin(), kept);",
+     "  std::erase_if(owed_, [now](const Owed& owed) { return owed.until < now; });"),
+    ("an interruption leaves the light on", STATES,
+     "row(from, E::Interrupted, S::Lifting, F::LightOff, F::BlackNow, F::Lift)",
+     "row(from, E::Interrupted, S::Lifting, F::BlackNow, F::Lift)"),
+    ("a cancel leaves the light on", STATES,
+     "row(from, E::Canceled, S::Parking, F::LightOff, F::BlackNow, F::Park)",
+     "row(from, E::Canceled, S::Parking, F::BlackNow, F::Park)"),
+    ("an interrupted part is not counted", PROCESS,
+     "  record_.exposure_least += light_->least();",
+     "  if (!light_->off_latest) return;\n  record_.exposure_least = light_->least();"),
+    ("a resumed layer gets what it had at least once more", PROCESS,
+     "  record_.exposure_most += light_->most(clock_.now());",
+     "  record_.exposure_most += light_->least();"),
+    ("an end that nobody confirmed is taken for one", PROCESS,
+     "record_.dark_confirmed = record_.dark_confirmed && light_->off_latest;",
+     "record_.dark_confirmed = record_.dark_confirmed || light_->off_latest;"),
+    ("a projector found in place of a lost one answers for its light", PROCESS,
+     "  if (known && known->on_earliest == light_->on_earliest) light_ = known;", "  light_ = known;"),
+    ("a light behind a line is dark when the projector is", LINE,
+     "projector_.when_dark([this, call = std::move(call)] { behind_line_.when_dark(call); });",
+     "projector_.when_dark(std::move(call));"),
+    ("the plate is lowered with the lamp lit", STATES,
+     "row(S::Lifting, E::MoveEnded, S::AwaitingDark, F::AwaitDark)",
+     "row(S::Lifting, E::MoveEnded, S::Parking, F::Park)"),
+]
+
+
+def finds(build, prints):
+    made = subprocess.run(["nice", "cmake", "--build", build, "--target", "print-rig"], capture_output=True, text=True)
+    if made.returncode != 0:
+        sys.exit(f"it does not build:\n{made.stdout[-3000:]}")
+    rig = subprocess.run([f"{build}/bin/print-rig", "--prints", str(prints), "--show", "0"],
+                         capture_output=True, text=True, timeout=3600)
+    rules = [line for line in rig.stdout.splitlines() if line.startswith("BROKEN")]
+    return rules or ([f"it ended with {rig.returncode}"] if rig.returncode not in (0, 1) else [])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build")
+    parser.add_argument("--prints", type=int, default=2000)
+    parser.add_argument("--only", default="")
+    options = parser.parse_args()
+    missed = 0
+    for name, file, old, new in MUTATIONS:
+        if options.only not in name:
+            continue
+        path = ROOT / file
+        sound = path.read_text()
+        if sound.count(old) != 1:
+            sys.exit(f"{name}: {file} has {sound.count(old)} times: {old}")
+        try:
+            path.write_text(sound.replace(old, new))
+            rules = finds(options.build, options.prints)
+        finally:
+            path.write_text(sound)
+        print(f"{'found ' if rules else 'MISSED'}  {name}", *(f"\n        {rule}" for rule in rules), flush=True)
+        missed += not rules
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,142 @@
+// A projector at the far end of a serial line, and the line: it knows when its light is really on. Commands
+// and replies may be lost, garbled, late or doubled on their way. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "hw/serial/byte_channel.hpp"
+#include "hw/serial/projector_table.hpp"
+#include "hw/virtual_clock.hpp"
+#include "tests/rig/dice.hpp"
+
+namespace contourd::rig {
+
+// Of each message: how often it meets with what.
+struct LineFaults {
+  double command_lost = 0, command_garbled = 0;
+  double reply_lost = 0, reply_garbled = 0, reply_late = 0, reply_doubled = 0;
+
+  [[nodiscard]] bool any() const {
+    return command_lost + command_garbled + reply_lost + reply_garbled + reply_late + reply_doubled > 0;
+  }
+};
+
+struct ProjectorTraits {
+  bool answers_light = false;  // it can be asked whether its light is on
+  bool echoes = false;
+  Duration latency{};         // to its light, as the table says
+  Duration slower{};          // its light comes up to so much later than that
+  Duration darkening{};       // its light goes up to so long after its command came
+  Duration thinks{};          // up to so long from obeying to its reply
+  Duration gap{};             // as the table says
+  Duration warms_up{};        // really; the table says 5 s
+  bool comes_up_lit = true;   // warm, its light is on
+  bool left_on = false;       // by whoever was there before
+  bool warming_is_on = true;  // what it says while it warms up
+  enum class WhileWarm { Refuses, Silent, Obeys } off_while_warming = WhileWarm::Refuses;
+};
+
+// What the daemon is told of it.
+[[nodiscard]] ProjectorTable table_of(const ProjectorTraits& traits, bool switches_light);
+
+class ProjectorModel {
+ public:
+  // `world` is real time, not the loop's. Both must outlive the model; `changed` is called whenever the light
+  // has changed.
+  ProjectorModel(VirtualClock& world, const ProjectorTraits& traits, bool switches_light,
+                 const LineFaults& faults, std::uint64_t seed);
+
+  std::function<void()> changed = [] {};
+  std::function<void(std::string bytes)> answers = [](const std::string&) {};
+
+  // What goes over the line, for a story.
+  std::function<void(const std::string& what)> tell = [](const std::string&) {};
+
+  // Bytes leave the computer.
+  void receive(const std::string& bytes);
+
+  [[nodiscard]] bool lit() const { return power_ == Power::On && !muted_; }
+  // By itself: nobody has asked for this light.
+  [[nodiscard]] bool came_up_lit() const { return lit() && !asked_; }
+  // No faults from now on.
+  void heal() { faults_ = {}; }
+  [[nodiscard]] std::uint64_t faults_made() const { return made_; }
+
+ private:
+  enum class Power { Off, Warming, On, Cooling };
+  enum class Command { PowerOn, PowerOff, LightOn, LightOff, AskPower, AskLight, Unknown };
+
+  [[nodiscard]] Command command_in(const std::string& line) const;
+  void take_line(const std::string& line, TimePoint first_byte);
+  void obey(Command command, TimePoint came);
+  void warm();
+  void reply(const std::string& text, TimePoint sent_at, TimePoint latest);
+  void send(std::string bytes, TimePoint when);
+  void at(TimePoint when, std::function<void()> call);
+  [[nodiscard]] bool happens(double probability) {
+    const bool so = dice_.chance(probability);
+    made_ += so ? 1 : 0;
+    return so;
+  }
+  [[nodiscard]] Duration wire_time(std::size_t bytes) const;
+
+  VirtualClock& world_;
+  ProjectorTraits traits_;
+  ProjectorTable table_;
+  LineFaults faults_;
+  Dice dice_;
+  std::uint64_t made_ = 0;
+  Power power_ = Power::Off;
+  bool muted_ = true, asked_ = false;
+  std::string line_;
+  TimePoint line_began_{}, obeyed_{}, replied_{};
+  std::unique_ptr<Timer> power_timer_;
+  std::uint64_t next_timer_ = 0;
+  std::map<std::uint64_t, std::unique_ptr<Timer>> timers_;
+};
+
+// The computer's end: one adapter, until it is unplugged.
+class LineEnd final : public ByteChannel {
+ public:
+  // The model must outlive the end. `write` is called before bytes go out.
+  LineEnd(ProjectorModel& model, std::function<void()> before_write)
+      : model_(model), before_write_(std::move(before_write)) {}
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  void listen(Listener listener) override { listener_ = std::move(listener); }
+  [[nodiscard]] bool write(std::string_view bytes) noexcept override {
+    if (plugged_) before_write_();
+    if (!plugged_) return false;
+    model_.receive(std::string(bytes));
+    return true;
+  }
+  void write_and_wait(std::string_view bytes, Duration) noexcept override {
+    if (plugged_ && !bytes.empty()) model_.receive(std::string(bytes));
+  }
+
+  // From the loop.
+  void bring(const std::string& bytes) {
+    if (plugged_ && listener_.bytes) listener_.bytes(bytes);
+  }
+  void tell_loss() {
+    if (listener_.lost) listener_.lost("the serial port was lost: it was unplugged");
+  }
+  void unplug() { plugged_ = false; }
+  [[nodiscard]] bool plugged() const { return plugged_; }
+
+ private:
+  ProjectorModel& model_;
+  std::function<void()> before_write_;
+  std::string name_ = "/dev/ttyUSB7";
+  Listener listener_;
+  bool plugged_ = true;
+};
+
+}  // namespace contourd::rig

@@ -1,0 +1,137 @@
+#include "tests/rig/verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace contourd::rig {
+namespace {
+
+double ms(Duration time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+double um(Nanometers length) {
+  return static_cast<double>(length.count()) / 1000;
+}
+
+// States in which the process means its light to be on, or has just told it to be.
+bool may_be_lit(PrintState state) {
+  return state == PrintState::Igniting || state == PrintState::Exposing;
+}
+
+// A plate that gives way by so much under a light that does not go off has not been lowered: corrections by
+// an encoder.
+constexpr Nanometers kGiving{100'000};
+
+}  // namespace
+
+void Figures::add(const Figures& other) {
+  prints += other.prints;
+  done += other.done;
+  canceled += other.canceled;
+  failed += other.failed;
+  layers += other.layers;
+  parts += other.parts;
+  interruptions += other.interruptions;
+  line_faults += other.line_faults;
+  happenings += other.happenings;
+  unconfirmed += other.unconfirmed;
+  widest = std::max(widest, other.widest);
+  most_over = std::max(most_over, other.most_over);
+}
+
+void Verdict::break_rule(const std::string& rule, const std::string& what, TimePoint now) {
+  const auto same = [&rule](const Violation& v) { return v.rule == rule; };
+  if (std::ranges::none_of(violations_, same)) violations_.push_back({rule, what, now});
+}
+
+void Verdict::light_asked(int layer, Nanometers height, Duration part) {
+  layer_ = layer;
+  height_ = height;
+  wanted_ = true;
+  layers_[layer].asked = std::max(layers_[layer].asked, part);
+}
+
+Duration Verdict::light_of(int layer, TimePoint now) const {
+  const auto found = layers_.find(layer);
+  const Duration past = found == layers_.end() ? Duration{0} : found->second.light;
+  return lit_ && !stray_ && layer_ == layer ? past + (now - lit_since_) : past;
+}
+
+void Verdict::look(const Scene& scene) {
+  if (lit_ && (!scene.lit || scene.stray != stray_)) {
+    if (!stray_ && layer_) layers_[*layer_].light += scene.now - lit_since_;
+    lit_ = false;
+  }
+  if (scene.lit && !lit_) light_begins(scene);
+  if (lit_) check_light(scene);
+  if (scene.lit && !scene.doubted && !may_be_lit(scene.state))
+    break_rule("h: light is off when nobody doubts it",
+               fmt::format("the light is on in the state \"{}\"", name_of(scene.state)), scene.now);
+}
+
+void Verdict::light_begins(const Scene& scene) {
+  lit_ = true;
+  stray_ = scene.stray;
+  lit_since_ = scene.now;
+  highest_ = scene.plate;
+  if (!stray_ && !layer_)
+    break_rule("c: light belongs to a layer", "light that was never asked for", scene.now);
+}
+
+void Verdict::check_light(const Scene& scene) {
+  highest_ = std::max(highest_, scene.plate);
+  if (scene.picture && (stray_ || scene.picture != layer_))
+    break_rule("a: light through its own mask",
+               fmt::format("mask {} on the screen under {}", *scene.picture,
+                           stray_ ? "stray light" : fmt::format("the light of {}", *layer_)),
+               scene.now);
+  if (scene.plate < highest_ - kGiving)
+    break_rule("a: no lowering under light",
+               fmt::format("the plate came down by {:.1f} um", um(highest_ - scene.plate)), scene.now);
+  if (stray_ || !wanted_) return;
+  if (!scene.picture && scene.screen_is_there)
+    break_rule("a: light through its own mask", "the screen is black in an exposure", scene.now);
+  if (std::abs((scene.plate - height_).count()) > step_.count())
+    break_rule("a: light at the layer's height",
+               fmt::format("the plate is at {:.2f} um, the layer at {:.2f} um", um(scene.plate), um(height_)),
+               scene.now);
+}
+
+void Verdict::recorded(int layer, const LayerRecord& record, TimePoint now) {
+  const Duration truly = light_of(layer, now);
+  const auto bounds =
+      fmt::format("layer {}: {:.3f} ms of light, {:.3f} to {:.3f} ms in the record, {:.3f} ms asked", layer,
+                  ms(truly), ms(record.exposure_least), ms(record.exposure_most), ms(record.exposure_asked));
+  if (truly < record.exposure_least || truly > record.exposure_most)
+    break_rule("b: bounds contain the light", bounds, now);
+  if (slack && truly > record.exposure_asked + *slack)
+    break_rule("d: no light beyond what was asked", bounds, now);
+  if (slack && record.complete && truly < record.exposure_asked - *slack * record.exposure_parts)
+    break_rule("d: no layer short of light", bounds, now);
+  if (layers_[layer].record) break_rule("c: one record a layer", bounds, now);
+  layers_[layer].record = record;
+  figures.layers += 1;
+  figures.parts += static_cast<std::uint64_t>(record.exposure_parts);
+  figures.unconfirmed += record.dark_confirmed ? 0 : 1;
+  if (record.dark_confirmed)
+    figures.widest = std::max(figures.widest, record.exposure_most - record.exposure_least);
+  figures.most_over = std::max(figures.most_over, truly - record.exposure_asked);
+}
+
+void Verdict::close(TimePoint now) {
+  for (const auto& [number, layer] : layers_) {
+    const Duration truly = light_of(number, now);
+    if (truly > Duration{0} && !layer.record)
+      break_rule("c: all light is recorded",
+                 fmt::format("layer {}: {:.3f} ms of light, no record", number, ms(truly)), now);
+    if (!layer.record || !layer.record->dark_confirmed) continue;
+    if (truly > layer.record->exposure_most)
+      break_rule("c: no light behind a record",
+                 fmt::format("layer {}: {:.3f} ms of light, {:.3f} ms in its record", number, ms(truly),
+                             ms(layer.record->exposure_most)),
+                 now);
+  }
+}
+
+}  // namespace contourd::rig

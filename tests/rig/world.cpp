@@ -1,0 +1,280 @@
+#include "tests/rig/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tests/models/models.hpp"
+
+namespace contourd::rig {
+namespace {
+
+using namespace std::chrono_literals;
+using Kind = Happening::Kind;
+
+constexpr Nanometers kLayer{50'000};
+// An hour is a projector's longest warm-up, all else together takes minutes.
+constexpr Duration kLongestPrint = 2h;
+// Of the light, when everything works again: a light off is tried every timeout.
+constexpr Duration kLongestDarkening = 10min;
+
+double seconds(Duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+}  // namespace
+
+World::World(const Scenario& scenario)
+    : scenario_(scenario),
+      owner_(scenario.seed, 2),
+      machine_(scenario),
+      verdict_(MachineModel::kStep),
+      process_(machine_, machine_.loop, *this) {
+  machine_.on_disturbance([this](const Disturbance& disturbance) {
+    tell(disturbance.what);
+    if (disturbance.kind == Disturbance::Kind::Interruption) process_.interrupt(disturbance.what);
+    if (disturbance.kind == Disturbance::Kind::Fault) process_.fail(disturbance.what);
+  });
+  machine_.changed = [this] { look(); };
+  machine_.screen.number = [this] { return number(); };
+  machine_.light_asked = [this](Duration part) {
+    verdict_.light_asked(number(), process_.layer_top(), part);
+  };
+  machine_.light_unasked = [this] { verdict_.light_unasked(); };
+  machine_.move_asked = [this] { stopped_at_.reset(); };
+  machine_.stop_asked = [this] {
+    if (stopped_at_ || !machine_.plant.axis->moving()) return;
+    stopped_at_ = machine_.plant.motor;
+  };
+  if (scenario.undisturbed()) {
+    const ProjectorTraits& traits = scenario.projector;
+    // The gap, ten bytes at 9600 baud and what the projector takes.
+    verdict_.slack = traits.gap + traits.slower + traits.darkening + traits.thinks + 15ms;
+  }
+}
+
+PrintPlan World::plan() const {
+  PrintPlan plan;
+  plan.job = "box";
+  const DisplayGeometry display{Pixels{16}, Pixels{12}, Micrometers{100.0}};
+  const double height = to_millimeters(kLayer).count() * scenario_.layers;
+  HeightIndex box(models::box({0, 0, 0}, {1, 1, static_cast<float>(height)}));
+  plan.engine = std::make_unique<ContourEngine>(std::move(box), EngineSettings{.display = display},
+                                                std::vector{PixelMap::true_scale(display, {0.5, 0.5})});
+  plan.layers = PrintLayers(LayerStack{kLayer, scenario_.layers});
+  plan.expected_layers = plan.layers.all();
+  plan.exposure = [this](std::int32_t layer, Nanometers) { return scenario_.exposure + 100ms * layer; };
+  plan.pixel_area_mm2 = 0.01;
+  if (scenario_.interrupts_on_doubt) plan.tolerance.doubt = ExposureTolerance::Doubt::Interrupt;
+  plan.lift = Nanometers{1'000'000};
+  plan.lift_speed = MillimetersPerSecond{2};
+  plan.retract_speed = plan.travel_speed = plan.homing_speed = MillimetersPerSecond{5};
+  plan.settle = scenario_.settle;
+  plan.rest = scenario_.rest;
+  return plan;
+}
+
+void World::run() {
+  const bool ended = print_all();
+  if (!ended)
+    verdict_.break_rule("g: a print ends or waits for its owner",
+                        fmt::format("\"{}\" for longer than any print takes", name_of(process_.state())),
+                        machine_.loop.now());
+  tell("everything works from now on");
+  machine_.heal();
+  const auto dark = [this] { return !machine_.lit() && machine_.projector().doubt().empty(); };
+  if (!run_until(dark, kLongestDarkening))
+    verdict_.break_rule("g: the light goes off in the end",
+                        machine_.lit() ? "it is on" : "it is off: " + machine_.projector().doubt(),
+                        machine_.loop.now());
+  // What is on its way still comes.
+  static_cast<void>(run_until([] { return false; }, 40s));
+  verdict_.close(machine_.loop.now());
+  verdict_.figures.line_faults = machine_.line_faults();
+}
+
+bool World::print_all() {
+  for (print_ = 0; print_ < scenario_.prints; ++print_) {
+    const auto ready = [this] { return machine_.hindrance().empty(); };
+    if (!run_until(ready, kLongestPrint)) return true;  // it waits, and says why
+    states_ = 0;
+    tell("starts");
+    process_.start(plan());
+    if (!run_until([this] { return process_.state() == PrintState::Idle; }, kLongestPrint)) return false;
+    // The owner takes the part off.
+    static_cast<void>(run_until([] { return false; }, owner_.between(0s, 8s)));
+  }
+  return true;
+}
+
+bool World::run_until(const std::function<bool()>& done, Duration longest) {
+  const TimePoint end = machine_.loop.now() + longest;
+  while (!done()) {
+    // A timer at the end keeps the world going that far.
+    if (machine_.loop.now() >= end) return false;
+    const auto at_end = machine_.plant.clock.call_at(end, [] {});
+    step();
+  }
+  return true;
+}
+
+void World::step() {
+  machine_.turn();
+  look();
+}
+
+void World::look() {
+  Verdict::Scene scene;
+  scene.now = machine_.loop.now();
+  scene.lit = machine_.lit();
+  scene.stray = machine_.stray();
+  scene.picture = machine_.screen.picture();
+  scene.screen_is_there = machine_.screen.there();
+  scene.plate = machine_.plate();
+  scene.state = process_.state();
+  scene.doubted = scene.lit && machine_.doubted();
+  verdict_.look(scene);
+  look_at_motion();
+}
+
+void World::look_at_motion() {
+  const std::int64_t motor = machine_.plant.motor;
+  const TimePoint now = machine_.loop.now();
+  if (motor != motor_) {
+    steps_per_s_ = 1 / std::max(seconds(now - motor_moved_), 1e-6);
+    motor_moved_ = now;
+    motor_ = motor;
+  }
+  if (stopped_at_) {
+    // What the fastest move of the print may take, from 5 mm/s at 50 mm/s^2, and a step.
+    constexpr double kBraking_mm = 5.0 * 5.0 / 2 / 50;
+    const double ran_mm = std::fabs(static_cast<double>(motor - *stopped_at_)) / MachineModel::kStepsPerMm;
+    const double most_mm = kBraking_mm + 1 / MachineModel::kStepsPerMm;
+    if (ran_mm > most_mm)
+      verdict_.break_rule("e: a stop is within the braking distance",
+                          fmt::format("{:.3f} mm after stop, {:.3f} mm are the profile's", ran_mm, most_mm),
+                          now);
+  }
+  const ZAxis& axis = machine_.z_axis();
+  if (axis.moving()) return;
+  const auto height = axis.height();
+  const Nanometers tolerance =
+      scenario_.encoder == EncoderKind::None ? MachineModel::kStep : MachineModel::kStep + Nanometers{50'000};
+  if (height && std::abs((*height - machine_.plate()).count()) > tolerance.count())
+    verdict_.break_rule("f: the position believed is true",
+                        fmt::format("{:.4f} mm believed, {:.4f} mm true", to_millimeters(*height).count(),
+                                    to_millimeters(machine_.plate()).count()),
+                        now);
+}
+
+void World::state_changed(PrintState state) {
+  tell(fmt::format("-> {}", name_of(state)));
+  ++states_;
+  if (state == PrintState::Paused || state == PrintState::Held)
+    owner_timer_ =
+        machine_.loop.call_after(owner_.between(Duration{500ms}, Duration{5s}), [this] { tend(); });
+  if (print_ > 0) return;
+  for (const Happening& happening : scenario_.happenings) {
+    if (happening.state != states_) continue;
+    timers_.push_back(
+        machine_.plant.clock.call_after(happening.after, [this, happening] { happen(happening); }));
+  }
+}
+
+// The owner looks after a print that waits.
+void World::tend() {
+  if (process_.state() != PrintState::Paused && process_.state() != PrintState::Held) return;
+  if (!machine_.hindrance().empty()) {
+    owner_timer_ = machine_.loop.call_after(1s, [this] { tend(); });
+  } else if (owner_.chance(0.85)) {
+    process_.resume();
+  } else {
+    process_.cancel();
+  }
+}
+
+void World::happen(const Happening& happening) {
+  ++verdict_.figures.happenings;
+  tell(describe(happening));
+  switch (happening.kind) {
+    case Kind::Pause:
+      return machine_.loop.post([this] {
+        if (process_.state() != PrintState::Idle) process_.pause();
+      });
+    case Kind::Resume:
+      return machine_.loop.post([this] {
+        if (process_.state() != PrintState::Idle && machine_.hindrance().empty()) process_.resume();
+      });
+    case Kind::Cancel:
+      return machine_.loop.post([this] { process_.cancel(); });
+    case Kind::Fail:
+      return machine_.loop.post([this] { process_.fail("contourd is stopped"); });
+    case Kind::OpenLid:
+    case Kind::ChatteringLid:
+      return press(AxisInput::Lid, happening);
+    case Kind::PressStop:
+    case Kind::ChatteringStop:
+      return press(AxisInput::EmergencyStop, happening);
+    case Kind::LoopHeldUp:
+      return machine_.loop.hold_up(happening.length);
+    case Kind::LoopHeldUpInWrite:
+      return machine_.hold_up_next_write(happening.length);
+    case Kind::StepsHeldUp:
+      return;
+    case Kind::InputsHeldUp:
+      return machine_.plant.preempt_for(happening.length);
+    case Kind::AdapterUnplugged:
+      return machine_.unplug_adapter(happening.length);
+    case Kind::FlipEventLost:
+      return machine_.screen.lose_next_event();
+    case Kind::FlipLost:
+      return machine_.screen.lose_next_flip();
+    case Kind::DisplayLost:
+      return machine_.lose_display(happening.length);
+    case Kind::LineRefuses:
+      return machine_.refuse_line(happening.length);
+    case Kind::EncoderLoses:
+      return;
+  }
+}
+
+void World::press(AxisInput input, const Happening& happening) {
+  for (int i = 0; i < 2 * happening.times; ++i) {
+    timers_.push_back(machine_.plant.clock.call_after(
+        happening.length * i, [this, input, pressed = i % 2 == 0] { machine_.plant.press(input, pressed); }));
+  }
+}
+
+void World::keep_story() {
+  keeps_story_ = true;
+  machine_.on_message([this](const std::string& what) { tell("  " + what); });
+}
+
+void World::tell(const std::string& what) {
+  if (keeps_story_)
+    story_.push_back(fmt::format("{:9.4f} s  print {}: {}", seconds(machine_.loop.now().time_since_epoch()),
+                                 print_, what));
+}
+
+void World::layer_done(const LayerRecord& layer) {
+  tell(fmt::format("layer {} recorded, {} parts", layer.layer, layer.exposure_parts));
+  verdict_.recorded(print_ * 1000 + layer.layer, layer, machine_.loop.now());
+}
+
+void World::interrupted(const std::string& what) {
+  tell("interrupted: " + what);
+  ++verdict_.figures.interruptions;
+}
+
+void World::print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan&) {
+  tell(fmt::format("{} {}", name_of(outcome), reason));
+  Figures& figures = verdict_.figures;
+  ++figures.prints;
+  figures.done += outcome == PrintOutcome::Done ? 1 : 0;
+  figures.canceled += outcome == PrintOutcome::Canceled ? 1 : 0;
+  figures.failed += outcome == PrintOutcome::Failed ? 1 : 0;
+}
+
+}  // namespace contourd::rig

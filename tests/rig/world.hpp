@@ -1,0 +1,63 @@
+// A printer in a world of its own: the real print process on a machine of models, an owner, and everything
+// that goes wrong. Not thread-safe.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/print_process.hpp"
+#include "tests/rig/machine_model.hpp"
+#include "tests/rig/scenario.hpp"
+#include "tests/rig/verdict.hpp"
+
+namespace contourd::rig {
+
+class World final : private PrintObserver {
+ public:
+  explicit World(const Scenario& scenario);
+
+  // Prints all that is to be printed, and gives what is left of it time to end.
+  void run();
+
+  [[nodiscard]] const Verdict& verdict() const { return verdict_; }
+  // What happened, a line each; kept only if wanted.
+  [[nodiscard]] const std::vector<std::string>& story() const { return story_; }
+  void keep_story();
+
+ private:
+  void state_changed(PrintState state) override;
+  void layer_done(const LayerRecord& layer) override;
+  void interrupted(const std::string& what) override;
+  void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) override;
+
+  [[nodiscard]] PrintPlan plan() const;
+  [[nodiscard]] bool print_all();
+  [[nodiscard]] bool run_until(const std::function<bool()>& done, Duration longest);
+  void step();
+  void look();
+  void look_at_motion();
+  void happen(const Happening& happening);
+  void press(AxisInput input, const Happening& happening);
+  void tend();
+  void tell(const std::string& what);
+  [[nodiscard]] int number() const { return print_ * 1000 + process_.layer(); }
+
+  const Scenario scenario_;
+  Dice owner_;
+  MachineModel machine_;
+  Verdict verdict_;
+  PrintProcess process_;
+  int print_ = 0, states_ = 0;
+  std::vector<std::unique_ptr<Timer>> timers_;
+  std::unique_ptr<Timer> owner_timer_;
+  std::optional<std::int64_t> stopped_at_;  // motor's position when motion was to end
+  std::int64_t may_run_on_ = 0;             // steps from there
+  std::int64_t motor_ = 0;                  // when it was looked at last
+  TimePoint motor_moved_{};
+  double steps_per_s_ = 0;
+  bool keeps_story_ = false;
+  std::vector<std::string> story_;
+};
+
+}  // namespace contourd::rig
