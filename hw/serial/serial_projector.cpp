@@ -146,7 +146,8 @@ void SerialProjector::take(const ReplyReader::Heard& heard) {
   if (!heard.reply) return;
   free_at_ = clock_.now() + table_.gap;
   const bool own = current_ && heard.reply->request == current_->id;  // else late, and somebody else's
-  const bool dark_waits = current_ && current_->command == light_off_command() && current_->sent > 0;
+  const bool dark_waits =
+      current_ && table_.light_off && current_->command == &*table_.light_off && current_->sent > 0;
   // Of light off's and light on's nobody knows which this one is, where they look alike: light on's may have
   // been lost, or come late, or twice. The next light off's will tell, sooner than a timeout.
   if (dark_waits && (!own || heard.reply->doubtful)) {
