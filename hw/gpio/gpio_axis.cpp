@@ -80,8 +80,7 @@ GpioAxis::~GpioAxis() {
 // Steps.
 
 void GpioAxis::when_ready(std::function<void()> call) {
-  if (engine_.moving() ||
-      inputs_.doubtful(AxisInput::EmergencyStop)) {  // a run that was aborted has yet to end
+  if (engine_.moving()) {  // a run that was aborted has yet to end
     ready_ = [this, call = std::move(call)]() mutable { when_ready(std::move(call)); };
     return;
   }

@@ -195,6 +195,20 @@ TEST_CASE("No step begins while it is not known whether the emergency stop is pr
   CHECK(plate_above_switch(plant) == 800);
 }
 
+TEST_CASE("A move that a spike has stopped does not go on before the spike is over") {
+  GpioAxisConfig c = config();
+  c.acceleration = MillimetersPerSecondSquared{5'000};  // at rest from 5 mm/s within a millisecond
+  Plant plant(c);
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  const Press spike(plant, AxisInput::EmergencyStop, 2s, 4ms);
+  CHECK(plant.move_to(20) == MoveResult::Reached);
+  CHECK(plate_above_switch(plant) == 16'000);
+  const TimePoint rested = spike.at() + 1ms + 1ms, over = spike.at() + 4ms + kDebounce;  // 1 ms to be told
+  for (const TimePoint step : plant.pulses)
+    REQUIRE((step <= rested || step >= over));
+}
+
 TEST_CASE("A move that waits for the emergency stop to be known can be stopped and aborted") {
   Plant plant(config());
   plant.build();
