@@ -16,4 +16,10 @@ ProjectorCommand BrightnessCommand::with(std::int32_t number) const {
   return numbered;
 }
 
+Duration ProjectorTable::wire_time(const ProjectorCommand& command) const {
+  // A start bit, 8 data bits, a stop bit.
+  const auto bits = 10 * static_cast<std::int64_t>(command.bytes.size());
+  return std::chrono::nanoseconds{std::int64_t{1'000'000'000} * bits / baud};
+}
+
 }  // namespace contourd

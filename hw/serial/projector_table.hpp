@@ -71,6 +71,8 @@ struct ProjectorTable {
   std::optional<ProjectorCommand> lamp_hours;  // query: Value
   std::vector<UnaskedLine> unasked;
 
+  // How long the command is on the wire.
+  [[nodiscard]] Duration wire_time(const ProjectorCommand& command) const;
   // Without: the lamp shines as long as the projector is on, and something else must make it dark.
   [[nodiscard]] bool switches_light() const { return light_on && light_off; }
 };

@@ -50,12 +50,6 @@ std::string SerialProjector::called() const {
   return "the projector at " + channel_.name();
 }
 
-Duration SerialProjector::wire_time(std::size_t bytes) const {
-  // A start bit, 8 data bits, a stop bit.
-  return std::chrono::nanoseconds{std::int64_t{1'000'000'000} * 10 * static_cast<std::int64_t>(bytes) /
-                                  table_.baud};
-}
-
 // --- One command at a time ---
 
 void SerialProjector::ask(const ProjectorCommand& command, std::function<void(const Answer&)> done,
@@ -108,7 +102,7 @@ void SerialProjector::send() {
   }
   ++current_->sent;
   note_sent(command, first_byte);
-  const TimePoint sent_at = clock_.now() + wire_time(command.bytes.size());
+  const TimePoint sent_at = clock_.now() + table_.wire_time(command);
   free_at_ = sent_at + table_.gap;
   const bool lights = &command == light_on_command();
   reader_.expect(current_->id, command, sent_at,

@@ -132,7 +132,6 @@ class SerialProjector final : public Projector {
   [[nodiscard]] const ProjectorCommand* light_off_command() const {
     return table_.light_off ? &*table_.light_off : nullptr;
   }
-  [[nodiscard]] Duration wire_time(std::size_t bytes) const;
 
   ByteChannel& channel_;
   Clock& clock_;

@@ -1,0 +1,65 @@
+#include "hw/watchdog/light_deadline.hpp"
+
+#include <algorithm>
+
+namespace contourd {
+
+void LightDeadline::arm(const WatchedExposure& exposure, TimePoint sent, TimePoint now) {
+  exposure_ = exposure;
+  times_ = 0;
+  heard_ = std::min(sent, now);
+}
+
+void LightDeadline::beat(const WatchedExposure& exposure, TimePoint sent, TimePoint now) {
+  if (!exposure_ || exposure_->number != exposure.number) return;
+  exposure_ = exposure;
+  heard_ = std::max(heard_, std::min(sent, now));
+}
+
+void LightDeadline::disarm(std::uint64_t number) {
+  if (exposure_ && exposure_->number == number) exposure_.reset();
+}
+
+LightTrip LightDeadline::trip(TimePoint now) const {
+  if (gone_) return LightTrip::Death;
+  if (now - heard_ >= kMostSilence) return LightTrip::Silence;
+  if (!exposure_->off_asked && now - exposure_->end >= kMostOverrun) return LightTrip::Overrun;
+  return LightTrip::None;
+}
+
+LightDeadline::Act LightDeadline::due(TimePoint now) {
+  Act act;
+  if (!exposure_) {
+    act.end = gone_;
+    return act;
+  }
+  const LightTrip reason = trip(now);
+  if (!tripped()) {
+    if (reason == LightTrip::None) return act;
+    act.trip = reason;
+    tell_off(now, act);
+  } else if (now >= again_) {
+    again_ = now + kAgain;
+    if (times_ < kTimes || reason != LightTrip::None) tell_off(now, act);
+  }
+  act.end = gone_ && times_ >= kTimes;
+  return act;
+}
+
+// The display may keep us waiting for some refreshes: it comes when the second light off, which is the first
+// that is sure to be outside of the projector's gap, has been sent.
+void LightDeadline::tell_off(TimePoint now, Act& act) {
+  ++times_;
+  act.light_off = true;
+  act.display_black = times_ == 2;
+  again_ = now + (times_ < kTimes ? gap_ : kAgain);
+}
+
+std::optional<TimePoint> LightDeadline::next() const {
+  if (!exposure_) return std::nullopt;
+  if (tripped()) return again_;
+  const TimePoint silent = heard_ + kMostSilence;
+  return exposure_->off_asked ? silent : std::min(silent, exposure_->end + kMostOverrun);
+}
+
+}  // namespace contourd

@@ -1,0 +1,336 @@
+// The real process, with a socket pair in a serial port's place. Nothing here waits for a time to pass: what
+// is to happen is waited for, up to kPatience.
+#include "hw/watchdog/light_watchdog_process.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr int kPatienceMs = 20'000;  // for a machine that is very busy
+constexpr Duration kGap = 30ms;
+const std::string kOff = "OFF\r";
+
+TimePoint now() {
+  return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
+}
+
+std::pair<FileDescriptor, FileDescriptor> socket_pair(int type) {
+  int ends[2];
+  REQUIRE(::socketpair(AF_UNIX, type | SOCK_CLOEXEC, 0, ends) == 0);
+  return {FileDescriptor(ends[0]), FileDescriptor(ends[1])};
+}
+
+bool readable(const FileDescriptor& end) {
+  pollfd waited{end.get(), POLLIN, 0};
+  return ::poll(&waited, 1, kPatienceMs) == 1;
+}
+
+// The far end of a serial port.
+struct Projector {
+  Projector() { std::tie(port, line) = socket_pair(SOCK_STREAM); }
+  // All that comes until so many bytes are there, or nobody holds the port any more.
+  std::string heard(std::size_t size) {
+    std::string all;
+    std::array<char, 64> bytes;
+    while (all.size() < size) {
+      REQUIRE(readable(line));
+      const ssize_t count = ::read(line.get(), bytes.data(), std::min(bytes.size(), size - all.size()));
+      if (count <= 0) break;
+      all.append(bytes.data(), static_cast<std::size_t>(count));
+    }
+    return all;
+  }
+  [[nodiscard]] bool has_heard_something() const {
+    pollfd waited{line.get(), POLLIN, 0};
+    return ::poll(&waited, 1, 0) == 1;
+  }
+  FileDescriptor port, line;
+};
+
+// In a forked child: with nothing of the test's open, as if it had been started anew.
+int serve_alone(const FileDescriptor& socket) {
+  ::close_range(3, static_cast<unsigned>(socket.get()) - 1, 0);
+  return serve_light_watchdog(socket.get());
+}
+
+// A light watchdog, forked, and the daemon's end of its socket.
+struct Watchdog {
+  Watchdog() {
+    auto [ours, its] = socket_pair(SOCK_SEQPACKET);
+    process = ::fork();
+    REQUIRE(process >= 0);
+    if (process == 0) ::_exit(serve_alone(its));
+    socket = std::move(ours);
+    REQUIRE(reply().word == WatchdogWord::Ready);
+  }
+  // One that somebody else has forked.
+  explicit Watchdog(FileDescriptor ours) : socket(std::move(ours)) {}
+  ~Watchdog() {
+    socket = FileDescriptor();
+    if (process > 0) ::kill(process, SIGKILL);
+    if (process > 0) ::waitpid(process, nullptr, 0);
+  }
+
+  WatchdogReply reply() {
+    WatchdogPacket packet;
+    REQUIRE(readable(socket));
+    REQUIRE(receive_packet(socket.get(), packet) == Received::Packet);
+    return packet.as<WatchdogReply>().value();
+  }
+  void give(const Projector& projector) {
+    SerialMessage message{};
+    message.word = WatchdogWord::Serial;
+    message.size = static_cast<std::uint32_t>(kOff.size());
+    message.gap = kGap;
+    kOff.copy(message.light_off.data(), kOff.size());
+    REQUIRE(send_message(socket.get(), message, projector.port.get()));
+  }
+  void say(WatchdogWord word, Duration until_end, bool off_asked = false) {
+    REQUIRE(
+        send_message(socket.get(), ExposureMessage{word, {exposure, now() + until_end, off_asked}, now()}));
+  }
+  void arm(Duration exposure_time = 1h) {
+    ++exposure;
+    say(WatchdogWord::Arm, exposure_time);
+    const WatchdogReply answer = reply();
+    REQUIRE(answer.word == WatchdogWord::Heard);
+    REQUIRE(answer.exposure == exposure);
+  }
+  // Its exit status, when it has ended.
+  int ended() {
+    int status = -1;
+    REQUIRE(::waitpid(std::exchange(process, -1), &status, 0) > 0);
+    return status;
+  }
+
+  pid_t process = -1;
+  FileDescriptor socket;
+  std::uint64_t exposure = 0;
+};
+
+}  // namespace
+
+TEST_CASE("A light watchdog whose daemon ends without a light on ends too, and sends nothing") {
+  Projector projector;
+  Watchdog watchdog;
+  watchdog.give(projector);
+  projector.port = FileDescriptor();
+  watchdog.arm();
+  watchdog.say(WatchdogWord::Disarm, 0s);
+  watchdog.socket = FileDescriptor();
+  CHECK(watchdog.ended() == 0);
+  CHECK(projector.heard(1).empty());
+}
+
+TEST_CASE("When the daemon's end of the socket closes in an exposure, light off is sent thrice") {
+  Projector projector;
+  Watchdog watchdog;
+  watchdog.give(projector);
+  projector.port = FileDescriptor();
+  watchdog.arm();
+  const TimePoint closed = now();
+  watchdog.socket = FileDescriptor();
+  CHECK(projector.heard(100) == kOff + kOff + kOff);
+  CHECK(now() - closed >= 2 * kGap);
+  CHECK(watchdog.ended() == 0);
+}
+
+TEST_CASE("A daemon that says nothing any more has its light turned off, and is told") {
+  Projector projector;
+  Watchdog watchdog;
+  watchdog.give(projector);
+  const TimePoint armed = now();
+  watchdog.arm();
+  CHECK(projector.heard(kOff.size()) == kOff);
+  CHECK(now() - armed >= LightDeadline::kMostSilence);
+  const WatchdogReply told = watchdog.reply();
+  CHECK(told.word == WatchdogWord::Tripped);
+  CHECK(told.trip == LightTrip::Silence);
+  CHECK(told.exposure == watchdog.exposure);
+  CHECK(projector.heard(2 * kOff.size()) == kOff + kOff);
+
+  // And is served again.
+  watchdog.say(WatchdogWord::Disarm, 0s);
+  watchdog.arm();
+  CHECK_FALSE(projector.has_heard_something());
+  CHECK(projector.heard(kOff.size()) == kOff);
+  CHECK(watchdog.reply().trip == LightTrip::Silence);
+}
+
+TEST_CASE("A daemon that lives has its light turned off when the exposure is over and it has not done so") {
+  Projector projector;
+  Watchdog watchdog;
+  watchdog.give(projector);
+  const TimePoint armed = now();
+  watchdog.arm(20ms);
+  LightTrip trip = LightTrip::None;
+  while (trip == LightTrip::None && now() - armed < std::chrono::milliseconds{kPatienceMs}) {
+    watchdog.say(WatchdogWord::Beat, armed + 20ms - now());
+    trip = watchdog.reply().trip;
+  }
+  CHECK(trip == LightTrip::Overrun);
+  CHECK(now() - armed >= 20ms + LightDeadline::kMostOverrun);
+  CHECK(projector.heard(kOff.size()) == kOff);
+}
+
+TEST_CASE("The signals that end a daemon end no light watchdog") {
+  Projector projector;
+  Watchdog watchdog;
+  watchdog.give(projector);
+  projector.port = FileDescriptor();
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGABRT, SIGPIPE, SIGALRM, SIGUSR1})
+    REQUIRE(::kill(watchdog.process, signal) == 0);
+  watchdog.arm();
+  watchdog.socket = FileDescriptor();
+  CHECK(projector.heard(100) == kOff + kOff + kOff);
+  CHECK(watchdog.ended() == 0);
+}
+
+TEST_CASE("A new port takes the old one's place, which is given back") {
+  Projector before, after;
+  Watchdog watchdog;
+  watchdog.give(before);
+  watchdog.give(after);
+  before.port = FileDescriptor();
+  after.port = FileDescriptor();
+  CHECK(before.heard(1).empty());  // the end of it: nobody holds the port
+  watchdog.arm();
+  CHECK(after.heard(kOff.size()) == kOff);
+}
+
+TEST_CASE("A port that is taken away is given back, and the light watchdog goes on without") {
+  Projector projector;
+  Watchdog watchdog;
+  watchdog.give(projector);
+  projector.port = FileDescriptor();
+  SerialMessage none{};
+  none.word = WatchdogWord::Serial;
+  REQUIRE(send_message(watchdog.socket.get(), none));
+  CHECK(projector.heard(1).empty());
+  watchdog.arm();
+  CHECK(watchdog.reply().trip == LightTrip::Silence);
+}
+
+TEST_CASE("What is no message is passed over, and a descriptor with it closed") {
+  Projector stray, projector;
+  Watchdog watchdog;
+  watchdog.give(projector);
+  const std::string long_one(400, 'x'), longest(4'000, 'x');
+  for (const std::string& bytes : {std::string("x"), std::string("garbage"), long_one, longest})
+    REQUIRE(send_packet(watchdog.socket.get(), bytes.data(), bytes.size(), stray.port.get()));
+  ExposureMessage odd{};
+  odd.word = WatchdogWord::Serial;
+  REQUIRE(send_message(watchdog.socket.get(), odd, stray.port.get()));
+  SerialMessage lies{};
+  lies.word = WatchdogWord::Line;
+  REQUIRE(send_message(watchdog.socket.get(), lies));
+  stray.port = FileDescriptor();
+  watchdog.arm();
+  CHECK(stray.heard(1).empty());
+  CHECK(projector.heard(kOff.size()) == kOff);
+}
+
+TEST_CASE("A message that claims more bytes than it has room for sends no more than that") {
+  Projector projector;
+  Watchdog watchdog;
+  SerialMessage lies{};
+  lies.word = WatchdogWord::Serial;
+  lies.size = 1'000'000;
+  lies.light_off.fill('o');
+  REQUIRE(send_message(watchdog.socket.get(), lies, projector.port.get()));
+  watchdog.arm();
+  projector.port = FileDescriptor();
+  watchdog.socket = FileDescriptor();
+  CHECK(projector.heard(1'000'000).size() == 3 * SerialMessage::kMostBytes);
+}
+
+namespace {
+
+// A process in between that beats until it is stopped or killed, with a watchdog of its own.
+struct Daemon {
+  explicit Daemon(Projector& projector) {
+    auto [ours, its] = socket_pair(SOCK_SEQPACKET);
+    auto [here, there] = socket_pair(SOCK_STREAM);
+    watchdog = ::fork();
+    if (watchdog == 0) ::_exit(serve_alone(its));
+    its = FileDescriptor();
+    process = ::fork();
+    if (process == 0) ::_exit(beat(ours, there, projector));
+    REQUIRE(process > 0);
+    report = std::move(here);
+    projector.port = FileDescriptor();
+  }
+  ~Daemon() {
+    report = FileDescriptor();
+    for (const pid_t child : {process, watchdog}) {
+      ::kill(child, SIGKILL);
+      ::waitpid(child, nullptr, 0);
+    }
+  }
+
+  // As a real one, but five times as often: a busy machine keeps it from that.
+  static int beat(FileDescriptor& socket, FileDescriptor& to_test, Projector& projector) {
+    Watchdog watchdog(std::move(socket));
+    watchdog.exposure = 1;
+    watchdog.give(projector);
+    projector.port = FileDescriptor();
+    for (WatchdogWord word = WatchdogWord::Arm;; word = WatchdogWord::Beat) {
+      watchdog.say(word, 1h);
+      ::poll(nullptr, 0, 10);  // as often as that
+      WatchdogPacket packet;
+      while (receive_packet(watchdog.socket.get(), packet) == Received::Packet) {
+        const auto reply = packet.as<WatchdogReply>();
+        const char kind = reply->word == WatchdogWord::Tripped ? 'T' : 'h';
+        if (::write(to_test.get(), &kind, 1) != 1) return 1;
+      }
+    }
+  }
+  // Waits for that word; false when it does not come.
+  bool reports(char wanted) {
+    char kind = 0;
+    while (readable(report) && ::read(report.get(), &kind, 1) == 1) {
+      if (kind == wanted) return true;
+    }
+    return false;
+  }
+
+  pid_t process = -1, watchdog = -1;
+  FileDescriptor report;
+};
+
+}  // namespace
+
+TEST_CASE(
+    "A daemon that is stopped in an exposure has its light turned off, and finds that when it goes on") {
+  Projector projector;
+  Daemon daemon(projector);
+  REQUIRE(daemon.reports('h'));
+  CHECK_FALSE(projector.has_heard_something());
+  REQUIRE(::kill(daemon.process, SIGSTOP) == 0);
+  CHECK(projector.heard(kOff.size()) == kOff);
+  REQUIRE(::kill(daemon.process, SIGCONT) == 0);
+  CHECK(daemon.reports('T'));
+}
+
+TEST_CASE("A daemon that is killed in an exposure has its light turned off") {
+  Projector projector;
+  Daemon daemon(projector);
+  REQUIRE(daemon.reports('h'));
+  REQUIRE(::kill(daemon.process, SIGKILL) == 0);
+  CHECK(projector.heard(100) == kOff + kOff + kOff);
+}

@@ -1,0 +1,299 @@
+// The daemon's side, on a virtual clock; the test is the process at the other end of the socket.
+#include "hw/watchdog/light_watchdog.hpp"
+
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <map>
+#include <system_error>
+
+#include "hw/virtual_clock.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+namespace {
+
+// Calls what watches when the test lets it.
+class Readiness final : public DescriptorWatcher {
+ public:
+  [[nodiscard]] std::unique_ptr<Watch> when_readable(int, std::function<void()> call) override {
+    auto watch = std::make_unique<Counted>(*this);
+    call_ = std::move(call);
+    return watch;
+  }
+  void serve() {
+    if (const auto call = call_) call();
+  }
+
+ private:
+  struct Counted final : Watch {
+    explicit Counted(Readiness& readiness) : owner(readiness) {}
+    ~Counted() override { owner.call_ = nullptr; }
+    Readiness& owner;
+  };
+  std::function<void()> call_;
+};
+
+struct Bench {
+  explicit Bench(bool starts = true) : can_start(starts) {
+    watchdog.emplace(clock, readiness, [this] { return start(); });
+    watchdog->on_trouble([this](const std::string& what) { troubles.push_back(what); });
+    watchdog->on_recovery([this](const std::string& problem) { recovered.push_back(problem); });
+  }
+
+  LightWatchdog::Process start() {
+    ++started;
+    if (!can_start) throw std::system_error(EAGAIN, std::generic_category(), "/proc/self/exe");
+    int ends[2];
+    REQUIRE(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) == 0);
+    process = FileDescriptor(ends[1]);
+    if (gets_ready) reply(WatchdogWord::Ready);
+    return {FileDescriptor(ends[0]), -1};
+  }
+
+  void reply(WatchdogWord word, std::uint64_t exposure = 0, LightTrip trip = LightTrip::None) {
+    WatchdogReply message{};
+    message.word = word;
+    message.exposure = exposure;
+    message.trip = trip;
+    message.at = clock.now();
+    message.line_off = trip != LightTrip::None;
+    message.no_priority = no_priority;
+    CHECK(send_message(process.get(), message));
+  }
+
+  // What came, by word; ExposureMessage's are kept.
+  std::vector<WatchdogWord> received() {
+    std::vector<WatchdogWord> came;
+    WatchdogPacket packet;
+    while (receive_packet(process.get(), packet) == Received::Packet) {
+      came.push_back(packet.word().value());
+      if (const auto exposure = packet.as<ExposureMessage>()) last = *exposure;
+      if (packet.descriptor.valid()) ++descriptors[came.back()];
+      if (answers && (came.back() == WatchdogWord::Arm || came.back() == WatchdogWord::Beat))
+        reply(WatchdogWord::Heard, last.exposure.number);
+    }
+    return came;
+  }
+  // The daemon hears what has been said, and goes on with what comes of it at once.
+  void hear() {
+    readiness.serve();
+    run_for(1us);
+  }
+  // Time passes; the process answers, if it does.
+  void run_for(Duration duration) {
+    const TimePoint until = clock.now() + duration;
+    // A timer of ours, so that the clock comes to its end.
+    bool over = false;
+    const auto end = clock.call_at(until, [&] { over = true; });
+    while (!over && clock.run_next()) {
+      for (const WatchdogWord word : received())
+        ++words[word];
+      readiness.serve();
+    }
+  }
+  bool arm(Duration exposure = 2s) {
+    bool armed = false;
+    watchdog->arm(exposure, [&] { armed = true; });
+    for (const WatchdogWord word : received())
+      ++words[word];
+    readiness.serve();
+    return armed;
+  }
+
+  bool can_start = true, gets_ready = true, answers = true;
+  int no_priority = 0, started = 0;
+  std::vector<std::string> troubles, recovered;
+  std::map<WatchdogWord, int> words, descriptors;
+  ExposureMessage last{};
+  FileDescriptor process;
+  VirtualClock clock;
+  Readiness readiness;
+  std::optional<LightWatchdog> watchdog;
+};
+
+}  // namespace
+
+TEST_CASE("An exposure is armed when the watchdog says that it has heard, and not before") {
+  Bench bench;
+  CHECK(bench.watchdog->problem().empty());
+  bench.answers = false;
+  bool armed = false;
+  bench.watchdog->arm(2s, [&] { armed = true; });
+  bench.readiness.serve();
+  CHECK_FALSE(armed);
+  REQUIRE(bench.received() == std::vector{WatchdogWord::Arm});
+  bench.reply(WatchdogWord::Heard, bench.last.exposure.number + 1);  // of another
+  bench.readiness.serve();
+  CHECK_FALSE(armed);
+  bench.reply(WatchdogWord::Heard, bench.last.exposure.number);
+  bench.readiness.serve();
+  CHECK(armed);
+}
+
+TEST_CASE("The daemon tells every 50 ms that it lives, from arming until darkness is confirmed") {
+  Bench bench;
+  REQUIRE(bench.arm());
+  bench.run_for(1010ms);
+  CHECK(bench.words[WatchdogWord::Beat] == 20);
+  CHECK(bench.last.sent == TimePoint{1s});
+  bench.watchdog->disarm();
+  CHECK(bench.received() == std::vector{WatchdogWord::Disarm});
+  bench.run_for(1s);
+  CHECK(bench.words[WatchdogWord::Beat] == 20);
+  CHECK(bench.troubles.empty());
+}
+
+TEST_CASE(
+    "The end that is told stays ahead until light on was sent, and is that of the exposure from then on") {
+  Bench bench;
+  REQUIRE(bench.arm(2s));
+  bench.run_for(500ms);
+  CHECK(bench.last.exposure.end == bench.last.sent + 2s);
+  const TimePoint end = bench.clock.now() + 2s;
+  bench.watchdog->begins(end);
+  bench.run_for(1s);
+  CHECK(bench.last.exposure.end == end);
+  CHECK_FALSE(bench.last.exposure.off_asked);
+  bench.watchdog->off_asked();
+  CHECK(bench.received() == std::vector{WatchdogWord::Beat});  // at once
+  CHECK(bench.last.exposure.off_asked);
+}
+
+TEST_CASE("A watchdog that has turned the light off is told of, and watches on until darkness is confirmed") {
+  Bench bench;
+  REQUIRE(bench.arm());
+  bench.reply(WatchdogWord::Tripped, bench.last.exposure.number, LightTrip::Silence);
+  bench.hear();
+  REQUIRE(bench.troubles.size() == 1);
+  CHECK(bench.troubles[0] ==
+        "the light watchdog has turned the light off: contourd had not answered it in time");
+  CHECK(bench.watchdog->problem().empty());
+  REQUIRE(bench.watchdog->trip());
+  CHECK(bench.watchdog->trip()->at == TimePoint{});
+  CHECK(bench.watchdog->trip()->line_off);
+  bench.run_for(110ms);
+  CHECK(bench.words[WatchdogWord::Beat] == 2);
+  bench.watchdog->disarm();
+  CHECK(bench.arm());
+}
+
+TEST_CASE("A trip of an exposure that is over is nobody's") {
+  Bench bench;
+  REQUIRE(bench.arm());
+  const std::uint64_t number = bench.last.exposure.number;
+  bench.watchdog->disarm();
+  bench.reply(WatchdogWord::Tripped, number, LightTrip::Silence);
+  bench.hear();
+  CHECK(bench.troubles.empty());
+}
+
+TEST_CASE("A watchdog that dies in an exposure is told of at once, and one that dies otherwise is replaced") {
+  Bench bench;
+  REQUIRE(bench.arm());
+  bench.process = FileDescriptor();
+  bench.hear();
+  REQUIRE(bench.troubles.size() == 1);
+  CHECK(bench.troubles[0] == "the light watchdog has died; no light is turned on without it");
+  CHECK(bench.watchdog->problem() == bench.troubles[0]);
+  bench.run_for(LightWatchdog::kStartLater);
+  CHECK(bench.started == 2);
+  CHECK(bench.watchdog->problem().empty());
+  CHECK(bench.recovered == bench.troubles);
+
+  bench.process = FileDescriptor();
+  bench.hear();
+  CHECK(bench.troubles.size() == 1);
+  CHECK_FALSE(bench.watchdog->problem().empty());
+}
+
+TEST_CASE("An exposure that is asked for while there is no watchdog is armed by the next, or not at all") {
+  Bench bench;
+  bench.process = FileDescriptor();
+  bench.readiness.serve();
+  bench.gets_ready = false;
+  bool armed = false;
+  bench.watchdog->arm(2s, [&] { armed = true; });
+  SECTION("in time") {
+    bench.run_for(200ms);
+    CHECK_FALSE(armed);
+    bench.clock.run_next();
+  }
+  SECTION("too late") {
+    bench.run_for(1s);
+    CHECK(bench.troubles.size() == 1);
+    CHECK_FALSE(armed);
+    bench.watchdog->disarm();
+  }
+  CHECK_FALSE(armed);
+}
+
+TEST_CASE("A watchdog that does not answer is taken for dead after ten beats") {
+  Bench bench;
+  REQUIRE(bench.arm());
+  bench.answers = false;
+  bench.run_for(400ms);
+  CHECK(bench.troubles.empty());
+  bench.run_for(200ms);
+  REQUIRE(bench.troubles.size() == 1);
+  CHECK(bench.troubles[0] == "the light watchdog does not answer; no light is turned on without it");
+}
+
+TEST_CASE(
+    "What a watchdog that has died is told goes nowhere, and its death is told from the event loop only") {
+  Bench bench;
+  REQUIRE(bench.arm());
+  bench.process = FileDescriptor();
+  bench.watchdog->off_asked();
+  CHECK_FALSE(bench.watchdog->trip());
+  CHECK_FALSE(bench.watchdog->problem().empty());
+  CHECK(bench.troubles.empty());
+  bench.run_for(1us);
+  CHECK(bench.troubles.size() == 1);
+}
+
+TEST_CASE("What the light is turned off by is handed over as it comes, and again to each new watchdog") {
+  Bench bench;
+  const FileDescriptor device(::open("/dev/null", O_RDWR | O_CLOEXEC));
+  bench.watchdog->set_line(device.get());
+  bench.watchdog->set_serial({device.get(), "~0002 1\r", 108ms});
+  LightDisplayPath display;
+  display.descriptor = device.get();
+  bench.watchdog->set_display(display);
+  CHECK(bench.received() == std::vector{WatchdogWord::Line, WatchdogWord::Serial, WatchdogWord::Display});
+  CHECK(bench.descriptors.size() == 3);
+  bench.watchdog->set_line(-1);
+  CHECK(bench.received() == std::vector{WatchdogWord::Line});
+  CHECK(bench.descriptors[WatchdogWord::Line] == 1);  // that one came without
+
+  bench.process = FileDescriptor();
+  bench.readiness.serve();
+  bench.run_for(LightWatchdog::kStartLater);
+  CHECK(bench.words[WatchdogWord::Line] == 0);
+  CHECK(bench.words[WatchdogWord::Serial] == 1);
+  CHECK(bench.words[WatchdogWord::Display] == 1);
+}
+
+TEST_CASE("A watchdog that cannot be started is looked for again, and says why there is no light") {
+  Bench bench(false);
+  CHECK(bench.watchdog->problem().find("cannot be started: /proc/self/exe") != std::string::npos);
+  bench.can_start = true;
+  bench.no_priority = EPERM;
+  bench.run_for(LightWatchdog::kStartLater);
+  CHECK(bench.watchdog->problem().empty());
+  REQUIRE(bench.watchdog->refusals().size() == 1);
+  CHECK(bench.watchdog->refusals()[0].find("real-time priority") != std::string::npos);
+}
+
+TEST_CASE("What is no answer of a watchdog's is passed over") {
+  Bench bench;
+  REQUIRE(bench.arm());
+  CHECK(::write(bench.process.get(), "garbage", 7) == 7);
+  CHECK(send_message(bench.process.get(), ExposureMessage{}));
+  bench.readiness.serve();
+  bench.run_for(200ms);
+  CHECK(bench.troubles.empty());
+}
