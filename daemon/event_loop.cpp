@@ -132,6 +132,10 @@ std::unique_ptr<EventLoop::IoSource> EventLoop::on_ready(int fd, std::uint32_t e
   return source;
 }
 
+void EventLoop::attach(sd_bus* bus) {
+  check(sd_bus_attach_event(bus, event_, SD_EVENT_PRIORITY_NORMAL), "sd_bus_attach_event");
+}
+
 EventLoop::SourcePtr EventLoop::on_signal(int signal, std::function<void()> call) {
   sigset_t set;
   sigemptyset(&set);

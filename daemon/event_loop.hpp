@@ -2,6 +2,7 @@
 // callback on the thread that calls run(); only Mailbox::post() may be called from another.
 #pragma once
 
+#include <systemd/sd-bus.h>
 #include <systemd/sd-event.h>
 
 #include <cstdint>
@@ -64,6 +65,8 @@ class EventLoop {
     virtual void wake() = 0;
   };
   [[nodiscard]] std::unique_ptr<IdleSource> when_idle(std::function<bool()> call);
+  // The bus is served from now on, for as long as it is open. Its callbacks must not throw.
+  void attach(sd_bus* bus);
 
  private:
   class SdSource;
