@@ -100,7 +100,8 @@ void PrintProcess::resume() {
 void PrintProcess::interrupt(const std::string& what) {
   if (state_ == PrintState::Idle) return;
   // All the light was given, and only the timer's call is still to come.
-  if (state_ == PrintState::Exposing && clock_.now() >= exposure_end_) handle(PrintEvent::WaitOver);
+  if (state_ == PrintState::Exposing && clock_.now() >= exposure_end_ && !light_went_off())
+    handle(PrintEvent::WaitOver);
   const bool news = interruption_.find(what) == std::string::npos;
   if (news) interruption_ += (interruption_.empty() ? "" : "; ") + what;
   resume_wanted_ = false;
@@ -180,7 +181,7 @@ void PrintProcess::perform(PrintEffect effect) {
     case PrintEffect::LightOn:
       return light_on();
     case PrintEffect::TimeExposure:
-      return wait_until(exposure_end_);
+      return time_exposure();
     case PrintEffect::ShowBlack:
       expect_within(kPresentDeadline, "the display to show black");
       return machine_.display().black(
@@ -302,6 +303,19 @@ void PrintProcess::light_answered(ProjectorReply reply) {
   if (reply == ProjectorReply::Ok) return;
   const std::string what = fmt::format("light on: {}", machine_.projector().last_problem());
   reply == ProjectorReply::Refused ? fail(what) : interrupt(what);
+}
+
+void PrintProcess::time_exposure() {
+  wait_ = clock_.call_at(exposure_end_, [this] {
+    if (light_went_off()) return interrupt("the light went off before its exposure was over");
+    handle(PrintEvent::WaitOver);
+  });
+}
+
+// Somebody else has turned it off in time to spare: the layer has not had all of it.
+bool PrintProcess::light_went_off() const {
+  const std::optional<LightSpan> light = machine_.projector().last_light();
+  return light && light->off_earliest && *light->off_earliest < exposure_end_;
 }
 
 void PrintProcess::expect_darkness() {

@@ -150,6 +150,8 @@ class PrintProcess {
   void begin_layer(Nanometers bottom);
   void light_on();
   void light_answered(ProjectorReply reply);
+  void time_exposure();
+  [[nodiscard]] bool light_went_off() const;
   void expect_darkness();
   void is_dark();
   void count_light();

@@ -414,6 +414,32 @@ TEST_CASE("An exposure that is interrupted goes on with what is left of it, at t
   CHECK_FALSE(bench.lit_wrongly);
 }
 
+TEST_CASE("A light that somebody else turns off in an exposure interrupts it, and is not taken for given") {
+  for (const bool told : {false, true}) {
+    Bench bench;
+    bench.start(1);
+    REQUIRE(bench.run_to(S::Igniting));
+    const auto off = bench.clock.call_after(300ms, [&] { bench.machine.projector().light_off(); });
+    // Heard of when the exposure is to end, before that is seen to.
+    const TimePoint end = bench.machine.projector().last_light().value().on_earliest + 1s;
+    const auto word = bench.clock.call_at(end, [&] {
+      if (told) bench.process.interrupt("the light watchdog has turned the light off");
+    });
+    REQUIRE(bench.run_to(S::Paused));
+    CHECK(bench.interruptions.size() == 1);
+    CHECK(bench.layers.empty());
+    bench.process.resume();
+    bench.run_out();
+    REQUIRE(bench.layers.size() == 1);
+    CHECK(bench.ends == std::vector{PrintOutcome::Done});
+    CHECK(bench.layers[0].exposure_parts == 2);
+    CHECK(bench.layers[0].complete);
+    // A turn of the loop lies between light on and what is known of it.
+    CHECK(bench.layers[0].exposure_most - 1s < 1ms);
+    CHECK(1s - bench.layers[0].exposure_least < 1ms);
+  }
+}
+
 TEST_CASE("An exposure interrupted three times adds up to what was asked") {
   Bench bench;
   bench.start(1);
