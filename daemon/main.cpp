@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,14 +18,17 @@
 #include "daemon/event_loop.hpp"
 #include "daemon/light_record.hpp"
 #include "daemon/log.hpp"
+#include "daemon/login_bus.hpp"
 #include "daemon/printer_service.hpp"
 #include "daemon/readable.hpp"
+#include "daemon/sleep_inhibitor.hpp"
 #include "daemon/supervisor.hpp"
 #include "hw/hardware_check.hpp"
 #include "hw/light_off.hpp"
 #include "hw/real_machine.hpp"
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
+#include "hw/watchdog/light_watchdog_process.hpp"
 
 namespace contourd {
 namespace {
@@ -54,16 +58,56 @@ class MachineClock {
   std::unique_ptr<Clock> clock_;
 };
 
-std::unique_ptr<Machine> make_machine(const PrinterConfig& config, Clock& clock, DescriptorWatcher& watcher,
-                                      const Log& log) {
-  if (!config.real) return std::make_unique<SimulatedPrinter>(clock, config.simulated);
-  auto machine = std::make_unique<RealMachine>(clock, watcher, *config.real);
-  for (const std::string& device : machine->description())
-    log.info("machine", printable(device));
-  for (const std::string& warning : machine->warnings())
-    log.warning("machine", printable(warning));
-  return machine;
-}
+// The machine, with what only a real one has: somebody who turns its light off when this process does not.
+class PrinterMachine {
+ public:
+  PrinterMachine(const PrinterConfig& config, Clock& clock, DescriptorWatcher& watcher, const Log& log) {
+    if (!config.real) {
+      machine_ = std::make_unique<SimulatedPrinter>(clock, config.simulated);
+      return;
+    }
+    watchdog_.emplace(clock, watcher, start_light_watchdog);
+    auto machine = std::make_unique<RealMachine>(clock, watcher, *watchdog_, *config.real);
+    for (const std::string& device : machine->description())
+      log.info("machine", printable(device));
+    for (const std::string& warning : machine->warnings())
+      log.warning("machine", printable(warning));
+    machine_ = std::move(machine);
+  }
+
+  [[nodiscard]] Machine& get() { return *machine_; }
+
+ private:
+  std::optional<LightWatchdog> watchdog_;
+  std::unique_ptr<Machine> machine_;
+};
+
+// Keeps the computer awake while a real machine prints.
+class PrintWake {
+ public:
+  PrintWake(EventLoop& loop, Clock& clock, Machine& machine, PrinterService& service, const Log& log)
+      : login_(loop),
+        inhibitor_(login_, clock,
+                   {.interrupt =
+                        [&service] {
+                          service.disturbed({.kind = Disturbance::Kind::Interruption,
+                                             .what = "the computer is about to be suspended"});
+                        },
+                    .dark = [&machine] { return machine.projector().doubt().empty(); },
+                    .unguarded =
+                        [&log](const std::string& why) {
+                          log.info(
+                              "machine",
+                              fmt::format("nobody keeps the computer from being suspended in a print: {}",
+                                          printable(why)));
+                        }}) {
+    service.on_printing([this](bool prints) { inhibitor_.hold(prints); });
+  }
+
+ private:
+  LoginBus login_;
+  SleepInhibitor inhibitor_;
+};
 
 // Prints a line a device. Every device is looked at, whatever is wrong with the others.
 int check_hardware(const PrinterConfig& config) {
@@ -168,16 +212,19 @@ int run(const PrinterConfig& config) {
   const Log log;
   MachineClock clock(loop, config.pace);
   EventLoopWatcher watcher(loop);
-  const std::unique_ptr<Machine> machine = make_machine(config, clock.get(), watcher, log);
-  PrinterService service(config, loop, clock.get(), *machine, log, supervisor);
+  PrinterMachine printer(config, clock.get(), watcher, log);
+  Machine& machine = printer.get();
+  PrinterService service(config, loop, clock.get(), machine, log, supervisor);
   running = &service;
+  std::optional<PrintWake> wake;
+  if (config.real) wake.emplace(loop, clock.get(), machine, service, log);
   service.start();
   leave_light_record(config, config.light_record, log);  // nothing is lit before the loop runs
   log.info("ready", fmt::format("contourd {} is ready: {}, spool {}, socket {}", CONTOURD_VERSION,
                                 config.name, config.spool_folder.string(), config.control_socket.string()));
   supervisor.ready();
   loop.run();
-  const std::string doubt = machine->projector().doubt();
+  const std::string doubt = machine.projector().doubt();
   if (!doubt.empty()) {
     log.warning("stopped", fmt::format("contourd has stopped; motor still, light told to be off, but {}",
                                        printable(doubt)));
@@ -240,6 +287,9 @@ int start(int argc, char** argv) {
 }  // namespace contourd
 
 int main(int argc, char** argv) {
+  // Nothing before it takes memory or time; an owner has no use for the option.
+  if (argc == 3 && std::strcmp(argv[1], contourd::kLightWatchdogOption) == 0)
+    return contourd::serve_light_watchdog(std::atoi(argv[2]));
   try {
     return contourd::start(argc, argv);
   } catch (const contourd::ConfigError& error) {

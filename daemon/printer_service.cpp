@@ -536,6 +536,7 @@ void PrinterService::analyzed(const AnalyzedPrint& print) {
 // --- the print's events
 
 void PrinterService::state_changed(PrintState state) {
+  if (printing_) printing_(state != PrintState::Idle);
   // Told to the disk before the first light: from there on the plate is not clear, whatever happens next.
   if (state == PrintState::Showing && active_->layers.empty()) set_plate_occupant(active_->files.name);
   constexpr PrintState kWorthALine[] = {PrintState::WarmingUp, PrintState::Homing, PrintState::Paused,

@@ -38,6 +38,12 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   // light is off, or after some seconds.
   void shut_down(const std::string& reason);
 
+  // Something happened to the machine, or is about to.
+  void disturbed(const Disturbance& disturbance);
+
+  // `call` gets true when a print begins, and false when none is under way any more; also again.
+  void on_printing(std::function<void(bool)> call) { printing_ = std::move(call); }
+
  private:
   struct QueuedJob {
     std::string file;  // in incoming/
@@ -82,8 +88,6 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void interrupted(const std::string& what) override;
   void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) override;
 
-  // Something happened to the machine.
-  void disturbed(const Disturbance& disturbance);
   // Jobs left in printing/ by a contourd that did not end them: they hold the queue, and go to failed/.
   void find_interrupted_prints();
   // Throws std::system_error; the rest of them stays where it is.
@@ -157,6 +161,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   std::string unkept_;                 // why the disk does not know all of these; empty when it does
   std::string waiting_for_;            // why the next job does not start, already told
   bool shutting_down_ = false;
+  std::function<void(bool)> printing_;
   std::unique_ptr<ControlServer> control_;
   EventLoop::SourcePtr pump_timer_, keep_timer_;
   PrintAnalyst analyst_;

@@ -18,11 +18,11 @@ namespace contourd {
 
 class Worker {
  public:
-  // `niceness` as for nice(2): 0 competes with the event loop on equal terms, up to 19 gives way to it.
+  // `niceness` as for setpriority(2), up to 19. The event loop's is lower in a service (see contourd.service).
   explicit Worker(EventLoop& loop, int niceness = 0)
       : mailbox_(loop), thread_([this, niceness](const std::stop_token& stop) {
           // Linux: of the calling thread. Should it fail, the work is done all the same.
-          if (niceness != 0) (void)::setpriority(PRIO_PROCESS, 0, niceness);
+          (void)::setpriority(PRIO_PROCESS, 0, niceness);
           work(stop);
         }) {}
 

@@ -27,8 +27,9 @@ void add(std::string& sentences, const std::string& sentence) {
 
 }  // namespace
 
-RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, const RealMachineConfig& config)
-    : RealMachine(clock, watcher, config,
+RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog,
+                         const RealMachineConfig& config)
+    : RealMachine(clock, watcher, watchdog, config,
                   {.axis = [&clock, &watcher,
                             axis = config.axis] { return std::make_unique<GpioAxis>(clock, watcher, axis); },
                    .light =
@@ -36,15 +37,25 @@ RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, const RealMac
                          return std::make_unique<GpioLightLine>(light.value(), clock);
                        }}) {}
 
-RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config, Openers openers)
+RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog,
+                         RealMachineConfig config, Openers openers)
     : clock_(clock),
       watcher_(watcher),
+      watchdog_(watchdog),
       config_(std::move(config)),
       openers_(std::move(openers)),
       no_projector_(clock),
       no_display_(clock, config_.display.width, config_.display.height),
-      no_axis_(clock, config_.axis.travel) {
+      no_axis_(clock, config_.axis.travel),
+      watched_(no_projector_, watchdog, [this] { offer_light_paths(); }) {
   open_missing();
+  watchdog_.on_trouble(
+      [this](const std::string& what) { tell({.kind = Disturbance::Kind::Interruption, .what = what}); });
+  watchdog_.on_recovery([this](const std::string& problem) {
+    tell({.kind = Disturbance::Kind::Recovery,
+          .what = "there is a light watchdog again",
+          .warnings = {problem}});
+  });
   if (missing_.any() || display_lost()) search_after(kSearchInterval);
 }
 
@@ -76,6 +87,7 @@ std::vector<RealMachine::Found> RealMachine::open_missing() {
     found.push_back({axis_words(), axis_->refusals()});
   }
   if (axis_ && (light_came || axis_came)) axis_->set_light_cutoff(light_.get());
+  offer_light_paths();
   return found;
 }
 
@@ -87,6 +99,7 @@ bool RealMachine::open_light() {
   }
   const std::string refusal = light_ ? light_->refusal() : std::exchange(light_refusal_, "");
   projector().light_off();  // and what waits for the combined one is dropped
+  watched_.watch(no_projector_);
   combined_.reset();
   if (axis_) axis_->set_light_cutoff(nullptr);
   light_.reset();
@@ -102,6 +115,7 @@ bool RealMachine::open_light() {
 bool RealMachine::open_projector() {
   if (serial_ && !serial_->lost()) return false;
   const SerialProjectorConfig& wanted = *config_.projector;
+  watched_.watch(no_projector_);
   combined_.reset();
   serial_.reset();
   port_.reset();
@@ -116,12 +130,29 @@ bool RealMachine::open_projector() {
 
 void RealMachine::combine_projector() {
   // A line before a projector that is not there lets no light through.
-  if (combined_ || !light_ || (config_.projector && !serial_)) return;
-  if (serial_) {
-    combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, *light_, clock_);
-  } else {
-    combined_ = std::make_unique<LightLineProjector>(*light_, clock_, config_.warm_up);
+  if (!combined_ && light_ && (!config_.projector || serial_)) {
+    if (serial_)
+      combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, *light_, clock_);
+    else
+      combined_ = std::make_unique<LightLineProjector>(*light_, clock_, config_.warm_up);
   }
+  if (combined_)
+    watched_.watch(*combined_);
+  else if (serial_)
+    watched_.watch(*serial_);
+}
+
+// Every time before light on: the display may have another mode by then. What is lost is given back: it could
+// not be opened again.
+void RealMachine::offer_light_paths() {
+  watchdog_.set_line(light_ && light_->refusal().empty() ? light_->descriptor() : -1);
+  LightSerialPath serial;
+  if (port_ && serial_ && !serial_->lost() && config_.projector->table.light_off) {
+    const ProjectorTable& table = config_.projector->table;
+    serial = {port_->descriptor(), table.light_off->bytes, table.gap + table.wire_time(*table.light_off)};
+  }
+  watchdog_.set_serial(serial);
+  watchdog_.set_display(display_ ? display_->black_path() : LightDisplayPath{});
 }
 
 void RealMachine::search_after(Duration pause) {
@@ -150,6 +181,7 @@ void RealMachine::note_losses(const std::string& what) {
   const bool light_lost = light_ && !light_->refusal().empty() && missing_.light.empty();
   if (light_lost) missing_.light = "the light may be on: " + light_->refusal();
   if (serial_lost) missing_.projector = what;
+  offer_light_paths();
   if (axis_lost) missing_.axis = what;
   // Soon: its light may be on, and a serial adapter that comes back gets its old name only once it is closed.
   if (serial_lost || light_lost) return search_after(kFirstSearch);
@@ -167,15 +199,14 @@ MaskDisplay& RealMachine::display() {
 }
 
 Projector& RealMachine::projector() {
-  if (combined_) return *combined_;
-  if (serial_) return *serial_;
-  return no_projector_;
+  return watched_;
 }
 
 std::string RealMachine::hindrance() const {
   std::string sentences;
   for (const std::string* missing : {&missing_.light, &missing_.projector, &missing_.display, &missing_.axis})
     add(sentences, *missing);
+  add(sentences, watchdog_.problem());
   if (serial_ && serial_->dark_overdue()) add(sentences, "the light may be on: " + serial_->doubt());
   if (display_) add(sentences, display_->problem().value_or(""));
   for (const std::string& hindrance : axis_ ? axis_->hindrances() : std::vector<std::string>{})
@@ -207,6 +238,8 @@ std::vector<std::string> RealMachine::description() const {
 std::vector<std::string> RealMachine::warnings() const {
   std::vector<std::string> sentences;
   if (axis_) sentences = axis_->refusals();
+  for (const std::string& refusal : watchdog_.refusals())
+    sentences.push_back(refusal);
   for (std::string& warning : display_ ? display_->warnings() : std::vector<std::string>{})
     sentences.push_back(std::move(warning));
   return sentences;

@@ -19,20 +19,24 @@
 #include "hw/real_machine_config.hpp"
 #include "hw/serial/serial_port.hpp"
 #include "hw/serial/serial_projector.hpp"
+#include "hw/watchdog/light_watchdog.hpp"
+#include "hw/watchdog/watched_projector.hpp"
 
 namespace contourd {
 
 class RealMachine final : public Machine {
  public:
-  // Clock (of CLOCK_MONOTONIC) and watcher must outlive the machine. Blocks for as long as the devices take,
-  // a second as a rule. A device that is not there is no error: see hindrance().
-  RealMachine(Clock& clock, DescriptorWatcher& watcher, const RealMachineConfig& config);
+  // Clock (of CLOCK_MONOTONIC), watcher and light watchdog must outlive the machine. Blocks for as long as
+  // the devices take, a second as a rule. A device that is not there is no error: see hindrance().
+  RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog,
+              const RealMachineConfig& config);
   // Other ways to open devices, for a test.
   struct Openers {
     std::function<std::unique_ptr<GpioAxis>()> axis;
     std::function<std::unique_ptr<GpioLightLine>()> light = {};
   };
-  RealMachine(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config, Openers openers);
+  RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog, RealMachineConfig config,
+              Openers openers);
   ~RealMachine() override;
 
   [[nodiscard]] ZAxis& z_axis() override;
@@ -70,6 +74,8 @@ class RealMachine final : public Machine {
   std::vector<Found> open_missing();
   bool open_light();
   bool open_projector();
+  // To the light watchdog, what the light can be turned off by.
+  void offer_light_paths();
   void combine_projector();
   [[nodiscard]] bool display_lost() const { return display_ && display_->problem(); }
   void search_after(Duration pause);
@@ -82,6 +88,7 @@ class RealMachine final : public Machine {
 
   Clock& clock_;
   DescriptorWatcher& watcher_;
+  LightWatchdog& watchdog_;
   RealMachineConfig config_;
   Openers openers_;
   std::function<void(const Disturbance&)> disturbed_;
@@ -99,6 +106,7 @@ class RealMachine final : public Machine {
   std::unique_ptr<SerialPort> port_;
   std::unique_ptr<SerialProjector> serial_;
   std::unique_ptr<Projector> combined_;  // of the light line, and of the serial projector where there is one
+  WatchedProjector watched_;
 };
 
 }  // namespace contourd

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
@@ -101,6 +102,11 @@ class DrmDisplay::Implementation {
   [[nodiscard]] const std::optional<std::string>& problem() const { return problem_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] std::size_t bytes_written() const { return bytes_written_; }
+  [[nodiscard]] LightDisplayPath black_path() const {
+    if (!output_) return {};
+    return {output_->card().fd(), output_->crtc_id(), output_->connector_id(), output_->black_id(),
+            std::bit_cast<DisplayModeBytes>(output_->mode())};
+  }
   [[nodiscard]] const std::string& description() const { return description_; }
 
  private:
@@ -367,6 +373,9 @@ std::vector<std::string> DrmDisplay::warnings() const {
 }
 std::string DrmDisplay::description() const {
   return implementation_->description();
+}
+LightDisplayPath DrmDisplay::black_path() const {
+  return implementation_->black_path();
 }
 std::size_t DrmDisplay::bytes_written() const {
   return implementation_->bytes_written();

@@ -27,6 +27,7 @@
 #include "hw/drm/drm_display_config.hpp"
 #include "hw/machine.hpp"
 #include "hw/mask_display.hpp"
+#include "hw/watchdog/light_watchdog.hpp"
 
 namespace contourd {
 
@@ -67,6 +68,9 @@ class DrmDisplay final : public MaskDisplay {
   [[nodiscard]] std::vector<std::string> warnings() const;
   // "HDMI-A-1 of /dev/dri/card0 (vc4): 1920x1080 at 60.00 Hz, atomic"
   [[nodiscard]] std::string description() const;
+
+  // For another process that shares the card: what makes the screen black. Nothing while the card is gone.
+  [[nodiscard]] LightDisplayPath black_path() const;
 
   // Written into the card's memory by the last show().
   [[nodiscard]] std::size_t bytes_written() const;

@@ -36,13 +36,20 @@ bool has_open(const fs::path& process, const fs::path& card) {
   return false;
 }
 
-// All processes but this one that have the card open and let themselves be looked at.
+// The light watchdog has the card from this process.
+bool is_child(const fs::path& process) {
+  return content_of(process / "status").find("\nPPid:\t" + std::to_string(::getpid()) + "\n") !=
+         std::string::npos;
+}
+
+// All processes but this one and its own that have the card open and let themselves be looked at.
 std::string users_of(const fs::path& card) {
   std::string users;
   std::error_code refused;
   for (const auto& entry : fs::directory_iterator("/proc", refused)) {
     const std::string pid = entry.path().filename();
     if (!is_number(pid) || pid == std::to_string(::getpid()) || !has_open(entry.path(), card)) continue;
+    if (is_child(entry.path())) continue;
     std::string name = content_of(entry.path() / "comm");
     if (!name.empty() && name.back() == '\n') name.pop_back();
     users += (users.empty() ? "" : ", ") + process_text(name, pid);

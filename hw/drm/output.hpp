@@ -32,6 +32,9 @@ class Output {
   [[nodiscard]] const Card& card() const { return card_; }
   [[nodiscard]] const Mode& mode() const { return mode_; }
   [[nodiscard]] Duration frame() const;  // from one refresh to the next
+  // What the kernel needs to show black.
+  [[nodiscard]] std::uint32_t crtc_id() const { return crtc_->id(); }
+  [[nodiscard]] std::uint32_t black_id() const { return black_->id(); }
   [[nodiscard]] bool is_atomic() const { return crtc_->is_atomic(); }
   [[nodiscard]] std::uint32_t connector_id() const { return connector_id_; }
   // The connector as it is now. Asks the display, some milliseconds, 300 and more with some. From any thread.

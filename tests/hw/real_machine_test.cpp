@@ -10,6 +10,7 @@
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/hw/watchdog/ready_watchdog.hpp"
 
 using namespace contourd;
 
@@ -49,7 +50,9 @@ std::size_t count(const std::string& text, const std::string& word) {
 TEST_CASE("A machine whose devices are all missing is there, says what is missing, and does nothing") {
   VirtualClock clock;
   NoDescriptors watcher;
-  RealMachine machine(clock, watcher, nowhere());
+  FileDescriptor process;
+  LightWatchdog watchdog = testing::ready_watchdog(clock, watcher, process);
+  RealMachine machine(clock, watcher, watchdog, nowhere());
   const std::string hindrance = machine.hindrance();
   CHECK(count(hindrance, "gpiochip-of-nobody") >= 2);  // for the light, and for the axis
   CHECK(count(hindrance, "/dev/dri/card-of-nobody") >= 1);
@@ -68,6 +71,7 @@ TEST_CASE("A machine whose devices are all missing is there, says what is missin
   machine.z_axis().home([&](HomingResult result) { homed = result; });
   machine.projector().light_on(std::chrono::seconds{1}, {.sent = [](TimePoint) {},
                                                          .done = [&](ProjectorReply reply) { lit = reply; }});
+  testing::watch_over_exposure(watchdog, process);
   machine.display().black([&](std::optional<TimePoint> at) { shown = at.has_value(); });
   CHECK_FALSE(homed);
   CHECK_FALSE(lit);
@@ -87,7 +91,9 @@ TEST_CASE(
     "Missing devices are looked for again and again, and nobody is told of those that are still missing") {
   VirtualClock clock;
   NoDescriptors watcher;
-  RealMachine machine(clock, watcher, nowhere());
+  FileDescriptor process;
+  LightWatchdog watchdog = testing::ready_watchdog(clock, watcher, process);
+  RealMachine machine(clock, watcher, watchdog, nowhere());
   int told = 0;
   machine.on_disturbance([&](const Disturbance&) { ++told; });
   for (int i = 1; i <= 3; ++i) {
@@ -107,7 +113,7 @@ struct AxisBench {
     config.projector.reset();
   }
   void start() {
-    machine = std::make_unique<RealMachine>(plant.clock, plant, config,
+    machine = std::make_unique<RealMachine>(plant.clock, plant, watchdog, config,
                                             RealMachine::Openers{.axis = [this] { return open_axis(); }});
     machine->on_disturbance([this](const Disturbance& disturbance) { told.push_back(disturbance); });
   }
@@ -123,6 +129,8 @@ struct AxisBench {
   bool missing = false;
   int opened = 0;
   std::vector<Disturbance> told;
+  FileDescriptor process;
+  LightWatchdog watchdog = testing::ready_watchdog(plant.clock, plant, process);
   std::unique_ptr<RealMachine> machine;
 };
 
@@ -179,7 +187,7 @@ struct LightBench {
     plant.config.lid = GpioInputConfig{.line = {.chip = "gpiochip0", .line = "5"}};
     config.light = GpioLineConfig{.chip = "gpiochip7", .line = "24"};
     config.projector.reset();
-    machine = std::make_unique<RealMachine>(plant.clock, plant, config,
+    machine = std::make_unique<RealMachine>(plant.clock, plant, watchdog, config,
                                             RealMachine::Openers{.axis = [this] { return open_axis(); },
                                                                  .light = [this] { return open_light(); }});
     machine->on_disturbance([this](const Disturbance& disturbance) { told.push_back(disturbance); });
@@ -200,12 +208,18 @@ struct LightBench {
     std::optional<ProjectorReply> reply;
     machine->projector().light_on(std::chrono::seconds{1},
                                   {.sent = [](TimePoint) {}, .done = [&](ProjectorReply r) { reply = r; }});
+    answer();
     plant.run([&] { return reply.has_value(); });
     return reply;
   }
   void move_lid(bool open) {
     plant.press(AxisInput::Lid, open);
     plant.run_for(std::chrono::milliseconds{100});
+  }
+  // As a light watchdog that lives.
+  void answer() {
+    testing::watch_over_exposure(watchdog, process);
+    answer_again = plant.clock.call_after(LightWatchdog::kBeat, [this] { answer(); });
   }
 
   RealMachineConfig config = nowhere();
@@ -214,6 +228,9 @@ struct LightBench {
   bool chip_gone, axis_missing;
   int opened = 0;
   std::vector<Disturbance> told;
+  FileDescriptor process;
+  LightWatchdog watchdog = testing::ready_watchdog(plant.clock, plant, process);
+  std::unique_ptr<Timer> answer_again;
   std::unique_ptr<RealMachine> machine;
 };
 
@@ -316,6 +333,23 @@ TEST_CASE("A light that was cut because the axis' chip went goes on again with t
   bench.axis_missing = false;
   bench.plant.run_for(kPastSearch);
   CHECK(bench.light_on() == ProjectorReply::Ok);
+}
+
+TEST_CASE(
+    "Nothing is printed while there is no light watchdog, and its owner hears when there is one again") {
+  AxisBench bench;
+  bench.start();
+  CHECK(count(bench.machine->hindrance(), "watchdog") == 0);
+  bench.process = FileDescriptor();
+  (void)bench.watchdog.trip();  // hears it
+  CHECK(count(bench.machine->hindrance(), "the light watchdog has died") == 1);
+  CHECK(bench.told.empty());  // no light was on
+  bench.plant.run_for(2 * LightWatchdog::kStartLater);
+  (void)bench.watchdog.trip();
+  CHECK(count(bench.machine->hindrance(), "watchdog") == 0);
+  REQUIRE(bench.told.size() == 1);
+  CHECK(bench.told[0].kind == Disturbance::Kind::Recovery);
+  CHECK(bench.told[0].warnings.size() == 1);
 }
 
 TEST_CASE("A look at the hardware tells of every device, whatever is wrong with the others") {

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import signal
 
 from harness import (
     BAD_CONFIG, BAD_USAGE, CONTOURD, OK, SOURCE, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, main, run, source_json,
@@ -209,6 +210,55 @@ class Degraded(RealHardwareTest):
         daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 1))))
         self.assertEqual(daemon.wait_done("part")["layers_exposed"], 20)
         self.assertIsNone(daemon.status()["hindrance"])
+        daemon.stop()
+
+
+def command_name(process):
+    try:
+        with open(f"/proc/{process}/comm", encoding="ascii") as file:
+            return file.read().strip()
+    except FileNotFoundError:
+        return None
+
+
+def light_watchdogs(daemon):
+    """The processes that a daemon has started and that live."""
+    with open(f"/proc/{daemon.process.pid}/task/{daemon.process.pid}/children", encoding="ascii") as file:
+        return [int(child) for child in file.read().split() if command_name(child) == "contourd-light"]
+
+
+class LightWatchdog(RealHardwareTest):
+    def test_it_is_deaf_to_the_signals_that_end_a_daemon_and_ends_with_it(self):
+        daemon = self.daemon()
+        daemon.start()
+        (watchdog,) = light_watchdogs(daemon)
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGABRT, signal.SIGQUIT):
+            os.kill(watchdog, number)
+        daemon.status()
+        self.assertEqual(light_watchdogs(daemon), [watchdog])
+        # Of the daemon's descriptors it has only what it was given.
+        self.assertEqual(sorted(os.listdir(f"/proc/{watchdog}/fd")), ["0", "1", "2", "3"])
+        daemon.process.kill()
+        daemon.process.wait()
+        wait_until(lambda: command_name(watchdog) is None, "the light watchdog's end")
+
+    def test_one_that_dies_is_replaced_and_both_are_told(self):
+        daemon = self.daemon()
+        daemon.start()
+        (watchdog,) = light_watchdogs(daemon)
+        os.kill(watchdog, signal.SIGKILL)
+        wait_until(lambda: "there is a light watchdog again" in daemon.log(), "another light watchdog")
+        self.assertIn("the light watchdog has died; no light is turned on without it", daemon.log())
+        (another,) = light_watchdogs(daemon)
+        self.assertNotEqual(another, watchdog)
+        self.assertNotIn("watchdog", daemon.status()["hindrance"])
+        daemon.stop()
+        wait_until(lambda: command_name(another) is None, "the light watchdog's end")
+
+    def test_a_simulated_printer_has_none(self):
+        daemon = self.daemon(hardware="simulated")
+        daemon.start()
+        self.assertEqual(light_watchdogs(daemon), [])
         daemon.stop()
 
 

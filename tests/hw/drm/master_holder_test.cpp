@@ -1,6 +1,9 @@
 #include "hw/drm/master_holder.hpp"
 
 #include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -33,4 +36,32 @@ TEST_CASE("A list without a master names none") {
 TEST_CASE("Where nobody can be seen the sentence says how to find out") {
   CHECK(describe_master_holder("/dev/dri/card97") ==
         "another program is its DRM master; `fuser -v /dev/dri/card97`, run as root, names it");
+}
+
+TEST_CASE("Another process that has the card open is named, unless it is this one's own child") {
+  const testing::TemporaryFolder folder;
+  const std::string card = folder.write("card0", "");
+  const auto words_with_card_open_in = [&card](bool grandchild) {
+    int ready[2];
+    REQUIRE(::pipe(ready) == 0);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      if (grandchild && ::fork() != 0) ::_exit(0);
+      const FileDescriptor open_card(::open(card.c_str(), O_RDONLY | O_CLOEXEC));
+      const pid_t self = ::getpid();
+      (void)!::write(ready[1], &self, sizeof self);
+      ::pause();
+    }
+    pid_t holder = 0;
+    if (grandchild) ::waitpid(child, nullptr, 0);
+    REQUIRE(::read(ready[0], &holder, sizeof holder) == sizeof holder);
+    const std::string words = describe_master_holder(card);
+    ::kill(holder, SIGKILL);
+    if (!grandchild) ::waitpid(child, nullptr, 0);
+    ::close(ready[0]);
+    ::close(ready[1]);
+    return words.find("(process " + std::to_string(holder) + ")") != std::string::npos;
+  };
+  CHECK(words_with_card_open_in(true));
+  CHECK_FALSE(words_with_card_open_in(false));
 }
