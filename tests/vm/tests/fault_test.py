@@ -590,3 +590,118 @@ def killed_in_an_exposure_lines_fall_back():
     assert "light 0" in outcome.results.text("after"), outcome.results.text("after")
     assert outcome.reason, outcome.log
     return _killed(outcome)
+
+
+# --- The daemon itself
+
+# Of the light watchdog: 200 ms of silence and 50 ms to be woken in, after the daemon's last sign of life.
+_WATCHDOG_NS = 250_000_000
+# From the moment that the scenario notes until the signal is sent: the clock's hundredth, and a program that starts.
+_NOTED_NS = 30_000_000
+
+
+def _off_after(outcome, light, moment):
+    """How long after that moment, in ns, the light went off: within the light watchdog's time."""
+    at = round(float(outcome.results.text(moment)) * 1e9)
+    off = [end for start, end in light if start < at and (end is None or end > at)]
+    assert len(off) == 1 and off[0] is not None, f"the light was {light}, and the moment {at} ns"
+    late = off[0] - at
+    assert late <= _WATCHDOG_NS + _NOTED_NS, f"the light went off {late} ns after what was to turn it off"
+    return late
+
+
+_STOPPED = """wait_for 300 "layer 2" {exposing} 2
+sleep 1
+uptime_s >/out/stopped
+kill -STOP $DAEMON
+sleep 20
+kill -CONT $DAEMON
+sleep 5
+{dark} || fail "light after the daemon went on"
+contourctl resume || true"""
+
+
+@vm_test("full")
+def stopped_in_an_exposure():
+    """The daemon is stopped for 20 s in an exposure: the light watchdog turns the light off, which is told; resumed, the
+    layer gets what it had left."""
+    outcome = run(during=_STOPPED.format(exposing="exposing", dark="light_is_off"))
+    outcome.is_printed()
+    light = outcome.edges.active(outcome.edges.lines.light)
+    late = _off_after(outcome, light, "stopped")
+    assert "the light watchdog has turned the light off" in outcome.log, outcome.log
+    # The watchdog knows when it turned the line off.
+    whole = sum(end - start for start, end in light[1:3])
+    assert abs(whole - 2_000_000_000) < 20_000_000, f"layer 2 had light for {whole} ns in two parts"
+    return f"light off {late / 1e6:.0f} ms after the stop"
+
+
+@vm_test("full")
+def stopped_in_an_exposure_by_serial():
+    """The same with a light that is switched by the projector's commands: the light watchdog sends light off."""
+    outcome = run(
+        projector=_OPTOMA,
+        config=_light_by_serial(),
+        before=_LIT_BY_SERIAL,
+        during=_STOPPED.format(exposing="lit_by_serial", dark="! lit_by_serial 1"),
+    )
+    late = _off_after(outcome, _commanded_light(outcome), "stopped")
+    assert "the light watchdog has turned the light off" in outcome.log, outcome.log
+    outcome.is_printed()
+    return f"light off {late / 1e6:.0f} ms after the stop"
+
+
+_KILLED = """wait_for 300 "layer 2" {exposing} 2
+sleep 1
+uptime_s >/out/killed
+kill -KILL $DAEMON
+sleep 3
+keep_logs
+exit 0"""
+
+
+@vm_test("full")
+def killed_in_an_exposure():
+    """The daemon is killed in an exposure: the light watchdog turns the light off by itself, and ends."""
+    outcome = run(during=_KILLED.format(exposing="exposing"))
+    late = _off_after(outcome, outcome.edges.active(outcome.edges.lines.light), "killed")
+    check(exposure_checks.dark_at_the_end(outcome.frames, outcome.edges))
+    return f"light off {late / 1e6:.0f} ms after the kill"
+
+
+@vm_test("full")
+def killed_in_an_exposure_by_serial():
+    """The same with a light that is switched by the projector's commands: light off is sent three times."""
+    outcome = run(
+        projector=_OPTOMA,
+        config=_light_by_serial(),
+        before=_LIT_BY_SERIAL,
+        during=_KILLED.format(exposing="lit_by_serial"),
+    )
+    late = _off_after(outcome, _commanded_light(outcome), "killed")
+    told = [line.split(" ", 1)[1] for line in outcome.results.text("projector").splitlines()]
+    assert told[-3:] == [_LIGHT_OFF] * 3, f"the projector was told {told[-5:]}"
+    check(exposure_checks.dark_at_the_end(outcome.frames, outcome.edges))
+    return f"light off {late / 1e6:.0f} ms after the kill"
+
+
+@vm_test("full")
+def watchdog_killed_in_an_exposure():
+    """The light watchdog is killed in an exposure: the light goes off, the print is interrupted, another watchdog is
+    started, and the print is finished when it is resumed."""
+    outcome = run(
+        during="""wait_for 300 "layer 2" exposing 2
+sleep 1
+uptime_s >/out/killed
+for process in /proc/[0-9]*; do
+  [ "$(cat "$process/comm" 2>/dev/null)" != contourd-light ] || kill -KILL "${process#/proc/}"
+done
+wait_for 5 "the light to go off" light_is_off
+sleep 5
+light_is_off || fail "light without a watchdog"
+contourctl resume || true"""
+    )
+    outcome.is_printed()
+    late = _off_after(outcome, outcome.edges.active(outcome.edges.lines.light), "killed")
+    assert "the light watchdog has died" in outcome.log, outcome.log
+    return f"light off {late / 1e6:.0f} ms after the watchdog's death"

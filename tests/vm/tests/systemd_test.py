@@ -35,10 +35,7 @@ def _stops_cleanly(machine):
 
 
 def _is_restarted_when_it_stalls(machine):
-    # The unit waits 30 s; less here, so that the test does not.
-    machine.run("mkdir -p /run/systemd/system/contourd.service.d")
-    machine.run(r"printf '[Service]\nWatchdogSec=10\n' >/run/systemd/system/contourd.service.d/watchdog.conf")
-    machine.run("systemctl daemon-reload && systemctl start contourd")
+    machine.run("systemctl start contourd")
     submit(machine, "stalled")
     machine.wait_for("contourctl status --json | grep -q '\"layer\"'")
     machine.run("kill -STOP $(systemctl show -P MainPID contourd)")
