@@ -140,11 +140,13 @@ void SerialProjector::take(const ReplyReader::Heard& heard) {
   if (!heard.reply) return;
   free_at_ = clock_.now() + table_.gap;
   const bool own = current_ && heard.reply->request == current_->id;  // else late, and somebody else's
-  const bool dark_waits =
-      current_ && table_.light_off && current_->command == &*table_.light_off && current_->sent > 0;
+  const bool waits = current_ && current_->sent > 0;
+  const bool dark_waits = waits && table_.light_off && current_->command == &*table_.light_off;
+  const bool off_waits = waits && current_->command == &table_.power_off;
   // Of light off's and light on's nobody knows which this one is, where they look alike: light on's may have
-  // been lost, or come late, or twice. The next light off's will tell, sooner than a timeout.
-  if (dark_waits && (!own || heard.reply->doubtful)) {
+  // been lost, or come late, or twice. The next light off's will tell, sooner than a timeout. So it is with
+  // power off's.
+  if ((dark_waits && !own) || ((dark_waits || off_waits) && heard.reply->doubtful)) {
     timer_ = clock_.call_at(free_at_, [this] { send(); });
     return;
   }

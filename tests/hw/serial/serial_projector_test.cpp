@@ -267,6 +267,25 @@ TEST_CASE("a reply to light on that comes late and twice does not confirm the li
   CHECK(dark);
 }
 
+TEST_CASE("a reply to light off that comes late and twice does not confirm the power off behind it") {
+  Bench bench;
+  bench.power_on();
+  bench.pass(1s);
+  int light_offs = 0, power_offs = 0;
+  bench.channel.projector = [&](const std::string& message) {
+    if (message == "~0000 0\r" && ++power_offs == 1) return;  // lost
+    if (message != "~0002 1\r") return bench.behave(message);
+    // Of the first two, one after the other, the second's comes twice.
+    ++light_offs == 1 ? bench.channel.send("P\r", 1100ms) : bench.channel.send("P\rP\r", 200ms);
+  };
+  bench.projector.power_off();
+  bench.pass(1300ms);
+  REQUIRE(power_offs == 1);
+  bench.pass(500ms);
+  CHECK(power_offs == 2);
+  CHECK_FALSE(bench.is_on);
+}
+
 TEST_CASE(
     "light off is repeated until the projector confirms it, and reported once when that takes too long") {
   Bench bench;
