@@ -1,6 +1,7 @@
 #include "tests/rig/machine_model.hpp"
 
 #include <utility>
+#include <vector>
 
 #include "hw/projector_with_light_line.hpp"
 
@@ -72,6 +73,7 @@ MachineModel::MachineModel(const Scenario& scenario)
 
 MachineModel::~MachineModel() {
   make_safe(*this);
+  plant.axis->set_light_cutoff(nullptr);
 }
 
 Projector& MachineModel::present_projector() {
@@ -109,7 +111,6 @@ void MachineModel::open_adapter() {
 
 // Taken dark.
 void MachineModel::open_line() {
-  line_.reset();
   auto output = std::make_unique<testing::PlantOutput>();
   output_ = output.get();
   output_->level = line_level_;
@@ -120,6 +121,7 @@ void MachineModel::open_line() {
   static_cast<void>(output_->set(false));
   line_ = std::make_unique<GpioLightLine>(std::move(output), "line 24 of gpiochip0", loop);
   line_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
+  plant.axis->set_light_cutoff(line_.get());
 }
 
 void MachineModel::unplug_adapter(Duration time) {
@@ -140,6 +142,7 @@ void MachineModel::search() {
     if (line_) line_refusal_ = line_->refusal();
     projector().light_off();
     combined_.reset();
+    plant.axis->set_light_cutoff(nullptr);
     line_.reset();
     if (!line_refuses_) {
       open_line();

@@ -60,6 +60,7 @@ class MachineModel final : public Machine {
   // The truth.
   [[nodiscard]] bool lit() const;
   [[nodiscard]] bool stray() const { return kind_ == LightKind::Serial && model_->came_up_lit(); }
+  [[nodiscard]] bool lamp_is_on() const { return serial_ && model_->powered(); }
   [[nodiscard]] Nanometers plate() const;
   [[nodiscard]] std::uint64_t line_faults() const { return model_->faults_made(); }
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Puts defects that were mended back, one at a time, and sees that print-rig finds each: a rig that finds nothing
-proves nothing. It changes the sources and puts them back: commit first.
+proves nothing. It works in a copy of what is committed, in a new folder.
 
-    tests/rig/mutate.py BUILD_FOLDER [--prints N] [--only PART_OF_A_NAME]
+    tests/rig/mutate.py FOLDER [--prints N] [--only PART_OF_A_NAME]
 """
 
 import argparse
@@ -30,7 +30,8 @@ MUTATIONS = [
     ("nobody waits for darkness", PROCESS,
      "  machine_.projector().when_dark([this] { is_dark(); });",
      "  wait_ = clock_.call_after(Duration{0}, [this] { is_dark(); });"),
-    ("a late or doubled reply to light on makes dark", SERIAL, "(!own || heard.reply->doubtful)", "!own"),
+    ("a late or doubled reply to light on makes dark", SERIAL, "((dark_waits || off_waits) && heard.reply->doubtful)",
+     "false"),
     ("any reply makes dark", SERIAL, "  const bool own = current_ && heard.reply->request == current_->id;",
      "  const bool own = current_.has_value();"),
     ("light off is sent once", SERIAL, "void SerialProjector::keep_trying() {\n  try_later();",
@@ -68,35 +69,44 @@ MUTATIONS = [
 ]
 
 
-def finds(build, prints):
-    made = subprocess.run(["nice", "cmake", "--build", build, "--target", "print-rig"], capture_output=True, text=True)
+def copy_head(folder):
+    source = folder / "source"
+    source.mkdir(parents=True)
+    archive = subprocess.run(["git", "-C", ROOT, "archive", "HEAD"], check=True, capture_output=True).stdout
+    subprocess.run(["tar", "-x", "-C", source], input=archive, check=True)
+    return source
+
+
+def broken_rules(source, build, prints):
+    made = subprocess.run([source / ".ci/build", build, "--", "print-rig"], capture_output=True, text=True)
     if made.returncode != 0:
-        sys.exit(f"it does not build:\n{made.stdout[-3000:]}")
-    rig = subprocess.run([f"{build}/bin/print-rig", "--prints", str(prints), "--show", "0"],
-                         capture_output=True, text=True, timeout=3600)
+        sys.exit(f"it does not build:\n{made.stdout[-3000:]}{made.stderr[-3000:]}")
+    rig = subprocess.run([build / "bin/print-rig", "--prints", str(prints), "--show", "0"],
+                         capture_output=True, text=True)
     rules = [line for line in rig.stdout.splitlines() if line.startswith("BROKEN")]
     return rules or ([f"it ended with {rig.returncode}"] if rig.returncode not in (0, 1) else [])
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build")
+    parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--prints", type=int, default=2000)
     parser.add_argument("--only", default="")
     options = parser.parse_args()
+    source, build = copy_head(options.folder), options.folder / "build"
+    if rules := broken_rules(source, build, options.prints):
+        sys.exit("\n".join(["without any defect:", *rules]))
     missed = 0
     for name, file, old, new in MUTATIONS:
         if options.only not in name:
             continue
-        path = ROOT / file
+        path = source / file
         sound = path.read_text()
         if sound.count(old) != 1:
             sys.exit(f"{name}: {file} has {sound.count(old)} times: {old}")
-        try:
-            path.write_text(sound.replace(old, new))
-            rules = finds(options.build, options.prints)
-        finally:
-            path.write_text(sound)
+        path.write_text(sound.replace(old, new))
+        rules = broken_rules(source, build, options.prints)
+        path.write_text(sound)
         print(f"{'found ' if rules else 'MISSED'}  {name}", *(f"\n        {rule}" for rule in rules), flush=True)
         missed += not rules
     return 1 if missed else 0

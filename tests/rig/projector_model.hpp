@@ -63,6 +63,7 @@ class ProjectorModel {
   void receive(const std::string& bytes);
 
   [[nodiscard]] bool lit() const { return power_ == Power::On && !muted_; }
+  [[nodiscard]] bool powered() const { return power_ == Power::On || power_ == Power::Warming; }
   // By itself: nobody has asked for this light.
   [[nodiscard]] bool came_up_lit() const { return lit() && !asked_; }
   // No faults from now on.
