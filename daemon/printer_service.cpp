@@ -163,11 +163,14 @@ void PrinterService::disturbed(const Disturbance& disturbance) {
       process_.interrupt(disturbance.what);
       break;
     case Disturbance::Kind::Recovery:
+    case Disturbance::Kind::Notice:
       break;
   }
   const bool bad = disturbance.kind != Disturbance::Kind::Recovery;
+  const bool of_print =
+      disturbance.kind == Disturbance::Kind::Fault || disturbance.kind == Disturbance::Kind::Interruption;
   // What happens to a print is told with the print.
-  if (!bad || !printing)
+  if (!of_print || !printing)
     log_.write(bad ? LogLevel::Warning : LogLevel::Info, "machine", printable(disturbance.what));
   for (const std::string& warning : disturbance.warnings)
     log_.warning("machine", printable(warning));

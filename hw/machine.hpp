@@ -20,6 +20,7 @@ struct Disturbance {
     Interruption,  // the lid was opened, the display unplugged: a print may go on when that has been seen to
     Fault,         // the emergency stop was pressed, steps were lost: the print is over
     Recovery,      // what was in the way no longer is: the lid is closed, the display plugged in again
+    Notice,        // lost steps were made good: nothing is in the way, but the owner should know
   };
   Kind kind = Kind::Fault;
   std::string what;  // one sentence, with the line, connector or port

@@ -38,6 +38,10 @@ EncoderConfig read_encoder(const JsonSection& encoder) {
   config.reversed = encoder.boolean("reversed");
   config.tolerance = encoder.length("tolerance_um");
   if (encoder.text("policy") == "correct") config.policy = EncoderConfig::Policy::Correct;
+  config.most_correction = encoder.length("most_correction_um");
+  config.most_correction_sum = encoder.length("most_correction_sum_um");
+  config.index = read_if_there(encoder, "index", read_gpio_line);
+  if (config.index) config.index_every = encoder.length("index_every_mm");
   return config;
 }
 

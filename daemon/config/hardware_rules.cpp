@@ -17,10 +17,6 @@ namespace {
 
 using Pointer = nlohmann::json::json_pointer;
 
-// A computer's GPIO lines are toggled by software: beyond this many steps a second, no Raspberry Pi keeps
-// time.
-constexpr double kMostStepsPerSecond = 20'000;
-
 // A switch at the bottom closes about where the plate touches the film. One that is said to lie elsewhere is
 // more likely one at the top, to which homing downwards would drive the plate through the film.
 constexpr double kFarthestBottomSwitchMm = 10;
@@ -89,9 +85,10 @@ std::string line_name(const JsonDocument& printer, const std::string& pointer) {
 
 std::vector<UsedLine> used_lines(const JsonDocument& printer) {
   std::vector<UsedLine> lines;
-  for (const char* pointer : {"/z_axis/step", "/z_axis/direction", "/z_axis/enable", "/z_axis/limit_switch",
-                              "/z_axis/second_switch", "/z_axis/emergency_stop", "/z_axis/lid",
-                              "/z_axis/encoder/a", "/z_axis/encoder/b", "/projector/light"}) {
+  for (const char* pointer :
+       {"/z_axis/step", "/z_axis/direction", "/z_axis/enable", "/z_axis/limit_switch",
+        "/z_axis/second_switch", "/z_axis/emergency_stop", "/z_axis/lid", "/z_axis/encoder/a",
+        "/z_axis/encoder/b", "/z_axis/encoder/index", "/projector/light"}) {
     const auto chip = printer.sound_text(std::string(pointer) + "/chip");
     const std::string line = line_name(printer, std::string(pointer) + "/line");
     if (chip && !line.empty()) lines.push_back({pointer, chip_name(*chip), line});
@@ -156,11 +153,47 @@ void check_homing(JsonDocument& printer) {
   }
 }
 
+void check_corrections(JsonDocument& printer, double tolerance_um) {
+  if (printer.sound_text("/z_axis/encoder/policy") != "correct") return;
+  const EncoderConfig defaults;
+  const auto limit_um = [&](const char* key, Nanometers otherwise) {
+    return printer.sound_number(std::string("/z_axis/encoder/") + key)
+        .value_or(to_millimeters(otherwise).count() * 1000);
+  };
+  const double move_um = limit_um("most_correction_um", defaults.most_correction);
+  const double sum_um = limit_um("most_correction_sum_um", defaults.most_correction_sum);
+  if (move_um <= tolerance_um) {
+    printer.add_violation("/z_axis/encoder/most_correction_um",
+                          plain(move_um) + " is not more than tolerance_um, " + plain(tolerance_um) +
+                              " um: nothing would ever be made good");
+  }
+  if (sum_um < move_um) {
+    printer.add_violation(
+        "/z_axis/encoder/most_correction_sum_um",
+        plain(sum_um) + " is less than most_correction_um for a single move, " + plain(move_um) + " um");
+  }
+}
+
+void check_index(JsonDocument& printer, double tolerance_um) {
+  constexpr auto kIndex = "/z_axis/encoder/index", kEvery = "/z_axis/encoder/index_every_mm";
+  if (has(printer, kIndex) != has(printer, kEvery)) {
+    const bool line = has(printer, kIndex);
+    printer.add_violation(line ? kIndex : kEvery,
+                          "this needs " + key_of(line ? kEvery : kIndex) + ", which is missing");
+  }
+  const auto every_mm = printer.sound_number(kEvery);
+  if (!every_mm || *every_mm * 1000 > 2 * tolerance_um) return;
+  printer.add_violation(kEvery, plain(*every_mm) + " mm are not more than twice tolerance_um, " +
+                                    plain(tolerance_um) + " um: no count would ever be found wrong");
+}
+
 void check_encoder(JsonDocument& printer) {
   const auto counts_per_mm = printer.sound_number("/z_axis/encoder/counts_per_mm");
   if (!counts_per_mm) return;
   const double tolerance_um = printer.sound_number("/z_axis/encoder/tolerance_um")
                                   .value_or(to_millimeters(EncoderConfig{}.tolerance).count() * 1000);
+  check_corrections(printer, tolerance_um);
+  check_index(printer, tolerance_um);
   const double count_um = 1000 / *counts_per_mm;
   if (tolerance_um >= count_um) return;
   printer.add_violation("/z_axis/encoder/tolerance_um",

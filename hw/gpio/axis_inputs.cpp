@@ -33,7 +33,10 @@ void keep_earlier(std::optional<TimePoint>& first, std::optional<TimePoint> othe
 }  // namespace
 
 AxisInputs::AxisInputs(StepEngine& engine, const Lines& lines, StepEngine::Now now)
-    : engine_(engine), lines_(lines), now_(now), encoder_(lines.encoder_a, lines.encoder_b) {
+    : engine_(engine),
+      lines_(lines),
+      now_(now),
+      encoder_(lines.encoder_a, lines.encoder_b, lines.encoder_index) {
   for (const AxisInput which : kContacts) {
     const Contact& contact = lines_.contacts[index(which)];
     if (contact.line == nullptr) continue;
@@ -137,7 +140,8 @@ std::array<pollfd, AxisInputs::kDescriptors> AxisInputs::descriptors() const noe
     all[i] = waited(lines_.contacts[i].line);
   all[kAxisInputs] = waited(lines_.encoder_a);
   all[kAxisInputs + 1] = waited(lines_.encoder_b);
-  all[kAxisInputs + 2] = pollfd{work_.descriptor(), POLLIN, 0};
+  all[kAxisInputs + 2] = waited(lines_.encoder_index);
+  all[kAxisInputs + 3] = pollfd{work_.descriptor(), POLLIN, 0};
   return all;
 }
 
@@ -149,6 +153,8 @@ std::optional<TimePoint> AxisInputs::serve() noexcept {
   encoder_.serve(now);
   count_ = encoder_.counted().count();
   illegal_ = encoder_.counted().illegal();
+  index_count_ = encoder_.index_count();
+  index_pulses_ = encoder_.index_pulses();
   if (now - levels_read_ >= kReadLevels) read_levels(now);
   for (const AxisInput which : kSafetyInputs)
     settle_safety(which, now);

@@ -53,7 +53,7 @@ class AxisInputs {
   };
   struct Lines {
     std::array<Contact, kAxisInputs> contacts;  // by AxisInput
-    InputLine *encoder_a = nullptr, *encoder_b = nullptr;
+    InputLine *encoder_a = nullptr, *encoder_b = nullptr, *encoder_index = nullptr;
   };
 
   // Reads every level. The engine and the lines must outlive this. Throws std::system_error (an eventfd).
@@ -86,6 +86,15 @@ class AxisInputs {
   // Up while A leads B.
   [[nodiscard]] std::int64_t encoder_count() const noexcept { return count_; }
   [[nodiscard]] std::uint64_t illegal_encoder_edges() const noexcept { return illegal_; }
+  // How often the encoder's index was passed, and the count at which it was last, or at a later pass.
+  struct IndexPulse {
+    std::uint64_t number = 0;
+    std::int64_t count = 0;
+  };
+  [[nodiscard]] IndexPulse index_pulse() const noexcept {
+    const std::uint64_t number = index_pulses_;
+    return {number, index_count_};
+  }
 
   // The thread's.
 
@@ -94,7 +103,7 @@ class AxisInputs {
   // Takes all edges there are and does what follows from them. Returns when to call again, edges or not.
   std::optional<TimePoint> serve() noexcept;
   // What is to be waited for: the lines' edges, and work().
-  static constexpr std::size_t kDescriptors = kAxisInputs + 3;
+  static constexpr std::size_t kDescriptors = kAxisInputs + 4;
   [[nodiscard]] std::array<pollfd, kDescriptors> descriptors() const noexcept;
   // A descriptor has failed: its chip has gone.
   void lose() noexcept;
@@ -133,7 +142,8 @@ class AxisInputs {
   std::atomic<LightCutoff*> cutoff_{nullptr};
   std::atomic<bool> cutting_{false};  // the thread uses it
   std::atomic<std::int64_t> count_{0};
-  std::atomic<std::uint64_t> illegal_{0};
+  std::atomic<std::uint64_t> illegal_{0}, index_pulses_{0};
+  std::atomic<std::int64_t> index_count_{0};
 
   // Three a disturbance of the safety inputs, which may be mains hum: more than a second's.
   static constexpr std::uint32_t kChanges = 256;

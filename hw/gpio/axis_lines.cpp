@@ -16,11 +16,17 @@ std::unique_ptr<InputLine> take_input(const std::optional<GpioInputConfig>& conf
 
 std::optional<std::string> contradiction(const GpioAxisConfig& config) {
   const double rate = config.top_speed.count() * config.microsteps_per_mm;
+  char words[160];
+  if (rate > kMostStepsPerSecond) {
+    std::snprintf(words, sizeof words,
+                  "the axis' top speed of %g mm/s is %.0f steps/s; a computer makes %.0f at most",
+                  config.top_speed.count(), rate, kMostStepsPerSecond);
+    return words;
+  }
   const double pulses_s = 2 * std::chrono::duration<double>(config.pulse_width).count();
   // Three quarters: as short as an interval becomes behind a late step.
   const double most = 0.75 / pulses_s;
   if (rate <= most) return std::nullopt;
-  char words[160];
   std::snprintf(
       words, sizeof words,
       "the axis' top speed of %g mm/s is %.0f steps/s; pulses of %g us and pauses as long allow %.0f",
@@ -40,6 +46,9 @@ AxisLines take_lines(const GpioAxisConfig& config) {
   if (const auto& encoder = config.encoder) {
     lines.encoder_a = take_input(GpioInputConfig{encoder->a, encoder->bias, {}}, "encoder A");
     lines.encoder_b = take_input(GpioInputConfig{encoder->b, encoder->bias, {}}, "encoder B");
+    if (encoder->index) {
+      lines.encoder_index = take_input(GpioInputConfig{*encoder->index, encoder->bias, {}}, "encoder index");
+    }
   }
   return lines;
 }

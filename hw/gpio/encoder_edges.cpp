@@ -2,54 +2,67 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 namespace contourd {
 
-EncoderEdges::EncoderEdges(InputLine* a, InputLine* b) noexcept {
+EncoderEdges::EncoderEdges(InputLine* a, InputLine* b, InputLine* index) noexcept {
   a_.line = a;
   b_.line = b;
+  mark_.line = index;
   if (a == nullptr || b == nullptr) return;
   // One that cannot be read shows by its edges, which do not fit.
   quadrature_ = Quadrature(a->level().value_or(false), b->level().value_or(false));
 }
 
 void EncoderEdges::Channel::read() noexcept {
-  while (kept < edges.size()) {
+  while (line != nullptr && kept < edges.size()) {
     const std::size_t count = line->read_edges(std::span(edges).subspan(kept));
     if (count == 0) return;
     kept += count;
   }
 }
 
-void EncoderEdges::Channel::drop(std::size_t count) noexcept {
-  std::copy(edges.begin() + static_cast<std::ptrdiff_t>(count),
+void EncoderEdges::Channel::drop() noexcept {
+  std::copy(edges.begin() + static_cast<std::ptrdiff_t>(counted),
             edges.begin() + static_cast<std::ptrdiff_t>(kept), edges.begin());
-  kept -= count;
+  kept -= std::exchange(counted, 0);
+}
+
+EncoderEdges::Channel* EncoderEdges::earliest() noexcept {
+  Channel* first = nullptr;
+  // Of edges of the same time, the mark's is the last: it is at the count that they lead to.
+  for (Channel* channel : {&a_, &b_, &mark_}) {
+    if (channel->waits() && (first == nullptr || channel->first().at < first->first().at)) first = channel;
+  }
+  return first;
+}
+
+void EncoderEdges::count(const Channel& channel) noexcept {
+  const bool active = channel.first().active;
+  if (&channel == &a_) return quadrature_.edge_a(active);
+  if (&channel == &b_) return quadrature_.edge_b(active);
+  if (active != quadrature_.upwards()) return;
+  index_count_ = quadrature_.count();
+  ++index_pulses_;
 }
 
 void EncoderEdges::serve(TimePoint now) noexcept {
   if (a_.line == nullptr || b_.line == nullptr) return;
-  a_.read();
-  b_.read();
-  std::size_t a = 0, b = 0;
-  const auto ready = [now](const Channel& channel, std::size_t i) {
-    return i < channel.kept && now - channel.edges[i].at >= kHandedOver;
-  };
-  while (ready(a_, a) || ready(b_, b)) {
-    const bool a_first = b >= b_.kept || (a < a_.kept && a_.edges[a].at <= b_.edges[b].at);
-    if (a_first) {
-      quadrature_.edge_a(a_.edges[a++].active);
-    } else {
-      quadrature_.edge_b(b_.edges[b++].active);
-    }
+  for (Channel* channel : {&a_, &b_, &mark_})
+    channel->read();
+  for (Channel* first = earliest(); first != nullptr && now - first->first().at >= kHandedOver;
+       first = earliest()) {
+    count(*first);
+    ++first->counted;
   }
-  a_.drop(a);
-  b_.drop(b);
+  for (Channel* channel : {&a_, &b_, &mark_})
+    channel->drop();
 }
 
 std::optional<TimePoint> EncoderEdges::due() const noexcept {
   std::optional<TimePoint> first;
-  for (const Channel* channel : {&a_, &b_}) {
+  for (const Channel* channel : {&a_, &b_, &mark_}) {
     if (channel->kept > 0 && (!first || channel->edges[0].at < *first)) first = channel->edges[0].at;
   }
   return first ? std::optional(*first + kHandedOver) : std::nullopt;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "hw/gpio/axis_words.hpp"
 #include "hw/hardware_error.hpp"
 
 namespace contourd {
@@ -13,24 +14,6 @@ namespace {
 // A limit switch that is closed this far from where it closes is out of place: more than any switch's
 // hysteresis.
 constexpr Nanometers kSwitchReach{1'000'000};
-// The encoder is looked at this often while the motor turns.
-constexpr Duration kFollow{std::chrono::milliseconds{10}};
-// How far behind the motor what the encoder says may be in time: its edges are counted half a millisecond
-// late.
-constexpr double kEncoderLag_s = 0.005;
-// A difference of so many tolerances is no matter of a few more steps.
-constexpr double kHopeless = 10;
-constexpr int kCorrections = 3;
-
-std::string words_of(const GpioLineConfig& line) {
-  return "line " + line.line + " of " + line.chip;
-}
-
-std::string millimeters(double mm) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f mm", mm);
-  return text;
-}
 
 const GpioAxisConfig& checked(const GpioAxisConfig& config) {
   if (const auto what = contradiction(config)) throw HardwareError(*what);
@@ -47,6 +30,7 @@ AxisInputs::Lines input_lines(const GpioAxisConfig& config, const AxisLines& lin
     inputs.contacts[i] = {lines.inputs[i].get(), debounce[i]};
   inputs.encoder_a = lines.encoder_a.get();
   inputs.encoder_b = lines.encoder_b.get();
+  inputs.encoder_index = lines.encoder_index.get();
   return inputs;
 }
 
@@ -69,6 +53,7 @@ GpioAxis::GpioAxis(Clock& clock, DescriptorWatcher& watcher, const GpioAxisConfi
       lines_(std::move(parts.lines)),
       engine_(*lines_.step, *lines_.direction, {config.pulse_width, config.direction_setup}, parts.now),
       inputs_(engine_, input_lines(config, lines_), parts.now),
+      plausibility_(config.encoder ? std::optional<EncoderPlausibility>(*config.encoder) : std::nullopt),
       watch_end_(watcher.when_readable(engine_.ended().descriptor(), [this] { run_ended(); })),
       watch_inputs_(watcher.when_readable(inputs_.changes().descriptor(), [this] { inputs_changed(); })),
       threads_(parts.start_threads(engine_, inputs_)) {}
@@ -85,6 +70,7 @@ void GpioAxis::when_ready(std::function<void()> call) {
     return;
   }
   rest_ = now_at();
+  if (plausibility_) plausibility_->move_begins(inputs_.illegal_encoder_edges());
   if (engine_.barred()) return after(Duration{0}, [this] { blocked(); });
   if (enabled_ || !lines_.enable) return call();
   if (!lines_.enable->set(true)) {
@@ -120,14 +106,17 @@ void GpioAxis::run_on() {
   }
   rest_ = now_at();
   trip_.reset();
+  end_.reset();
   running_ = true;
   begin_following();
   const std::int64_t steps = run_.target - engine_.position();
-  engine_.start({steps, limits(run_.speed)});
+  engine_.forget_halt();
   set_rules(run_.way, steps * towards_switch() > 0);
+  // Without an encoder, a position that was known is lost with the motor's step.
+  engine_.start({steps, limits(run_.speed), pull_in(), position_known_ && !config_.encoder});
 }
 
-// After start(), which forgets halts: a rule that is broken already halts at once.
+// A rule that is broken already halts at once.
 void GpioAxis::set_rules(Way way, bool towards_switch) {
   const bool at_other_end = inputs_.active(AxisInput::SecondSwitch);
   inputs_.watch_second_switch(config_.second_switch && !(at_other_end && towards_switch));
@@ -145,6 +134,7 @@ void GpioAxis::after(Duration wait, std::function<void()> call) {
 void GpioAxis::run_ended() {
   engine_.ended().clear();
   if (engine_.moving()) return;
+  const StepEnd last = engine_.last_end();  // before anything can begin the next run
   if (ready_) return go_on();
   if (!running_) return;
   running_ = false;
@@ -152,15 +142,26 @@ void GpioAxis::run_ended() {
   following_.reset();
   inputs_.set_limit_rule(LimitRule::Never);
   inputs_.watch_second_switch(false);
+  end_ = last;
   inputs_changed();  // what a halt was for
-  if (!moving()) return;
+  take_end();
+}
+
+void GpioAxis::take_end() {
+  const auto end = std::exchange(end_, std::nullopt);
+  if (!end) return;
   if (engine_.barred()) return blocked();
   if (trip_) return fail(Trip(*trip_));
-  switch (engine_.last_end()) {
+  if (*end != StepEnd::Stalled) tell_stall();
+  if (!moving()) return;  // who was told has aborted it
+  switch (*end) {
     case StepEnd::LineRefused:
       line_refused_ = true;
       return fail({HomingResult::Fault, "the kernel refuses to set the step line, " + words_of(config_.step) +
                                             ", or the direction line, " + words_of(config_.direction)});
+    case StepEnd::Stalled:
+      stalls_told_ = engine_.stalls().count;
+      return fail({HomingResult::Fault, stall_words() + ", and where the plate is nobody knows"});
     case StepEnd::Halted:
       return seek_on();
     case StepEnd::Stopped:
@@ -170,6 +171,30 @@ void GpioAxis::run_ended() {
   }
   if (stop_wanted_) return end_stopped();
   if (const auto then = std::exchange(then_, nullptr)) then();
+}
+
+// That of homing's second pass: at its end the motor stops dead, and its position is counted on.
+double GpioAxis::pull_in() const {
+  return config_.homing_speed.count() / 2 * config_.microsteps_per_mm;
+}
+
+std::string GpioAxis::stall_words() const {
+  const Stalls stalls = engine_.stalls();
+  char words[200];
+  std::snprintf(words, sizeof words,
+                "the computer was too busy for the motor: at %.3g mm/s a step came %.4g ms late, and above "
+                "half the homing speed, %.3g mm/s, a motor that stops dead may lose steps",
+                stalls.speed / config_.microsteps_per_mm, static_cast<double>(stalls.late.count()) / 1e6,
+                config_.homing_speed.count() / 2);
+  return words;
+}
+
+// Of a stall that did not end the run.
+void GpioAxis::tell_stall() {
+  const std::uint64_t stalls = engine_.stalls().count;
+  if (std::exchange(stalls_told_, stalls) == stalls) return;
+  disturb(Disturbance::Kind::Notice,
+          stall_words() + (position_known_ ? "; the encoder says where the plate is" : "; homing went on"));
 }
 
 // Moves.
@@ -188,8 +213,7 @@ void GpioAxis::move_to(Nanometers target, MillimetersPerSecond speed, std::funct
 
 // From below, if the screw has backlash: the plate ends where it bears on the screw.
 void GpioAxis::approach(std::int64_t plate, MillimetersPerSecond speed, std::function<void()> then) {
-  begin_approach(plate, speed,
-                 [this, plate, speed, then = std::move(then)] { verify(plate, speed, kCorrections, then); });
+  begin_approach(plate, speed, [this, plate, speed, then = std::move(then)] { verify(plate, speed, then); });
 }
 
 void GpioAxis::begin_approach(std::int64_t plate, MillimetersPerSecond speed, std::function<void()> there) {
@@ -199,24 +223,6 @@ void GpioAxis::begin_approach(std::int64_t plate, MillimetersPerSecond speed, st
   }
   run(Way::Move, plate - screw_.backlash() - from.motor, speed,
       [this, speed, there = std::move(there)] { run(Way::Move, screw_.backlash(), speed, there); });
-}
-
-// With an encoder: that the plate is where the steps say, or what is to be done about it.
-void GpioAxis::verify(std::int64_t plate, MillimetersPerSecond speed, int corrections,
-                      std::function<void()> then) {
-  if (!config_.encoder) return then();
-  after(kRest, [this, plate, speed, corrections, then = std::move(then)] {
-    const double off_mm =
-        (measured_plate() - static_cast<double>(now_at().plate())) / config_.microsteps_per_mm;
-    if (std::fabs(off_mm) <= to_millimeters(config_.encoder->tolerance).count()) return then();
-    if (config_.encoder->policy == EncoderConfig::Policy::Fault || corrections == 0) {
-      return fail({HomingResult::NoMovement, difference()});
-    }
-    engine_.set_position(std::llround(measured_plate()) - rest_.play);
-    rest_.motor = engine_.position();
-    begin_approach(plate, speed,
-                   [this, plate, speed, corrections, then] { verify(plate, speed, corrections - 1, then); });
-  });
 }
 
 void GpioAxis::stop() {
@@ -238,6 +244,7 @@ void GpioAxis::abort() noexcept {
 
 void GpioAxis::forget() noexcept {
   running_ = false;
+  end_.reset();
   inputs_.set_limit_rule(LimitRule::Never);
   inputs_.watch_second_switch(false);
   seek_.reset();
@@ -307,50 +314,6 @@ Duration GpioAxis::move_duration(Nanometers distance, MillimetersPerSecond speed
   const Duration rest = config_.encoder ? kRest : Duration{0};
   if (steps >= 0 || screw_.backlash() == 0) return taken(steps) + rest;
   return taken(steps - screw_.backlash()) + taken(screw_.backlash()) + rest;
-}
-
-// Encoder.
-
-std::int64_t GpioAxis::counts() const {
-  return config_.encoder->reversed ? -inputs_.encoder_count() : inputs_.encoder_count();
-}
-
-double GpioAxis::measured_plate() const {
-  const double mm = static_cast<double>(counts() - counts_then_) / config_.encoder->counts_per_mm;
-  return static_cast<double>(plate_then_) + mm * config_.microsteps_per_mm;
-}
-
-void GpioAxis::begin_following() {
-  if (!config_.encoder) return;
-  if (!position_known_) agree();
-  following_ = clock_.call_after(kFollow, [this] { follow(); });
-}
-
-void GpioAxis::agree() {
-  if (!config_.encoder) return;
-  counts_then_ = counts();
-  plate_then_ = now_at().plate();
-}
-
-void GpioAxis::follow() {
-  const double off_mm =
-      std::fabs(measured_plate() - static_cast<double>(now_at().plate())) / config_.microsteps_per_mm;
-  const bool corrects = position_known_ && config_.encoder->policy == EncoderConfig::Policy::Correct;
-  // While the position is unknown the screw's play is, too.
-  const Nanometers play = position_known_ ? Nanometers{0} : config_.backlash;
-  const double allowed_mm = to_millimeters(config_.encoder->tolerance).count() * (corrects ? kHopeless : 1) +
-                            to_millimeters(play).count() + config_.top_speed.count() * kEncoderLag_s;
-  if (off_mm > allowed_mm) return fail({HomingResult::NoMovement, difference()});
-  following_ = clock_.call_after(kFollow, [this] { follow(); });
-}
-
-std::string GpioAxis::difference() const {
-  const double per_mm = config_.microsteps_per_mm;
-  const auto plate = static_cast<double>(now_at().plate()), then = static_cast<double>(plate_then_);
-  const double from = position_known_ ? 0 : then / per_mm;
-  return "the encoder says " + millimeters(measured_plate() / per_mm - from) +
-         " where the motor's steps make " + millimeters(plate / per_mm - from) +
-         ": steps were lost, or the encoder does not count";
 }
 
 }  // namespace contourd

@@ -22,6 +22,7 @@
 #include "hw/descriptor_watcher.hpp"
 #include "hw/gpio/axis_inputs.hpp"
 #include "hw/gpio/axis_threads.hpp"
+#include "hw/gpio/encoder_plausibility.hpp"
 #include "hw/gpio/gpio_axis_config.hpp"
 #include "hw/gpio/screw.hpp"
 #include "hw/gpio/step_engine.hpp"
@@ -37,7 +38,7 @@ namespace contourd {
 struct AxisLines {
   std::unique_ptr<OutputLine> step, direction, enable;
   std::array<std::unique_ptr<InputLine>, kAxisInputs> inputs;  // by AxisInput
-  std::unique_ptr<InputLine> encoder_a, encoder_b;
+  std::unique_ptr<InputLine> encoder_a, encoder_b, encoder_index;
 };
 // Takes them all, the motor disabled. Throws HardwareError.
 [[nodiscard]] AxisLines take_lines(const GpioAxisConfig& config);
@@ -121,6 +122,8 @@ class GpioAxis final : public ZAxis {
   void go_on();
   void set_rules(Way way, bool towards_switch);
   void run_ended();
+  void take_end();
+  void tell_stall();
   void after(Duration wait, std::function<void()> call);
   void inputs_changed();
   void take_change(const InputChange& change);
@@ -134,7 +137,6 @@ class GpioAxis final : public ZAxis {
   // Moves.
   void approach(std::int64_t plate, MillimetersPerSecond speed, std::function<void()> then);
   void begin_approach(std::int64_t plate, MillimetersPerSecond speed, std::function<void()> there);
-  void verify(std::int64_t plate, MillimetersPerSecond speed, int corrections, std::function<void()> then);
 
   // Homing.
   void seek(MillimetersPerSecond speed, std::int64_t steps,
@@ -155,13 +157,18 @@ class GpioAxis final : public ZAxis {
   // Encoder.
   [[nodiscard]] std::int64_t counts() const;
   [[nodiscard]] double measured_plate() const;
+  [[nodiscard]] double encoder_off_mm() const;
   void agree();
   void begin_following();
   void follow();
+  void verify(std::int64_t plate, MillimetersPerSecond speed, std::function<void()> then);
+  [[nodiscard]] std::optional<std::string> encoder_doubt();
   [[nodiscard]] std::string difference() const;
 
   [[nodiscard]] Screw::Rest now_at() const { return screw_.moved(rest_, engine_.position()); }
   [[nodiscard]] MotionLimits limits(MillimetersPerSecond speed) const;
+  [[nodiscard]] double pull_in() const;
+  [[nodiscard]] std::string stall_words() const;
   [[nodiscard]] std::int64_t towards_switch() const { return config_.homes_upwards ? 1 : -1; }
 
   Clock& clock_;
@@ -173,7 +180,9 @@ class GpioAxis final : public ZAxis {
   std::function<void(const Disturbance&)> disturbed_;
 
   bool enabled_ = false, position_known_ = false, stop_wanted_ = false;
-  bool running_ = false;  // a run is under way, its end not taken yet
+  bool running_ = false;        // a run is under way, its end not taken yet
+  std::optional<StepEnd> end_;  // how it ended, until something has come of it
+  std::uint64_t stalls_told_ = 0;
   bool emergency_told_ = false, loss_told_ = false, line_refused_ = false;
   Screw::Rest rest_;  // before the run under way
   std::function<void(HomingResult)> homing_done_;
@@ -186,7 +195,10 @@ class GpioAxis final : public ZAxis {
   std::optional<Seek> seek_;
   std::optional<Trip> trip_;
   // Where the encoder and the steps agreed.
-  std::int64_t counts_then_ = 0, plate_then_ = 0;
+  double counts_then_ = 0;
+  std::int64_t plate_then_ = 0;
+  std::optional<EncoderPlausibility> plausibility_;
+  std::uint64_t index_pulses_seen_ = 0;
   std::unique_ptr<Timer> wait_, following_;
   std::unique_ptr<DescriptorWatcher::Watch> watch_end_, watch_inputs_;
   std::unique_ptr<AxisThreads> threads_;  // last: they use the others

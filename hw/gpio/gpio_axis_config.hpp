@@ -36,13 +36,24 @@ struct EncoderConfig {
 
   enum class Policy { Fault, Correct };
   Policy policy = Policy::Fault;  // what a difference beyond it is: a fault, or made good by further steps
+  // What is made good at most: in one move, and in all since homing. More is a fault.
+  Nanometers most_correction{250'000}, most_correction_sum{500'000};
+
+  std::optional<GpioLineConfig> index;  // its mark: active once every `index_every`
+  Nanometers index_every{0};
 };
+
+// Of any move. A thread takes about as long as an interval of 50 us to wake: beyond, it would never sleep,
+// and the kernel, which leaves real-time threads 95 % of the time, would hold it up for 50 ms in every
+// second.
+inline constexpr double kMostStepsPerSecond = 20'000;
 
 struct GpioAxisConfig {
   Nanometers travel{160'000'000};  // highest height of a move
   double microsteps_per_mm = 800.0;
   // Of homing's first pass; the second is half as fast. At the switch the motor stops dead: keep it below the
-  // speed from which the motor can do that without losing steps.
+  // speed from which the motor can do that without losing steps. Half of it counts as the motor's pull-in
+  // speed: held up above that, it may have lost steps.
   MillimetersPerSecond homing_speed{5.0};
   MillimetersPerSecond top_speed{10.0};  // of any move
   MillimetersPerSecondSquared acceleration{25.0};

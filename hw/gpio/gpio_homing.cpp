@@ -49,6 +49,7 @@ void GpioAxis::seek_further() {
 void GpioAxis::seek_on() {
   if (!seek_ || !seek_->contact) return;
   wait_.reset();
+  end_.reset();
   if (stop_wanted_) return end_stopped();
   if (!seek_->contact->active) return seek_further();
   const Seek seek = std::move(*seek_);

@@ -14,22 +14,28 @@ class Quadrature {
   void edge_a(bool level) noexcept {
     if (level == a_) return skipped();
     a_ = level;
-    count_ += a_ != b_ ? 1 : -1;
+    step(a_ != b_);
   }
   void edge_b(bool level) noexcept {
     if (level == b_) return skipped();
     b_ = level;
-    count_ += a_ == b_ ? 1 : -1;
+    step(a_ == b_);
   }
 
   [[nodiscard]] std::int64_t count() const noexcept { return count_; }
+  // Whether it counted up last.
+  [[nodiscard]] bool upwards() const noexcept { return upwards_; }
   // Edges to the level that a channel already had: as many were missed in between, and the count is off.
   [[nodiscard]] std::uint64_t illegal() const noexcept { return illegal_; }
 
  private:
   void skipped() noexcept { ++illegal_; }
+  void step(bool up) noexcept {
+    upwards_ = up;
+    count_ += up ? 1 : -1;
+  }
 
-  bool a_ = false, b_ = false;
+  bool a_ = false, b_ = false, upwards_ = true;
   std::int64_t count_ = 0;
   std::uint64_t illegal_ = 0;
 };

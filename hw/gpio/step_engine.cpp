@@ -6,6 +6,13 @@
 #include <algorithm>
 
 namespace contourd {
+namespace {
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace
 
 TimePoint monotonic_now() noexcept {
   timespec time{};
@@ -21,19 +28,32 @@ void StepEngine::start(const StepMove& move) noexcept {
   sign_ = move.steps < 0 ? -1 : 1;
   from_ = position();
   made_before_ = history_.count();
-  foreseen_ = StepPlanner(move.steps * sign_, move.limits);
+  asked_to_stop_.reset();
   start_ns_ = 0;
+  made_before_ramp_ = 0;
   stop_ = false;
-  halt_ = false;
   phase_.store(Phase::Handed, std::memory_order_release);
   work_.signal();
 }
 
 void StepEngine::stop() noexcept {
-  if (!moving()) return;
-  const std::int64_t start = start_ns_;
-  foreseen_.stop_at(start == 0 ? Duration{0} : now_().time_since_epoch() - Duration{start});
+  if (!moving() || asked_to_stop_) return;
+  const Ramp under_way = ramp();
+  const std::int64_t made = (position() - from_) * sign_ - under_way.made;
+  Stop stop{under_way.made, {}};
+  if (under_way.start != Duration{0} && made > 0) {
+    stop.elapsed = std::min(now_().time_since_epoch() - under_way.start, planned(under_way).due(made));
+  }
+  asked_to_stop_ = stop;
   stop_ = true;
+}
+
+// The thread writes the one, then the other, between two times at which there is no start.
+StepEngine::Ramp StepEngine::ramp() const noexcept {
+  for (;;) {
+    const std::int64_t start = start_ns_, made = made_before_ramp_;
+    if (start == start_ns_) return {Duration{start}, made};
+  }
 }
 
 void StepEngine::set_position(std::int64_t position) noexcept {
@@ -42,18 +62,31 @@ void StepEngine::set_position(std::int64_t position) noexcept {
 }
 
 std::int64_t StepEngine::position_at(TimePoint time) const noexcept {
-  const std::int64_t start = start_ns_;
-  if (start == 0) return from_;
+  const Ramp under_way = ramp();
   if (moving() && time > now_()) {
-    const std::int64_t planned = foreseen_.due_by(time.time_since_epoch() - Duration{start});
-    return from_ + sign_ * std::max(planned, (position() - from_) * sign_);
+    std::int64_t steps = under_way.made;
+    if (under_way.start != Duration{0}) {
+      steps += planned(under_way).due_by(time.time_since_epoch() - under_way.start);
+    }
+    return from_ + sign_ * std::max(steps, (position() - from_) * sign_);
   }
   const std::uint64_t made = std::max(history_.count_at(time), made_before_) - made_before_;
   return from_ + sign_ * static_cast<std::int64_t>(made);
 }
 
+StepPlanner StepEngine::planned(const Ramp& ramp) const noexcept {
+  StepPlanner plan(move_.steps * sign_ - ramp.made, move_.limits);
+  if (asked_to_stop_) plan.stop_at(asked_to_stop_->made == ramp.made ? asked_to_stop_->elapsed : Duration{0});
+  return plan;
+}
+
 LateSteps StepEngine::late_steps() const noexcept {
   return {late_, Duration{worst_ns_}};
+}
+
+Stalls StepEngine::stalls() const noexcept {
+  const std::uint64_t count = stalls_;
+  return {count, Duration{stall_late_ns_}, stall_speed_};
 }
 
 void StepEngine::halt() noexcept {
@@ -74,6 +107,8 @@ bool StepEngine::begin() noexcept {
   if (!phase_.compare_exchange_strong(handed, Phase::Running, std::memory_order_acquire)) return false;
   plan_ = StepPlanner(move_.steps < 0 ? -move_.steps : move_.steps, move_.limits);
   stopped_ = false;
+  harmless_ =
+      Duration{static_cast<Duration::rep>(std::min(kIntervals / move_.limits.speed, seconds(kSwing)) * 1e9)};
   if (plan_.finished()) return finish(StepEnd::Completed), false;
   const int direction = move_.steps < 0 ? -1 : 1;
   if (direction != last_direction_) {
@@ -98,13 +133,14 @@ void StepEngine::act() noexcept {
 
 void StepEngine::rise() noexcept {
   if (halt_ || barred_) return finish(StepEnd::Halted);
-  TimePoint now = now_();
-  if (stop_ && !stopped_) slow_down(now);
-  if (plan_.finished()) return finish(StepEnd::Stopped);
+  const TimePoint now = now_();
+  const Duration late = now.time_since_epoch() - Duration{start_ns_} - planned_;
+  if (late > harmless_ && come_to_rest(late)) return start_again(now, late);
+  if (stop_ && !stopped_) return slow_down(now, late);
   if (now < due_) return;
   if (!make_step(now)) return;
   plan_.advance();
-  keep_time(now);
+  keep_time(late);
   high_ = true;
   due_ = now_() + timing_.pulse_width;
 }
@@ -128,10 +164,13 @@ bool StepEngine::make_step(TimePoint now) noexcept {
   return made;
 }
 
-// Shifts the schedule when the step just made was late by more than a quarter of the interval behind it.
-void StepEngine::keep_time(TimePoint now) noexcept {
-  const Duration late = now.time_since_epoch() - Duration{start_ns_} - planned_;
+void StepEngine::note_lateness(Duration late) noexcept {
   if (late.count() > worst_ns_) worst_ns_ = late.count();
+}
+
+// Shifts the schedule when the step just made was late by more than a quarter of the interval behind it.
+void StepEngine::keep_time(Duration late) noexcept {
+  note_lateness(late);
   if (plan_.finished()) return;
   const Duration interval = plan_.next() - planned_;
   planned_ += interval;
@@ -149,10 +188,40 @@ void StepEngine::fall() noexcept {
   plan_rise(now_());
 }
 
-void StepEngine::slow_down(TimePoint now) noexcept {
+// Whether the motor has, while it waited for the step that is due.
+bool StepEngine::come_to_rest(Duration late) const noexcept {
+  if (plan_.done() == 0) return false;  // it has been at rest
+  const double interval_s = 1 / plan_.speed_at(planned_);
+  return seconds(late) > std::max(interval_s / 4, std::min(kIntervals * interval_s, seconds(kSwing)));
+}
+
+void StepEngine::start_again(TimePoint now, Duration late) noexcept {
+  ++late_;
+  note_lateness(late);
+  const double speed = plan_.speed_at(planned_);
+  if (speed > move_.pull_in) {
+    stall_late_ns_ = late.count();
+    stall_speed_ = speed;
+    ++stalls_;
+    if (move_.ends_stalled) return finish(StepEnd::Stalled);
+  }
+  if (stop_) return finish(StepEnd::Stopped);
+  const std::int64_t left = plan_.total() - plan_.done();
+  start_ns_ = 0;
+  made_before_ramp_ += plan_.done();
+  plan_ = StepPlanner(left, move_.limits);
+  start_ns_ = now.time_since_epoch().count();
+  planned_ = plan_.next();
+  plan_rise(now);
+}
+
+// From now on or, when a step is overdue, from that step on: it is due now.
+void StepEngine::slow_down(TimePoint now, Duration late) noexcept {
   stopped_ = true;
-  plan_.stop_at(now.time_since_epoch() - Duration{start_ns_});
-  if (plan_.finished()) return;
+  if (late > Duration{0}) start_ns_ += late.count();
+  const Duration elapsed = now.time_since_epoch() - Duration{start_ns_};
+  plan_.stop_at(plan_.done() == 0 ? Duration{0} : elapsed);
+  if (plan_.finished()) return finish(StepEnd::Stopped);
   planned_ = plan_.next();
   plan_rise(now);
 }

@@ -21,12 +21,16 @@ std::int64_t steps_within(double way) {
 
 }  // namespace
 
-Duration StepPlanner::next() const noexcept {
-  return nearest_nanosecond(curve_.time_at(static_cast<double>(done_) + 0.5));
+Duration StepPlanner::due(std::int64_t step) const noexcept {
+  return nearest_nanosecond(curve_.time_at(static_cast<double>(step) + 0.5));
 }
 
 std::int64_t StepPlanner::due_by(Duration elapsed) const noexcept {
   return std::min(steps_within(curve_.way_at(seconds(elapsed))), total_);
+}
+
+double StepPlanner::speed_at(Duration elapsed) const noexcept {
+  return curve_.speed_at(seconds(elapsed));
 }
 
 void StepPlanner::stop_at(Duration elapsed) noexcept {

@@ -26,11 +26,16 @@ class StepPlanner {
   [[nodiscard]] bool finished() const noexcept { return done_ >= total_; }
 
   // When the next step is due, after the move's start. REQUIRES: !finished().
-  [[nodiscard]] Duration next() const noexcept;
+  [[nodiscard]] Duration next() const noexcept { return due(done_); }
+  // The same of any step, counted from 0. REQUIRES: 0 <= step < total().
+  [[nodiscard]] Duration due(std::int64_t step) const noexcept;
   void advance() noexcept { ++done_; }
 
   // How many steps are due by `elapsed`, those done or not.
   [[nodiscard]] std::int64_t due_by(Duration elapsed) const noexcept;
+
+  // As planned, in steps/s.
+  [[nodiscard]] double speed_at(Duration elapsed) const noexcept;
 
   // From `elapsed` on, slows down to rest: fewer steps, later ones. Never fewer than are done.
   void stop_at(Duration elapsed) noexcept;

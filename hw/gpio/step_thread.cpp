@@ -92,20 +92,18 @@ RealtimeThread::~RealtimeThread() {
   pthread_join(thread_, nullptr);
 }
 
-void DeadlineWait::until(TimePoint due, const StepEngine& engine) noexcept {
+void DeadlineWait::sleep(TimePoint now, TimePoint due) noexcept {
   constexpr Duration kUnwatched{std::chrono::milliseconds{10}};
   constexpr Duration kMostLead{std::chrono::microseconds{200}};
-  for (TimePoint now = monotonic_now(); now < due && !engine.interrupted(); now = monotonic_now()) {
-    const TimePoint wake = std::min(due - lead_, now + kUnwatched);
-    if (wake <= now) continue;
-    const Duration ns = wake.time_since_epoch();
-    const timespec time{static_cast<time_t>(ns / std::chrono::seconds{1}),
-                        static_cast<long>((ns % std::chrono::seconds{1}).count())};
-    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr);
-    // Down to the least at once, slowly up again.
-    const Duration took = std::min(monotonic_now() - wake, kMostLead);
-    lead_ = took < lead_ ? std::max(took, Duration{0}) : lead_ + (took - lead_) / 64;
-  }
+  const TimePoint wake = std::min(due - lead_, now + kUnwatched);
+  if (wake <= now) return;
+  const Duration ns = wake.time_since_epoch();
+  const timespec time{static_cast<time_t>(ns / std::chrono::seconds{1}),
+                      static_cast<long>((ns % std::chrono::seconds{1}).count())};
+  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr);
+  // Down to the least at once, slowly up again.
+  const Duration took = std::min(monotonic_now() - wake, kMostLead);
+  lead_ = took < lead_ ? std::max(took, Duration{0}) : lead_ + (took - lead_) / 64;
 }
 
 StepThread::StepThread(StepEngine& engine, int priority)
@@ -129,7 +127,7 @@ void StepThread::run() noexcept {
     engine_.work().wait();
     if (!engine_.begin()) continue;
     while (engine_.running()) {
-      wait_.until(engine_.due(), engine_);
+      wait_.until(engine_.due(), [this] { return engine_.interrupted(); });
       engine_.act();
     }
   }

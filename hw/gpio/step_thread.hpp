@@ -42,11 +42,16 @@ class RealtimeThread {
 // that took at the least lately, and the last microseconds are spent looking at the clock.
 class DeadlineWait {
  public:
-  // Returns at `due`, never before unless `engine` is interrupted; sleeps at most 10 ms without looking for
-  // that.
-  void until(TimePoint due, const StepEngine& engine) noexcept;
+  // Returns at `due`, never before unless `interrupted()`; sleeps at most 10 ms without looking for that.
+  template <typename Interrupted>
+  void until(TimePoint due, Interrupted interrupted) noexcept {
+    for (TimePoint now = monotonic_now(); now < due && !interrupted(); now = monotonic_now())
+      sleep(now, due);
+  }
 
  private:
+  void sleep(TimePoint now, TimePoint due) noexcept;
+
   Duration lead_{0};
 };
 

@@ -1,11 +1,14 @@
 #include "daemon/printer_service.hpp"
 
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -92,12 +95,14 @@ class LateMachine final : public Machine {
   [[nodiscard]] MaskDisplay& display() override { return rest_.display(); }
   [[nodiscard]] Projector& projector() override { return rest_.projector(); }
   void on_disturbance(std::function<void(const Disturbance&)> call) override {
+    disturb = call;
     rest_.on_disturbance(std::move(call));
   }
   [[nodiscard]] std::string hindrance() const override { return rest_.hindrance(); }
   std::optional<fs::path> begin_job(std::string_view name) override { return rest_.begin_job(name); }
 
   LateAxis axis;
+  std::function<void(const Disturbance&)> disturb;
 
  private:
   SimulatedPrinter& rest_;
@@ -187,6 +192,26 @@ TEST_CASE("The report has the steps that came late in its print, and no others")
   });
   CHECK(bench.report_of("one")["late_steps"] == 7);
   CHECK(bench.report_of("two")["late_steps"] == 0);
+  bench.stop();
+}
+
+TEST_CASE("What an owner should know of a machine is a warning in the log, and the print goes on") {
+  Bench bench;
+  bench.machine = std::make_unique<SimulatedPrinter>(bench.clock, bench.config.simulated);
+  LateMachine machine(*bench.machine);
+  bench.start_with(machine);
+  bench.drop("one.stl");
+  std::ostringstream log;
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_st>(log)));
+  bool told = false;
+  bench.run_until("done/one.stl", [&] {
+    if (told || !machine.axis.moving()) return;
+    told = true;
+    machine.disturb({.kind = Disturbance::Kind::Notice, .what = "0.125 mm are made good"});
+  });
+  CHECK(told);
+  CHECK(log.str().find("[warning] 0.125 mm are made good") != std::string::npos);
   bench.stop();
 }
 

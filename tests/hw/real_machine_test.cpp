@@ -357,21 +357,53 @@ TEST_CASE("A look at the hardware tells of every device, whatever is wrong with 
   NoDescriptors watcher;
   RealMachineConfig config = nowhere();
   config.axis.lid = GpioInputConfig{.line = {.chip = "gpiochip-of-nobody", .line = "5"}};
-  HardwareCheck check(clock, watcher, config);
+  HardwareCheck check(clock, watcher, config, [](double, int) { return WakeUps{}; });
   std::vector<std::string> devices;
   bool done = false;
   check.run(
       [&](const HardwareFinding& finding) {
-        CHECK_FALSE(finding.good);
-        CHECK(finding.what.find("of-nobody") != std::string::npos);
         devices.push_back(finding.device);
+        const bool computer = finding.device == "step thread";
+        CHECK(finding.good == computer);
+        CHECK((finding.what.find("of-nobody") == std::string::npos) == computer);
       },
       [&] { done = true; });
   while (clock.run_next()) {
   }
   CHECK(done);
-  CHECK(devices == std::vector<std::string>{"step", "direction", "limit switch", "lid", "light", "display",
-                                            "projector"});
+  CHECK(devices == std::vector<std::string>{"step", "direction", "limit switch", "lid", "step thread",
+                                            "light", "display", "projector"});
+}
+
+TEST_CASE("A top speed that the computer does not keep is found, with what it keeps") {
+  VirtualClock clock;
+  NoDescriptors watcher;
+  const auto finding_with = [&](const WakeUps& wakes) {
+    HardwareFinding found;
+    HardwareCheck check(clock, watcher, nowhere(), [&](double rate, int priority) {
+      CHECK(rate == 8'000);
+      CHECK(priority == 40);
+      return wakes;
+    });
+    check.run(
+        [&](const HardwareFinding& finding) {
+          if (finding.device == "step thread") found = finding;
+        },
+        [] {});
+    return found;
+  };
+  const auto us = [](int microseconds) { return Duration{std::chrono::microseconds{microseconds}}; };
+  const HardwareFinding quick = finding_with({.count = 12'000, .p99 = us(5), .worst = us(60)});
+  CHECK((quick.good && !quick.warning));
+  const HardwareFinding slow = finding_with({.count = 12'000, .p99 = us(5), .worst = us(4'000)});
+  CHECK_FALSE(slow.good);
+  CHECK(slow.what ==
+        "8000 steps/s wanted, 10 mm/s; a thread wakes 5 us late at most 99 times of 100, 4000 us at worst: "
+        "this computer keeps 4000 steps/s, 5 mm/s");
+  const HardwareFinding refused =
+      finding_with({.count = 12'000, .p99 = us(5), .worst = us(4'000), .refusals = {"no priority"}});
+  CHECK((refused.good && refused.warning));
+  CHECK(refused.what == slow.what + "; no priority");
 }
 
 TEST_CASE("The light of a process that died is turned off as far as its devices can be reached") {

@@ -105,7 +105,8 @@ TEST_CASE("every key of a real machine arrives with its unit") {
     "second_switch": {"chip": "/dev/gpiochip1", "line": "END2", "bias": "pull_down", "debounce_ms": 1.5},
     "emergency_stop": {"line": 5, "bias": "off", "contact": "normally_closed"}, "lid": {"line": 6, "active_low": true},
     "encoder": {"a": {"line": 7}, "b": {"line": 8, "active_low": true}, "bias": "pull_up", "counts_per_mm": 200.5,
-                "reversed": true, "tolerance_um": 12.5, "policy": "correct"},
+                "reversed": true, "tolerance_um": 12.5, "policy": "correct", "most_correction_um": 100.5,
+                "most_correction_sum_um": 200.5, "index": {"line": 9}, "index_every_mm": 4.5},
     "realtime_priority": 30})"));
   printer.printer["display"].update(
       json::parse(R"({"card": "vc4", "format": "rgb565", "buffers": 3, "refresh_hz": 59.5, "width_px": 1280,
@@ -142,6 +143,11 @@ TEST_CASE("every key of a real machine arrives with its unit") {
   CHECK(axis.encoder->reversed);
   CHECK(axis.encoder->tolerance == Nanometers{12'500});
   CHECK(axis.encoder->policy == EncoderConfig::Policy::Correct);
+  CHECK(axis.encoder->most_correction == Nanometers{100'500});
+  CHECK(axis.encoder->most_correction_sum == Nanometers{200'500});
+  REQUIRE(axis.encoder->index);
+  CHECK(axis.encoder->index->line == "9");
+  CHECK(axis.encoder->index_every == Nanometers{4'500'000});
   CHECK(axis.realtime_priority == 30);
   const DrmDisplayConfig& display = config.real->display;
   CHECK(display.card == "vc4");
@@ -294,6 +300,47 @@ TEST_CASE("an encoder's tolerance is one of its counts at least") {
   printer.at("/z_axis/encoder") =
       nlohmann::json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 19})");
   CHECK(printer.complaints().size() == 1);
+}
+
+TEST_CASE("what an encoder may make good is more than its tolerance, and less in a move than in all") {
+  RealPrinter printer;
+  const auto encoder = [](const char* more) {
+    return json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 800, "policy": "correct")" +
+                       std::string(more) + "}");
+  };
+  printer.at("/z_axis/encoder") = encoder("");
+  CHECK(printer.complaints().empty());
+  printer.at("/z_axis/encoder") = encoder(R"(, "tolerance_um": 300)");
+  CHECK(printer.complaints() ==
+        Complaints{"/z_axis/encoder/most_correction_um: 250 is not more than tolerance_um, 300 um: nothing "
+                   "would ever be made good"});
+  printer.at("/z_axis/encoder") = encoder(R"(, "most_correction_um": 600)");
+  CHECK(printer.complaints() ==
+        Complaints{"/z_axis/encoder/most_correction_sum_um: 500 is less than most_correction_um for a single "
+                   "move, 600 um"});
+  printer.at("/z_axis/encoder/policy") = "fault";
+  CHECK(printer.complaints().empty());
+}
+
+TEST_CASE("an encoder's index has its distance, more than twice the tolerance, and a line of its own") {
+  RealPrinter printer;
+  const auto encoder = [](const char* more) {
+    return json::parse(R"({"a": {"line": 7}, "b": {"line": 8}, "counts_per_mm": 800)" + std::string(more) +
+                       "}");
+  };
+  printer.at("/z_axis/encoder") = encoder(R"(, "index": {"line": 9}, "index_every_mm": 0.5)");
+  CHECK(printer.complaints().empty());
+  printer.at("/z_axis/encoder") = encoder(R"(, "index": {"line": 8}, "index_every_mm": 0.1)");
+  CHECK(printer.complaints() ==
+        Complaints{"/z_axis/encoder/index: line \"8\" of \"gpiochip0\" is z_axis/encoder/b already",
+                   "/z_axis/encoder/index_every_mm: 0.1 mm are not more than twice tolerance_um, 50 um: no "
+                   "count would ever be found wrong"});
+  printer.at("/z_axis/encoder") = encoder(R"(, "index": {"line": 9})");
+  CHECK(printer.complaints() ==
+        Complaints{"/z_axis/encoder/index: this needs z_axis/encoder/index_every_mm, which is missing"});
+  printer.at("/z_axis/encoder") = encoder(R"(, "index_every_mm": 5)");
+  CHECK(printer.complaints() ==
+        Complaints{"/z_axis/encoder/index_every_mm: this needs z_axis/encoder/index, which is missing"});
 }
 
 TEST_CASE("a projector's port and table need each other, and somebody must be able to turn the light off") {

@@ -22,6 +22,25 @@ TEST_CASE("An edge to the level that a channel has is illegal and counts nothing
   CHECK(q.illegal() == 1);
 }
 
+TEST_CASE("An index's mark is passed at the same count upwards and downwards") {
+  testing::PlantInput a, b, index;
+  EncoderEdges edges(&a, &b, &index);
+  TimePoint now{1ms};
+  const auto go = [&](std::initializer_list<std::pair<testing::PlantInput*, bool>> changes) {
+    for (const auto& [line, level] : changes)
+      line->set(level, now += 1ms);
+    edges.serve(now + 1ms);
+  };
+  go({{&a, true}, {&b, true}, {&index, true}, {&a, false}, {&b, false}, {&index, false}, {&a, true}});
+  CHECK(edges.index_pulses() == 1);
+  CHECK(edges.index_count() == 2);
+  CHECK(edges.counted().count() == 5);
+  go({{&a, false}, {&index, true}, {&b, true}, {&a, true}, {&index, false}, {&b, false}});
+  CHECK(edges.counted().count() == 1);
+  CHECK(edges.index_pulses() == 2);
+  CHECK(edges.index_count() == 2);
+}
+
 TEST_CASE("Edges of both lines are counted in the order of their times, whichever line tells first") {
   testing::PlantInput a, b;
   EncoderEdges edges(&a, &b);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -41,6 +42,11 @@ class PlantInput final : public InputLine {
     level_ = level;
     if (loses_edges) return;
     edges_.push_back({level, at});
+    if (changed) changed();
+  }
+  // Up and down again, too short to be seen: two edges to the level that there is.
+  void spike(TimePoint at) {
+    edges_.insert(edges_.end(), 2, {level_, at});
     if (changed) changed();
   }
   bool loses_edges = false, unreadable = false;
@@ -117,6 +123,10 @@ class Plant final : public DescriptorWatcher {
       parts.lines.encoder_a.reset(encoder_a = new PlantInput);
       parts.lines.encoder_b.reset(encoder_b = new PlantInput);
       encoder_a->changed = encoder_b->changed = [this] { wake_inputs(); };
+      if (config.encoder->index) {
+        parts.lines.encoder_index.reset(encoder_index = new PlantInput);
+        encoder_index->changed = encoder_a->changed;
+      }
     }
     for (PlantInput* line : lines)
       line->changed = [this] { wake_inputs(); };
@@ -170,6 +180,8 @@ class Plant final : public DescriptorWatcher {
     inputs_engine_->lose();
     dispatch();
   }
+  // The stepping thread does not run for so long.
+  void hold_up_steps(Duration time) { held_up_until_ = clock.now() + time; }
   // The reading thread does not run for so long; steps and bounces go on.
   void preempt_for(Duration time) {
     if (preempted_) return;
@@ -202,15 +214,19 @@ class Plant final : public DescriptorWatcher {
   std::int64_t motor = 4'000;
   std::int64_t slack = 0;
   Switch limit, second;
-  bool dead = false, reversed = false;
-  std::function<bool()> loses_step;        // asked for each
+  bool dead = false, reversed = false, counts_down = false;
+  std::function<bool()> loses_step;  // asked for each
+  // Above it, in steps/s, the motor neither starts dead nor stops dead: it loses steps.
+  double pull_in = std::numeric_limits<double>::infinity();
+  std::function<bool()> loses_count;       // of the encoder; asked for each step of the plate
+  std::int64_t index_every = 400;          // steps between two marks of the encoder's index
   Duration latency{20'000};                // of the stepping thread
   std::function<Duration()> step_latency;  // instead, where given
   Duration input_latency{60'000};          // of the reading thread
   std::vector<TimePoint> pulses;           // rising edges
   Duration shortest_pulse{1'000'000'000}, shortest_pause{1'000'000'000}, shortest_setup{1'000'000'000};
   PlantOutput *step = nullptr, *direction = nullptr, *enable = nullptr;
-  PlantInput *encoder_a = nullptr, *encoder_b = nullptr;
+  PlantInput *encoder_a = nullptr, *encoder_b = nullptr, *encoder_index = nullptr;
   std::array<PlantInput*, kAxisInputs> lines{};
   std::uint64_t disabled_steps = 0;
 
@@ -273,7 +289,10 @@ class Plant final : public DescriptorWatcher {
     const Duration late = step_latency ? step_latency() : latency;
     // The thread looks up every 10 ms for something to interrupt it.
     const TimePoint wake = std::min(engine_->due() + late, clock.now() + std::chrono::milliseconds{10});
-    next_act_ = clock.call_at(engine_->interrupted() ? clock.now() : wake, [this] {
+    // Then it looks at the clock again and again.
+    const TimePoint look = engine_->interrupted() ? clock.now() + Duration{100} : wake;
+    next_act_ = clock.call_at(std::max(look, held_up_until_), [this] {
+      if (clock.now() < held_up_until_) return plan_act();
       engine_->act();
       if (engine_->running()) plan_act();
     });
@@ -301,6 +320,7 @@ class Plant final : public DescriptorWatcher {
       fell_at_ = clock.now();
       return;
     }
+    const bool turns = follows();
     if (!pulses.empty()) shortest_pause = std::min(shortest_pause, clock.now() - fell_at_);
     shortest_setup = std::min(shortest_setup, clock.now() - direction_changed_at_);
     pulses.push_back(clock.now());
@@ -308,10 +328,23 @@ class Plant final : public DescriptorWatcher {
       ++disabled_steps;
       return;
     }
-    if (dead || (loses_step && loses_step())) return;
+    if (dead || !turns || (loses_step && loses_step())) return;
     motor += direction->level != reversed ? 1 : -1;
     move_plate();
     update_switches();
+  }
+
+  // Whether the rotor does, at the time of a pulse: its speed is that of the last pulses.
+  bool follows() {
+    if (pulses.empty() || !std::isfinite(pull_in)) return true;
+    const double interval_s = std::chrono::duration<double>(clock.now() - pulses.back()).count();
+    const double rate = 1 / interval_s, late_s = interval_s - (rotor_rate_ > 0 ? 1 / rotor_rate_ : 0);
+    // Its field stood still for a full step's time, or for a quarter of the rotor's swing.
+    const bool stood = late_s > std::min(16 / rotor_rate_, 0.005);
+    const bool overran = stood && rotor_rate_ > pull_in;
+    const bool turns = !overran && rate <= std::max(pull_in, stood ? 0 : 2 * rotor_rate_);
+    rotor_rate_ = !turns ? 0 : stood ? rate : rotor_rate_ + (rate - rotor_rate_) / 4;
+    return turns;
   }
 
   void move_plate() {
@@ -320,11 +353,18 @@ class Plant final : public DescriptorWatcher {
     if (encoder_a == nullptr) return;
     // Four counts a period; one count a step.
     for (std::int64_t p = before; p != plate_;) {
-      p += plate_ > p ? 1 : -1;
-      const auto phase = ((p % 4) + 4) % 4;
-      encoder_a->set(phase == 1 || phase == 2, clock.now());
-      encoder_b->set(phase == 2 || phase == 3, clock.now());
+      const std::int64_t step_of_plate = plate_ > p ? 1 : -1;
+      p += step_of_plate;
+      if (!loses_count || !loses_count()) move_encoder(step_of_plate);
+      if (encoder_index != nullptr)
+        encoder_index->set(((p % index_every) + index_every) % index_every < 2, clock.now());
     }
+  }
+  void move_encoder(std::int64_t by) {
+    scale_ += counts_down ? -by : by;
+    const auto phase = ((scale_ % 4) + 4) % 4;
+    encoder_a->set(phase == 1 || phase == 2, clock.now());
+    encoder_b->set(phase == 2 || phase == 3, clock.now());
   }
 
   void update_switches() {
@@ -354,9 +394,10 @@ class Plant final : public DescriptorWatcher {
   std::map<int, std::shared_ptr<std::function<void()>>> watched_;
   StepEngine* engine_ = nullptr;
   AxisInputs* inputs_engine_ = nullptr;
-  std::int64_t plate_ = 0;
+  std::int64_t plate_ = 0, scale_ = 0;
+  double rotor_rate_ = 0;  // steps/s
   bool limit_closed_ = false, second_closed_ = false, woken_ = false, preempted_ = false, loop_busy_ = false;
-  TimePoint fell_at_{}, direction_changed_at_{};
+  TimePoint fell_at_{}, direction_changed_at_{}, held_up_until_{};
   std::unique_ptr<Timer> next_act_, next_serve_, next_wake_;
   std::vector<std::unique_ptr<Timer>> bounces_;
 };

@@ -85,7 +85,7 @@ class OneProcessor {
 
 }  // namespace
 
-TEST_CASE("The threads make a move's steps, then the next move's, and end when told") {
+TEST_CASE("The threads make a move's steps, then the next move's, and end when told", "[threads]") {
   CountingLine step, direction;
   StepEngine engine(step, direction, {});
   AxisInputs inputs(engine, {});
@@ -111,12 +111,14 @@ TEST_CASE("The threads make a move's steps, then the next move's, and end when t
     CHECK(step.rises == made);
     CHECK(engine.position() == 50 + made - 350);
     engine.ended().clear();
+    engine.forget_halt();
     engine.start({1'000'000, {1'000, 1'000'000}});  // the threads end under way
   }
   CHECK_FALSE(engine.moving());
 }
 
-TEST_CASE("A switch halts the steps with the next one on a processor that has no time beside them") {
+TEST_CASE("A switch halts the steps with the next one on a processor that has no time beside them",
+          "[threads]") {
   PipeLine contact;
   LaboriousLine step(contact);
   CountingLine direction;
@@ -130,15 +132,15 @@ TEST_CASE("A switch halts the steps with the next one on a processor that has no
     std::cout << "SKIPPED: " << threads.refusals()[0] << '\n';
     return;
   }
+  inputs.set_limit_rule(LimitRule::AtContact);  // once it steps, nothing else of this processor runs
   engine.start({5'000, {20'000, 2'000'000}});
-  inputs.set_limit_rule(LimitRule::AtContact);
   while (engine.moving())
     engine.ended().wait();
   CHECK(engine.last_end() == StepEnd::Halted);
   CHECK(step.rises == 100);  // the one that it closed with
 }
 
-TEST_CASE("A priority that the system refuses is told in a sentence, and the thread runs") {
+TEST_CASE("A priority that the system refuses is told in a sentence, and the thread runs", "[threads]") {
   CountingLine step, direction;
   StepEngine engine(step, direction, {});
   const StepThread thread(engine, 1'000);  // there is none above 99

@@ -1,0 +1,256 @@
+// The real threads under an owner who does anything at any time: what ThreadSanitizer is to look at
+// (CONTOURD_SANITIZE_THREAD). What comes late, on a busy computer, is in order here; what is untrue is not.
+#include "hw/gpio/axis_threads.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <map>
+#include <random>
+
+#include "hw/gpio/gpio_axis.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+namespace {
+
+// An input whose edges come through a pipe, as a kernel's do.
+class PipeInput final : public InputLine {
+ public:
+  PipeInput() { REQUIRE(pipe2(ends_.data(), O_NONBLOCK) == 0); }
+  ~PipeInput() override {
+    for (const int end : ends_)
+      close(end);
+  }
+  // Any one thread.
+  void set(bool level) noexcept {
+    if (level_.exchange(level) == level) return;
+    const LineEdge edge{level, monotonic_now()};
+    lost_ += write(ends_[1], &edge, sizeof edge) != sizeof edge ? 1 : 0;
+  }
+  [[nodiscard]] int descriptor() const noexcept override { return ends_[0]; }
+  [[nodiscard]] std::optional<bool> level() noexcept override { return level_; }
+  [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
+    const ssize_t bytes = read(ends_[0], edges.data(), edges.size_bytes());
+    return bytes > 0 ? static_cast<std::size_t>(bytes) / sizeof(LineEdge) : 0;
+  }
+
+ private:
+  std::array<int, 2> ends_{};
+  std::atomic<bool> level_{false};
+  std::atomic<int> lost_{0};
+};
+
+class Output final : public OutputLine {
+ public:
+  [[nodiscard]] bool set(bool active) noexcept override {
+    if (level_.exchange(active) != active && changed) changed(active);
+    return true;
+  }
+  [[nodiscard]] bool level() const noexcept { return level_; }
+  std::function<void(bool)> changed;  // the stepping thread's
+
+ private:
+  std::atomic<bool> level_{false};
+};
+
+// An event loop by poll(), which is at times a little late.
+class Loop final : public Clock, public DescriptorWatcher {
+ public:
+  [[nodiscard]] TimePoint now() const override { return monotonic_now(); }
+  [[nodiscard]] std::unique_ptr<Timer> call_at(TimePoint when, std::function<void()> call) override {
+    return std::make_unique<Call>(*this, when, std::move(call));
+  }
+  [[nodiscard]] std::unique_ptr<Watch> when_readable(int fd, std::function<void()> call) override {
+    return std::make_unique<Watched>(*this, fd, std::move(call));
+  }
+
+  void run_until(const std::function<bool()>& done) {
+    while (!done())
+      turn();
+  }
+
+ private:
+  using Calls = std::multimap<TimePoint, std::shared_ptr<std::function<void()>>>;
+  class Call final : public Timer {
+   public:
+    Call(Loop& loop, TimePoint when, std::function<void()> call)
+        : loop_(loop), call_(std::make_shared<std::function<void()>>(std::move(call))) {
+      loop_.calls_.emplace(when, call_);
+    }
+    ~Call() override {
+      std::erase_if(loop_.calls_, [this](const auto& entry) { return entry.second == call_; });
+    }
+
+   private:
+    Loop& loop_;
+    std::shared_ptr<std::function<void()>> call_;
+  };
+  class Watched final : public Watch {
+   public:
+    Watched(Loop& loop, int fd, std::function<void()> call) : loop_(loop), fd_(fd) {
+      loop_.watched_[fd] = std::make_shared<std::function<void()>>(std::move(call));
+    }
+    ~Watched() override { loop_.watched_.erase(fd_); }
+
+   private:
+    Loop& loop_;
+    int fd_;
+  };
+
+  void turn() {
+    std::vector<pollfd> waited;
+    for (const auto& [fd, call] : watched_)
+      waited.push_back({fd, POLLIN, 0});
+    const bool woken = poll(waited.data(), waited.size(), 1) > 0;
+    // As late as a contact takes to settle, as a rule: a run's end and its cause come in one turn then.
+    const Duration late = woken && ++turns_ % 4 != 0 ? Duration{1ms} : Duration{0};
+    for (const TimePoint start = now(); now() < start + late;) {
+    }
+    for (const pollfd& fd : waited) {
+      const auto found = watched_.find(fd.fd);
+      if (fd.revents == 0 || found == watched_.end()) continue;
+      const auto call = found->second;
+      (*call)();
+    }
+    if (calls_.empty() || calls_.begin()->first > now()) return;
+    const auto call = calls_.begin()->second;
+    calls_.erase(calls_.begin());
+    (*call)();
+  }
+
+  Calls calls_;
+  std::map<int, std::shared_ptr<std::function<void()>>> watched_;
+  int turns_ = 0;
+};
+
+// 20,000 steps/s towards the switch: the steps are halted before the contact has settled.
+GpioAxisConfig quick_config() {
+  GpioAxisConfig config;
+  config.microsteps_per_mm = 400;
+  config.travel = Nanometers{10'000'000};
+  config.homing_speed = MillimetersPerSecond{50};
+  config.top_speed = config.homing_speed;
+  config.acceleration = MillimetersPerSecondSquared{5'000};
+  config.limit_switch.debounce = 100us;
+  config.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}, LineBias::AsIs, 100us};
+  return config;
+}
+
+// A motor, and a switch that closes at 0 and below: moved by the stepping thread.
+class Stage {
+ public:
+  Stage() {
+    GpioAxis::Parts parts;
+    auto step = std::make_unique<Output>(), direction = std::make_unique<Output>();
+    auto limit = std::make_unique<PipeInput>(), emergency = std::make_unique<PipeInput>();
+    step->changed = [this, up = direction.get(), contact = limit.get()](bool high) {
+      if (!high) return;
+      const int at = position_ += up->level() ? 1 : -1;
+      contact->set(at <= 0);
+    };
+    emergency_ = emergency.get();
+    parts.lines.step = std::move(step);
+    parts.lines.direction = std::move(direction);
+    parts.lines.inputs[static_cast<std::size_t>(AxisInput::LimitSwitch)] = std::move(limit);
+    parts.lines.inputs[static_cast<std::size_t>(AxisInput::EmergencyStop)] = std::move(emergency);
+    parts.start_threads = [](StepEngine& engine, AxisInputs& inputs) {
+      return std::make_unique<RealtimeAxisThreads>(engine, inputs, 40);
+    };
+    axis_.emplace(loop, loop, quick_config(), std::move(parts));
+  }
+
+  GpioAxis& axis() { return *axis_; }
+  void press(bool pressed) { emergency_->set(pressed); }
+  // Steps above the switch.
+  [[nodiscard]] int position() const { return position_; }
+  Loop loop;
+
+ private:
+  std::atomic<int> position_{600};
+  PipeInput* emergency_ = nullptr;
+  std::optional<GpioAxis> axis_;
+};
+
+}  // namespace
+
+TEST_CASE("An axis knows where it is or knows nothing, whatever is asked of it at any time", "[threads]") {
+  Stage stage;
+  std::minstd_rand random(1);
+  const auto below = [&random](int limit) {
+    return static_cast<int>(random() % static_cast<unsigned>(limit));
+  };
+  int reached = 0;
+  for (int round = 0; round < 40; ++round) {
+    bool done = false;
+    GpioAxis& axis = stage.axis();
+    if (!axis.height()) {
+      axis.home([&](HomingResult) { done = true; });
+    } else {
+      axis.move_to(Nanometers{below(4'000) * 2'500}, MillimetersPerSecond{5.0 + below(45)},
+                   [&](MoveResult result) { done = true, reached += result == MoveResult::Reached ? 1 : 0; });
+    }
+    std::unique_ptr<Timer> event;
+    const Duration when = std::chrono::microseconds{below(150'000)};
+    const int what = below(6);
+    if (what == 0) event = stage.loop.call_after(when, [&] { axis.stop(); });
+    if (what == 1) event = stage.loop.call_after(when, [&] { axis.abort(), done = true; });
+    if (what == 2) event = stage.loop.call_after(when, [&] { stage.press(true), stage.press(false); });
+    stage.loop.run_until([&] {
+      (void)axis.height_at(monotonic_now() + 1ms);
+      return done && !axis.moving();
+    });
+    event.reset();
+    // A chattering emergency stop may still be settling.
+    const TimePoint settled = monotonic_now() + 5ms;
+    stage.loop.run_until([&] { return axis.hindrances().empty() && monotonic_now() > settled; });
+    if (const auto height = axis.height()) REQUIRE(height->count() == stage.position() * 2'500);
+  }
+  CHECK(reached > 0);
+}
+
+TEST_CASE("An engine started, stopped, halted and barred at random makes the steps that it counts",
+          "[threads]") {
+  std::atomic<int> made{0};
+  Output step, direction;
+  step.changed = [&](bool high) { made += !high ? 0 : direction.level() ? 1 : -1; };
+  PipeInput contact;
+  StepEngine engine(step, direction, {});
+  AxisInputs::Lines lines;
+  lines.contacts[static_cast<std::size_t>(AxisInput::EmergencyStop)] = {&contact, 100us};
+  AxisInputs inputs(engine, lines);
+  std::minstd_rand random(2);
+  const RealtimeAxisThreads threads(engine, inputs, 40);
+  for (int round = 0; round < 300; ++round) {
+    const auto steps = static_cast<std::int64_t>(random() % 400) - 200;
+    engine.forget_halt();
+    engine.start({steps, {20'000, 2'000'000}});
+    const TimePoint until = monotonic_now() + std::chrono::microseconds{random() % 8'000};
+    while (engine.moving() && monotonic_now() < until) {
+      (void)engine.position_at(monotonic_now() + 100us);
+      (void)inputs.take_change();
+    }
+    const auto what = random() % 5;
+    if (what == 0) engine.stop();
+    if (what == 1) engine.halt();
+    if (what == 2) engine.bar();
+    if (what == 3) contact.set(true);
+    while (engine.moving())
+      engine.ended().wait();
+    engine.ended().clear();
+    const StepEnd end = engine.last_end();
+    REQUIRE(engine.position() == made);
+    if (what == 4) REQUIRE(end == StepEnd::Completed);
+    contact.set(false);
+    while (inputs.active(AxisInput::EmergencyStop))
+      (void)inputs.take_change();
+    inputs.let_go();
+    engine.allow();
+  }
+}

@@ -1,0 +1,169 @@
+// An axis whose stepping thread is held up: a motor that stood meanwhile, and what is believed of the plate.
+#include <cmath>
+
+#include "hw/gpio/gpio_axis.hpp"
+#include "tests/catch.hpp"
+#include "tests/core/random_shapes.hpp"
+#include "tests/hw/gpio/plant.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+using testing::draw;
+using testing::draw_real;
+using testing::Plant;
+
+namespace {
+
+// 4,000 steps/s at homing speed; the motor starts and stops dead up to half of it, 2,000, and a little
+// beyond, since how fast it was is not known to the step.
+constexpr double kPullIn = 2'300;
+
+GpioAxisConfig config(std::optional<EncoderConfig::Policy> encoder = std::nullopt, bool s_curve = false) {
+  GpioAxisConfig config;
+  config.travel = Nanometers{100'000'000};
+  config.acceleration = MillimetersPerSecondSquared{50};
+  if (s_curve) config.jerk_mm_s3 = 500;
+  if (!encoder) return config;
+  config.encoder = EncoderConfig{};
+  config.encoder->counts_per_mm = 800;  // a count a step
+  config.encoder->policy = *encoder;
+  return config;
+}
+
+std::int64_t plate_above_switch(const Plant& plant) {
+  return plant.plate() - plant.limit.at;
+}
+
+// What the axis believes of it, where it believes anything.
+bool believed_is_true(const Plant& plant, Nanometers within = Nanometers{0}) {
+  const auto height = plant.axis->height();
+  return !height || std::llabs(height->count() - plate_above_switch(plant) * 1'250) <= within.count();
+}
+
+std::size_t notices(const Plant& plant) {
+  return static_cast<std::size_t>(
+      std::count_if(plant.disturbances.begin(), plant.disturbances.end(),
+                    [](const Disturbance& d) { return d.kind == Disturbance::Kind::Notice; }));
+}
+
+}  // namespace
+
+TEST_CASE(
+    "A motor that was held up at speed has an unknown position, told with figures, and takes no further "
+    "step") {
+  for (const bool s_curve : {false, true}) {
+    for (const Duration held : {100ms, 1'000ms, 4'000ms}) {
+      Plant plant(config(std::nullopt, s_curve));
+      plant.pull_in = kPullIn;
+      plant.build();
+      REQUIRE(plant.home() == HomingResult::Homed);
+      std::size_t made = 0;
+      const auto hold_up = plant.clock.call_after(2s, [&] {
+        plant.hold_up_steps(held);
+        made = plant.pulses.size();
+      });
+      CHECK(plant.move_to(50) == MoveResult::Fault);
+      CHECK(plant.pulses.size() == made);
+      CHECK_FALSE(plant.axis->height());
+      REQUIRE(plant.disturbances.size() == 1);
+      CHECK(plant.disturbances[0].kind == Disturbance::Kind::Fault);
+      const std::string ms =
+          std::to_string(held / 1ms - 1);  // or so much more than the time to the next step
+      INFO(plant.disturbances[0].what << " for " << ms);
+      CHECK(plant.disturbances[0].what.find("at 5 mm/s a step came ") != std::string::npos);
+      CHECK(plant.move_to(1) == MoveResult::NotHomed);
+      CHECK(plant.home() == HomingResult::Homed);
+      CHECK(plate_above_switch(plant) == 0);
+    }
+  }
+}
+
+TEST_CASE("Up to its pull-in speed a motor that was held up ramps up again, and its position is known") {
+  Plant plant(config());
+  plant.pull_in = kPullIn;
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  const auto hold_up = plant.clock.call_after(2s, [&] { plant.hold_up_steps(3s); });
+  CHECK(plant.move_to(20, 2.5) == MoveResult::Reached);
+  CHECK(plate_above_switch(plant) == 16'000);
+  CHECK(plant.axis->height() == Nanometers{20'000'000});
+  CHECK(plant.disturbances.empty());
+}
+
+TEST_CASE("Homing goes on when its motor was held up, says so, and is exact") {
+  for (const Duration at : {300ms, 1'200ms, 1'700ms, 2'500ms, 3'500ms}) {
+    Plant plant(config());
+    plant.pull_in = kPullIn;
+    plant.build();
+    const auto hold_up = plant.clock.call_after(at, [&] { plant.hold_up_steps(700ms); });
+    CHECK(plant.home() == HomingResult::Homed);
+    CHECK(plate_above_switch(plant) == 0);
+    CHECK(plant.disturbances.size() == notices(plant));
+    if (at == 300ms) CHECK(notices(plant) == 1);
+  }
+}
+
+TEST_CASE(
+    "With an encoder a move whose motor was held up goes on, and the encoder says whether steps were lost") {
+  for (const double pull_in : {kPullIn, 1e9}) {
+    for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
+      Plant plant(config(policy));
+      plant.build();
+      REQUIRE(plant.home() == HomingResult::Homed);
+      plant.pull_in = pull_in;
+      bool told_at_once = false;
+      const auto hold_up = plant.clock.call_after(1s, [&] { plant.hold_up_steps(1s); });
+      const auto look = plant.clock.call_after(2'020ms, [&] { told_at_once = notices(plant) == 1; });
+      CHECK(plant.move_to(10) == MoveResult::Reached);
+      CHECK(told_at_once);
+      CHECK(plant.disturbances.size() == 1);
+      CHECK(believed_is_true(plant));
+      CHECK(std::llabs(plate_above_switch(plant) - 8'000) <= 1);  // the step at which it overran
+    }
+  }
+}
+
+TEST_CASE("With an encoder, steps lost while a motor was held up are a fault or made good, by policy") {
+  for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
+    Plant plant(config(policy));
+    plant.build();
+    REQUIRE(plant.home() == HomingResult::Homed);
+    int lost = 0;
+    const auto hold_up = plant.clock.call_after(1s, [&] {
+      plant.hold_up_steps(1s);
+      plant.loses_step = [&] { return lost < 64 && ++lost > 0; };  // 80 um
+    });
+    const auto result = plant.move_to(10);
+    if (policy == EncoderConfig::Policy::Correct) {
+      CHECK(result == MoveResult::Reached);
+      CHECK(plate_above_switch(plant) == 8'000);
+      CHECK(notices(plant) == 2);
+    } else {
+      CHECK(result == MoveResult::Fault);
+      CHECK_FALSE(plant.axis->height());
+    }
+  }
+}
+
+TEST_CASE("Whatever a motor's thread is held up, what is believed of the plate is true or nothing") {
+  CHECK(rc::check([] {
+    Plant plant(config(std::nullopt, draw(0, 1) != 0));
+    plant.pull_in = kPullIn;
+    plant.build();
+    RC_ASSERT(plant.home() == HomingResult::Homed);
+    for (int i = 0; i < 3; ++i) {
+      const Duration held = draw(0, 1) != 0 ? std::chrono::microseconds{draw(0, 8'000)}
+                                            : Duration{std::chrono::milliseconds{draw(0, 4'000)}};
+      const auto hold_up = plant.clock.call_after(std::chrono::milliseconds{draw(0, 1'500)},
+                                                  [&plant, held] { plant.hold_up_steps(held); });
+      std::unique_ptr<Timer> stop;
+      if (draw(0, 1) != 0)
+        stop = plant.clock.call_after(std::chrono::milliseconds{draw(0, 3'000)}, [&] { plant.axis->stop(); });
+      const double target = draw_real(0, 8), speed = draw_real(0.5, 10);
+      (void)plant.move_to(target, speed);
+      RC_ASSERT(believed_is_true(plant));
+      stop.reset();
+      if (!plant.axis->height()) RC_ASSERT(plant.home() == HomingResult::Homed);
+    }
+  }));
+}
