@@ -123,7 +123,8 @@ int check_hardware(const PrinterConfig& config) {
   check.run(
       [&](const HardwareFinding& finding) {
         if (!finding.good) ++problems;
-        fmt::print("{:4} {:15} {}\n", finding.good ? "ok" : "BAD", finding.device, printable(finding.what));
+        const char* verdict = !finding.good ? "BAD" : finding.warning ? "warn" : "ok";
+        fmt::print("{:4} {:15} {}\n", verdict, finding.device, printable(finding.what));
       },
       [&] { loop.stop(); });
   loop.run();

@@ -9,6 +9,7 @@
 
 #include "hw/descriptor_watcher.hpp"
 #include "hw/gpio/gpio_lines.hpp"
+#include "hw/gpio/wake_ups.hpp"
 #include "hw/real_machine_config.hpp"
 #include "hw/serial/serial_port.hpp"
 #include "hw/serial/serial_projector.hpp"
@@ -18,18 +19,24 @@ namespace contourd {
 struct HardwareFinding {
   std::string device;  // "limit switch"
   bool good = false;
-  std::string what;  // one sentence
+  std::string what;      // one sentence
+  bool warning = false;  // good, but the owner should know
 };
 
 class HardwareCheck {
  public:
   using Found = std::function<void(const HardwareFinding&)>;
 
+  // How late a thread of that priority wakes, so many times a second.
+  using MeasureWakeUps = std::function<WakeUps(double rate, int priority)>;
+
   // Clock and watcher must outlive it.
   HardwareCheck(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config);
+  HardwareCheck(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config, MeasureWakeUps measure);
 
-  // Calls `found` for every device, `done` after the last. Blocks for some milliseconds a device; the
-  // projector's answer comes later, from the event loop.
+  // Calls `found` for every device, `done` after the last. Blocks for some milliseconds a device, and for a
+  // second and a half to measure how late threads wake; the projector's answer comes later, from the event
+  // loop.
   void run(Found found, std::function<void()> done);
 
  private:
@@ -37,13 +44,17 @@ class HardwareCheck {
   void check_input(const std::string& device, const GpioInputConfig& input, const char* active,
                    const char* inactive);
   void check_axis();
+  void check_speed();
   void check_display();
   void check_projector();
-  void report(const std::string& device, bool good, const std::string& what) { found_({device, good, what}); }
+  void report(const std::string& device, bool good, const std::string& what, bool warning = false) {
+    found_({device, good, what, warning});
+  }
 
   Clock& clock_;
   DescriptorWatcher& watcher_;
   RealMachineConfig config_;
+  MeasureWakeUps measure_;
   Found found_;
   std::function<void()> done_;
   std::map<std::pair<std::string, unsigned>, std::string> users_;  // of lines: chip and number, device

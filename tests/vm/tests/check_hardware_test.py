@@ -19,6 +19,7 @@ ok   emergency stop  line 5 of {chip} (zplant), an input, free; it is not presse
 ok   lid             line 6 of {chip} (zplant), an input, free; it is closed
 ok   encoder A       line 20 of {chip} (zplant), an input, free; it is inactive
 ok   encoder B       line 21 of {chip} (zplant), an input, free; it is active
+ok   step thread     8000 steps/s wanted, 10 mm/s; {lateness}
 ok   light           line 24 of {chip} (zplant), an input, free
 ok   display         HDMI-A-1 of /dev/dri/card0 (zproj): 1920x1080 at 60.00 Hz, atomic; formats: XR24 RG16 R8
 ok   projector       Optoma at /dev/ttyZ0, on, lamp 1234 h
@@ -53,7 +54,10 @@ def check_hardware():
     said = results.text("said")
     assert results.text("ended_with") == "0\n", said
     chip = said.split(" of ", 1)[1].split()[0]
-    assert said == _FINDINGS.format(chip=chip), said
+    # How late threads wake is this computer's matter, not the check's.
+    lateness = said.split("10 mm/s; ", 1)[1].splitlines()[0]
+    assert "this computer keeps" in lateness, said
+    assert said == _FINDINGS.format(chip=chip, lateness=lateness), said
     assert not results.bytes("edges"), "levels of the axis' lines changed"
     assert not results.text("frames"), results.text("frames")
     asked = [line.split(" ", 1)[1] for line in results.text("projector").splitlines()]
