@@ -7,10 +7,12 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -34,6 +36,10 @@ Json error_answer(const Json& id, int code, const std::string& message) {
   return {{"jsonrpc", "2.0"}, {"error", {{"code", code}, {"message", message}}}, {"id", id}};
 }
 
+std::string text_of(const Json& message) {
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 sockaddr_un address_of(const std::filesystem::path& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -55,14 +61,17 @@ FileDescriptor new_socket() {
 
 }  // namespace
 
+// Answers one request a turn of the event loop: nobody can ask so much that a light waits.
 class ControlServer::Client {
  public:
   Client(ControlServer& server, FileDescriptor socket) : server_(server), socket_(std::move(socket)) {
-    source_ = server_.loop_.on_ready(socket_.get(), EPOLLIN, [this](std::uint32_t events) { ready(events); });
+    source_ = server_.loop_.on_ready(socket_.get(), EPOLLIN, kName,
+                                     [this](std::uint32_t events) { ready(events); });
   }
 
-  void send(const Json& message) {
-    unsent_ += message.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  void send(const Json& message) { send_line(text_of(message) + "\n"); }
+  void send_line(const std::string& line) {
+    unsent_ += line;
     flush();
   }
 
@@ -71,12 +80,21 @@ class ControlServer::Client {
   bool watching = false;
 
  private:
+  static constexpr std::string_view kName = "a client of the control socket";
+
+  // A batch under way.
+  struct Batch {
+    Json messages;
+    std::size_t next = 0;
+    std::string answers;  // joined by commas
+  };
+
   void ready(std::uint32_t events) {
     if ((events & EPOLLOUT) != 0) flush();
     if (closed()) return;
     if ((events & EPOLLIN) != 0) {
       receive();
-    } else if ((events & (EPOLLHUP | EPOLLERR)) != 0) {
+    } else if ((events & (EPOLLHUP | EPOLLERR)) != 0 && !busy_) {
       close();
     }
   }
@@ -84,9 +102,11 @@ class ControlServer::Client {
   // No more is read or sent; the server removes the client when nobody is inside it.
   void close() {
     source_.reset();
+    next_turn_.reset();
     server_.drop_closed_clients();
   }
 
+  // REQUIRES: nothing of what came before is still to be answered.
   void receive() {
     std::array<char, 4096> buffer;
     const ssize_t bytes = ::read(socket_.get(), buffer.data(), buffer.size());
@@ -94,17 +114,33 @@ class ControlServer::Client {
     if (bytes < 0) return close();
     if (bytes == 0) return end_input();
     received_.append(buffer.data(), static_cast<std::size_t>(bytes));
-    for (std::size_t end = 0; (end = received_.find('\n')) != std::string::npos && !closed();) {
+    take_turn();
+  }
+
+  // Handles one line, or one message of a batch, and comes back for the next.
+  void take_turn() {
+    if (batch_) {
+      answer_next_of_batch();
+    } else if (const std::size_t end = received_.find('\n'); end != std::string::npos) {
       const std::string line = received_.substr(0, end);
       received_.erase(0, end + 1);
       if (!std::exchange(skipping_, false)) handle(line);
     }
-    if (received_.size() <= kLongestMessage || closed()) return;
-    if (!std::exchange(skipping_, true)) {
-      send(error_answer(nullptr, kInvalidRequest,
-                        fmt::format("a message has at most {} bytes", kLongestMessage)));
+    if (closed()) return;
+    busy_ = batch_ || received_.find('\n') != std::string::npos;
+    if (busy_) {
+      next_turn_ = server_.loop_.at(std::chrono::steady_clock::now(), kName, [this] { take_turn(); });
+    } else if (received_.size() > kLongestMessage) {
+      skip_line();
     }
+    watch_socket();
+  }
+
+  void skip_line() {
     received_.clear();
+    if (std::exchange(skipping_, true)) return;
+    send(error_answer(nullptr, kInvalidRequest,
+                      fmt::format("a message has at most {} bytes", kLongestMessage)));
   }
 
   // The client has said all; it still gets what it has not read yet.
@@ -116,7 +152,7 @@ class ControlServer::Client {
 
   void handle(const std::string& line) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) return;
-    const Json message = Json::parse(line, nullptr, false);
+    Json message = Json::parse(line, nullptr, false);
     if (message.is_discarded()) {
       return send(error_answer(nullptr, kParseError, "not a JSON message; one message a line is expected"));
     }
@@ -129,33 +165,45 @@ class ControlServer::Client {
       return send(
           error_answer(nullptr, kInvalidRequest, fmt::format("a batch has 1 to {} messages", kLargestBatch)));
     }
-    Json answers = Json::array();
-    for (const Json& each : message) {
-      Json answer = server_.answer(each, *this);
-      if (!answer.is_discarded()) answers.push_back(std::move(answer));
-    }
-    if (!answers.empty()) send(answers);
+    batch_ = Batch{.messages = std::move(message), .answers = {}};
   }
 
+  void answer_next_of_batch() {
+    const Json answer = server_.answer(batch_->messages[batch_->next++], *this);
+    if (!answer.is_discarded()) batch_->answers += (batch_->answers.empty() ? "" : ",") + text_of(answer);
+    if (batch_->next < batch_->messages.size()) return;
+    const std::string answers = std::move(batch_->answers);
+    batch_.reset();
+    if (!answers.empty()) send_line("[" + answers + "]\n");
+  }
+
+  // As much as the kernel takes at once.
   void flush() {
-    while (!unsent_.empty()) {
+    if (!unsent_.empty()) {
       const ssize_t bytes = ::send(socket_.get(), unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
-      if (bytes < 0 && errno == EINTR) continue;
-      if (bytes < 0 && errno != EAGAIN) return close();
-      if (bytes < 0) break;
-      unsent_.erase(0, static_cast<std::size_t>(bytes));
+      if (bytes < 0 && errno != EAGAIN && errno != EINTR) return close();
+      if (bytes > 0) unsent_.erase(0, static_cast<std::size_t>(bytes));
     }
     if (unsent_.size() > kMostUnsentEver || (unsent_.empty() && input_ended_)) return close();
-    const std::uint32_t events = (input_ended_ ? 0U : EPOLLIN) | (unsent_.empty() ? 0U : EPOLLOUT);
+    watch_socket();
+  }
+
+  // What it asks for next waits in the kernel for as long as it has not got its answers.
+  void watch_socket() {
+    if (closed()) return;
+    const std::uint32_t events = (input_ended_ || busy_ ? 0U : EPOLLIN) | (unsent_.empty() ? 0U : EPOLLOUT);
     if (events != std::exchange(events_, events)) source_->set_events(events);
   }
 
   ControlServer& server_;
   FileDescriptor socket_;
   std::unique_ptr<EventLoop::IoSource> source_;  // nothing once it is closed
+  EventLoop::SourcePtr next_turn_;
   std::uint32_t events_ = EPOLLIN;
   std::string received_, unsent_;
+  std::optional<Batch> batch_;
   bool skipping_ = false;
+  bool busy_ = false;  // next_turn_ is to come
   bool input_ended_ = false;
 };
 
@@ -163,7 +211,8 @@ ControlServer::ControlServer(EventLoop& loop, std::filesystem::path socket,
                              std::map<std::string, Method> methods)
     : loop_(loop), path_(std::move(socket)), methods_(std::move(methods)) {
   listen();
-  listener_source_ = loop_.on_ready(listener_.get(), EPOLLIN, [this](std::uint32_t) { accept_client(); });
+  listener_source_ = loop_.on_ready(listener_.get(), EPOLLIN, "the control socket",
+                                    [this](std::uint32_t) { accept_client(); });
 }
 
 ControlServer::~ControlServer() {
@@ -245,19 +294,24 @@ Json ControlServer::call(const Json& message, Client& client) {
   }
 }
 
+bool ControlServer::is_watched() const {
+  return std::ranges::any_of(
+      clients_, [](const auto& entry) { return entry.second->watching && !entry.second->closed(); });
+}
+
 void ControlServer::notify(const std::string& method, const Json& params, Delivery delivery) {
-  const Json message{{"jsonrpc", "2.0"}, {"method", method}, {"params", params}};
+  const std::string line = text_of({{"jsonrpc", "2.0"}, {"method", method}, {"params", params}}) + "\n";
   for (const auto& [key, client] : clients_) {
     if (!client->watching || client->closed()) continue;
     if (delivery == Delivery::Lossy && client->reads_slowly()) continue;
-    client->send(message);
+    client->send_line(line);
   }
 }
 
 void ControlServer::drop_closed_clients() {
   if (drop_timer_) return;
   // Later: the call comes from inside a client.
-  drop_timer_ = loop_.at(std::chrono::steady_clock::now(), [this] {
+  drop_timer_ = loop_.at(std::chrono::steady_clock::now(), "the control socket", [this] {
     drop_timer_.reset();
     std::erase_if(clients_, [](const auto& entry) { return entry.second->closed(); });
   });

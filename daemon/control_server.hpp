@@ -38,6 +38,8 @@ class ControlServer {
   // that need not arrive.
   enum class Delivery { Lossy, Certain };
   void notify(const std::string& method, const Json& params, Delivery delivery);
+  // Whether there is a client to notify.
+  [[nodiscard]] bool is_watched() const;
 
  private:
   class Client;

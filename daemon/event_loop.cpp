@@ -28,6 +28,13 @@ void set_urgency(sd_event_source* source, EventLoop::Urgency urgency) {
   check(sd_event_source_set_priority(source, SD_EVENT_PRIORITY_IMPORTANT), "sd_event_source_set_priority");
 }
 
+// Processor time of this thread.
+Duration computing_time() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
 std::uint64_t microseconds(TimePoint when) {
   const auto us = std::chrono::ceil<std::chrono::microseconds>(when.time_since_epoch()).count();
   return us > 0 ? static_cast<std::uint64_t>(us) : 0;
@@ -40,7 +47,8 @@ class EventLoop::SdSource {
  public:
   using Call = std::function<void(std::uint32_t)>;
 
-  SdSource(EventLoop& loop, Call call) : loop_(loop), call_(std::make_shared<Call>(std::move(call))) {}
+  SdSource(EventLoop& loop, std::string_view name, Call call)
+      : loop_(loop), name_(name), call_(std::make_shared<Call>(std::move(call))) {}
   SdSource(const SdSource&) = delete;
   SdSource& operator=(const SdSource&) = delete;
   ~SdSource() { sd_event_source_disable_unref(source); }
@@ -58,12 +66,13 @@ class EventLoop::SdSource {
 
  private:
   static int run(void* self, std::uint32_t events) {
-    EventLoop& loop = static_cast<SdSource*>(self)->loop_;
-    const std::shared_ptr<Call> call = static_cast<SdSource*>(self)->call_;
-    return loop.guarded([&] { (*call)(events); });
+    const SdSource& source = *static_cast<SdSource*>(self);
+    const std::shared_ptr<Call> call = source.call_;
+    return source.loop_.guarded(source.name_, [&] { (*call)(events); });
   }
 
   EventLoop& loop_;
+  std::string_view name_;
   std::shared_ptr<Call> call_;
 };
 
@@ -112,9 +121,13 @@ void EventLoop::stop() {
 }
 
 // An exception must not pass through sd-event's C frames: it is kept, and leaves by run().
-int EventLoop::guarded(const std::function<void()>& call) {
+int EventLoop::guarded(std::string_view name, const std::function<void()>& call) {
+  turn_source_ = name;
+  turn_began_ = std::chrono::steady_clock::now();
+  computed_before_ = computing_time();
   try {
     call();
+    if (turn_over_) turn_over_(turn());
   } catch (...) {
     failure_ = std::current_exception();
     sd_event_exit(event_, 1);
@@ -122,10 +135,14 @@ int EventLoop::guarded(const std::function<void()>& call) {
   return 0;
 }
 
-std::unique_ptr<EventLoop::IoSource> EventLoop::on_ready(int fd, std::uint32_t events,
+EventLoop::Turn EventLoop::turn() const {
+  return {turn_source_, std::chrono::steady_clock::now() - turn_began_, computing_time() - computed_before_};
+}
+
+std::unique_ptr<EventLoop::IoSource> EventLoop::on_ready(int fd, std::uint32_t events, std::string_view name,
                                                          std::function<void(std::uint32_t)> call,
                                                          Urgency urgency) {
-  auto source = std::make_unique<SdIoSource>(*this, std::move(call));
+  auto source = std::make_unique<SdIoSource>(*this, name, std::move(call));
   check(sd_event_add_io(event_, &source->sd.source, fd, events, SdSource::io, &source->sd),
         "sd_event_add_io");
   set_urgency(source->sd.source, urgency);
@@ -142,15 +159,16 @@ EventLoop::SourcePtr EventLoop::on_signal(int signal, std::function<void()> call
   sigaddset(&set, signal);
   check(-pthread_sigmask(SIG_BLOCK, &set, nullptr), "pthread_sigmask");
   auto source = std::make_unique<OwnedSource<Source, SdSource>>(
-      *this, [call = std::move(call)](std::uint32_t) { call(); });
+      *this, "a signal", [call = std::move(call)](std::uint32_t) { call(); });
   check(sd_event_add_signal(event_, &source->sd.source, signal, SdSource::signal, &source->sd),
         "sd_event_add_signal");
   return source;
 }
 
-EventLoop::SourcePtr EventLoop::at(TimePoint when, std::function<void()> call, Urgency urgency) {
+EventLoop::SourcePtr EventLoop::at(TimePoint when, std::string_view name, std::function<void()> call,
+                                   Urgency urgency) {
   auto source = std::make_unique<OwnedSource<Source, SdSource>>(
-      *this, [call = std::move(call)](std::uint32_t) { call(); });
+      *this, name, [call = std::move(call)](std::uint32_t) { call(); });
   const int result = sd_event_add_time(event_, &source->sd.source, CLOCK_MONOTONIC, microseconds(when),
                                        kTimerAccuracyUs, SdSource::time, &source->sd);
   // The loop has ended and nothing is due any more: a device that is put away after it may still ask for a
@@ -161,9 +179,10 @@ EventLoop::SourcePtr EventLoop::at(TimePoint when, std::function<void()> call, U
   return source;
 }
 
-std::unique_ptr<EventLoop::IdleSource> EventLoop::when_idle(std::function<bool()> call) {
+std::unique_ptr<EventLoop::IdleSource> EventLoop::when_idle(std::string_view name,
+                                                            std::function<bool()> call) {
   const auto self = std::make_shared<SdSource*>(nullptr);
-  auto source = std::make_unique<SdIdleSource>(*this, [self, call = std::move(call)](std::uint32_t) {
+  auto source = std::make_unique<SdIdleSource>(*this, name, [self, call = std::move(call)](std::uint32_t) {
     if (!call()) (*self)->enable(SD_EVENT_OFF);
   });
   *self = &source->sd;
@@ -191,7 +210,8 @@ class SourceTimer final : public Timer {
 }  // namespace
 
 std::unique_ptr<Timer> EventLoopClock::call_at(TimePoint when, std::function<void()> call) {
-  return std::make_unique<SourceTimer>(loop_.at(when, std::move(call), EventLoop::Urgency::Machine));
+  return std::make_unique<SourceTimer>(
+      loop_.at(when, "a timer of the machine", std::move(call), EventLoop::Urgency::Machine));
 }
 
 namespace {
@@ -209,12 +229,14 @@ class SourceWatch final : public DescriptorWatcher::Watch {
 std::unique_ptr<DescriptorWatcher::Watch> EventLoopWatcher::when_readable(int fd,
                                                                           std::function<void()> call) {
   return std::make_unique<SourceWatch>(loop_.on_ready(
-      fd, EPOLLIN, [call = std::move(call)](std::uint32_t) { call(); }, EventLoop::Urgency::Machine));
+      fd, EPOLLIN, "a device of the machine", [call = std::move(call)](std::uint32_t) { call(); },
+      EventLoop::Urgency::Machine));
 }
 
-Mailbox::Mailbox(EventLoop& loop) : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+Mailbox::Mailbox(EventLoop& loop) : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK | EFD_SEMAPHORE)) {
   if (!event_.valid()) throw std::system_error(errno, std::generic_category(), "eventfd");
-  source_ = loop.on_ready(event_.get(), EPOLLIN, [this](std::uint32_t) { deliver(); });
+  source_ =
+      loop.on_ready(event_.get(), EPOLLIN, "a worker's result", [this](std::uint32_t) { deliver_one(); });
 }
 
 void Mailbox::post(std::function<void()> call) {
@@ -222,21 +244,22 @@ void Mailbox::post(std::function<void()> call) {
     const std::lock_guard lock(mutex_);
     calls_.push_back(std::move(call));
   }
+  // The kernel counts to 2^64.
   const std::uint64_t one = 1;
-  // Can only fail when the counter is full, and then the loop is awake already.
   [[maybe_unused]] const ssize_t written = ::write(event_.get(), &one, sizeof one);
 }
 
-void Mailbox::deliver() {
-  std::uint64_t posts = 0;
-  [[maybe_unused]] const ssize_t read = ::read(event_.get(), &posts, sizeof posts);
-  std::vector<std::function<void()>> calls;
+// It can be read for as long as there are more.
+void Mailbox::deliver_one() {
+  std::uint64_t one = 0;
+  [[maybe_unused]] const ssize_t read = ::read(event_.get(), &one, sizeof one);
+  std::function<void()> call;
   {
     const std::lock_guard lock(mutex_);
-    calls.swap(calls_);
+    call = std::move(calls_.front());
+    calls_.pop_front();
   }
-  for (const auto& call : calls)
-    call();
+  call();
 }
 
 }  // namespace contourd

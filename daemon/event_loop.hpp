@@ -6,10 +6,12 @@
 #include <systemd/sd-event.h>
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <vector>
+#include <string_view>
+#include <utility>
 
 #include "hw/clock.hpp"
 #include "hw/descriptor_watcher.hpp"
@@ -33,10 +35,17 @@ class EventLoop {
     virtual void set_events(std::uint32_t events) = 0;
   };
 
-  // What is due at the same time is called in this order.
+  // What is due at the same time is called in this order; after each call it is seen anew what is due.
   enum class Urgency {
     Machine,  // an exposure's end, an opened lid
-    Normal,   // clients, the spool
+    Normal,   // clients, the spool, what a worker has done
+  };
+
+  // One call of a source: what that is, for people, and how long the call took.
+  struct Turn {
+    std::string_view source;
+    Duration busy{};
+    Duration computing{};  // of that; in the rest it waited, for a disk or for its processor
   };
 
   // Throws std::system_error when the kernel has no room for one.
@@ -49,22 +58,31 @@ class EventLoop {
   void run();
   void stop();
 
+  // `over` is told every turn that has ended. Nothing ends it.
+  void on_turn_over(std::function<void(const Turn&)> over) { turn_over_ = std::move(over); }
+  // The one under way, up to now. REQUIRES: called from a source's call.
+  [[nodiscard]] Turn turn() const;
+
+  // A source's `name` says what it is, as in "a client of the control socket"; it must live as long as the
+  // source.
+
   // `events` as for epoll (EPOLLIN, EPOLLOUT); the callback gets those that are due. The descriptor stays the
   // caller's.
-  [[nodiscard]] std::unique_ptr<IoSource> on_ready(int fd, std::uint32_t events,
+  [[nodiscard]] std::unique_ptr<IoSource> on_ready(int fd, std::uint32_t events, std::string_view name,
                                                    std::function<void(std::uint32_t)> call,
                                                    Urgency urgency = Urgency::Normal);
   // Blocks the signal for the whole process, so it must come before any thread is made.
   [[nodiscard]] SourcePtr on_signal(int signal, std::function<void()> call);
   // Once, when CLOCK_MONOTONIC reaches `when`.
-  [[nodiscard]] SourcePtr at(TimePoint when, std::function<void()> call, Urgency urgency = Urgency::Normal);
+  [[nodiscard]] SourcePtr at(TimePoint when, std::string_view name, std::function<void()> call,
+                             Urgency urgency = Urgency::Normal);
   // Again and again whenever nothing else is due, for as long as the call returns true; then after each
   // wake(). Unlike other sources it must not be destroyed from inside its call.
   class IdleSource : public Source {
    public:
     virtual void wake() = 0;
   };
-  [[nodiscard]] std::unique_ptr<IdleSource> when_idle(std::function<bool()> call);
+  [[nodiscard]] std::unique_ptr<IdleSource> when_idle(std::string_view name, std::function<bool()> call);
   // The bus is served from now on, for as long as it is open. Its callbacks must not throw.
   void attach(sd_bus* bus);
 
@@ -73,10 +91,14 @@ class EventLoop {
   class SdIoSource;
   class SdIdleSource;
 
-  int guarded(const std::function<void()>& call);
+  int guarded(std::string_view name, const std::function<void()>& call);
 
   sd_event* event_ = nullptr;
   std::exception_ptr failure_;
+  std::string_view turn_source_;
+  TimePoint turn_began_{};
+  Duration computed_before_{};
+  std::function<void(const Turn&)> turn_over_;
 };
 
 // Real time: CLOCK_MONOTONIC, through the event loop, which must outlive it. Its calls come before those of
@@ -102,7 +124,7 @@ class EventLoopWatcher final : public DescriptorWatcher {
   EventLoop& loop_;
 };
 
-// Calls handed to the event loop's thread by another.
+// Calls handed to the event loop's thread by another: one a turn, in their order.
 class Mailbox {
  public:
   // Throws std::system_error when the kernel has no descriptor left.
@@ -112,11 +134,11 @@ class Mailbox {
   void post(std::function<void()> call);
 
  private:
-  void deliver();
+  void deliver_one();
 
   FileDescriptor event_;
   std::mutex mutex_;
-  std::vector<std::function<void()>> calls_;
+  std::deque<std::function<void()>> calls_;
   EventLoop::SourcePtr source_;
 };
 

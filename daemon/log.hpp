@@ -1,12 +1,18 @@
 // The daemon's log. Under systemd every entry goes to journald with structured fields; otherwise it is a
-// readable line on stderr. One line an event: what, value, limit, consequence. From the event loop's thread
-// only.
+// readable line on stderr. One line an event: what, value, limit, consequence. Event loop's thread only.
+//
+// Nothing waits for whoever takes the entries: a light may be on. What is not taken at once is kept for a
+// while, and what is too much to keep is counted, which is told once there is room again.
 #pragma once
 
+#include <chrono>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "daemon/event_loop.hpp"
 
 namespace contourd {
 
@@ -19,7 +25,11 @@ using LogFields = std::vector<std::pair<std::string_view, std::string>>;
 class Log {
  public:
   // Chooses journald when stderr is connected to it (JOURNAL_STREAM, systemd.exec(5)).
-  Log();
+  explicit Log(EventLoop& loop);
+  // What is still kept gets a second.
+  ~Log();
+  Log(const Log&) = delete;
+  Log& operator=(const Log&) = delete;
 
   void write(LogLevel level, std::string_view event, const std::string& message,
              const LogFields& fields = {}) const;
@@ -35,7 +45,14 @@ class Log {
   }
 
  private:
-  bool journald_;
+  struct Entry {
+    LogLevel level = LogLevel::Info;
+    std::string text;  // as journald or a reader wants it
+    std::chrono::system_clock::time_point time{};
+  };
+  class Backlog;
+
+  std::unique_ptr<Backlog> backlog_;
 };
 
 }  // namespace contourd

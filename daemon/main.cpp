@@ -46,7 +46,7 @@ class MachineClock {
     }
     auto fast = std::make_unique<VirtualClock>();
     VirtualClock* const clock = fast.get();
-    idle_ = loop.when_idle([clock] { return clock->run_next(); });
+    idle_ = loop.when_idle("the simulated clock", [clock] { return clock->run_next(); });
     clock->on_work([this] { idle_->wake(); });
     clock_ = std::move(fast);
   }
@@ -210,7 +210,7 @@ int run(const PrinterConfig& config) {
   const auto interrupted = loop.on_signal(SIGINT, [&] { stop("SIGINT"); });
   const auto hung_up = loop.on_signal(SIGHUP, [&] { stop("SIGHUP"); });
 
-  const Log log;
+  const Log log(loop);
   MachineClock clock(loop, config.pace);
   EventLoopWatcher watcher(loop);
   PrinterMachine printer(config, clock.get(), watcher, log);

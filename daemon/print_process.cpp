@@ -331,7 +331,9 @@ void PrintProcess::is_dark() {
 // What the light that has gone off has given; or, where nobody confirms that, has given so far. A projector
 // that was lost meanwhile, and one that was found, know nothing of it: it may shine on.
 void PrintProcess::count_light() {
-  if (!std::exchange(light_asked_, false) || !light_) return;
+  if (!std::exchange(light_asked_, false)) return;
+  observer_.light_gone();
+  if (!light_) return;
   const std::optional<LightSpan> known = machine_.projector().last_light();
   if (known && known->on_earliest == light_->on_earliest) light_ = known;
   record_.exposure_least += light_->least();
@@ -344,9 +346,11 @@ bool PrintProcess::has_all_light() const {
   return layer_exposed_ || (record_.exposure_parts > 0 && exposure_left() < shortest_exposure);
 }
 
+// In the dark: a section takes its time to cut.
 void PrintProcess::tell_layer() {
   layer_told_ = true;
   record_.complete = layer_exposed_;
+  if (layer_exposed_) describe_section();
   observer_.layer_done(record_);
   if (layer_exposed_) judge_exposure();
 }
@@ -382,12 +386,15 @@ void PrintProcess::show_mask() {
                           }));
 }
 
-void PrintProcess::record_layer() {
-  if (layer_exposed_) return;
+void PrintProcess::describe_section() {
   const Contours& contours = plan_->engine->contours_at(record_.mask_height);
   record_.intersecting_facets = plan_->engine->intersecting_facets();
   record_.loops = static_cast<std::uint32_t>(contours.loops.size());
   record_.cracks = contours.cracks;
+}
+
+void PrintProcess::record_layer() {
+  if (layer_exposed_) return;
   layer_exposed_ = true;
   if (!light_asked_ && !layer_told_) tell_layer();
 }
@@ -398,9 +405,9 @@ void PrintProcess::finish() {
                                                  : PrintOutcome::Done;
   count_light();
   if (record_.exposure_parts > 0 && !layer_told_) tell_layer();
-  const PrintPlan plan = std::move(*plan_);
+  PrintPlan plan = std::move(*plan_);
   plan_.reset();
-  observer_.print_ended(outcome, failure_, plan);
+  observer_.print_ended(outcome, failure_, std::move(plan));
 }
 
 Duration PrintProcess::time_left() const {

@@ -86,8 +86,10 @@ class PrintObserver {
   virtual void layer_done(const LayerRecord& layer) = 0;
   // The light is off and the layer, as layer() has it, waits to be gone on with; `what` says why.
   virtual void interrupted(const std::string& what) = 0;
+  // The light, which may have been on up to now, is confirmed off; or the print ends without that.
+  virtual void light_gone() = 0;
   // The print is over: the light is off and the process idle. `reason` says why it failed.
-  virtual void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) = 0;
+  virtual void print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) = 0;
 };
 
 class PrintProcess {
@@ -117,6 +119,8 @@ class PrintProcess {
 
   [[nodiscard]] PrintState state() const { return state_; }
   [[nodiscard]] bool pause_pending() const { return pause_wanted_; }
+  // From light on's command until the light is confirmed off, or the print ends without that.
+  [[nodiscard]] bool light_may_be_on() const { return light_asked_; }
   // What interrupted the print, until it is resumed; empty when nothing did.
   [[nodiscard]] const std::string& interruption() const { return interruption_; }
   // The layer under way, from 0. REQUIRES: not Idle.
@@ -156,6 +160,7 @@ class PrintProcess {
   void is_dark();
   void count_light();
   void tell_layer();
+  void describe_section();
   void judge_exposure();
   void display_lost();
   [[nodiscard]] PrintEvent next_due() const;

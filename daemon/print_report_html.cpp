@@ -85,6 +85,10 @@ std::string facts(const PrintReport& report) {
     rows += row("Interrupted", interruption);
   if (report.late_steps > 0)
     rows += row("Late steps", fmt::format("{}: the computer was too busy for them", report.late_steps));
+  if (report.busiest_lit.busy > kLongestLitTurn) {
+    rows += row("Late light", fmt::format("by up to {:.0f} ms: the event loop was busy with {}",
+                                          ms(report.busiest_lit.busy), report.busiest_lit.source));
+  }
   rows += row("First mask", fmt::format("{:.1f} ms after its turn came", ms(report.first_mask_after)));
   Duration slowest{0}, sum{0};
   for (const LayerRecord& layer : report.layers) {

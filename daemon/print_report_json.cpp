@@ -137,6 +137,7 @@ std::string report_as_json(const PrintReport& report) {
   json["layers_exposed"] = layers_exposed(report.layers);
   json["interruptions"] = report.interruptions;
   json["late_steps"] = report.late_steps;
+  json["loop_busy_ms_worst_lit"] = ms(report.busiest_lit.busy);
   json["reading_ms"] = ms(summary.reading);
   json["indexing_ms"] = ms(summary.indexing);
   json["first_mask_ms"] = ms(summary.first_mask);

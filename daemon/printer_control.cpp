@@ -41,7 +41,7 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
            }},
           {"resume",
            [this] {
-             if (held_ && !active_) return resume_queue();
+             if (held_ && (!active_ || finishing())) return resume_queue();
              require_print("resume");
              const PrintState state = process_.state();
              const bool pausing = state == PrintState::Raising || process_.pause_pending();
@@ -57,13 +57,18 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
            }},
           {"cancel", [this] { return cancel(); }},
           {"plate_cleared", [this] {
-             if (active_) throw ControlRefusal(fmt::format("{} is being printed", active_->files.name));
+             if (active_ && !finishing())
+               throw ControlRefusal(fmt::format("{} is being printed", active_->files.name));
              if (plate_occupant_) log_.info("plate", "the plate is clear");
              set_plate_occupant(std::nullopt);
              let_go();
              pump();
              return status();
            }}};
+}
+
+bool PrinterService::finishing() const {
+  return active_ && active_->prepared && process_.state() == PrintState::Idle;
 }
 
 void PrinterService::require_print(std::string_view what) const {
@@ -81,7 +86,7 @@ PrinterService::Json PrinterService::resume_queue() {
 }
 
 PrinterService::Json PrinterService::cancel() {
-  if (!active_) throw ControlRefusal("there is no print to cancel");
+  if (!active_ || finishing()) throw ControlRefusal("there is no print to cancel");
   if (active_->prepared) {
     process_.cancel();
   } else {
@@ -114,7 +119,7 @@ PrinterService::Json PrinterService::job_json() const {
 
 PrinterService::Json PrinterService::status() const {
   std::string_view state = name_of(process_.state());
-  if (active_ && process_.state() == PrintState::Idle) state = active_->prepared ? "finishing" : "preparing";
+  if (active_ && process_.state() == PrintState::Idle) state = finishing() ? "finishing" : "preparing";
   Json status{{"printer", config_.name}, {"state", state}};
   status["job"] = active_ ? job_json() : Json();
   status["queued"] = queue_.size();

@@ -6,20 +6,21 @@
 #include <system_error>
 #include <utility>
 
-#include "core/preview.hpp"
 #include "daemon/durable_file.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
-#include "hw/png_file.hpp"
 
 namespace contourd {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Pixels kPreviewWidth{720}, kPreviewHeight{720};
 // How long until what the disk did not take is tried again.
 constexpr Duration kRetryInterval = 30s;
+// How long a stop waits for a print to be filed; the service manager waits for longer (contourd.service).
+constexpr Duration kLongestFiling = 15s;
+// A model that is read beside a print gives way to the event loop.
+constexpr int kNiceness = 5;
 // How many ended jobs are remembered for whoever asks.
 constexpr std::size_t kLongestHistory = 100;
 
@@ -61,26 +62,6 @@ std::string thickness_of(const LayerSummary& layers) {
   return fmt::format("{:g} to {:g} um", um(layers.thinnest), um(layers.thickest));
 }
 
-// What the preview shows: all copies on a plate, but one of each model when that is too much to draw.
-std::vector<PreviewPart> preview_parts(const JobSummary& summary, const ContourEngine& engine) {
-  constexpr std::uint64_t kMostFacets = 5'000'000;  // some seconds of drawing
-  std::uint64_t facets = 0;
-  for (std::size_t i = 0; i < summary.models.size(); ++i)
-    facets += engine.models()[i].model->facets().size() * summary.models[i].centers.size();
-  const bool all = summary.plate && facets <= kMostFacets;
-  std::vector<PreviewPart> parts;
-  for (std::size_t i = 0; i < summary.models.size(); ++i) {
-    const HeightIndex& model = *engine.models()[i].model;
-    const std::vector<Point>& centers = summary.models[i].centers;
-    const Point middle = model.bounds().center();
-    for (std::size_t copy = 0; copy < (all ? centers.size() : 1); ++copy) {
-      parts.push_back(
-          {model.facets(), centers[copy].x - middle.x, centers[copy].y - middle.y, -model.bounds().min_z});
-    }
-  }
-  return parts;
-}
-
 double milliseconds(Duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
@@ -106,16 +87,24 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       spool_(config.spool_folder, loop, *this),
       process_(machine, clock, *this),
       analyst_(loop),
-      worker_(loop) {}
+      archivist_(loop, spool_),
+      worker_(loop, kNiceness) {}
+
+PrinterService::~PrinterService() {
+  loop_.on_turn_over(nullptr);
+}
 
 void PrinterService::start() {
+  loop_.on_turn_over([this](const EventLoop::Turn& turn) {
+    if (process_.light_may_be_on()) note_lit_turn(turn);
+  });
   machine_.on_disturbance([this](const Disturbance& disturbance) { disturbed(disturbance); });
   if (const std::string hindrance = machine_.hindrance(); !hindrance.empty())
     log_.error("machine", fmt::format("the printer cannot print: {}", printable(hindrance)));
   plate_occupant_ = spool_.plate_occupant();
   held_ = spool_.hold();
   if (const std::string trouble = spool_.trouble(); !trouble.empty()) log_.error("spool", printable(trouble));
-  find_interrupted_prints();
+  find_left_jobs();
   if (held_) log_.warning("held", hold_sentence());
   control_ = std::make_unique<ControlServer>(loop_, config_.control_socket, methods());
   spool_.open();
@@ -133,9 +122,27 @@ void PrinterService::shut_down(const std::string& reason) {
 void PrinterService::leave_if_over() {
   if (!shutting_down_ || process_.state() != PrintState::Idle) return;
   // Printed, and only its analysis still under way.
-  if (active_ && active_->report) finish_job();
+  if (active_ && active_->over) finish_job();
+  if (archivist_.busy()) {
+    if (!leave_timer_)
+      leave_timer_ = loop_.at(std::chrono::steady_clock::now() + kLongestFiling, "the stop's timer",
+                              [this] { stop_waiting_for_filing(); });
+    return;
+  }
   // Still being read: nothing was printed, so it waits for the next start.
   if (active_) give_back_unbegun();
+  if (records_due_) keep_records();
+  loop_.stop();
+}
+
+// What the archivist is at it still brings to its end, or the next start does.
+void PrinterService::stop_waiting_for_filing() {
+  const std::string& name = active_->files.name;
+  log_.error(
+      "stopped",
+      fmt::format("{}: not filed after {:.0f} s: the disk does not answer, or this computer is too slow",
+                  printable(name), milliseconds(kLongestFiling) / 1000),
+      job_fields(name));
   loop_.stop();
 }
 
@@ -143,7 +150,7 @@ void PrinterService::give_back_unbegun() {
   const std::string name = active_->files.name;
   try {
     if (!spool_.give_back(active_->files))
-      file_job(active_->files, Spool::Folder::Failed, "contourd was stopped before the print began.");
+      file_job(active_->files, Spool::Folder::Failed, "contourd was stopped before the print began.\n");
     log_.info("stopped", fmt::format("{}: had not begun, waits for the next start", printable(name)),
               job_fields(name));
   } catch (const std::system_error& error) {
@@ -180,30 +187,37 @@ void PrinterService::disturbed(const Disturbance& disturbance) {
   pump_soon();
 }
 
-void PrinterService::find_interrupted_prints() {
-  interrupted_ = spool_.interrupted();
-  for (const JobFiles& files : interrupted_) {
-    log_.error(
-        "interrupted",
-        fmt::format("{}: contourd did not end this print (power cut, crash or kill)", printable(files.name)),
-        job_fields(files.name));
-    plate_occupant_ = files.name;
-    if (!held_)
-      held_ =
-          fmt::format("{} was interrupted: the power was cut, or contourd was killed or crashed", files.name);
+void PrinterService::find_left_jobs() {
+  for (const JobFiles& files : spool_.interrupted()) {
+    left_jobs_.push_back({files, recorded_end(spool_, files.name)});
+    const std::optional<PrintEnd>& end = left_jobs_.back().end;
+    const std::string how =
+        end ? fmt::format("contourd did not file this print, which was {}", name_of(end->outcome))
+            : "contourd did not end this print";
+    log_.error("interrupted", fmt::format("{}: {} (power cut, crash or kill)", printable(files.name), how),
+               job_fields(files.name));
+    if (!end) plate_occupant_ = files.name;
+    if (held_ || (end && end->outcome != PrintOutcome::Failed)) continue;
+    held_ = end ? fmt::format("{} failed: {}", files.name, end->reason)
+                : fmt::format("{} was interrupted: the power was cut, or contourd was killed or crashed",
+                              files.name);
   }
-  if (!interrupted_.empty()) keep_records();
+  if (!left_jobs_.empty()) keep_records();
 }
 
-void PrinterService::file_interrupted_prints() {
-  while (!interrupted_.empty()) {
-    const JobFiles& files = interrupted_.back();
-    move_job(files, Spool::Folder::Failed,
-             "The print was interrupted: the power was cut, or contourd was killed or crashed. Put the model "
-             "into incoming again to print it from the start.");
-    log_.info("interrupted", fmt::format("{}: moved to failed", printable(files.name)),
-              job_fields(files.name));
-    interrupted_.pop_back();
+void PrinterService::file_left_jobs() {
+  while (!left_jobs_.empty()) {
+    const auto& [files, end] = left_jobs_.back();
+    const Spool::Folder folder = end ? folder_for(end->outcome) : Spool::Folder::Failed;
+    move_job(files, folder,
+             end ? reason_text(*end)
+                 : "The print was interrupted: the power was cut, or contourd was killed or crashed. Put the "
+                   "model into incoming again to print it from the start.\n");
+    log_.info(
+        "interrupted",
+        fmt::format("{}: moved to {}", printable(files.name), spool_.folder(folder).filename().string()),
+        job_fields(files.name));
+    left_jobs_.pop_back();
   }
 }
 
@@ -250,11 +264,12 @@ void PrinterService::model_withdrawn(const std::string& file) {
 // --- from the queue to a print
 
 void PrinterService::pump_soon() {
-  pump_timer_ = loop_.at(std::chrono::steady_clock::now(), [this] { pump(); });
+  pump_timer_ = loop_.at(std::chrono::steady_clock::now(), "the queue", [this] { pump(); });
 }
 
 void PrinterService::retry_later() {
-  pump_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
+  pump_timer_ =
+      loop_.at(std::chrono::steady_clock::now() + kRetryInterval, "the queue's timer", [this] { pump(); });
 }
 
 std::string PrinterService::reason_to_wait() const {
@@ -302,29 +317,33 @@ void PrinterService::let_go() {
 }
 
 void PrinterService::keep_records() {
+  // light_gone() comes back here.
+  records_due_ = process_.light_may_be_on();
+  if (records_due_) return;
   std::string trouble;
   try {
     spool_.set_plate_occupant(plate_occupant_);
     spool_.set_hold(held_);
     // Last: as long as they lie in printing/, the next start knows what these records would tell it.
-    file_interrupted_prints();
+    file_left_jobs();
   } catch (const std::system_error& error) {
     trouble = error.what();
-    keep_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, [this] { pump(); });
+    keep_timer_ =
+        loop_.at(std::chrono::steady_clock::now() + kRetryInterval, "the queue's timer", [this] { pump(); });
   }
   if (std::exchange(unkept_, trouble) == trouble || trouble.empty()) return;
   log_.error("spool", fmt::format("a restart will not know all that is known now, which is tried again until "
                                   "it is on the disk: {}",
                                   printable(trouble)));
-  for (const JobFiles& files : interrupted_)
-    log_.error("spool", fmt::format("{}: stays in printing until then", printable(files.name)),
-               job_fields(files.name));
+  for (const LeftJob& job : left_jobs_)
+    log_.error("spool", fmt::format("{}: stays in printing until then", printable(job.files.name)),
+               job_fields(job.files.name));
 }
 
 void PrinterService::pump() {
   try {
-    // Not beside a light: the disk may take its time.
-    if (!unkept_.empty() && process_.state() == PrintState::Idle) keep_records();
+    const bool try_again = !unkept_.empty() && process_.state() == PrintState::Idle;
+    if (records_due_ || try_again) keep_records();
     take_what_is_due();
   } catch (const std::system_error& error) {
     // The spool's disk is gone or full: the queue waits for it.
@@ -460,7 +479,7 @@ void PrinterService::prepared(std::variant<PreparedJob, std::string> result) {
   if (refusal != nullptr || active_->cancel_wanted || shutting_down_) {
     const std::string reason = refusal != nullptr ? *refusal : "cancelled before it started";
     log_.error("refused", fmt::format("{}: {}", printable(name), reason), job_fields(name));
-    file_job(active_->files, Spool::Folder::Failed, reason);
+    file_job(active_->files, Spool::Folder::Failed, reason + "\n");
     active_.reset();
     ended(name, refusal != nullptr ? "failed" : "cancelled", reason);
     return pump_soon();
@@ -487,7 +506,7 @@ void PrinterService::start_print() {
     active_->masks = machine_.begin_job(name);
   } catch (const std::system_error& error) {
     log_.error("refused", fmt::format("{}: {}", printable(name), error.what()), job_fields(name));
-    file_job(active_->files, Spool::Folder::Failed, error.what());
+    file_job(active_->files, Spool::Folder::Failed, std::string(error.what()) + "\n");
     active_.reset();
     ended(name, "failed", error.what());
     return pump_soon();
@@ -511,12 +530,12 @@ void PrinterService::start_analysis() {
   for (std::size_t layer = 0; layer < task.layers.size(); ++layer)
     task.layer_durations.push_back(
         layer_duration(job.plan, static_cast<std::int32_t>(layer), machine_.z_axis()));
-  analyst_.start(std::move(task), [this](const AnalyzedPrint& print) { analyzed(print); });
+  analyst_.start(std::move(task), [this](AnalyzedPrint print) { analyzed(std::move(print)); });
 }
 
-void PrinterService::analyzed(const AnalyzedPrint& print) {
+void PrinterService::analyzed(AnalyzedPrint print) {
   const std::string name = active_->files.name;
-  if (const auto* findings = std::get_if<PrintFindings>(&print.findings)) {
+  if (auto* const findings = std::get_if<PrintFindings>(&print.findings)) {
     log_.info("analysis",
               fmt::format("{}: {}; found in {:.0f} ms", printable(name), findings_line(*findings),
                           milliseconds(print.took)),
@@ -524,8 +543,8 @@ void PrinterService::analyzed(const AnalyzedPrint& print) {
     for (const std::string& warning : warnings_about(*findings)) {
       log_.warning("analysis", fmt::format("{}: {}", printable(name), warning), job_fields(name));
     }
-    active_->findings = *findings;
     active_->analysis = findings_summary_json(*findings);
+    active_->findings = std::move(*findings);
   } else {
     log_.warning("analysis",
                  fmt::format("{}: the print goes on, but could not be analysed: {}", printable(name),
@@ -533,7 +552,7 @@ void PrinterService::analyzed(const AnalyzedPrint& print) {
                  job_fields(name));
   }
   notify("analysis", ControlServer::Delivery::Lossy);
-  if (active_->report) finish_job();
+  if (active_->over) finish_job();
 }
 
 // --- the print's events
@@ -614,24 +633,26 @@ void PrinterService::interrupted(const std::string& what) {
   supervisor_.status(fmt::format("Interrupted at {} of {}: {}", place, printable(name), printable(what)));
 }
 
-void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) {
+void PrinterService::light_gone() {
+  note_lit_turn(loop_.turn());
+  if (records_due_) pump_soon();
+}
+
+void PrinterService::note_lit_turn(const EventLoop::Turn& turn) {
+  if (active_ && turn.busy > active_->busiest_lit.busy) active_->busiest_lit = turn;
+}
+
+void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) {
   const std::string name = active_->files.name;
-  PrintReport report = make_report(outcome, reason, plan);
+  PrintReport report = make_report(outcome, reason);
   const std::string summary =
       fmt::format("{}: {} after {} of {} layers and {}{}", printable(name), name_of(outcome),
                   layers_exposed(report.layers), report.summary.layers.count, readable(report.print_time),
                   reason.empty() ? "" : ": " + reason);
   log_.write(outcome == PrintOutcome::Failed ? LogLevel::Error : LogLevel::Info, name_of(outcome), summary,
              job_fields(name));
-  if (report.late_steps > 0) {
-    log_.warning(
-        "late",
-        fmt::format("{}: {} steps of the motor came late and shifted those behind them: this computer "
-                    "was too busy for them, or is too slow",
-                    printable(name), report.late_steps),
-        job_fields(name));
-  }
-  active_->report = std::move(report);
+  warn_about_lateness(report);
+  active_->over = EndedPrint{active_->files, std::move(report), std::move(plan.engine)};
   // What is wrong with the machine would be wrong for the next job too, and that begins with a motion.
   // Stopped with contourd, it has left its part in the way.
   if (outcome == PrintOutcome::Failed) hold(fmt::format("{} failed: {}", name, reason));
@@ -641,45 +662,63 @@ void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason
   leave_if_over();
 }
 
-void PrinterService::finish_job() {
-  analyst_.cancel();
-  PrintReport report = std::move(*active_->report);
-  report.findings = std::move(active_->findings);
-  const bool done = report.outcome == PrintOutcome::Done;
-  const Spool::Folder folder = done ? Spool::Folder::Done : Spool::Folder::Failed;
-  write_report(report, folder);
-  file_job(active_->files, folder,
-           done                                       ? ""
-           : report.outcome == PrintOutcome::Canceled ? "Cancelled by the owner."
-                                                      : report.reason);
-  Json analysis = std::move(active_->analysis);
-  active_.reset();
-  ended(report.job, name_of(report.outcome), report.reason, std::move(analysis));
-  pump_soon();
+void PrinterService::warn_about_lateness(const PrintReport& report) {
+  if (report.late_steps > 0) {
+    log_.warning(
+        "late",
+        fmt::format("{}: {} steps of the motor came late and shifted those behind them: this computer "
+                    "was too busy for them, or is too slow",
+                    printable(report.job), report.late_steps),
+        job_fields(report.job));
+  }
+  const EventLoop::Turn& turn = report.busiest_lit;
+  if (turn.busy > kLongestLitTurn) {
+    log_.warning(
+        "busy",
+        fmt::format(
+            "{}: {} kept the event loop busy for {:.1f} ms, of which {:.1f} ms were computing, while the "
+            "light was on or not known to be off; {:.0f} ms are the limit: light off may have come "
+            "that much later",
+            printable(report.job), turn.source, milliseconds(turn.busy), milliseconds(turn.computing),
+            milliseconds(kLongestLitTurn)),
+        job_fields(report.job));
+  }
 }
 
-PrintReport PrinterService::make_report(PrintOutcome outcome, const std::string& reason,
-                                        const PrintPlan& plan) const {
+void PrinterService::finish_job() {
+  analyst_.cancel();
+  EndedPrint print = std::move(*active_->over);
+  active_->over.reset();
+  print.report.findings = std::move(active_->findings);
+  archivist_.file(std::move(print), [this](const FiledPrint& done) { filed(done); });
+}
+
+void PrinterService::filed(const FiledPrint& print) {
+  for (const std::string& trouble : print.troubles)
+    log_.error("spool", fmt::format("{}: {}", printable(print.job), trouble), job_fields(print.job));
+  Json analysis = std::move(active_->analysis);
+  active_.reset();
+  ended(print.job, name_of(print.outcome), print.reason, std::move(analysis));
+  pump_soon();
+  leave_if_over();
+}
+
+PrintReport PrinterService::make_report(PrintOutcome outcome, const std::string& reason) {
   PrintReport report;
   report.job = active_->files.name;
   report.printer = config_.name;
   report.outcome = outcome;
   report.reason = reason;
-  report.summary = active_->prepared->summary;
-  report.layers = active_->layers;
-  report.interruptions = active_->interruptions;
+  report.summary = std::move(active_->prepared->summary);
+  report.layers = std::move(active_->layers);
+  report.interruptions = std::move(active_->interruptions);
   report.started = active_->started_at;
   report.ended = std::chrono::system_clock::now();
   report.print_time = clock_.now() - active_->started;
   report.late_steps = late_steps_of_job();
+  report.busiest_lit = active_->busiest_lit;
   report.first_mask_after = active_->prepared->first_mask_at - active_->turn_came;
   report.masks = active_->masks;
-  const Nanometers printed = active_->layers.empty()
-                                 ? Nanometers{}
-                                 : active_->layers.back().bottom + active_->layers.back().thickness;
-  const std::vector<PreviewPart> parts = preview_parts(report.summary, *plan.engine);
-  report.preview_png =
-      encode_png(render_preview(parts, to_millimeters(printed), kPreviewWidth, kPreviewHeight));
   return report;
 }
 
@@ -687,19 +726,6 @@ PrintReport PrinterService::make_report(PrintOutcome outcome, const std::string&
 std::uint64_t PrinterService::late_steps_of_job() const {
   const std::uint64_t now = machine_.z_axis().late_steps().count;
   return now >= active_->late_steps_then ? now - active_->late_steps_then : now;
-}
-
-void PrinterService::write_report(const PrintReport& report, Spool::Folder folder) {
-  try {
-    spool_.write_beside(folder, report.job, "report.json", report_as_json(report));
-    spool_.write_beside(folder, report.job, "report.html", report_as_html(report));
-    const std::string_view picture(reinterpret_cast<const char*>(report.preview_png.data()),
-                                   report.preview_png.size());
-    spool_.write_beside(folder, report.job, "preview.png", std::string(picture));
-  } catch (const std::system_error& error) {
-    log_.error("report", fmt::format("{}: no report: {}", printable(report.job), error.what()),
-               job_fields(report.job));
-  }
 }
 
 void PrinterService::file_job(const JobFiles& files, Spool::Folder to, const std::string& reason) {
@@ -714,7 +740,7 @@ void PrinterService::file_job(const JobFiles& files, Spool::Folder to, const std
 void PrinterService::move_job(const JobFiles& files, Spool::Folder to, const std::string& reason) {
   std::string trouble;
   try {
-    if (!reason.empty()) spool_.write_beside(to, files.name, "reason.txt", reason + "\n");
+    if (!reason.empty()) spool_.write_beside(to, files.name, "reason.txt", reason);
   } catch (const std::system_error& error) {
     trouble = error.what();  // a full disk has no room for a reason, but a rename needs none
   }
@@ -735,7 +761,7 @@ void PrinterService::ended(const std::string& name, std::string_view outcome, co
 // Whatever is wrong with the socket, a print does not suffer from it.
 void PrinterService::notify(const std::string& what, ControlServer::Delivery delivery) {
   try {
-    if (control_) control_->notify(what, status(), delivery);
+    if (control_ && control_->is_watched()) control_->notify(what, status(), delivery);
   } catch (const std::exception& error) {
     log_.warning("control", fmt::format("the control socket failed: {}", error.what()));
   }

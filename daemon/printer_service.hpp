@@ -14,6 +14,7 @@
 #include "daemon/control_server.hpp"
 #include "daemon/log.hpp"
 #include "daemon/print_analyst.hpp"
+#include "daemon/print_archivist.hpp"
 #include "daemon/print_process.hpp"
 #include "daemon/print_report.hpp"
 #include "daemon/spool.hpp"
@@ -29,13 +30,14 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   // All must outlive the service.
   PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine, const Log& log,
                  Supervisor& supervisor);
+  ~PrinterService() override;
 
   // Files interrupted prints, opens the spool and the socket: after this, jobs are taken. Throws
   // std::runtime_error.
   void start();
 
   // Ends a print under way (light off, its files to failed/), takes no more jobs, and stops the loop when the
-  // light is off, or after some seconds.
+  // light is off and the print filed, or after some seconds.
   void shut_down(const std::string& reason);
 
   // Something happened to the machine, or is about to.
@@ -71,7 +73,13 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
     Json analysis;               // the findings in short, for whoever asks; null while there are none
     bool cancel_wanted = false;  // cancelled before it could start
     std::optional<PrintFindings> findings;  // nothing while the analysis is under way
-    std::optional<PrintReport> report;      // once the print is over, until its analysis is too
+    std::optional<EndedPrint> over;         // once the print is, until its analysis is too
+    EventLoop::Turn busiest_lit{};          // of those while there was or may have been light
+  };
+  // Left in printing/ by a contourd that did not file it.
+  struct LeftJob {
+    JobFiles files;
+    std::optional<PrintEnd> end;  // nothing when its print did not come to one
   };
   struct EndedJob {
     std::string name, outcome, reason;
@@ -86,13 +94,18 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void layer_done(const LayerRecord& layer) override;
   void warn_about_light(const LayerRecord& layer, const LogFields& fields);
   void interrupted(const std::string& what) override;
-  void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) override;
+  void light_gone() override;
+  void print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) override;
 
-  // Jobs left in printing/ by a contourd that did not end them: they hold the queue, and go to failed/.
-  void find_interrupted_prints();
+  // Keeps the longest, for the report.
+  void note_lit_turn(const EventLoop::Turn& turn);
+  // Jobs left in printing/ by a contourd that did not end them: they hold the queue, and go to failed/. Those
+  // that it only did not file any more go where they belong.
+  void find_left_jobs();
   // Throws std::system_error; the rest of them stays where it is.
-  void file_interrupted_prints();
+  void file_left_jobs();
   void leave_if_over();
+  void stop_waiting_for_filing();
   void give_back_unbegun();
   // Does what is due: starts the next job, or has a waiting one checked. Never from inside the print process.
   void pump();
@@ -112,16 +125,17 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
                 const std::string& trouble);
   void start_print();
   void start_analysis();
-  void analyzed(const AnalyzedPrint& print);
-  // Files the print that is over, with its report.
+  void analyzed(AnalyzedPrint print);
+  // Has the print that is over filed, with its report.
   void finish_job();
+  void filed(const FiledPrint& print);
   void file_job(const JobFiles& files, Spool::Folder to, const std::string& reason);
   // The same, but throws std::system_error when it stays in printing/.
   void move_job(const JobFiles& files, Spool::Folder to, const std::string& reason);
   [[nodiscard]] std::uint64_t late_steps_of_job() const;
-  [[nodiscard]] PrintReport make_report(PrintOutcome outcome, const std::string& reason,
-                                        const PrintPlan& plan) const;
-  void write_report(const PrintReport& report, Spool::Folder folder);
+  // Takes what the job knows of itself.
+  [[nodiscard]] PrintReport make_report(PrintOutcome outcome, const std::string& reason);
+  void warn_about_lateness(const PrintReport& report);
   void ended(const std::string& name, std::string_view outcome, const std::string& reason,
              Json analysis = {});
   void notify(const std::string& what, ControlServer::Delivery delivery);
@@ -131,8 +145,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void let_go();
   // That it is held, why, and what the owner is to do; empty when it is not.
   [[nodiscard]] std::string hold_sentence() const;
-  // Has the disk know what the plate holds and whether the queue is held, for the next start. What it does
-  // not take now is tried again.
+  // Has the disk know what the plate holds and whether the queue is held, for the next start: in the dark,
+  // the disk may take its time. What it does not take now is tried again.
   void keep_records();
 
   [[nodiscard]] std::map<std::string, ControlServer::Method> methods();
@@ -142,6 +156,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   Json cancel();
   Json resume_queue();
   void require_print(std::string_view what) const;
+  // The print is over, its job not filed yet.
+  [[nodiscard]] bool finishing() const;
 
   const PrinterConfig& config_;
   EventLoop& loop_;
@@ -156,15 +172,17 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   std::optional<ActiveJob> active_;
   std::deque<EndedJob> ended_;  // the latest last
   std::optional<std::string> plate_occupant_;
-  std::optional<std::string> held_;    // why
-  std::vector<JobFiles> interrupted_;  // not filed yet
-  std::string unkept_;                 // why the disk does not know all of these; empty when it does
-  std::string waiting_for_;            // why the next job does not start, already told
+  std::optional<std::string> held_;  // why
+  std::vector<LeftJob> left_jobs_;   // not filed yet
+  std::string unkept_;               // why the disk does not know all of these; empty when it does
+  bool records_due_ = false;         // as soon as it is dark
+  std::string waiting_for_;          // why the next job does not start, already told
   bool shutting_down_ = false;
   std::function<void(bool)> printing_;
   std::unique_ptr<ControlServer> control_;
-  EventLoop::SourcePtr pump_timer_, keep_timer_;
+  EventLoop::SourcePtr pump_timer_, keep_timer_, leave_timer_;
   PrintAnalyst analyst_;
+  PrintArchivist archivist_;
   Worker worker_;  // last: its thread ends before what its tasks use
 };
 

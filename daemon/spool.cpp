@@ -34,6 +34,8 @@ constexpr std::size_t kLongestName = 200;
 // An empty file is given as long: it may be the first step of a copy.
 constexpr Duration kLookInterval = 1s;
 constexpr int kQuietLooks = 3;
+// How many looks are begun in one turn of the event loop.
+constexpr std::size_t kLooksATurn = 50;
 
 std::system_error failure(const std::string& what) {
   return std::system_error(errno, std::generic_category(), what);
@@ -136,7 +138,8 @@ void Spool::open() {
   if (!inotify_.valid()) throw failure("cannot watch folders (inotify)");
   // Watched before it is read, so that nothing can come in between.
   watch_incoming();
-  inotify_source_ = loop_.on_ready(inotify_.get(), EPOLLIN, [this](std::uint32_t) { read_events(); });
+  inotify_source_ = loop_.on_ready(inotify_.get(), EPOLLIN, "the spool (inotify)",
+                                   [this](std::uint32_t) { read_events(); });
   consider_all();
 }
 
@@ -158,9 +161,25 @@ std::vector<std::string> Spool::names_in_incoming() const {
 void Spool::consider_all() {
   disk_.run([this] { return names_in_incoming(); },
             [this](const std::vector<std::string>& names) {
-              for (const std::string& file : names)
-                consider(file, Look::Event);
+              consider_soon({names.begin(), names.end()}, Look::Event);
             });
+}
+
+void Spool::consider_soon(std::deque<std::string> files, Look look) {
+  for (std::string& file : files)
+    to_consider_.emplace_back(std::move(file), look);
+  if (!consider_timer_) consider_some();
+}
+
+void Spool::consider_some() {
+  consider_timer_.reset();
+  for (std::size_t i = 0; i < kLooksATurn && !to_consider_.empty(); ++i) {
+    const auto [file, look] = to_consider_.front();
+    to_consider_.pop_front();
+    consider(file, look);
+  }
+  if (to_consider_.empty()) return;
+  consider_timer_ = loop_.at(std::chrono::steady_clock::now(), "the spool", [this] { consider_some(); });
 }
 
 void Spool::watch_incoming() {
@@ -176,8 +195,8 @@ void Spool::watch_incoming_anew() {
     watch_incoming();
   } catch (const std::system_error& error) {
     if (!std::exchange(incoming_lost_, true)) observer_.incoming_lost(error.what());
-    watch_again_timer_ =
-        loop_.at(std::chrono::steady_clock::now() + kLookInterval, [this] { watch_incoming_anew(); });
+    watch_again_timer_ = loop_.at(std::chrono::steady_clock::now() + kLookInterval, "the spool's timer",
+                                  [this] { watch_incoming_anew(); });
     return;
   }
   incoming_lost_ = false;
@@ -199,16 +218,14 @@ void Spool::stop_watching_plate(const std::string& file) {
   });
 }
 
+// One buffer a turn of the event loop: a folder can have more events than a light could wait for.
 void Spool::read_events() {
-  alignas(inotify_event) std::array<char, 16384> buffer;
-  while (true) {
-    const ssize_t bytes = ::read(inotify_.get(), buffer.data(), buffer.size());
-    if (bytes <= 0) return;
-    for (ssize_t at = 0; at < bytes;) {
-      const auto* event = reinterpret_cast<const inotify_event*>(buffer.data() + at);
-      at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
-      take_event(*event);
-    }
+  alignas(inotify_event) std::array<char, 4096> buffer;
+  const ssize_t bytes = ::read(inotify_.get(), buffer.data(), buffer.size());
+  for (ssize_t at = 0; at < bytes;) {
+    const auto* event = reinterpret_cast<const inotify_event*>(buffer.data() + at);
+    at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
+    take_event(*event);
   }
 }
 
@@ -332,7 +349,8 @@ void Spool::seen(const std::string& file, Look look, const Sight& sight) {
 void Spool::look_later(const std::string& file) {
   candidates_.try_emplace(file);
   if (!look_again_timer_) {
-    look_again_timer_ = loop_.at(std::chrono::steady_clock::now() + kLookInterval, [this] { look_again(); });
+    look_again_timer_ = loop_.at(std::chrono::steady_clock::now() + kLookInterval, "the spool's timer",
+                                 [this] { look_again(); });
   }
 }
 
@@ -351,11 +369,10 @@ void Spool::note_missing(const std::string& file, const std::vector<std::string>
 
 void Spool::look_again() {
   look_again_timer_.reset();
-  std::vector<std::string> files;
+  std::deque<std::string> files;
   for (const auto& [file, candidate] : candidates_)
     files.push_back(file);
-  for (const std::string& file : files)
-    consider(file, Look::Timer);
+  consider_soon(std::move(files), Look::Timer);
 }
 
 bool Spool::is_unfinished(const std::string& file) const {
@@ -444,7 +461,7 @@ JobFiles Spool::begin(const std::string& file) {
   return to;
 }
 
-void Spool::end(const JobFiles& files, Folder where) {
+void Spool::end(const JobFiles& files, Folder where) const {
   move_job(files, named(where, files.name, files));
 }
 

@@ -1,6 +1,6 @@
 // The spool folder: incoming/ printing/ done/ failed/. Jobs move through it by rename, so that after a power
 // cut at any moment every file is in exactly one place and its folder says how it stands. Event loop's thread
-// only, but for files_of() and is_unfinished(), which any may call.
+// only, but for folder(), files_of(), is_unfinished(), write_beside() and end(), which any may call.
 //
 // A disk may take seconds. What comes at any time, also while the light is on (looks at incoming/, refusals),
 // waits for it on a thread of its own; the rest is for when there is no light.
@@ -16,11 +16,13 @@
 
 #include <sys/inotify.h>
 
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/event_loop.hpp"
@@ -82,7 +84,7 @@ class Spool {
   [[nodiscard]] JobFiles begin(const std::string& file);
   // -> done/ or failed/. What goes beside them has been written before: see write_beside(). Throws
   // std::system_error.
-  void end(const JobFiles& files, Folder to);
+  void end(const JobFiles& files, Folder to) const;
   // printing/ -> incoming/, for a job that has not begun. False when incoming/ has another of that name by
   // now. Throws std::system_error.
   bool give_back(const JobFiles& files);
@@ -142,6 +144,9 @@ class Spool {
   void take_event(const inotify_event& event);
   enum class Look { Event, Timer };
   void consider_all();
+  // Some a turn of the event loop, as a folder may hold any number of files.
+  void consider_soon(std::deque<std::string> files, Look look);
+  void consider_some();
   void consider(const std::string& file, Look look);
   void seen(const std::string& file, Look look, const Sight& sight);
   [[nodiscard]] std::vector<std::string> names_in_incoming() const;
@@ -165,9 +170,10 @@ class Spool {
   FileDescriptor lock_;
   FileDescriptor inotify_;
   EventLoop::SourcePtr inotify_source_;
-  EventLoop::SourcePtr look_again_timer_, watch_again_timer_;
+  EventLoop::SourcePtr look_again_timer_, watch_again_timer_, consider_timer_;
   int incoming_watch_ = -1;
   bool incoming_lost_ = false;
+  std::deque<std::pair<std::string, Look>> to_consider_;
   std::map<int, std::string> plate_watches_;     // inotify's number: the plate in incoming/
   std::map<std::string, Candidate> candidates_;  // not known to be whole yet
   std::map<std::string, std::vector<std::string>> incomplete_;

@@ -41,7 +41,8 @@ void Supervisor::status(const std::string& line) {
 
 void Supervisor::ping() {
   send("WATCHDOG=1");
-  ping_timer_ = loop_.at(std::chrono::steady_clock::now() + ping_interval_, [this] { ping(); });
+  ping_timer_ =
+      loop_.at(std::chrono::steady_clock::now() + ping_interval_, "the watchdog's timer", [this] { ping(); });
 }
 
 void Supervisor::send(const std::string& message) {

@@ -68,9 +68,10 @@ TEST_CASE("What concerns the machine comes before clients that have waited for l
     if (last) loop.stop();
   };
   std::unique_ptr<EventLoop::IoSource> client_source;
-  client_source = loop.on_ready(client.get(), EPOLLIN, [&](std::uint32_t) { note("client", true); });
+  client_source =
+      loop.on_ready(client.get(), EPOLLIN, "a client", [&](std::uint32_t) { note("client", true); });
   const TimePoint past = std::chrono::steady_clock::now();
-  const auto pump = loop.at(past, [&] { note("spool"); });
+  const auto pump = loop.at(past, "the spool", [&] { note("spool"); });
   const auto exposure = clock.call_at(past, [&] { note("exposure"); });
   std::unique_ptr<DescriptorWatcher::Watch> watch;
   watch = watcher.when_readable(lid.get(), [&] {
@@ -81,4 +82,46 @@ TEST_CASE("What concerns the machine comes before clients that have waited for l
   REQUIRE(order.size() >= 3);
   // Which of the two comes first is not said.
   CHECK(((order[0] == "lid" && order[1] == "exposure") || (order[0] == "exposure" && order[1] == "lid")));
+}
+
+TEST_CASE("What concerns the machine comes between two results of a worker, not behind all of them") {
+  EventLoop loop;
+  EventLoopWatcher watcher(loop);
+  Mailbox mailbox(loop);
+  const FileDescriptor lid(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  std::vector<std::string> order;
+  std::unique_ptr<DescriptorWatcher::Watch> watch;
+  watch = watcher.when_readable(lid.get(), [&] {
+    order.emplace_back("lid");
+    watch.reset();
+  });
+  mailbox.post([&] {
+    order.emplace_back("first");
+    ::eventfd_write(lid.get(), 1);
+  });
+  mailbox.post([&] { order.emplace_back("second"); });
+  mailbox.post([&] {
+    order.emplace_back("third");
+    loop.stop();
+  });
+  loop.run();
+  CHECK(order == std::vector<std::string>{"first", "lid", "second", "third"});
+}
+
+TEST_CASE("A turn is told with the name of its source and the time that its call took") {
+  EventLoop loop;
+  std::vector<EventLoop::Turn> turns;
+  loop.on_turn_over([&](const EventLoop::Turn& turn) { turns.push_back(turn); });
+  const TimePoint now = std::chrono::steady_clock::now();
+  const auto slow = loop.at(now, "a slow timer", [&loop] {
+    while (loop.turn().busy < std::chrono::milliseconds(5)) {
+    }
+  });
+  const auto last = loop.at(now + std::chrono::milliseconds(1), "the last timer", [&] { loop.stop(); });
+  loop.run();
+  REQUIRE(turns.size() == 2);
+  CHECK(turns[0].source == "a slow timer");
+  CHECK(turns[0].busy >= std::chrono::milliseconds(5));
+  CHECK(turns[0].computing <= turns[0].busy + std::chrono::milliseconds(1));  // two clocks
+  CHECK(turns[1].source == "the last timer");
 }

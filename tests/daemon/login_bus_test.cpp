@@ -31,7 +31,7 @@ class MadeUpBus {
     REQUIRE(::bind(listener_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
     REQUIRE(::listen(listener_.get(), 4) == 0);
     REQUIRE(::setenv("DBUS_SYSTEM_BUS_ADDRESS", ("unix:path=" + path).c_str(), 1) == 0);
-    accepting_ = loop.on_ready(listener_.get(), POLLIN, [this](std::uint32_t) { accept(); });
+    accepting_ = loop.on_ready(listener_.get(), POLLIN, "the bus", [this](std::uint32_t) { accept(); });
   }
   ~MadeUpBus() {
     ::unsetenv("DBUS_SYSTEM_BUS_ADDRESS");

@@ -80,7 +80,8 @@ class Bench final : public PrintObserver {
   void state_changed(PrintState state) override { states.push_back(state); }
   void layer_done(const LayerRecord& layer) override { layers.push_back(layer); }
   void interrupted(const std::string& what) override { interruptions.push_back(what); }
-  void print_ended(PrintOutcome ended, const std::string& why, const PrintPlan&) override {
+  void light_gone() override { gone_while_lit = gone_while_lit || machine.light_is_on(); }
+  void print_ended(PrintOutcome ended, const std::string& why, PrintPlan) override {
     ends.push_back(ended);
     reason = why;
     light_at_end = machine.light_is_on();
@@ -94,6 +95,8 @@ class Bench final : public PrintObserver {
   std::vector<PrintOutcome> ends;
   std::string reason;
   bool light_at_end = false;
+  bool gone_while_lit = false;
+  bool lit_unknown = false;  // light on while the process takes it as off
   bool lit_wrongly = false;  // light on outside an exposure, or over a black screen
   PrintProcess process;
 
@@ -102,6 +105,7 @@ class Bench final : public PrintObserver {
     const bool more = clock.run_next();
     const bool may_be_lit =
         process.state() == PrintState::Igniting || process.state() == PrintState::Exposing;
+    lit_unknown = lit_unknown || (machine.light_is_on() && !process.light_may_be_on());
     lit_wrongly = lit_wrongly || (machine.light_is_on() && (!may_be_lit || machine.screen_is_black()));
     return more;
   }
@@ -164,6 +168,26 @@ TEST_CASE("A print goes through its states layer by layer and ends parked, done 
   CHECK_FALSE(bench.lit_wrongly);
   CHECK_FALSE(bench.light_at_end);
   CHECK(bench.machine.z_axis().height() == bench.machine.z_axis().travel());
+}
+
+TEST_CASE("Light may be on from its command until it is confirmed off, and its layer is told then") {
+  Bench bench;
+  bench.start(2);
+  // The layer has had its light, which is not confirmed off.
+  REQUIRE(bench.run_to(S::Darkening));
+  CHECK(bench.process.light_may_be_on());
+  bench.process.interrupt("the lid was opened");
+  CHECK(bench.process.light_may_be_on());
+  CHECK(bench.layers.empty());
+  REQUIRE(bench.run_to(S::Paused));
+  CHECK_FALSE(bench.process.light_may_be_on());
+  REQUIRE(bench.layers.size() == 1);
+  CHECK(bench.layers[0].loops == 1);
+  bench.process.resume();
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Done});
+  CHECK_FALSE(bench.lit_unknown);
+  CHECK_FALSE(bench.gone_while_lit);
 }
 
 TEST_CASE("Each layer is exposed for exactly as long as was asked, at its own height") {

@@ -94,7 +94,8 @@ class Bench final : public Machine, public PrintObserver {
   void state_changed(PrintState) override {}
   void layer_done(const LayerRecord& layer) override { layers.push_back(layer); }
   void interrupted(const std::string& what) override { interruptions.push_back(what); }
-  void print_ended(PrintOutcome ended, const std::string& why, const PrintPlan&) override {
+  void light_gone() override {}
+  void print_ended(PrintOutcome ended, const std::string& why, PrintPlan) override {
     outcome = ended;
     reason = why;
   }

@@ -1,7 +1,10 @@
 #include "daemon/printer_service.hpp"
 
+#include <fcntl.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
+
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -148,8 +151,9 @@ class Bench {
   // loop does not run again.
   void run_until(const std::string& file, const std::function<void()>& look) {
     bool there = false;
-    const auto given_up = loop.at(std::chrono::steady_clock::now() + 20s, [this] { loop.stop(); });
-    const auto steps = loop.when_idle([&] {
+    const auto given_up =
+        loop.at(std::chrono::steady_clock::now() + 20s, "the test", [this] { loop.stop(); });
+    const auto steps = loop.when_idle("the test's clock", [&] {
       look();
       there = has(file);
       if (there) loop.stop();
@@ -168,7 +172,7 @@ class Bench {
   PrinterConfig config;
   EventLoop loop;
   VirtualClock clock;
-  Log log;
+  Log log{loop};
   Supervisor supervisor{loop};
   std::unique_ptr<SimulatedPrinter> machine;
   std::unique_ptr<PrinterService> service;
@@ -219,15 +223,15 @@ TEST_CASE("An emergency stop in homing, let go again, starts no motor: the next 
   Bench bench;
   bench.start();
   bench.drop("one.stl");
-  bool stopped = false, moved = false;
+  bool stopped = false, moved = false, filed = false;
   bench.run_until_refused("bad.stl", [&] {
     const bool moving = bench.machine->z_axis().moving();
     if (stopped) moved = moved || moving;
+    if (!filed && (filed = bench.has("failed/one.stl"))) bench.drop("bad.stl", kNoModel);
     if (stopped || !moving) return;
     stopped = true;
     bench.machine->press_emergency_stop();
     bench.drop("two.stl");
-    bench.drop("bad.stl", kNoModel);
   });
   CHECK(stopped);
   CHECK_FALSE(moved);
@@ -251,4 +255,85 @@ TEST_CASE("An emergency stop pressed while nothing is printed keeps jobs waiting
   bench.run_until_refused("bad.stl", [&] { moved = moved || bench.machine->z_axis().moving(); });
   CHECK_FALSE(moved);
   CHECK(bench.has("incoming/one.stl"));
+}
+
+TEST_CASE("While a report waits for the disk the loop turns, and no other job begins") {
+  Bench bench;
+  bench.start();
+  bench.drop("one.stl");
+  // A report is written into a new file of this name: one that is there already and is a pipe takes nothing
+  // until somebody reads it, and cannot be had on the disk then.
+  const fs::path report = bench.config.spool_folder / "done" / ".one.report.json.new";
+  REQUIRE(::mkfifo(report.c_str(), 0600) == 0);
+  bool printed = false, second_began = false;
+  int turns = 0;
+  FileDescriptor reader;
+  bench.run_until("done/two.stl", [&] {
+    if (!printed && bench.machine->z_axis().moving()) bench.drop("two.stl");
+    printed = printed || bench.machine->z_axis().moving();
+    const bool waits = printed && !bench.machine->z_axis().moving() && bench.clock.idle() && !reader.valid();
+    if (!waits) return;
+    second_began = second_began || bench.has("printing/two.stl");
+    CHECK(bench.has("printing/one.stl"));
+    // A hundred milliseconds' worth of turns of a millisecond or less, whatever the disk does.
+    if (++turns == 100) reader = FileDescriptor(::open(report.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  });
+  CHECK(turns == 100);
+  CHECK_FALSE(second_began);
+  CHECK(bench.has("done/one.stl"));
+  // It was not on the disk: nothing is there that looks like one.
+  CHECK_FALSE(bench.has("done/one.report.json"));
+  CHECK(bench.report_of("two")["outcome"] == "done");
+  bench.stop();
+}
+
+namespace {
+
+// The report of a print beside which something keeps the loop busy once, with the light on or off.
+nlohmann::json report_with_busy_loop(Duration busy, bool lit) {
+  Bench bench;
+  bench.start();
+  bench.drop("one.stl");
+  EventLoop::SourcePtr timer;
+  bool began = false;
+  bench.run_until("done/one.stl", [&] {
+    began = began || bench.machine->z_axis().moving();
+    if (timer || !began || bench.machine->light_is_on() != lit) return;
+    // The clock stands still meanwhile: it runs in the idle loop only.
+    timer = bench.loop.at(std::chrono::steady_clock::now(), "a busy test", [&bench, busy] {
+      while (bench.loop.turn().busy < busy) {
+      }
+    });
+  });
+  CHECK(timer);
+  auto report = bench.report_of("one");
+  bench.stop();
+  return report;
+}
+
+}  // namespace
+
+TEST_CASE("The report has the loop's longest call while the light was on") {
+  CHECK(report_with_busy_loop(25ms, true)["loop_busy_ms_worst_lit"] >= 25);
+}
+
+TEST_CASE("What keeps the loop busy in the dark is not in the report") {
+  // A tenth of it is more than anything that the loop does with the light on.
+  CHECK(report_with_busy_loop(500ms, false)["loop_busy_ms_worst_lit"] < 50);
+}
+
+TEST_CASE("That the queue is held is written to the disk when the light is off, not beside it") {
+  Bench bench;
+  bench.start();
+  bench.drop("one.stl");
+  bool stopped = false;
+  bench.run_until("failed/one.stl", [&] {
+    if (stopped || !bench.machine->light_is_on()) return;
+    stopped = true;
+    bench.machine->press_emergency_stop();
+    CHECK_FALSE(bench.has("queue-held"));
+  });
+  CHECK(stopped);
+  CHECK(bench.has("queue-held"));
+  bench.stop();
 }

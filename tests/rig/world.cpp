@@ -274,7 +274,7 @@ void World::interrupted(const std::string& what) {
   ++verdict_.figures.interruptions;
 }
 
-void World::print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan&) {
+void World::print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan) {
   tell(fmt::format("{} {}", name_of(outcome), reason));
   Figures& figures = verdict_.figures;
   ++figures.prints;

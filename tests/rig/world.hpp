@@ -29,7 +29,8 @@ class World final : private PrintObserver {
   void state_changed(PrintState state) override;
   void layer_done(const LayerRecord& layer) override;
   void interrupted(const std::string& what) override;
-  void print_ended(PrintOutcome outcome, const std::string& reason, const PrintPlan& plan) override;
+  void light_gone() override {}
+  void print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) override;
 
   [[nodiscard]] PrintPlan plan() const;
   [[nodiscard]] bool print_all();

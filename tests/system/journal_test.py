@@ -76,6 +76,17 @@ class Journal(harness.FolderTest):
         self.assertIn("not a usable STL file", entry["MESSAGE"])
         self.assertEqual(self.daemon.log(), "")
 
+    def test_a_journal_that_takes_nothing_holds_up_no_print_and_gets_all_of_it_later(self):
+        # The kernel holds some datagrams for who does not read, ten or some hundreds.
+        with open("/proc/sys/net/unix/max_dgram_qlen", encoding="ascii") as file:
+            layers = int(file.read()) + 50
+        self.start()
+        self.daemon.drop("tall.stl", harness.binary_stl(harness.box((0, 0, 0), (2, 2, layers * 0.05))))
+        harness.wait_until(lambda: self.daemon.has("done", "tall.stl"), "the end of the print")
+        numbers = [int(self.next_with("layer")["LAYER"]) for _ in range(layers)]
+        self.assertEqual(numbers, list(range(1, layers + 1)))
+        self.next_with("done")
+
     def test_a_stream_that_is_no_longer_stderr_is_not_the_journal(self):
         self.daemon.start()  # JOURNAL_STREAM is not set, or is another's
         self.assertIn("is ready", self.daemon.log())

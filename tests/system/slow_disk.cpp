@@ -1,5 +1,6 @@
 // Preloaded into a daemon by a test: a disk that does not answer, or that takes nothing. What reads (or looks
-// for) a file of the spool waits while $SLOW_DISK/reads exists, what writes one while $SLOW_DISK/writes does;
+// for) a file of the spool waits while $SLOW_DISK/reads exists, what writes one while $SLOW_DISK/writes does,
+// what writes a preview while $SLOW_DISK/pictures does;
 // $SLOW_DISK/waiting is made by whatever waits. While there is $SLOW_DISK/full nothing can be written into a
 // file, while there is $SLOW_DISK/read-only nothing can be changed, while there is
 // $SLOW_DISK/printing-read-only nothing in printing/.
@@ -66,6 +67,7 @@ void wait_while(const char* gate) {
 
 void wait_for_file(const char* path, bool writes) {
   if (std::strstr(path, "/spool/") != nullptr) wait_while(writes ? "writes" : "reads");
+  if (writes && std::strstr(path, "preview.png") != nullptr) wait_while("pictures");
 }
 
 mode_t mode_of(int flags, va_list more) {

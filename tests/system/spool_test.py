@@ -563,6 +563,104 @@ class SlowDisk(SpoolTest):
 
 
 @unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
+class SlowFiling(SpoolTest):
+    """A print is over, and the disk keeps its report or its picture waiting."""
+
+    def finishing_daemon(self, gate="pictures", end="cancel", resin=None):
+        daemon = self.daemon(REALTIME, resin or {**NIMBLE_RESIN, **ENDLESS})
+        slow = daemon.put_on_slow_disk()
+        self.gate = os.path.join(slow, gate)
+        daemon.start()
+        daemon.drop("first.stl", SMALL)
+        daemon.wait_state("exposing")
+        open(self.gate, "wb").close()
+        if end:
+            daemon.rpc(end)
+        wait_until(lambda: daemon.status()["state"] == "finishing", "the end of the print")
+        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the archivist that waits for the disk")
+        return daemon
+
+    def test_the_daemon_answers_and_the_next_job_waits_until_the_one_before_is_filed(self):
+        daemon = self.finishing_daemon()
+        daemon.drop("next.stl", SMALL)
+        self.assertIn("no print", daemon.rpc("cancel")["error"]["message"])
+        status = wait_until(lambda: (lambda s: s if s["queued"] else None)(daemon.status()), "the next job")
+        self.assertEqual((status["state"], status["job"]["name"], status["last"]), ("finishing", "first", None))
+        self.assertEqual((daemon.names_in("printing"), daemon.names_in("incoming")), (["first.stl"], ["next.stl"]))
+        self.assertEqual(daemon.rpc("plate_cleared")["result"]["plate"], "clear")
+        os.unlink(self.gate)
+        self.assertEqual(daemon.wait_ended("first")["outcome"], "cancelled")
+        self.assertTrue(daemon.has("failed", "first.stl"))
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.status()["job"]["name"], "next")
+        daemon.stop()
+
+    def test_a_stop_waits_until_it_is_filed(self):
+        daemon = self.finishing_daemon()
+        daemon.process.send_signal(signal.SIGTERM)
+        wait_until(lambda: daemon.status()["state"] == "finishing", "an answer")
+        os.unlink(self.gate)
+        self.assertEqual(daemon.process.wait(30), 0)
+        self.assertEqual(daemon.names_in("printing"), [])
+        self.assertTrue(daemon.has("failed", "first.preview.png"))
+
+    def test_a_stop_waits_for_a_disk_that_does_not_answer_for_some_seconds_only(self):
+        daemon = self.finishing_daemon()
+        daemon.process.send_signal(signal.SIGTERM)
+        # Nothing else can be waited for than these 15 seconds, in which the loop turns.
+        wait_until(lambda: "not filed after 15 s" in daemon.log(), "the end of its patience")
+        wait_until(lambda: "contourd has stopped" in daemon.log(), "the end of the loop")
+        os.unlink(self.gate)
+        self.assertEqual(daemon.process.wait(30), 0)
+        self.assertEqual((daemon.names_in("printing"), daemon.has("failed", "first.stl")), ([], True))
+
+    def restarted_after_kill(self, daemon):
+        daemon.kill()
+        os.unlink(self.gate)
+        self.assertEqual(daemon.names_in("printing"), ["first.stl"])
+        daemon.start()
+        self.assertEqual(daemon.names_in("printing"), [])
+        return daemon
+
+    def test_a_done_print_that_was_killed_before_it_was_filed_is_done(self):
+        daemon = self.finishing_daemon(end=None, resin={**NIMBLE_RESIN, "exposure_ms": 20, "bottom_exposure_ms": 20})
+        self.restarted_after_kill(daemon)
+        self.assertIn("first.stl", daemon.names_in("done"))
+        self.assertEqual(daemon.names_in("failed"), [])
+        self.assertEqual(daemon.report("first")["outcome"], "done")
+        self.assertIn("was done", daemon.log())
+        status = daemon.status()
+        self.assertEqual((status["plate_job"], status["held"]), ("first", None))
+        daemon.stop()
+
+    def test_a_cancelled_print_that_was_killed_before_it_was_filed_is_cancelled_and_holds_nothing(self):
+        daemon = self.restarted_after_kill(self.finishing_daemon())
+        self.assertIn("Cancelled", daemon.read("failed", "first.reason.txt"))
+        self.assertIsNone(daemon.status()["held"])
+        daemon.stop()
+
+    def test_a_failed_print_that_was_killed_before_it_was_filed_keeps_its_reason_and_holds_the_queue(self):
+        # The plate is to be homed onto a switch that never closes.
+        daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), {"simulation": {"limit_switch": "stuck_open"}}), NIMBLE_RESIN)
+        slow = daemon.put_on_slow_disk()
+        self.gate = os.path.join(slow, "pictures")
+        open(self.gate, "wb").close()
+        daemon.start()
+        daemon.drop("first.stl", SMALL)
+        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the archivist that waits for the disk")
+        self.restarted_after_kill(daemon)
+        self.assertIn("homing failed", daemon.read("failed", "first.reason.txt"))
+        self.assertIn("homing failed", daemon.status()["held"])
+        daemon.stop()
+
+    def test_a_print_that_was_killed_before_its_outcome_was_on_the_disk_was_interrupted(self):
+        daemon = self.restarted_after_kill(self.finishing_daemon("writes"))
+        self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
+        self.assertIn("first", daemon.status()["held"])
+        daemon.stop()
+
+
+@unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
 class DiskThatTakesNothing(SpoolTest):
     def printing_daemon(self, config=None):
         daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), config or {}), {**NIMBLE_RESIN, **ENDLESS})
@@ -585,6 +683,7 @@ class DiskThatTakesNothing(SpoolTest):
         daemon.wait_ended("first")
         self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), ([], ["first.stl"]))
         self.assertIn("no reason", daemon.log())
+        self.assertIn("no report", daemon.log())
         daemon.stop()
 
     def restarts_on_a_disk_that_is(self, state):

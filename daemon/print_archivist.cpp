@@ -1,0 +1,143 @@
+#include "daemon/print_archivist.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "core/preview.hpp"
+#include "hw/png_file.hpp"
+
+namespace contourd {
+namespace {
+
+// It gives way to the event loop, and to a model that is read.
+constexpr int kNiceness = 5;
+constexpr Pixels kPreviewWidth{720}, kPreviewHeight{720};
+
+// What the preview shows: all copies on a plate, but one of each model when that is too much to draw.
+std::vector<PreviewPart> preview_parts(const JobSummary& summary, const ContourEngine& engine) {
+  constexpr std::uint64_t kMostFacets = 5'000'000;  // some seconds of drawing
+  std::uint64_t facets = 0;
+  for (std::size_t i = 0; i < summary.models.size(); ++i)
+    facets += engine.models()[i].model->facets().size() * summary.models[i].centers.size();
+  const bool all = summary.plate && facets <= kMostFacets;
+  std::vector<PreviewPart> parts;
+  for (std::size_t i = 0; i < summary.models.size(); ++i) {
+    const HeightIndex& model = *engine.models()[i].model;
+    const std::vector<Point>& centers = summary.models[i].centers;
+    const Point middle = model.bounds().center();
+    for (std::size_t copy = 0; copy < (all ? centers.size() : 1); ++copy) {
+      parts.push_back(
+          {model.facets(), centers[copy].x - middle.x, centers[copy].y - middle.y, -model.bounds().min_z});
+    }
+  }
+  return parts;
+}
+
+std::vector<std::uint8_t> draw_preview(const PrintReport& report, const ContourEngine& engine) {
+  const Nanometers printed =
+      report.layers.empty() ? Nanometers{} : report.layers.back().bottom + report.layers.back().thickness;
+  const std::vector<PreviewPart> parts = preview_parts(report.summary, engine);
+  return encode_png(render_preview(parts, to_millimeters(printed), kPreviewWidth, kPreviewHeight));
+}
+
+// What goes wrong is told as "`what`: why", and nothing follows from it.
+template <typename Work>
+bool attempt(const std::string& what, FiledPrint& filed, Work work) {
+  try {
+    work();
+    return true;
+  } catch (const std::exception& error) {
+    filed.troubles.push_back(fmt::format("{}: {}", what, error.what()));
+    return false;
+  }
+}
+
+void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& filed) {
+  PrintReport& report = print.report;
+  const Spool::Folder folder = folder_for(report.outcome);
+  attempt("no picture", filed, [&] { report.preview_png = draw_preview(report, *print.engine); });
+  attempt("no report.html", filed,
+          [&] { spool.write_beside(folder, report.job, "report.html", report_as_html(report)); });
+  if (report.preview_png.empty()) return;
+  const std::string picture(report.preview_png.begin(), report.preview_png.end());
+  attempt("no preview.png", filed, [&] { spool.write_beside(folder, report.job, "preview.png", picture); });
+}
+
+FiledPrint file_print(const Spool& spool, EndedPrint& print) {
+  const PrintReport& report = print.report;
+  FiledPrint filed{report.job, report.outcome, report.reason, {}};
+  const Spool::Folder folder = folder_for(report.outcome);
+  const std::string reason = reason_text({report.outcome, report.reason});
+  // A full disk has no room for what goes beside the job, but a rename needs none.
+  if (!reason.empty())
+    attempt("no reason beside it", filed,
+            [&] { spool.write_beside(folder, report.job, "reason.txt", reason); });
+  const bool recorded = attempt("no report", filed, [&] {
+    spool.write_beside(folder, report.job, "report.json", report_as_json(report));
+  });
+  if (recorded) write_page_and_picture(spool, print, filed);
+  attempt("stays in printing", filed, [&] { spool.end(print.files, folder); });
+  return filed;
+}
+
+std::optional<PrintOutcome> outcome_called(std::string_view name) {
+  for (const PrintOutcome outcome : {PrintOutcome::Done, PrintOutcome::Canceled, PrintOutcome::Failed}) {
+    if (name_of(outcome) == name) return outcome;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+PrintArchivist::PrintArchivist(EventLoop& loop, const Spool& spool)
+    : spool_(spool), worker_(loop, kNiceness) {}
+
+void PrintArchivist::file(EndedPrint print, std::function<void(const FiledPrint&)> done) {
+  busy_ = true;
+  // Tasks are handed on by copy, an engine is not. It goes on the worker's thread: a large one takes its
+  // time.
+  auto shared = std::make_shared<EndedPrint>(std::move(print));
+  worker_.run([&spool = spool_, shared = std::move(shared)] { return file_print(spool, *shared); },
+              [this, done = std::move(done)](const FiledPrint& filed) {
+                busy_ = false;
+                done(filed);
+              });
+}
+
+Spool::Folder folder_for(PrintOutcome outcome) {
+  return outcome == PrintOutcome::Done ? Spool::Folder::Done : Spool::Folder::Failed;
+}
+
+std::string reason_text(const PrintEnd& end) {
+  switch (end.outcome) {
+    case PrintOutcome::Done:
+      return "";
+    case PrintOutcome::Canceled:
+      return "Cancelled by the owner.\n";
+    case PrintOutcome::Failed:
+      return end.reason + "\n";
+  }
+  return "";
+}
+
+std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job) {
+  for (const Spool::Folder folder : {Spool::Folder::Done, Spool::Folder::Failed}) {
+    std::ifstream file(spool.folder(folder) / (job + ".report.json"));
+    const auto report = nlohmann::json::parse(file, nullptr, false);
+    if (!report.is_object()) continue;
+    const auto text = [&](const char* key) {
+      const auto found = report.find(key);
+      return found != report.end() && found->is_string() ? found->get<std::string>() : std::string();
+    };
+    const std::optional<PrintOutcome> outcome = outcome_called(text("outcome"));
+    if (outcome && folder_for(*outcome) == folder) return PrintEnd{*outcome, text("reason")};
+  }
+  return std::nullopt;
+}
+
+}  // namespace contourd

@@ -1,0 +1,128 @@
+#include "daemon/print_archivist.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "tests/catch.hpp"
+#include "tests/models/models.hpp"
+#include "tests/temporary_folder.hpp"
+
+using namespace contourd;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr DisplayGeometry kDisplay{Pixels{64}, Pixels{48}, Micrometers{100.0}};
+
+class NoObserver final : public SpoolObserver {
+  void model_arrived(const std::string&) override {}
+  void model_withdrawn(const std::string&) override {}
+  void plate_waits(const std::string&, const std::vector<std::string>&) override {}
+  void incoming_lost(const std::string&) override {}
+};
+
+// A spool with the job "part" in printing/, whose print has ended.
+class Bench {
+ public:
+  Bench() { std::ofstream(spool.folder(Spool::Folder::Printing) / "part.stl") << "a model"; }
+
+  [[nodiscard]] EndedPrint ended(PrintOutcome outcome, const std::string& reason = "") const {
+    EndedPrint print;
+    print.files = spool.files_of(Spool::Folder::Printing, "part.stl");
+    print.report.job = "part";
+    print.report.outcome = outcome;
+    print.report.reason = reason;
+    print.report.summary.models.resize(1);
+    print.report.summary.models.front().centers = {{0, 0}};
+    HeightIndex box(models::box({0, 0, 0}, {3, 2, 1}));
+    print.engine = std::make_unique<ContourEngine>(std::move(box), EngineSettings{.display = kDisplay},
+                                                   std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
+    return print;
+  }
+
+  FiledPrint file(EndedPrint print) {
+    FiledPrint result;
+    PrintArchivist archivist(loop, spool);
+    archivist.file(std::move(print), [&](const FiledPrint& filed) {
+      result = filed;
+      loop.stop();
+    });
+    CHECK(archivist.busy());
+    loop.run();
+    CHECK_FALSE(archivist.busy());
+    return result;
+  }
+
+  [[nodiscard]] bool has(const std::string& name) const { return fs::exists(folder.path() / name); }
+
+  testing::TemporaryFolder folder;
+  EventLoop loop;
+  NoObserver observer;
+  Spool spool{folder.path(), loop, observer};
+};
+
+}  // namespace
+
+TEST_CASE("A print that is done lies in done/ with its report, page and picture") {
+  Bench bench;
+  const FiledPrint filed = bench.file(bench.ended(PrintOutcome::Done));
+  CHECK(filed.troubles.empty());
+  for (const char* name : {"part.stl", "part.report.json", "part.report.html", "part.preview.png"})
+    CHECK(bench.has(std::string("done/") + name));
+  CHECK_FALSE(bench.has("printing/part.stl"));
+}
+
+TEST_CASE("A report that cannot be written is told, and the job is filed all the same") {
+  Bench bench;
+  // A folder cannot be replaced by a file.
+  fs::create_directory(bench.folder.path() / "failed" / "part.report.json");
+  const FiledPrint filed = bench.file(bench.ended(PrintOutcome::Failed, "the sky fell"));
+  REQUIRE(filed.troubles.size() == 1);
+  CHECK(filed.troubles.front().starts_with("no report: cannot write "));
+  CHECK(bench.has("failed/part.stl"));
+  CHECK(bench.has("failed/part.reason.txt"));
+}
+
+TEST_CASE("A page that cannot be written is told, and everything else is there") {
+  Bench bench;
+  fs::create_directory(bench.folder.path() / "done" / "part.report.html");
+  const FiledPrint filed = bench.file(bench.ended(PrintOutcome::Done));
+  REQUIRE(filed.troubles.size() == 1);
+  CHECK(filed.troubles.front().starts_with("no report.html: "));
+  CHECK(bench.has("done/part.report.json"));
+  CHECK(bench.has("done/part.preview.png"));
+  CHECK(bench.has("done/part.stl"));
+}
+
+TEST_CASE("A job that cannot be moved is told, and how its print ended can be read afterwards") {
+  for (const auto& [outcome, reason] : {std::pair{PrintOutcome::Done, ""},
+                                        {PrintOutcome::Failed, "the sky fell"},
+                                        {PrintOutcome::Canceled, ""}}) {
+    CAPTURE(name_of(outcome));
+    Bench bench;
+    EndedPrint print = bench.ended(outcome, reason);
+    // In the model's place, beside which nothing is wrong.
+    const fs::path there = bench.spool.folder(folder_for(outcome)) / "part.stl";
+    fs::create_directories(there / "full");
+    const FiledPrint filed = bench.file(std::move(print));
+    REQUIRE(filed.troubles.size() == 1);
+    CHECK(filed.troubles.front().starts_with("stays in printing: "));
+    const std::optional<PrintEnd> end = recorded_end(bench.spool, "part");
+    REQUIRE(end);
+    CHECK(end->outcome == outcome);
+    CHECK(end->reason == reason);
+  }
+}
+
+TEST_CASE("Without a report, or with what is none, nobody knows how a print ended") {
+  Bench bench;
+  CHECK_FALSE(recorded_end(bench.spool, "part"));
+  for (const char* text : {"", "{", "[]", R"({"outcome": 3})", R"({"outcome": "splendid"})",
+                           // Of another folder's: a done print is not filed here.
+                           R"({"outcome": "done"})"}) {
+    CAPTURE(text);
+    std::ofstream(bench.folder.path() / "failed" / "part.report.json") << text;
+    CHECK_FALSE(recorded_end(bench.spool, "part"));
+  }
+}
