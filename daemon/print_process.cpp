@@ -153,7 +153,7 @@ void PrintProcess::perform(PrintEffect effect) {
   switch (effect) {
     case PrintEffect::LightOff:
       machine_.projector().light_off();
-      if (light_asked_) light_ = machine_.projector().last_light();
+      if (light_asked_ && !light_) light_ = machine_.projector().last_light();
       return expect_darkness();
     case PrintEffect::BlackNow:
       return machine_.display().black_now();

@@ -36,9 +36,18 @@ bool fits(const ProjectorCommand& command, bool line, std::string_view text) {
 void ReplyReader::expect(RequestId request, const ProjectorCommand& command, TimePoint sent,
                          Duration patience) {
   if (command.replies.empty() && !table_.echo) return;
-  Owed next{request, &command, table_.echo ? command.bytes : std::string(), patience, {}, sent + patience};
-  for (const Owed& owed : owed_) {
+  Owed next{.request = request,
+            .command = &command,
+            .bytes = table_.echo ? command.bytes : std::string(),
+            .patience = patience,
+            .before = {},
+            .until = sent + patience};
+  for (Owed& owed : owed_) {
     if (owed.request != request) next.before.push_back(owed.command);
+    if (owed.request == request) next.repeated = owed.repeated = true;
+  }
+  for (const Repeat& repeat : repeats_) {
+    if (repeat.request != request && repeat.until >= sent) next.before.push_back(repeat.command);
   }
   owed_.push_back(std::move(next));
 }
@@ -47,6 +56,7 @@ void ReplyReader::expect(RequestId request, const ProjectorCommand& command, Tim
 void ReplyReader::give_up(TimePoint now) {
   const auto kept = std::ranges::find_if(owed_, [now](const Owed& owed) { return owed.until >= now; });
   owed_.erase(owed_.begin(), kept);
+  std::erase_if(repeats_, [now](const Repeat& repeat) { return repeat.until < now; });
 }
 
 ReplyReader::Heard ReplyReader::take(char byte, TimePoint now) {
@@ -98,6 +108,10 @@ std::optional<ReplyReader::Reply> ReplyReader::match(bool line, std::string_view
       Reply reply{owed->request, expected.meaning, found->value, std::string(text), false};
       reply.doubtful = std::ranges::any_of(
           owed->before, [&](const ProjectorCommand* other) { return fits(*other, line, text); });
+      const auto repeat = std::ranges::find_if(
+          repeats_, [&](const Repeat& one) { return reply.doubtful && fits(*one.command, line, text); });
+      if (repeat != repeats_.end()) repeats_.erase(repeat);
+      if (owed->repeated) repeats_.push_back({owed->request, owed->command, now + owed->patience});
       owed_.erase(owed_.begin(), owed + 1);
       for (Owed& next : owed_)
         next.until = std::max(next.until, now + next.patience);

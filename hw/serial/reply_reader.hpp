@@ -20,7 +20,8 @@ class ReplyReader {
     ReplyMeaning meaning;
     std::optional<std::int64_t> value;
     std::string text;  // the line, or the bytes it ended in, as received
-    // Another request was unanswered when the command was sent: this may be its reply once more.
+    // Another request was unanswered when the command was sent, or had been sent more than once: this may be
+    // its reply once more.
     bool doubtful = false;
   };
   struct Heard {  // one or neither
@@ -53,6 +54,13 @@ class ReplyReader {
     Duration patience;
     std::vector<const ProjectorCommand*> before;  // of other requests, unanswered when it was sent
     TimePoint until;
+    bool repeated = false;  // the request was sent more than once
+  };
+  // A reply to a request that was sent more than once: another may follow.
+  struct Repeat {
+    RequestId request;
+    const ProjectorCommand* command;
+    TimePoint until;
   };
 
   [[nodiscard]] bool is_echo(bool of_line);
@@ -62,8 +70,9 @@ class ReplyReader {
 
   const ProjectorTable& table_;
   std::vector<Owed> owed_;  // oldest first
-  std::string line_;        // since the last line end
-  std::string received_;    // since the last reply, the last 64 bytes
+  std::vector<Repeat> repeats_;
+  std::string line_;      // since the last line end
+  std::string received_;  // since the last reply, the last 64 bytes
   std::string unexplained_;
 };
 

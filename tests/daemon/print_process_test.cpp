@@ -689,6 +689,10 @@ TEST_CASE("A projector found in place of a lost one does not answer for that one
   REQUIRE(other.last_light());
   process.fail("the serial port was lost");
   machine.changed = true;
+  SECTION("whatever happens before the print is over") {
+    process.interrupt("the emergency stop was touched");
+  }
+  SECTION("nor when nothing more happens") {}
   while (clock.run_next()) {
   }
   REQUIRE(observer.layers.size() == 1);

@@ -84,6 +84,30 @@ TEST_CASE("a reply is doubtful where the like was still to come for another requ
   CHECK_FALSE(doubtful(*table.power, 2));     // that answers otherwise
 }
 
+TEST_CASE(
+    "a reply is doubtful where the like had answered a request that was sent more than once, while one may "
+    "follow") {
+  const ProjectorTable table = text_table();
+  const auto doubtful = [&table](int sent, TimePoint then) {
+    ReplyReader reader(table);
+    for (int i = 0; i < sent; ++i)
+      reader.expect(1, table.power_on, kNow, kPatience);
+    CHECK(heard(reader, "P\rP\r", kNow).size() == static_cast<std::size_t>(sent));
+    std::size_t doubts = 0;
+    for (bool doubted = true; doubted; doubts += doubted ? 1 : 0) {
+      reader.expect(2, *table.light_off, then, kPatience);
+      ReplyReader::Heard last;
+      for (const char byte : std::string("P\r"))
+        last = reader.take(byte, then);
+      doubted = last.reply.value().doubtful;
+    }
+    return doubts;
+  };
+  CHECK(doubtful(1, kNow) == 0);
+  CHECK(doubtful(2, kNow) == 2);  // each of both may come once more
+  CHECK(doubtful(2, kNow + kPatience + 1ns) == 0);
+}
+
 TEST_CASE("a reply that is too late to be one is none") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
