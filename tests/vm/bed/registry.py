@@ -37,7 +37,10 @@ def vm_test(tier, name=None, other_debian=False, alone=False):
     real time and runs when nothing else does."""
 
     def register(call):
-        _tests.append(VmTest(name or call.__name__.replace("_", "-"), tier, other_debian, alone, call))
+        test = VmTest(name or call.__name__.replace("_", "-"), tier, other_debian, alone, call)
+        if any(other.name == test.name for other in _tests):
+            raise ValueError(f"two tests are called {test.name}")
+        _tests.append(test)
         return call
 
     return register

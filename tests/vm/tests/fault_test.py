@@ -426,46 +426,6 @@ def reply_lost():
 
 
 @vm_test("full")
-def killed_in_an_exposure_by_serial():
-    """The daemon is killed in an exposure with a light that the projector's commands switch: the kernel turns the screen
-    off at once, and the unit's clean-up tells the projector to turn the light off; the daemon's next start, its lamp."""
-    outcome = run(
-        projector=_OPTOMA,
-        config=_light_by_serial(),
-        scenario="""\
-. /lib.sh
-{devices}
-{projector}
-{before}
-start_daemon
-print_model
-wait_for 300 "layer 2" lit_by_serial 2
-kill -9 $DAEMON
-uptime_s >/out/killed
-wait_for 5 "the screen to go dark" screen_is_off
-uptime_s >/out/dark
-# What the unit's ExecStopPost runs.
-contourd --config /etc/contourd/contourd.json --light-off >/out/light_off 2>&1 || fail "light off ended with $?"
-uptime_s >/out/cleaned_up
-start_daemon
-wait_for 10 "the lamp to be turned off" grep -q '~0000 0' /out/projector
-keep_logs
-""",
-        before=_LIT_BY_SERIAL + 'screen_is_off() { tail -n 1 $SCREEN/log | grep -q OFF; }',
-    )
-    killed, cleaned_up = (round(float(outcome.results.text(name)) * 1e9) for name in ("killed", "cleaned_up"))
-    outcome.was_dark()
-    light = _commanded_light(outcome)
-    assert len(light) == 2, f"the light was on {len(light)} times"
-    on, off = light[-1]
-    assert on < killed, "the light was not on when the daemon was killed"
-    assert off is not None, "the projector was not told to turn its light off"
-    # /proc/uptime tells hundredths.
-    assert killed - 10_000_000 <= off <= cleaned_up + 10_000_000, f"light off came {off - killed} ns after the kill"
-    return f"light off {(off - killed) / 1e6:.0f} ms after the kill"
-
-
-@vm_test("full")
 def stopped_in_the_warm_up():
     """The daemon is stopped while the projector warms up and refuses everything: the unit's clean-up tells it again until
     it takes light off."""
@@ -542,58 +502,6 @@ mkdir -p $SPOOL/done $SPOOL/failed $SPOOL/incoming $SPOOL/printing""",
 
 # --- The daemon itself
 
-_KILLED = """\
-. /lib.sh
-{devices}
-{projector}
-start_daemon
-print_model
-wait_for 300 "layer 2" exposing 2
-kill -9 $DAEMON
-uptime_s >/out/killed
-sleep 1
-cp $PLANT/state /out/after
-rm /run/contourd/control.sock
-start_daemon
-uptime_s >/out/restarted
-wait_for_print
-sleep 1
-keep_logs
-stop_daemon
-"""
-
-
-def _killed(outcome):
-    frames, edges = outcome.frames, outcome.edges
-    killed = round(float(outcome.results.text("killed")) * 1e9)
-    dark = [entry.time_ns for entry in frames.entries if entry.kind == "OFF" or (entry.kind == "FLIP" and not entry.lit)]
-    dark_at = min(time for time in dark if time > killed - 1_000_000_000)
-    check(exposure_checks.dark_at_the_end(frames, edges))
-    off = edges.active(edges.lines.light)[1][1]
-    return f"screen dark {(dark_at - killed) / 1e6:.0f} ms, light off {(off - killed) / 1e6:.0f} ms after the kill"
-
-
-@vm_test("full")
-def killed_in_an_exposure():
-    """The daemon is killed in an exposure, on a chip whose lines keep their level: the kernel turns the screen off at
-    once; the light goes off when the daemon is started again, and the job is filed as failed with its reason."""
-    outcome = run(scenario=_KILLED)
-    assert "light 1" in outcome.results.text("after"), "the chip gave the line back: not what this test is for"
-    assert outcome.reason, outcome.log
-    return _killed(outcome)
-
-
-@vm_test("full")
-def killed_in_an_exposure_lines_fall_back():
-    """The same on a chip that makes inputs of lines given back, as the Raspberry Pi's does: the light is off at once."""
-    outcome = run(scenario=_KILLED, devices="load_devices free_input=1")
-    assert "light 0" in outcome.results.text("after"), outcome.results.text("after")
-    assert outcome.reason, outcome.log
-    return _killed(outcome)
-
-
-# --- The daemon itself
-
 # Of the light watchdog: 200 ms of silence and 50 ms to be woken in, after the daemon's last sign of life.
 _WATCHDOG_NS = 250_000_000
 # From the moment that the scenario notes until the signal is sent: the clock's hundredth, and a program that starts.
@@ -656,14 +564,20 @@ sleep 1
 uptime_s >/out/killed
 kill -KILL $DAEMON
 sleep 3
-keep_logs
-exit 0"""
+cp $PLANT/state /out/after
+rm /run/contourd/control.sock
+start_daemon
+uptime_s >/out/restarted
+wait_for_print"""
 
 
 @vm_test("full")
 def killed_in_an_exposure():
-    """The daemon is killed in an exposure: the light watchdog turns the light off by itself, and ends."""
+    """The daemon is killed in an exposure: the light watchdog turns the light off by itself, and ends; the next start finds
+    the job and files it as failed with its reason."""
     outcome = run(during=_KILLED.format(exposing="exposing"))
+    assert "light 0" in outcome.results.text("after"), outcome.results.text("after")
+    assert outcome.reason, outcome.log
     late = _off_after(outcome, outcome.edges.active(outcome.edges.lines.light), "killed")
     check(exposure_checks.dark_at_the_end(outcome.frames, outcome.edges))
     return f"light off {late / 1e6:.0f} ms after the kill"
@@ -679,10 +593,93 @@ def killed_in_an_exposure_by_serial():
         during=_KILLED.format(exposing="lit_by_serial"),
     )
     late = _off_after(outcome, _commanded_light(outcome), "killed")
-    told = [line.split(" ", 1)[1] for line in outcome.results.text("projector").splitlines()]
-    assert told[-3:] == [_LIGHT_OFF] * 3, f"the projector was told {told[-5:]}"
+    restarted = float(outcome.results.text("restarted")) * 1e9
+    told = [line.split(" ", 1) for line in outcome.results.text("projector").splitlines()]
+    before = [request for time_ns, request in told if int(time_ns) < restarted - 500_000_000]
+    assert before[-3:] == [_LIGHT_OFF] * 3, f"the projector was told {before[-5:]}"
+    assert outcome.reason, outcome.log
     check(exposure_checks.dark_at_the_end(outcome.frames, outcome.edges))
     return f"light off {late / 1e6:.0f} ms after the kill"
+
+
+# Both at once: the watchdog cannot notice.
+_KILL_BOTH = r"""
+kill_both() {
+  both=$DAEMON
+  for process in /proc/[0-9]*; do
+    [ "$(cat "$process/comm" 2>/dev/null)" != contourd-light ] || both="$both ${process#/proc/}"
+  done
+  kill -STOP $both
+  kill -KILL $both
+}
+"""
+_KILLED_BOTH = """wait_for 300 "layer 2" exposing 2
+kill_both
+uptime_s >/out/killed
+sleep 1
+cp $PLANT/state /out/after
+rm /run/contourd/control.sock
+start_daemon
+wait_for_print"""
+
+
+@vm_test("full")
+def killed_with_its_watchdog():
+    """The daemon and its light watchdog are killed in an exposure, on a chip whose lines keep their level: the light goes
+    off when the daemon is started again, and the job is filed as failed with its reason."""
+    outcome = run(before=_KILL_BOTH, during=_KILLED_BOTH)
+    assert "light 1" in outcome.results.text("after"), "the light was off: not what this test is for"
+    assert outcome.reason, outcome.log
+    check(exposure_checks.dark_at_the_end(outcome.frames, outcome.edges))
+
+
+@vm_test("full")
+def killed_with_its_watchdog_lines_fall_back():
+    """The same on a chip that makes inputs of lines given back, as the Raspberry Pi's does: the light is off at once."""
+    outcome = run(before=_KILL_BOTH, during=_KILLED_BOTH, devices="load_devices free_input=1")
+    assert "light 0" in outcome.results.text("after"), outcome.results.text("after")
+    assert outcome.reason, outcome.log
+    check(exposure_checks.dark_at_the_end(outcome.frames, outcome.edges))
+
+
+@vm_test("full")
+def killed_with_its_watchdog_by_serial():
+    """The same with a light that the projector's commands switch: the kernel turns the screen off at once, and the unit's
+    clean-up tells the projector to turn the light off; the daemon's next start, its lamp."""
+    outcome = run(
+        projector=_OPTOMA,
+        config=_light_by_serial(),
+        scenario="""\
+. /lib.sh
+{devices}
+{projector}
+{before}
+start_daemon
+print_model
+wait_for 300 "layer 2" lit_by_serial 2
+kill_both
+uptime_s >/out/killed
+wait_for 5 "the screen to go dark" screen_is_off
+uptime_s >/out/dark
+# What the unit's ExecStopPost runs.
+contourd --config /etc/contourd/contourd.json --light-off >/out/light_off 2>&1 || fail "light off ended with $?"
+uptime_s >/out/cleaned_up
+start_daemon
+wait_for 10 "the lamp to be turned off" grep -q '~0000 0' /out/projector
+keep_logs
+""",
+        before=_LIT_BY_SERIAL + _KILL_BOTH + 'screen_is_off() { tail -n 1 $SCREEN/log | grep -q OFF; }',
+    )
+    killed, cleaned_up = (round(float(outcome.results.text(name)) * 1e9) for name in ("killed", "cleaned_up"))
+    outcome.was_dark()
+    light = _commanded_light(outcome)
+    assert len(light) == 2, f"the light was on {len(light)} times"
+    on, off = light[-1]
+    assert on < killed, "the light was not on when the daemon was killed"
+    assert off is not None, "the projector was not told to turn its light off"
+    # /proc/uptime tells hundredths.
+    assert killed - 10_000_000 <= off <= cleaned_up + 10_000_000, f"light off came {off - killed} ns after the kill"
+    return f"light off {(off - killed) / 1e6:.0f} ms after the kill"
 
 
 @vm_test("full")
