@@ -60,6 +60,8 @@ MachineModel::MachineModel(const Scenario& scenario)
   plant.loop = &loop;
   plant.loop_is_held_up = [this] { return loop.held_up(); };
   plant.motor = 160;
+  // As GpioAxis has it: that of homing's end, at which a motor stops dead.
+  plant.pull_in = plant.config.homing_speed.count() / 2 * kStepsPerMm;
   model_->changed = screen.changed = [this] { changed(); };
   if (scenario.backlash) plant.slack = 4;
   plant.on_disturbance = [this] { tell(plant.disturbances.back()); };

@@ -17,6 +17,7 @@ READER = "hw/serial/reply_reader.cpp"
 PROCESS = "daemon/print_process.cpp"
 STATES = "daemon/print_states.cpp"
 LINE = "hw/projector_with_light_line.cpp"
+ENGINE = "hw/gpio/step_engine.cpp"
 
 # Name, file, what stands there once, what stands there instead.
 MUTATIONS = [
@@ -66,6 +67,22 @@ MUTATIONS = [
     ("the plate is lowered with the lamp lit", STATES,
      "row(S::Lifting, E::MoveEnded, S::AwaitingDark, F::AwaitDark)",
      "row(S::Lifting, E::MoveEnded, S::Parking, F::Park)"),
+    ("a repeated reply is owed once", READER, "if (owed->repeated) repeats_.push_back", "if (false) repeats_.push_back"),
+    ("an end that is interrupted forgets its light", PROCESS, "if (light_asked_ && !light_) light_ =",
+     "if (light_asked_) light_ ="),
+    ("a light line that refuses is asked by nobody", LINE,
+     "    if (!line_.refusal().empty()) return look_whether_dark(kLookAgain);\n", ""),
+    ("a stop goes by the clock, however late the steps", ENGINE,
+     "  if (late > harmless_ && come_to_rest(late)) return start_again(now, late);\n"
+     "  if (stop_ && !stopped_) return slow_down(now, late);",
+     "  if (stop_ && !stopped_) return slow_down(now, Duration{0});"),
+    ("a motor that stood still goes on at full rate", ENGINE,
+     "  if (late > harmless_ && come_to_rest(late)) return start_again(now, late);\n", ""),
+    ("a stall leaves the position known", ENGINE, "  if (speed > move_.pull_in) {", "  if (speed > 1e9) {"),
+    ("the encoder is followed without limit", "hw/gpio/gpio_encoder.cpp", "plausibility_->refusal(off_mm)",
+     "plausibility_->refusal(0)"),
+    ("every edge restarts a safety input's debounce", "hw/gpio/safety_contact.cpp",
+     "  if (state_ == SafetyState::Safe) return first_;", "  if (state_ == SafetyState::Safe) return last_ + debounce_;"),
 ]
 
 

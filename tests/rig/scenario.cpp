@@ -6,6 +6,7 @@
 #include <array>
 #include <string_view>
 
+#include "hw/gpio/gpio_axis_config.hpp"
 #include "tests/rig/dice.hpp"
 
 namespace contourd::rig {
@@ -129,6 +130,32 @@ Scenario draw_scenario(std::uint64_t seed) {
 
 bool Scenario::undisturbed() const {
   return !line.any() && happenings.empty();
+}
+
+bool Scenario::has(std::initializer_list<Kind> any) const {
+  return std::ranges::any_of(happenings, [any](const Happening& happening) {
+    return std::ranges::find(any, happening.kind) != any.end();
+  });
+}
+
+// What an encoder that loses many counts at once seems to say is made good where that is the policy, up to a
+// sum: no program can know better.
+Nanometers Scenario::plate_tolerance(Nanometers step) const {
+  if (encoder == EncoderKind::None) return step;
+  const EncoderConfig limits;
+  const bool misled = encoder == EncoderKind::Corrects && has({Kind::EncoderLoses});
+  return step + limits.tolerance + (misled ? limits.most_correction_sum : Nanometers{0});
+}
+
+// By a line 5 ms; by commands what is under way, the gap, one command's time on the wire and the projector's
+// own.
+std::optional<Duration> Scenario::darkening_after_edge() const {
+  if (has({Kind::InputsHeldUp, Kind::LineRefuses})) return std::nullopt;
+  if (light != LightKind::Serial) return 5ms;
+  if (line.any() || has({Kind::LoopHeldUp, Kind::LoopHeldUpInWrite, Kind::AdapterUnplugged}))
+    return std::nullopt;
+  // Two commands of 8 to 10 bytes, each with its start and stop bits, at 9600 baud.
+  return projector.gap + 20ms + projector.latency + projector.slower + projector.darkening;
 }
 
 std::string describe(const Happening& happening) {

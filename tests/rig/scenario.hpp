@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/units.hpp"
 #include "hw/clock.hpp"
 #include "tests/rig/projector_model.hpp"
 
@@ -64,6 +67,12 @@ struct Scenario {
 
   // Nothing on the line, and nothing that holds anything up: the light is to be as asked.
   [[nodiscard]] bool undisturbed() const;
+  [[nodiscard]] bool has(std::initializer_list<Happening::Kind> any) const;
+  // How far the plate may be from where it is said to be, a motor's step included.
+  [[nodiscard]] Nanometers plate_tolerance(Nanometers step) const;
+  // How long after a safety input's first edge the light goes off; nothing: it depends on what else goes
+  // wrong.
+  [[nodiscard]] std::optional<Duration> darkening_after_edge() const;
 };
 
 [[nodiscard]] Scenario draw_scenario(std::uint64_t seed);

@@ -15,6 +15,7 @@ using namespace std::chrono_literals;
 using Kind = Happening::Kind;
 
 constexpr Nanometers kLayer{50'000};
+constexpr double kLostCounts = 0.05;
 // An hour is a projector's longest warm-up, all else together takes minutes.
 constexpr Duration kLongestPrint = 2h;
 // Of the light, when everything works again: a light off is tried every timeout.
@@ -29,14 +30,18 @@ double seconds(Duration time) {
 World::World(const Scenario& scenario)
     : scenario_(scenario),
       owner_(scenario.seed, 2),
+      encoder_(scenario.seed, 3),
       machine_(scenario),
-      verdict_(MachineModel::kStep),
+      verdict_(scenario.plate_tolerance(MachineModel::kStep)),
       process_(machine_, machine_.loop, *this) {
   machine_.on_disturbance([this](const Disturbance& disturbance) {
     tell(disturbance.what);
     if (disturbance.kind == Disturbance::Kind::Interruption) process_.interrupt(disturbance.what);
     if (disturbance.kind == Disturbance::Kind::Fault) process_.fail(disturbance.what);
   });
+  machine_.plant.loses_count = [this] {
+    return machine_.plant.clock.now() < encoder_loses_until_ && encoder_.chance(kLostCounts);
+  };
   machine_.changed = [this] { look(); };
   machine_.screen.number = [this] { return number(); };
   machine_.light_asked = [this](Duration part) {
@@ -147,12 +152,6 @@ void World::look() {
 
 void World::look_at_motion() {
   const std::int64_t motor = machine_.plant.motor;
-  const TimePoint now = machine_.loop.now();
-  if (motor != motor_) {
-    steps_per_s_ = 1 / std::max(seconds(now - motor_moved_), 1e-6);
-    motor_moved_ = now;
-    motor_ = motor;
-  }
   if (stopped_at_) {
     // What the fastest move of the print may take, from 5 mm/s at 50 mm/s^2, and a step.
     constexpr double kBraking_mm = 5.0 * 5.0 / 2 / 50;
@@ -161,18 +160,17 @@ void World::look_at_motion() {
     if (ran_mm > most_mm)
       verdict_.break_rule("e: a stop is within the braking distance",
                           fmt::format("{:.3f} mm after stop, {:.3f} mm are the profile's", ran_mm, most_mm),
-                          now);
+                          machine_.loop.now());
   }
   const ZAxis& axis = machine_.z_axis();
   if (axis.moving()) return;
   const auto height = axis.height();
-  const Nanometers tolerance =
-      scenario_.encoder == EncoderKind::None ? MachineModel::kStep : MachineModel::kStep + Nanometers{50'000};
-  if (height && std::abs((*height - machine_.plate()).count()) > tolerance.count())
+  if (height &&
+      std::abs((*height - machine_.plate()).count()) > scenario_.plate_tolerance(MachineModel::kStep).count())
     verdict_.break_rule("f: the position believed is true",
                         fmt::format("{:.4f} mm believed, {:.4f} mm true", to_millimeters(*height).count(),
                                     to_millimeters(machine_.plate()).count()),
-                        now);
+                        machine_.loop.now());
 }
 
 void World::state_changed(PrintState state) {
@@ -228,7 +226,7 @@ void World::happen(const Happening& happening) {
     case Kind::LoopHeldUpInWrite:
       return machine_.hold_up_next_write(happening.length);
     case Kind::StepsHeldUp:
-      return;
+      return machine_.plant.hold_up_steps(happening.length);
     case Kind::InputsHeldUp:
       return machine_.plant.preempt_for(happening.length);
     case Kind::AdapterUnplugged:
@@ -242,15 +240,29 @@ void World::happen(const Happening& happening) {
     case Kind::LineRefuses:
       return machine_.refuse_line(happening.length);
     case Kind::EncoderLoses:
+      encoder_loses_until_ = machine_.plant.clock.now() + happening.length;
       return;
   }
 }
 
 void World::press(AxisInput input, const Happening& happening) {
+  expect_dark_soon();
   for (int i = 0; i < 2 * happening.times; ++i) {
     timers_.push_back(machine_.plant.clock.call_after(
         happening.length * i, [this, input, pressed = i % 2 == 0] { machine_.plant.press(input, pressed); }));
   }
+}
+
+// After a safety input's first edge, where nothing else is in the way.
+void World::expect_dark_soon() {
+  const std::optional<Duration> within = scenario_.darkening_after_edge();
+  if (!machine_.lit() || machine_.stray() || !within) return;
+  timers_.push_back(machine_.plant.clock.call_after(*within, [this, within] {
+    if (machine_.lit())
+      verdict_.break_rule("i: light goes off at a safety input's first edge",
+                          fmt::format("it is on {:.1f} ms later", seconds(*within) * 1000),
+                          machine_.loop.now());
+  }));
 }
 
 void World::keep_story() {

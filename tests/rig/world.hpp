@@ -40,12 +40,13 @@ class World final : private PrintObserver {
   void look_at_motion();
   void happen(const Happening& happening);
   void press(AxisInput input, const Happening& happening);
+  void expect_dark_soon();
   void tend();
   void tell(const std::string& what);
   [[nodiscard]] int number() const { return print_ * 1000 + process_.layer(); }
 
   const Scenario scenario_;
-  Dice owner_;
+  Dice owner_, encoder_;
   MachineModel machine_;
   Verdict verdict_;
   PrintProcess process_;
@@ -53,10 +54,7 @@ class World final : private PrintObserver {
   std::vector<std::unique_ptr<Timer>> timers_;
   std::unique_ptr<Timer> owner_timer_;
   std::optional<std::int64_t> stopped_at_;  // motor's position when motion was to end
-  std::int64_t may_run_on_ = 0;             // steps from there
-  std::int64_t motor_ = 0;                  // when it was looked at last
-  TimePoint motor_moved_{};
-  double steps_per_s_ = 0;
+  TimePoint encoder_loses_until_{};
   bool keeps_story_ = false;
   std::vector<std::string> story_;
 };
