@@ -24,17 +24,19 @@ void for_each_meeting(std::span<const PixelRun> a, std::span<const PixelRun> b, 
 
 }  // namespace
 
-std::span<const MaskIsland> IslandFinder::find(const MaskRuns& layer, const MaskRuns& beneath) {
-  const auto runs = static_cast<std::uint32_t>(layer.runs().size());
+std::span<const MaskIsland> IslandFinder::find(const Layer& layer, const Layer& beneath,
+                                               std::int64_t contact_pixels) {
+  const auto runs = static_cast<std::uint32_t>(layer.lit.runs().size());
   groups_.clear();
   for (std::uint32_t run = 0; run < runs; ++run)
-    groups_.push_back({run, false});
-  for (std::int32_t row = 0; row < layer.rows(); ++row) {
-    if (layer.in_row(row).empty()) continue;
-    if (row > 0) join_rows(layer, row);
-    hold_row(layer, beneath, row);
+    groups_.push_back({run, 0, 0});
+  for (std::int32_t row = 0; row < layer.lit.rows(); ++row) {
+    if (layer.lit.in_row(row).empty()) continue;
+    if (row > 0) join_rows(layer.lit, row);
+    count_row(layer.lit, layer.bright, row, &Group::bright);
+    count_row(layer.lit, beneath.bright, row, &Group::contact);
   }
-  collect(layer);
+  collect(layer.lit, contact_pixels);
   return islands_;
 }
 
@@ -49,7 +51,10 @@ std::uint32_t IslandFinder::root_of(std::uint32_t run) {
 void IslandFinder::join(std::uint32_t a, std::uint32_t b) {
   const std::uint32_t root_a = root_of(a), root_b = root_of(b);
   const std::uint32_t first = std::min(root_a, root_b);
-  groups_[first].held = groups_[root_a].held || groups_[root_b].held;
+  if (root_a == root_b) return;
+  const Group& other = groups_[std::max(root_a, root_b)];
+  groups_[first].bright += other.bright;
+  groups_[first].contact += other.contact;
   groups_[std::max(root_a, root_b)].parent = first;
 }
 
@@ -61,19 +66,25 @@ void IslandFinder::join_rows(const MaskRuns& layer, std::int32_t row) {
   });
 }
 
-void IslandFinder::hold_row(const MaskRuns& layer, const MaskRuns& beneath, std::int32_t row) {
+// Adds the pixels that the layer's runs share with the bright ones.
+void IslandFinder::count_row(const MaskRuns& layer, const MaskRuns& bright, std::int32_t row,
+                             std::int64_t Group::*count) {
   const std::uint32_t here = layer.first_in_row(row);
-  for_each_meeting(layer.in_row(row), beneath.in_row(row), 0, [&](std::size_t i, std::size_t) {
-    groups_[root_of(here + static_cast<std::uint32_t>(i))].held = true;
+  const std::span<const PixelRun> runs = layer.in_row(row), others = bright.in_row(row);
+  for_each_meeting(runs, others, 0, [&](std::size_t i, std::size_t j) {
+    groups_[root_of(here + static_cast<std::uint32_t>(i))].*count +=
+        std::min(runs[i].end, others[j].end) - std::max(runs[i].first, others[j].first);
   });
 }
 
-void IslandFinder::collect(const MaskRuns& layer) {
+void IslandFinder::collect(const MaskRuns& layer, std::int64_t contact_pixels) {
   islands_.clear();
   island_of_.resize(groups_.size());
   for (std::uint32_t i = 0; i < groups_.size(); ++i) {
     const std::uint32_t root = root_of(i);
-    if (groups_[root].held) continue;
+    const Group& group = groups_[root];
+    if (group.contact >= std::min(contact_pixels, std::max<std::int64_t>(1, (group.bright + 1) / 2)))
+      continue;
     const PixelRun& run = layer.runs()[i];
     if (root == i) {
       island_of_[i] = static_cast<std::uint32_t>(islands_.size());

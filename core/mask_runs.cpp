@@ -88,6 +88,37 @@ void MaskRuns::extract(const Mask& mask) {
   row_starts_.push_back(static_cast<std::uint32_t>(runs_.size()));
 }
 
+void MaskRuns::extract_bright(const Mask& mask, const MaskRuns& lit, std::uint8_t least_grey) {
+  runs_.clear();
+  row_starts_.clear();
+  grey_sum_ = 0;
+  for (std::int32_t row = 0; row < lit.rows(); ++row) {
+    row_starts_.push_back(static_cast<std::uint32_t>(runs_.size()));
+    for (const PixelRun& run : lit.in_row(row))
+      extract_bright_from(run, mask.row(row), least_grey);
+  }
+  row_starts_.push_back(static_cast<std::uint32_t>(runs_.size()));
+}
+
+void MaskRuns::extract_bright_from(const PixelRun& run, std::span<const std::uint8_t> pixels,
+                                   std::uint8_t least_grey) {
+  const auto is_bright = [pixels, least_grey](std::int32_t at) {
+    return pixels[static_cast<std::size_t>(at)] >= least_grey;
+  };
+  for (std::int32_t at = run.first; at < run.end;) {
+    if (!is_bright(at)) {
+      ++at;
+      continue;
+    }
+    PixelRun bright{run.row, at, at, 0};
+    for (; bright.end < run.end && is_bright(bright.end); ++bright.end)
+      bright.grey += pixels[static_cast<std::size_t>(bright.end)];
+    grey_sum_ += bright.grey;
+    runs_.push_back(bright);
+    at = bright.end;
+  }
+}
+
 void MaskRuns::extract_row(std::int32_t row, std::span<const std::uint8_t> pixels) {
   const std::size_t width = pixels.size();
   for (std::size_t at = 0; (at = skip_dark(pixels.data(), at, width)) < width;) {

@@ -20,6 +20,8 @@ class MaskRuns {
  public:
   // Replaces what it held by the runs of this mask.
   void extract(const Mask& mask);
+  // The same of the pixels that are at least so bright. REQUIRES: `lit` holds this mask's lit pixels.
+  void extract_bright(const Mask& mask, const MaskRuns& lit, std::uint8_t least_grey);
 
   // From the top row down, each row from left to right.
   [[nodiscard]] std::span<const PixelRun> runs() const { return runs_; }
@@ -38,6 +40,8 @@ class MaskRuns {
 
  private:
   void extract_row(std::int32_t row, std::span<const std::uint8_t> pixels);
+  void extract_bright_from(const PixelRun& run, std::span<const std::uint8_t> pixels,
+                           std::uint8_t least_grey);
 
   std::vector<PixelRun> runs_;
   std::vector<std::uint32_t> row_starts_;

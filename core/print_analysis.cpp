@@ -1,20 +1,24 @@
 #include "core/print_analysis.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/exposure_correction.hpp"
 
 namespace contourd {
 
-PrintAnalysis::PrintAnalysis(const DisplayGeometry& display) : display_(display) {
+PrintAnalysis::PrintAnalysis(const DisplayGeometry& display, const CarryingSupport& support)
+    : display_(display), support_(support) {
   const double pitch_mm = to_millimeters(display.pixel_pitch).count();
   pixel_area_mm2_ = pitch_mm * pitch_mm;
 }
 
 void PrintAnalysis::add_layer(const Mask& mask, const Layer& layer) {
   std::swap(layer_, beneath_);
-  layer_.extract(mask);
-  note_area(static_cast<double>(layer_.grey_sum()) / 255.0 * pixel_area_mm2_, layer);
+  layer_.lit.extract(mask);
+  layer_.bright.extract_bright(mask, layer_.lit, support_.least_grey);
+  note_area(static_cast<double>(layer_.lit.grey_sum()) / 255.0 * pixel_area_mm2_, layer);
   if (findings_.layers() > 1) note_islands();
   if (layer.cracks != LayerCracks{}) {
     findings_.cracks += layer.cracks;
@@ -40,7 +44,8 @@ void PrintAnalysis::note_area(double area_mm2, const Layer& layer) {
 }
 
 void PrintAnalysis::note_islands() {
-  for (const MaskIsland& island : finder_.find(layer_, beneath_)) {
+  const auto contact = static_cast<std::int64_t>(std::ceil(support_.contact_area_mm2 / pixel_area_mm2_));
+  for (const MaskIsland& island : finder_.find(layer_, beneath_, std::max<std::int64_t>(contact, 1))) {
     ++findings_.island_count;
     if (findings_.islands.size() == PrintFindings::kMostIslands) continue;
     findings_.islands.push_back({findings_.layers() - 1, island.center, on_plate(display_, island.center),
@@ -51,8 +56,8 @@ void PrintAnalysis::note_islands() {
 std::optional<PrintFindings> analyze_print(
     ContourEngine& engine, const DisplayGeometry& display, std::span<const Nanometers> thicknesses,
     const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,
-    const std::stop_token& stop) {
-  PrintAnalysis analysis(display);
+    const std::stop_token& stop, const CarryingSupport& support) {
+  PrintAnalysis analysis(display, support);
   const ExposureCorrection threshold({.threshold = engine.threshold()}, std::nullopt);
   std::optional<Mask> kept;
   if (!threshold.is_none()) kept.emplace(display.width, display.height);

@@ -20,7 +20,15 @@
 
 namespace contourd {
 
-// Part of a layer that begins with nothing under it.
+// What it takes to carry a part of a layer (see IslandFinder).
+struct CarryingSupport {
+  std::uint8_t least_grey = 64;    // of a pixel beneath that counts: a quarter of the light
+  double contact_area_mm2 = 0.01;  // that many of them, or half of what is as bright in the part itself
+
+  bool operator==(const CarryingSupport&) const = default;
+};
+
+// Part of a layer that begins with nothing under it that carries it.
 struct Island {
   std::int32_t layer = 0;  // from 0
   PixelPoint pixel{};      // its middle in the mask
@@ -60,7 +68,7 @@ struct PrintFindings {
 // is found in it. Not thread-safe.
 class PrintAnalysis {
  public:
-  explicit PrintAnalysis(const DisplayGeometry& display);
+  explicit PrintAnalysis(const DisplayGeometry& display, const CarryingSupport& support = {});
 
   struct Layer {
     Nanometers thickness{};
@@ -79,7 +87,8 @@ class PrintAnalysis {
 
   DisplayGeometry display_;
   double pixel_area_mm2_;
-  MaskRuns layer_, beneath_;
+  CarryingSupport support_;
+  IslandFinder::Layer layer_, beneath_;
   IslandFinder finder_;
   std::int32_t dark_since_ = 0;  // the first of the dark layers on top that are not counted, if there are any
   PrintFindings findings_;
@@ -92,6 +101,6 @@ class PrintAnalysis {
 [[nodiscard]] std::optional<PrintFindings> analyze_print(
     ContourEngine& engine, const DisplayGeometry& display, std::span<const Nanometers> thicknesses,
     const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,
-    const std::stop_token& stop = {});
+    const std::stop_token& stop = {}, const CarryingSupport& support = {});
 
 }  // namespace contourd

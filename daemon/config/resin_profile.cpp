@@ -122,6 +122,8 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .compensation = {.growth = Micrometers{profile.number("growth_um")},
                        .elephant_foot = Micrometers{profile.number("elephant_foot_um")},
                        .elephant_foot_height = profile.length("elephant_foot_height_um")},
+      .support = {static_cast<std::uint8_t>(profile.integer<int>("support_grey")),
+                  profile.number("support_area_mm2")},
       .lift = profile.length("lift_mm"),
       .lift_speed = MillimetersPerSecond{profile.number("lift_speed_mm_s")},
       .retract_speed = MillimetersPerSecond{profile.number("retract_speed_mm_s")},

@@ -11,6 +11,7 @@
 
 #include "core/compensation.hpp"
 #include "core/placement.hpp"
+#include "core/print_analysis.hpp"
 #include "core/units.hpp"
 #include "hw/clock.hpp"
 
@@ -51,6 +52,7 @@ struct ResinProfile {
   int bottom_layers = 0;    // get the bottom exposure
   int fade_layers = 0;      // after those: from the bottom exposure to the normal one
   Compensation compensation;
+  CarryingSupport support;
   Nanometers lift;
   MillimetersPerSecond lift_speed;
   MillimetersPerSecond retract_speed;

@@ -28,13 +28,23 @@ Mask mask_of(const std::vector<std::string>& rows) {
   return mask;
 }
 
-std::vector<MaskIsland> islands_of(const Mask& layer, const Mask& beneath) {
-  MaskRuns runs, under;
-  runs.extract(layer);
-  under.extract(beneath);
+IslandFinder::Layer runs_of(const Mask& mask, std::uint8_t least_grey) {
+  IslandFinder::Layer layer;
+  layer.lit.extract(mask);
+  layer.bright.extract_bright(mask, layer.lit, least_grey);
+  return layer;
+}
+
+std::vector<MaskIsland> islands_of(const Mask& layer, const Mask& beneath, std::uint8_t least_grey,
+                                   std::int64_t contact_pixels) {
   IslandFinder finder;
-  const auto found = finder.find(runs, under);
+  const auto found = finder.find(runs_of(layer, least_grey), runs_of(beneath, least_grey), contact_pixels);
   return {found.begin(), found.end()};
+}
+
+// Whatever lies beneath carries.
+std::vector<MaskIsland> islands_of(const Mask& layer, const Mask& beneath) {
+  return islands_of(layer, beneath, 1, 1);
 }
 
 // The definition itself: flood every group, pixel by pixel. Each island as (left, top, right, bottom, pixels,
@@ -144,4 +154,31 @@ TEST_CASE("The islands found are those of a flood fill") {
     std::ranges::sort(found);
     RC_ASSERT(found == Flood(layer, beneath).islands());
   }));
+}
+
+TEST_CASE("What rests on a faint pixel only is an island") {
+  const Mask layer = mask_of({"........", ".######.", ".######.", "........"});
+  const Mask faint = mask_of({"........", ".000000.", ".000000.", "........"});  // grey 30
+  CHECK(islands_of(layer, faint, 64, 4).size() == 1);
+  CHECK(islands_of(layer, faint, 30, 4).empty());
+  const Mask one = mask_of({"........", "......1.", "........", "........"});
+  CHECK(islands_of(layer, one, 1, 1).empty());
+  CHECK(islands_of(layer, one, 64, 1).size() == 1);
+}
+
+TEST_CASE("What rests on a corner only is an island") {
+  const Mask layer = mask_of({"........", ".######.", ".######.", "........"});
+  const Mask corner = mask_of({"##......", "##......", "........", "........"});
+  CHECK(islands_of(layer, corner, 64, 4).size() == 1);
+  CHECK(islands_of(layer, corner, 64, 1).empty());
+  const Mask edge = mask_of({"........", "##......", "##......", "........"});
+  CHECK(islands_of(layer, edge, 64, 2).empty());
+}
+
+TEST_CASE("A thin pin stands on itself") {
+  for (const char* const row : {"...#....", "..9#1...", "...2....", "..##...."}) {
+    CAPTURE(row);
+    const Mask pin = mask_of({"........", row, "........"});
+    CHECK(islands_of(pin, pin, 64, 4).empty());
+  }
 }

@@ -196,15 +196,21 @@ TEST_CASE("What the threshold leaves dark is neither area nor island nor support
   const models::Facets facets =
       together(together(models::box({-2, -2, 0}, {2, 2, 1}), models::box({0, 0, 1}, {0.025F, 0.025F, 2})),
                models::box({-2, -2, 2}, {2, 2, 3}));
-  const auto found_with = [&](const ToneCurve& tone) {
+  const CarryingSupport anything{.least_grey = 1, .contact_area_mm2 = 0};
+  const auto found_with = [&](const ToneCurve& tone, const CarryingSupport& support) {
     ContourEngine engine(HeightIndex(facets),
                          EngineSettings{kDisplay, AntiAliasing::On, Compensation{}, tone, std::nullopt},
                          {PixelMap::true_scale(kDisplay, {0, 0})});
-    return analyze_print(engine, kDisplay, std::vector(6, kLayer), [](std::int32_t) { return 0s; }).value();
+    return analyze_print(
+               engine, kDisplay, std::vector(6, kLayer), [](std::int32_t) { return 0s; }, {}, support)
+        .value();
   };
-  const PrintFindings all = found_with({}), bright = found_with({2.2, 64}), cut = found_with({2.2, 65});
+  const PrintFindings all = found_with({}, anything), bright = found_with({2.2, 64}, anything),
+                      cut = found_with({2.2, 65}, anything);
   CHECK(all.empty_layers.empty());
   CHECK(all.island_count == 0);
+  // Nor does the pin carry the plate, unless anything does.
+  CHECK(found_with({}, {}).island_count == 1);
   // 64 of 255 is what a quarter of a pixel is.
   CHECK(bright.area_mm2 == all.area_mm2);
   CHECK(cut.area_mm2[2] == 0);

@@ -196,6 +196,18 @@ TEST_CASE("a resin's compensation arrives with its units and is none by default"
   CHECK(complaints_about(resin) == Complaints{"/growth_um: -500.5 is less than the least allowed, -500 um"});
 }
 
+TEST_CASE(
+    "what carries a part of a layer is a resin's, and a quarter of the light on a hundredth of a mm2 by "
+    "default") {
+  json resin = shipped("resins/standard.json");
+  CHECK(load(resin).support == CarryingSupport{.least_grey = 64, .contact_area_mm2 = 0.01});
+  resin["support_grey"] = 200;
+  resin["support_area_mm2"] = 0.25;
+  CHECK(load(resin).support == CarryingSupport{.least_grey = 200, .contact_area_mm2 = 0.25});
+  resin["support_grey"] = 0;
+  CHECK(complaints_about(resin) == Complaints{"/support_grey: 0 is less than the least allowed, 1"});
+}
+
 TEST_CASE("an elephant foot has a depth and a height or neither") {
   json resin = shipped("resins/standard.json");
   resin["elephant_foot_um"] = 80;
