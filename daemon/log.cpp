@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <climits>
 #include <cstdint>
 #include <cstdlib>
 #include <deque>
@@ -28,6 +29,8 @@ constexpr Duration kRetryInterval = 50ms;
 constexpr Duration kLongestFarewell = 1s;
 // A datagram has some 200 kB at most.
 constexpr std::size_t kLongestValue = 16'384;
+// A pipe that takes more takes this much without waiting (pipe(7)); with the time and the level before it.
+constexpr std::size_t kLongestLine = PIPE_BUF - 64;
 
 // JOURNAL_STREAM is "device:inode" of the stream that systemd connected; it may be inherited by a program
 // whose stderr is something else by now.
@@ -172,8 +175,9 @@ Log::~Log() {
 
 void Log::write(LogLevel level, std::string_view event, const std::string& message,
                 const LogFields& fields) const {
-  backlog_->add({level, backlog_->to_journal() ? journal_entry(level, event, message, fields) : message,
-                 std::chrono::system_clock::now()});
+  std::string text =
+      backlog_->to_journal() ? journal_entry(level, event, message, fields) : message.substr(0, kLongestLine);
+  backlog_->add({level, std::move(text), std::chrono::system_clock::now()});
 }
 
 }  // namespace contourd

@@ -10,7 +10,7 @@ import time
 
 from harness import (
     BAD_CONFIG, BAD_USAGE, CONTOURD, DEADLINE_S, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, OK, REALTIME, SLOWNESS, SOURCE, Client,
-    Daemon, FolderTest, binary_stl, box, main, merge, run, source_json,
+    Daemon, FolderTest, binary_stl, box, main, merge, run, source_json, wait_until,
 )  # fmt: skip
 
 
@@ -247,6 +247,26 @@ class CommandLine(ConfigTest):
         self.assertTrue(daemon.has("done", "part.stl"))
         process.send_signal(signal.SIGTERM)
         self.assertEqual(process.wait(DEADLINE_S), 0)
+
+    def test_a_log_that_is_full_holds_up_nobody_however_long_its_lines_are(self):
+        daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS})
+        reader, writer = os.pipe()  # which nobody reads
+        self.addCleanup(os.close, reader)
+        daemon.process = subprocess.Popen([CONTOURD, "--config", daemon.config_path], stdout=writer, stderr=writer)
+        os.close(writer)
+        wait_until(lambda: os.path.exists(daemon.socket_path), "the control socket")
+        daemon.drop("part.stl", binary_stl(box((0, 0, 0), (5, 5, 1))))
+        wait_until(lambda: daemon.status()["state"] == "exposing", "the first exposure")
+        # Each is told with all its names, 11 kB.
+        plate = {"models": [{"file": f"{'m' * 180}{number}.stl"} for number in range(60)]}
+        names = {f"plate{number}" for number in range(20)}
+        for name in names:
+            os.mkdir(self.path(name))
+            self.write(os.path.join(name, "plate.json"), json.dumps(plate))
+            os.rename(self.path(name), daemon.file("incoming", name))
+        wait_until(lambda: set(daemon.status()["incomplete"]) == names, "all that is incomplete")
+        self.assertEqual(daemon.status()["state"], "exposing")
+        daemon.stop()
 
 
 class Systemd(FolderTest):
