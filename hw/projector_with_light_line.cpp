@@ -70,6 +70,12 @@ void LightLineProjector::light_off() noexcept {
   note_whether_off();
 }
 
+std::optional<LightSpan> LightLineProjector::last_light() const {
+  std::optional<LightSpan> light = light_;
+  if (light && !light->off_earliest) light->off_earliest = line_.cut_at();
+  return light;
+}
+
 void LightLineProjector::note_whether_off() {
   if (light_ && light_->off_earliest && !light_->off_latest && line_.refusal().empty())
     light_->off_latest = clock_.now();

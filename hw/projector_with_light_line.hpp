@@ -23,7 +23,8 @@ class LightLineProjector final : public Projector {
   void light_on(Duration exposure, LightOn tell) override;
   void light_off() noexcept override;
   void when_dark(std::function<void()> call) override;
-  [[nodiscard]] std::optional<LightSpan> last_light() const override { return light_; }
+  // A light that the line has cut went off then.
+  [[nodiscard]] std::optional<LightSpan> last_light() const override;
   void power_off() noexcept override;
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }

@@ -31,8 +31,10 @@ class NotedLine final : public LightLine {
   [[nodiscard]] std::string refusal() const override {
     return stuck && lit ? "the light's line is stuck" : "";
   }
+  [[nodiscard]] std::optional<TimePoint> cut_at() const override { return cut; }
   bool stuck = false;
   bool lit = true;  // as it may be found
+  std::optional<TimePoint> cut;
   bool broken = false;
 
  private:
@@ -145,6 +147,19 @@ TEST_CASE("the light behind a line shone from the line's on to its off") {
   bench.inner.reply = ProjectorReply::NoAnswer;
   bench.light_on();
   CHECK_FALSE(bench.projector.last_light());  // not that of the time before
+}
+
+TEST_CASE("a light that its line has cut is known to be off since then, before anybody turns it off") {
+  Bench bench;
+  bench.light_on();
+  CHECK_FALSE(bench.projector.last_light()->off_earliest);
+  bench.line.cut = bench.clock.now() + 700ms;
+  const auto later = bench.clock.call_after(1s, [] {});
+  bench.run_out();
+  CHECK(bench.projector.last_light()->off_earliest == bench.line.cut);
+  CHECK(bench.projector.last_light()->least() == 700ms);
+  bench.projector.light_off();
+  CHECK(bench.projector.last_light()->least() == 700ms);
 }
 
 TEST_CASE("a light behind a line is dark when both the projector and the line are") {
