@@ -36,6 +36,12 @@ void warn_of_doubtful_light(JsonDocument& printer, const ProjectorTable& table,
     warn("its latency_ms is " + in_ms(table.latency) +
          ", and light_off is hardly faster than light_on: " + tolerated);
   }
+  const Duration soonest = wire_time(table.light_on->bytes, table.baud) + table.gap;
+  if (soonest > exposure) {
+    warn("its gap_ms is " + in_ms(table.gap) + ": light_off comes " + in_ms(soonest) +
+         " after light_on at the soonest, but the resin's exposure is " + in_ms(exposure) +
+         ": every such layer gets more");
+  }
   if (table.light_on->timeout >= exposure) {
     warn("the reply to light_on may take " + in_ms(table.light_on->timeout) +
          ", but the resin's exposure is " + in_ms(exposure) +

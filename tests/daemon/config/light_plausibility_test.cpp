@@ -65,3 +65,12 @@ TEST_CASE("a table that waits for a reply for longer than the exposure is a warn
             "there was light"});
   CHECK(warnings_of(plausible_table(), {}, 1001ms).empty());
 }
+
+TEST_CASE("a table whose gap is longer than the exposure is a warning") {
+  ProjectorTable slow = plausible_table();
+  slow.gap = 1s, slow.light_on->timeout = 300ms;
+  CHECK(warnings_of(slow, {}, 500ms) ==
+        std::vector<std::string>{"its gap_ms is 1000 ms: light_off comes 1008 ms after light_on at the "
+                                 "soonest, but the resin's exposure is 500 ms: every such layer gets more"});
+  CHECK(warnings_of(slow, {}, 1009ms).empty());
+}
