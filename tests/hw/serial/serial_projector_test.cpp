@@ -282,7 +282,7 @@ TEST_CASE("a reply to light off that comes late and twice does not confirm the p
   bench.pass(1300ms);
   REQUIRE(power_offs == 1);
   bench.pass(500ms);
-  CHECK(power_offs == 2);
+  CHECK(power_offs == 3);  // light off was sent twice: the second one's reply might be a third of its
   CHECK_FALSE(bench.is_on);
 }
 
