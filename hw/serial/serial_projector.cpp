@@ -339,8 +339,12 @@ void SerialProjector::power_off_if_on() {
     const bool says_on = answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::On;
     if (!off_if_on_) return;
     if (says_on) return power_off();
-    off_if_on_ = clock_.now() < warm_at_ && !lost_;
-    if (off_if_on_) off_if_on_timer_ = clock_.call_after(kWatchInterval, [this] { power_off_if_on(); });
+    const bool warms_up = clock_.now() < warm_at_;
+    off_if_on_ = (warms_up || answer.reply == ProjectorReply::NoAnswer) && !lost_;
+    if (!off_if_on_) return;
+    // One that is silent may be deaf while it is off, or its line is not plugged in yet.
+    off_if_on_timer_ =
+        clock_.call_after(warms_up ? kWatchInterval : kOffAgainLater, [this] { power_off_if_on(); });
   };
   ask(*table_.power, heard, true);
 }

@@ -49,8 +49,8 @@ class SerialProjector final : public Projector {
   // when the table's retries are over, what came of them (see last_problem()). REQUIRES: the table has a
   // light off; nothing was asked for before.
   void confirm_dark(Done done);
-  // Power off where it says that it is on, or does so while it may warm up: a process that has died may have
-  // left it so. A power_on() that comes first is left alone.
+  // Power off where it says that it is on, or does so while it may warm up, or when it answers at last: a
+  // process that has died may have left it so. A power_on() that comes first is left alone.
   void power_off_if_on();
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }

@@ -1196,6 +1196,20 @@ TEST_CASE("a projector that a dead process has left on is turned off, unless a p
   CHECK(off.channel.messages() == Messages{"~00124 1\r"});
 }
 
+TEST_CASE("a projector that was left on and is silent at first is turned off when it answers") {
+  Bench bench;
+  bench.is_on = true;
+  bench.fall_silent();
+  bench.projector.power_off_if_on();
+  bench.pass(20s);
+  bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
+  bench.pass(60s);
+  CHECK_FALSE(bench.is_on);
+  bench.channel.sent.clear();
+  bench.pass(5min);
+  CHECK(bench.channel.sent.empty());
+}
+
 TEST_CASE(
     "a projector that may be warming up is not believed when it refuses light off and says that it is off") {
   for (const bool may_warm_up : {true, false}) {
