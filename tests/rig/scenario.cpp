@@ -147,15 +147,15 @@ Nanometers Scenario::plate_tolerance(Nanometers step) const {
   return step + limits.tolerance + (misled ? limits.most_correction_sum : Nanometers{0});
 }
 
-// By a line 5 ms; by commands what is under way, the gap, one command's time on the wire and the projector's
-// own.
+// By a line 5 ms; by commands what is under way, the gap, which a reply that comes within it begins anew, one
+// command's time on the wire and the projector's own.
 std::optional<Duration> Scenario::darkening_after_edge() const {
   if (has({Kind::InputsHeldUp, Kind::LineRefuses})) return std::nullopt;
   if (light != LightKind::Serial) return 5ms;
   if (line.any() || has({Kind::LoopHeldUp, Kind::LoopHeldUpInWrite, Kind::AdapterUnplugged}))
     return std::nullopt;
   // Two commands of 8 to 10 bytes, each with its start and stop bits, at 9600 baud.
-  return projector.gap + 20ms + projector.latency + projector.slower + projector.darkening;
+  return 2 * projector.gap + 20ms + projector.latency + projector.slower + projector.darkening;
 }
 
 std::string describe(const Happening& happening) {
