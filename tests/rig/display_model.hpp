@@ -26,11 +26,14 @@ class DisplayModel final : public MaskDisplay {
 
   [[nodiscard]] const Picture& picture() const { return picture_; }
   [[nodiscard]] bool there() const { return there_; }
+  // Something was put on it since it was plugged in: before, it is black, and who shines through it may not
+  // have heard yet.
+  [[nodiscard]] bool in_use() const { return there_ && in_use_; }
 
   void lose_next_event() { loses_event_ = true; }
   void lose_next_flip() { loses_flip_ = true; }
   void unplug() {
-    there_ = false;
+    there_ = in_use_ = false;
     picture_.reset();
     changed();
     answer(std::nullopt);
@@ -71,6 +74,7 @@ class DisplayModel final : public MaskDisplay {
   }
   void flip(Picture picture) {
     if (!there_) return;
+    in_use_ = true;
     picture_ = picture;
     changed();
   }
@@ -89,7 +93,7 @@ class DisplayModel final : public MaskDisplay {
   Picture picture_;
   Presented done_;
   std::uint64_t asked_ = 0;
-  bool there_ = true, loses_event_ = false, loses_flip_ = false;
+  bool there_ = true, in_use_ = true, loses_event_ = false, loses_flip_ = false;
   std::unique_ptr<Timer> flip_, event_, lost_;
 };
 

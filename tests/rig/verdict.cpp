@@ -90,7 +90,7 @@ void Verdict::check_light(const Scene& scene) {
     break_rule("a: no lowering under light",
                fmt::format("the plate came down by {:.1f} um", um(highest_ - scene.plate)), scene.now);
   if (stray_ || !wanted_) return;
-  if (!scene.picture && scene.screen_is_there)
+  if (!scene.picture && scene.screen_is_in_use)
     break_rule("a: light through its own mask", "the screen is black in an exposure", scene.now);
   if (std::abs((scene.plate - height_).count()) > step_.count())
     break_rule("a: light at the layer's height",

@@ -39,7 +39,7 @@ class Verdict {
     bool lit = false;            // true light
     bool stray = false;          // which nobody has asked for
     std::optional<int> picture;  // on the screen
-    bool screen_is_there = true;
+    bool screen_is_in_use = true;
     Nanometers plate{};  // truly, above the film
     PrintState state = PrintState::Idle;
     bool doubted = false;  // the machine says that the light may be on

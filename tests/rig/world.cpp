@@ -142,7 +142,7 @@ void World::look() {
   scene.lit = machine_.lit();
   scene.stray = machine_.stray();
   scene.picture = machine_.screen.picture();
-  scene.screen_is_there = machine_.screen.there();
+  scene.screen_is_in_use = machine_.screen.in_use();
   scene.plate = machine_.plate();
   scene.state = process_.state();
   scene.doubted = scene.lit && machine_.doubted();
