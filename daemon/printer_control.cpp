@@ -1,10 +1,15 @@
 // The printer service's answers to the control socket.
 #include <fmt/format.h>
 
+#include <ranges>
+
 #include "daemon/printer_service.hpp"
 
 namespace contourd {
 namespace {
+
+// A reply does not grow with what lies in the spool: it is made while a light waits.
+constexpr std::size_t kMostQueued = 1'000, kMostIncomplete = 10;
 
 double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -17,7 +22,7 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
           {"queue",
            [this] {
              Json files = Json::array();
-             for (const QueuedJob& job : queue_)
+             for (const QueuedJob& job : queue_ | std::views::take(kMostQueued))
                files.push_back(job.file);
              return Json{{"queue", files}};
            }},
@@ -124,7 +129,7 @@ PrinterService::Json PrinterService::status() const {
   status["job"] = active_ ? job_json() : Json();
   status["queued"] = queue_.size();
   Json incomplete = Json::object();
-  for (const auto& [file, missing] : spool_.incomplete())
+  for (const auto& [file, missing] : spool_.incomplete() | std::views::take(kMostIncomplete))
     incomplete[file] = missing;
   status["incomplete"] = std::move(incomplete);
   status["plate"] = plate_occupant_ ? "occupied" : "clear";

@@ -259,7 +259,7 @@ class CommandLine(ConfigTest):
         wait_until(lambda: daemon.status()["state"] == "exposing", "the first exposure")
         # Each is told with all its names, 11 kB.
         plate = {"models": [{"file": f"{'m' * 180}{number}.stl"} for number in range(60)]}
-        names = {f"plate{number}" for number in range(20)}
+        names = {f"plate{number}" for number in range(10)}
         for name in names:
             os.mkdir(self.path(name))
             self.write(os.path.join(name, "plate.json"), json.dumps(plate))

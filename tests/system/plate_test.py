@@ -151,6 +151,17 @@ class Arrival(PlateTest):
         self.assertIn("waits for cube.stl, post.stl", daemon.log())
         daemon.stop()
 
+    def test_a_status_stays_small_however_many_plates_wait(self):
+        daemon = self.daemon().start()
+        plate = {"models": [{"file": f"{'m' * 180}{number}.stl"} for number in range(60)]}
+        for number in range(40):
+            folder = self.path(f"plate{number}")
+            os.mkdir(folder)
+            self.write(f"plate{number}/plate.json", json.dumps(plate))
+            os.rename(folder, daemon.file("incoming", f"plate{number}"))
+        wait_until(lambda: daemon.log().count(" waits for ") == 40, "all to be looked at")
+        self.assertEqual(len(daemon.status()["incomplete"]), 10)
+
     def test_a_folder_without_a_plate_json_is_left_alone_until_it_gets_one(self):
         daemon = self.daemon()
         os.makedirs(daemon.file("incoming", "later"))
