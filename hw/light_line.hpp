@@ -30,6 +30,8 @@ class LightLine {
   [[nodiscard]] virtual std::string refusal() const = 0;
   // When it was put off for people's safety, not before, and is kept off; nothing when it is not.
   [[nodiscard]] virtual std::optional<TimePoint> cut_at() const { return std::nullopt; }
+  // By when it was off then; nothing when nobody knows.
+  [[nodiscard]] virtual std::optional<TimePoint> cut_by() const { return std::nullopt; }
 };
 
 }  // namespace contourd

@@ -77,8 +77,10 @@ std::optional<LightSpan> LightLineProjector::last_light() const {
 }
 
 void LightLineProjector::note_whether_off() {
-  if (light_ && light_->off_earliest && !light_->off_latest && line_.refusal().empty())
-    light_->off_latest = clock_.now();
+  if (!light_ || !light_->off_earliest || light_->off_latest || !line_.refusal().empty()) return;
+  const TimePoint now = clock_.now();
+  // A line that was cut before it was known to be on went off again behind that.
+  light_->off_latest = light_->on_latest ? std::min(line_.cut_by().value_or(now), now) : now;
 }
 
 void LightLineProjector::when_dark(std::function<void()> call) {

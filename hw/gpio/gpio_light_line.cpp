@@ -41,12 +41,13 @@ void GpioLightLine::cut(TimePoint now) noexcept {
   Duration::rep not_cut = kNotCut;
   cut_at_.compare_exchange_strong(not_cut, now.time_since_epoch().count());
   // What the kernel refuses here it refuses the event loop too, which tells.
-  (void)line_->cut();
+  if (!line_->cut()) return;
+  not_cut = kNotCut;
+  cut_by_.compare_exchange_strong(not_cut, clock_.now().time_since_epoch().count());
 }
 
-std::optional<TimePoint> GpioLightLine::cut_at() const {
-  const Duration::rep at = cut_at_;
-  return at == kNotCut ? std::nullopt : std::optional(TimePoint{Duration{at}});
+std::optional<TimePoint> GpioLightLine::time_of(Duration::rep time) {
+  return time == kNotCut ? std::nullopt : std::optional(TimePoint{Duration{time}});
 }
 
 void GpioLightLine::refuse_interlocked() const {

@@ -30,8 +30,9 @@ class GpioLightLine final : public LightLine, public LightCutoff {
   void on() override;
   void off() noexcept override;
   void cut(TimePoint now) noexcept override;
-  void release() noexcept override { cut_at_ = kNotCut; }
-  [[nodiscard]] std::optional<TimePoint> cut_at() const override;
+  void release() noexcept override { cut_at_ = cut_by_ = kNotCut; }
+  [[nodiscard]] std::optional<TimePoint> cut_at() const override { return time_of(cut_at_); }
+  [[nodiscard]] std::optional<TimePoint> cut_by() const override { return time_of(cut_by_); }
   // For another process that is to turn the light off; the line's, and -1 for a line that has none.
   [[nodiscard]] int descriptor() const noexcept { return line_->descriptor(); }
   [[nodiscard]] std::string refusal() const override { return refuses_off_ ? cannot_be_set() : ""; }
@@ -45,7 +46,8 @@ class GpioLightLine final : public LightLine, public LightCutoff {
   Clock& clock_;
   std::unique_ptr<CuttableLine> line_;
   static constexpr Duration::rep kNotCut = std::numeric_limits<Duration::rep>::min();
-  std::atomic<Duration::rep> cut_at_{kNotCut};
+  [[nodiscard]] static std::optional<TimePoint> time_of(Duration::rep time);
+  std::atomic<Duration::rep> cut_at_{kNotCut}, cut_by_{kNotCut};
   std::function<void(const Disturbance&)> disturbed_;
   bool refuses_off_ = false;
   bool told_ = false;  // of that

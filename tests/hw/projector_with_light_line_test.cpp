@@ -32,6 +32,7 @@ class NotedLine final : public LightLine {
     return stuck && lit ? "the light's line is stuck" : "";
   }
   [[nodiscard]] std::optional<TimePoint> cut_at() const override { return cut; }
+  [[nodiscard]] std::optional<TimePoint> cut_by() const override { return cut; }
   bool stuck = false;
   bool lit = true;  // as it may be found
   std::optional<TimePoint> cut;
@@ -160,6 +161,7 @@ TEST_CASE("a light that its line has cut is known to be off since then, before a
   CHECK(bench.projector.last_light()->least() == 700ms);
   bench.projector.light_off();
   CHECK(bench.projector.last_light()->least() == 700ms);
+  CHECK(bench.projector.last_light()->most(bench.clock.now()) == 700ms);
 }
 
 TEST_CASE("a light behind a line is dark when both the projector and the line are") {

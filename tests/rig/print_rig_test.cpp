@@ -3,6 +3,7 @@
 #include "tests/catch.hpp"
 
 using namespace contourd::rig;
+using namespace std::chrono_literals;
 
 TEST_CASE("Whatever goes wrong in a print, its light and its plate are what they are said to be") {
   Figures figures;
@@ -18,4 +19,18 @@ TEST_CASE("Whatever goes wrong in a print, its light and its plate are what they
   CHECK(figures.done > 100);
   CHECK(figures.failed > 30);
   CHECK(figures.line_faults > 100);
+}
+
+TEST_CASE("A layer that was cut by the lid while the loop was held up beyond its end gets the rest") {
+  constexpr int kExposing = 8;  // the print's states up to there
+  Scenario scenario;
+  scenario.light = LightKind::Line;
+  scenario.exposure = 500ms;
+  scenario.layers = 1;
+  scenario.happenings = {{Happening::Kind::LoopHeldUp, kExposing, 50ms, 1s, 1},
+                         {Happening::Kind::OpenLid, kExposing, 200ms, 100ms, 1}};
+  const Verdict verdict = print(scenario);
+  INFO(report(scenario));
+  CHECK(verdict.violations().empty());
+  CHECK(verdict.figures.interruptions > 0);
 }

@@ -109,6 +109,8 @@ void Verdict::recorded(int layer, const LayerRecord& record, TimePoint now) {
     break_rule("d: no light beyond what was asked", bounds, now);
   if (slack && record.complete && truly < record.exposure_asked - *slack * record.exposure_parts)
     break_rule("d: no layer short of light", bounds, now);
+  if (shortfall && record.complete && truly < record.exposure_asked - *shortfall * record.exposure_parts)
+    break_rule("d: no layer short of light", bounds, now);
   if (layers_[layer].record) break_rule("c: one record a layer", bounds, now);
   layers_[layer].record = record;
   figures.layers += 1;

@@ -58,6 +58,8 @@ class Verdict {
   [[nodiscard]] const std::vector<Violation>& violations() const { return violations_; }
   // Light of a layer may be longer than asked by this, where nothing has disturbed; nothing: by any time.
   std::optional<Duration> slack;
+  // How much less each part of a whole layer may have had; nothing: that depends on what goes wrong.
+  std::optional<Duration> shortfall;
   Figures figures;
 
  private:

@@ -53,6 +53,9 @@ World::World(const Scenario& scenario)
     if (stopped_at_ || !machine_.plant.axis->moving()) return;
     stopped_at_ = machine_.plant.motor;
   };
+  // A line's light is known to the microsecond, and what lacks less than a millisecond is whole.
+  if (scenario.light != LightKind::Serial && !scenario.has({Kind::LineRefuses, Kind::InputsHeldUp}))
+    verdict_.shortfall = 1ms;
   if (scenario.undisturbed()) {
     const ProjectorTraits& traits = scenario.projector;
     // The gap, ten bytes at 9600 baud and what the projector takes.
