@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/enclosed_volume.hpp"
+#include "core/mesh_soundness.hpp"
 
 namespace contourd {
 namespace {
@@ -30,16 +31,11 @@ std::size_t halvings_above(double part) {
 }  // namespace
 
 HeightIndex::HeightIndex(std::vector<Facet> facets)
-    : facets_(std::move(facets)), bounds_(bounds_of(facets_)), duplicates_(heights_of_duplicates(facets_)) {
+    : facets_(std::move(facets)), bounds_(bounds_of(facets_)) {
   if (enclosed_volume(facets_, bounds_).inside_out()) turn_outwards();
+  if (!is_sound(facets_)) repairs_ = repair_mesh(facets_);
   make_levels();
   sort_into_cells();
-}
-
-bool HeightIndex::may_have_duplicates_at(double z) const {
-  const auto above = std::upper_bound(duplicates_.begin(), duplicates_.end(), z,
-                                      [](double height, const HeightRange& r) { return height < r.low; });
-  return above != duplicates_.begin() && z < (above - 1)->high;
 }
 
 void HeightIndex::turn_outwards() {

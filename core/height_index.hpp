@@ -17,8 +17,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/duplicate_facets.hpp"
 #include "core/facet.hpp"
+#include "core/mesh_repair.hpp"
 
 namespace contourd {
 
@@ -30,19 +30,19 @@ class HeightIndex {
  public:
   HeightIndex() = default;
 
-  // Takes the facets as they are. Where they enclose a negative volume (an inside-out model), all are turned.
-  // Extra memory: 12 bytes a facet, 16 while building. REQUIRES: finite coordinates, fewer than 2^32 facets.
+  // Where the facets enclose a negative volume (an inside-out model), all are turned; where they disagree
+  // with each other, they are mended (see repair_mesh()). Extra memory: 12 bytes a facet, 16 while building,
+  // 60 while mending. REQUIRES: finite coordinates, fewer than 2^30 facets.
   explicit HeightIndex(std::vector<Facet> facets);
 
-  // All facets, flat ones included, in the order given.
+  // All facets that were kept, flat ones included, in the order given.
   [[nodiscard]] std::span<const Facet> facets() const { return facets_; }
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
   // Whether the model was inside out, so that its facets had to be turned: what they enclose is negative,
   // also if their gaps are taken into account.
   [[nodiscard]] bool turned_outwards() const { return turned_outwards_; }
-  // Whether facets that the plane at z crosses may be there twice. As a rule they are not, and a section can
-  // do without looking for it.
-  [[nodiscard]] bool may_have_duplicates_at(double z) const;
+  // What had to be mended where the facets disagreed with each other.
+  [[nodiscard]] const MeshRepairs& repairs() const { return repairs_; }
 
   // A facet by its number in facets(), and between which heights it lies.
   struct Candidate {
@@ -100,7 +100,7 @@ class HeightIndex {
   std::vector<Facet> facets_;
   Bounds bounds_;
   bool turned_outwards_ = false;
-  std::vector<HeightRange> duplicates_;     // where facets may be there twice
+  MeshRepairs repairs_;
   std::vector<Level> levels_;               // none for a model without height
   std::vector<Candidate> candidates_;       // cell by cell; all in one run for a model without height
   std::vector<std::uint32_t> cell_starts_;  // candidates_ offsets, one more than there are cells

@@ -2,53 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <tuple>
 #include <vector>
 
 #include "core/enclosed_volume.hpp"
+#include "core/vertex_numbers.hpp"
 
 namespace contourd {
 namespace {
-
-using Corners = std::array<std::uint32_t, 3>;  // vertex numbers
-
-std::uint64_t hash_bits(const Vertex& v) {
-  // -0 + 0 is 0, so that both zeros hash alike.
-  std::uint64_t hash = std::bit_cast<std::uint32_t>(v.x + 0.0F);
-  for (const float coordinate : {v.y, v.z}) {
-    hash = (hash ^ (hash >> 29)) * 0x9E3779B97F4A7C15U + std::bit_cast<std::uint32_t>(coordinate + 0.0F);
-  }
-  return (hash ^ (hash >> 32)) * 0xBF58476D1CE4E5B9U >> 16;
-}
-
-// Gives equal vertices equal numbers.
-std::vector<Corners> number_vertices(std::span<const Facet> facets) {
-  constexpr std::uint32_t kEmpty = 0xFFFFFFFF;
-  std::vector<std::uint32_t> slots(std::bit_ceil(facets.size() * 6 + 1), kEmpty);
-  const std::size_t mask = slots.size() - 1;
-  std::vector<Vertex> vertices;
-  std::vector<Corners> corners(facets.size());
-  for (std::size_t f = 0; f < facets.size(); ++f) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vertex& vertex = facets[f].vertices[i];
-      std::size_t slot = hash_bits(vertex) & mask;
-      while (slots[slot] != kEmpty && !(vertices[slots[slot]] == vertex))
-        slot = (slot + 1) & mask;
-      if (slots[slot] == kEmpty) {
-        slots[slot] = static_cast<std::uint32_t>(vertices.size());
-        vertices.push_back(vertex);
-      }
-      corners[f][i] = slots[slot];
-    }
-  }
-  return corners;
-}
-
-bool is_degenerate(const Corners& c) {
-  return c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
-}
 
 double twice_area(const Facet& facet) {
   const auto [a, b, c] = facet.vertices;

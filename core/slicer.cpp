@@ -113,7 +113,6 @@ void slice_at(const HeightIndex& model, double z, Section& section) {
     }
   });
   section.balanced = imbalance == 0;
-  if (model.may_have_duplicates_at(z)) section.doubled_loops.drop_from(section.segments);
 }
 
 }  // namespace contourd

@@ -19,7 +19,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/doubled_loops.hpp"
 #include "core/height_index.hpp"
 #include "core/segment.hpp"
 
@@ -31,11 +30,10 @@ struct Section {
   std::uint32_t intersecting_facets = 0;
   // Whether as many segments start as end at every point, so that they form closed loops without any repair.
   bool balanced = true;
-  DoubledLoops doubled_loops;  // slice_at()'s working memory
 };
 
-// The section at z (millimetres, model coordinates), replacing what `section` held. Where facets are in the
-// file twice, loops that are there twice are left out once. Allocates only while section.segments grows.
+// The section at z (millimetres, model coordinates), replacing what `section` held. Allocates only while
+// section.segments grows.
 void slice_at(const HeightIndex& model, double z, Section& section);
 
 // Where the side from `lower` to `upper` meets the plane: the thesis's equations 3.1 to 3.5 with n = (0, 0,

@@ -265,7 +265,7 @@ TEST_CASE("A turned facet changes nothing but the report") {
     CAPTURE(i);
     models::Facets facets = whole;
     std::swap(facets[i].vertices[0], facets[i].vertices[1]);
-    const Contours contours = contours_of(facets, 5);
+    const Contours contours = linked(testing::segments_as_filed(facets, 5));
     CHECK(contours.loops.size() == 1);
     CHECK(contours.cracks.open_chains == 0);
     // The floor and the ceiling are not crossed; of the sides each facet is one chain.
@@ -306,7 +306,7 @@ TEST_CASE("A few turned facets of a gyroid leave its sections as they are") {
     models::turn_facets(facets, 0.03, dice);
     const double z = dice.between(1, 15);
     CAPTURE(seed, z);
-    const Contours contours = contours_of(facets, z);
+    const Contours contours = linked(testing::segments_as_filed(facets, z));
     CHECK(contours.cracks.turned_chains > 0);
     CHECK(contours.cracks.open_chains == 0);
     CHECK(contours.cracks.gaps_closed == 0);

@@ -27,6 +27,16 @@ inline Contours contours_of(models::Facets facets, double z) {
   return contours;
 }
 
+// The facets' segments as they are: cut one by one, none can be mended by its neighbours.
+inline std::vector<Segment> segments_as_filed(const models::Facets& facets, double z) {
+  std::vector<Segment> segments;
+  for (const Facet& facet : facets) {
+    const Section section = section_of({facet}, z);
+    segments.insert(segments.end(), section.segments.begin(), section.segments.end());
+  }
+  return segments;
+}
+
 inline models::Facets together(models::Facets facets, const models::Facets& more) {
   facets.insert(facets.end(), more.begin(), more.end());
   return facets;

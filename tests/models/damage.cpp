@@ -80,6 +80,19 @@ void turn_facets(Facets& facets, double share, Dice& dice) {
   }
 }
 
+void double_facets(Facets& facets, double share, Dice& dice) {
+  const std::size_t whole = facets.size();
+  for (std::size_t left = whole == 0 ? 0 : count_of(share, whole); left > 0; --left)
+    facets.push_back(Facet(facets[dice.below(whole)]));
+}
+
+void double_facets_reversed(Facets& facets, double share, Dice& dice) {
+  const std::size_t whole = facets.size();
+  double_facets(facets, share, dice);
+  for (std::size_t i = whole; i < facets.size(); ++i)
+    std::swap(facets[i].vertices[0], facets[i].vertices[1]);
+}
+
 void split_sides(Facets& facets, double share, double reach_mm, Dice& dice) {
   const std::size_t whole = facets.size();
   for (std::size_t left = whole == 0 ? 0 : count_of(share, whole); left > 0; --left) {

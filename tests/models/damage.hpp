@@ -36,6 +36,12 @@ Facets drop_facets(Facets& facets, double share, Dice& dice);
 // Swaps two corners of a share of the facets: up to so many of them face inwards.
 void turn_facets(Facets& facets, double share, Dice& dice);
 
+// Appends a share of the facets once more, as they are.
+void double_facets(Facets& facets, double share, Dice& dice);
+
+// Appends a share of the facets once more, turned round.
+void double_facets_reversed(Facets& facets, double share, Dice& dice);
+
 // Splits one side of a share of the facets, at least one, and not the neighbour's (T-junctions); the new
 // vertex lies up to `reach_mm` beside the side's middle.
 void split_sides(Facets& facets, double share, double reach_mm, Dice& dice);
