@@ -5,17 +5,21 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <variant>
 
 #include "core/crack_survey.hpp"
 #include "core/placement.hpp"
+#include "daemon/mesh_repair_text.hpp"
 
 namespace contourd {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
+
+constexpr std::string_view kMendIt = "mend the model, or print it with \"cracks\": \"repair\" in its ticket";
 
 // What is known of one model on the way to the plate.
 struct LoadedModel {
@@ -222,6 +226,8 @@ void count_layers(PrintPlan& plan, JobSummary& summary) {
 void inspect(const PlateModel& model, const std::string& prefix, ModelSummary& figures,
              std::vector<std::string>& warnings) {
   if (model.model->turned_outwards()) warnings.push_back(prefix + std::string(kTurnedOutwardsWarning));
+  figures.repairs = model.model->repairs();
+  if (figures.repairs != MeshRepairs{}) warnings.push_back(prefix + repair_warning(figures.repairs));
   figures.mesh = inspect_mesh(model.model->facets());
   const MeshReport& mesh = figures.mesh;
   if (!mesh.watertight) {
@@ -251,6 +257,10 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
 
 // Every layer is cut, before any is exposed: a guess is not to be printed, not even in the last one.
 void refuse_guesses(const ModelToPlace& model, const PrintLayers& layers, const BuildVolume& volume) {
+  if (const MeshRepairs& repairs = model.model->repairs(); repairs.has_guesses()) {
+    throw JobRefused(fmt::format("{} is cracked: its facets disagree with each other (to print it: {}); {}",
+                                 model.name, describe(repairs), kMendIt));
+  }
   const std::vector<Nanometers> heights = middles_of(layers.all());
   const CrackSurvey survey = survey_cracks(*model.model, heights, to_millimeters(volume.display.pixel_pitch));
   if (!survey.first_open) return;
@@ -259,11 +269,10 @@ void refuse_guesses(const ModelToPlace& model, const PrintLayers& layers, const 
                                                              : "contours do not close, or facets are turned,";
   throw JobRefused(
       fmt::format("{} is cracked: {} in {} of {} layers, first in layer {} at {:.3f} mm, "
-                  "and the widest gap is {:.3f} mm; mend the model, or print it with \"cracks\": \"repair\" "
-                  "in its ticket",
+                  "and the widest gap is {:.3f} mm; {}",
                   model.name, fault, survey.open_layers, heights.size(), *survey.first_open + 1,
                   to_millimeters(heights[static_cast<std::size_t>(*survey.first_open)]).count(),
-                  survey.cracks.widest_gap.count()));
+                  survey.cracks.widest_gap.count(), kMendIt));
 }
 
 PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/adaptive_layers.hpp"
+#include "core/mesh_repair.hpp"
 #include "core/mesh_report.hpp"
 #include "core/stl_reader.hpp"
 #include "daemon/config/job_ticket.hpp"
@@ -29,7 +30,8 @@ struct JobFiles {
 struct ModelSummary {
   std::string file;  // in the plate's folder; empty for a job of one model
   StlFormat format = StlFormat::Binary;
-  MeshReport mesh;                                     // as placed
+  MeshReport mesh;  // as placed and mended
+  MeshRepairs repairs;
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as placed
   Scale scale;                                         // the resin's shrinkage not included
   RotationDegrees rotation_deg;

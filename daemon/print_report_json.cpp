@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "daemon/mesh_repair_text.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/print_report.hpp"
 
@@ -44,6 +45,7 @@ Json model_json(const ModelSummary& model) {
   json["positions_mm"] = std::move(centers);
   json["watertight"] = mesh.watertight;
   json["open_edges"] = mesh.open_edges;
+  json["repairs"] = repairs_json(model.repairs);
   return json;
 }
 

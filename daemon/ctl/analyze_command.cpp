@@ -16,6 +16,7 @@
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/slice_files.hpp"
 #include "daemon/ctl/statistics_text.hpp"
+#include "daemon/mesh_repair_text.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/print_job.hpp"
 #include "daemon/readable.hpp"
@@ -47,6 +48,7 @@ Subject subject_alone(const AnalyzeOptions& options) {
   subject.model.warnings = std::move(model.warnings);
   HeightIndex index(std::move(model.facets));
   if (index.turned_outwards()) subject.model.warnings.emplace_back(kTurnedOutwardsWarning);
+  if (index.repairs() != MeshRepairs{}) subject.model.warnings.push_back(repair_warning(index.repairs()));
   const Bounds bounds = index.bounds();
   subject.model.layers = PrintLayers(layers_for(Millimeters{bounds.size_z()}, options.layer_height)).all();
   subject.layer_durations.assign(subject.model.layers.size(), options.layer_time);

@@ -2,19 +2,21 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "core/height_index.hpp"
 #include "core/mesh_report.hpp"
 #include "core/stl_reader.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/mesh_repair_text.hpp"
 
 namespace contourd::ctl {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const StlModel& model, const MeshReport& report) {
+Json to_json(const StlModel& model, const MeshReport& report, const MeshRepairs& repairs) {
   const Bounds& b = report.bounds;
   Json json;
   json["format"] = name_of(model.format);
@@ -32,6 +34,7 @@ Json to_json(const StlModel& model, const MeshReport& report) {
   json["degenerate_facets"] = report.degenerate_facets;
   json["zero_area_facets"] = report.zero_area_facets;
   json["duplicate_facets"] = report.duplicate_facets;
+  json["repairs"] = repairs_json(repairs);
   json["warnings"] = model.warnings;
   return json;
 }
@@ -60,8 +63,10 @@ int inspect(const InspectOptions& options) {
   StlModel model = read_model(options.model);
   const MeshReport report = inspect_mesh(model.facets);
   if (report.inside_out) model.warnings.emplace_back(kTurnedOutwardsWarning);
+  const MeshRepairs repairs = HeightIndex(std::move(model.facets)).repairs();
+  if (repairs != MeshRepairs{}) model.warnings.push_back(repair_warning(repairs));
   if (options.json) {
-    fmt::print("{}\n", to_json(model, report).dump(2));
+    fmt::print("{}\n", to_json(model, report, repairs).dump(2));
   } else {
     print(model, report);
   }

@@ -17,6 +17,7 @@
 #include "daemon/ctl/mask_files.hpp"
 #include "daemon/ctl/slice_files.hpp"
 #include "daemon/ctl/statistics_text.hpp"
+#include "daemon/mesh_repair_text.hpp"
 #include "hw/png_file.hpp"
 
 namespace contourd::ctl {
@@ -233,6 +234,8 @@ int slice(SliceOptions options) {
   if (options.lamp) options.engine.lamp = read_lamp(*options.lamp, options.engine.display);
   const auto model = std::make_shared<const HeightIndex>(read_model(options.model).facets);
   if (model->turned_outwards()) fmt::print(stderr, "contourctl: warning: {}\n", kTurnedOutwardsWarning);
+  if (model->repairs() != MeshRepairs{})
+    fmt::print(stderr, "contourctl: warning: {}\n", repair_warning(model->repairs()));
   return options.z ? slice_at_height(options, model) : slice_layers(options, model);
 }
 

@@ -329,6 +329,31 @@ TEST_CASE("A cracked model is refused when its ticket says so and named by its f
   CHECK(desk.refusal_of(kCube, refuse).empty());
 }
 
+TEST_CASE("What is mended in a mesh is told, and refused when the ticket says so") {
+  Desk desk;
+  const std::string refuse = R"({"layer_height_um": 100, "cracks": "refuse"})";
+  const auto refusal = [](const std::string& what) {
+    return "the model is cracked: its facets disagree with each other (to print it: " + what +
+           "); mend the model, or print it with \"cracks\": \"repair\" in its ticket";
+  };
+  models::Facets turned = kCube, reversed = kCube, wall = kCube, doubled = kCube;
+  std::swap(turned[4].vertices[0], turned[4].vertices[1]);
+  CHECK(desk.refusal_of(turned, refuse) == refusal("1 facet turned round"));
+  reversed.insert(reversed.end(),
+                  {turned[4], {{kCube[5].vertices[0], kCube[5].vertices[2], kCube[5].vertices[1]}}});
+  CHECK(desk.refusal_of(reversed, refuse) ==
+        refusal("2 facets left out for being there once more, reversed"));
+  const Bounds bounds = bounds_of(kCube);
+  const auto x = static_cast<float>(bounds.center().x), y = static_cast<float>(bounds.center().y);
+  wall.push_back({{Vertex{x, y, 2}, Vertex{x + 3, y, 2}, Vertex{x, y, 8}}});
+  CHECK(desk.refusal_of(wall, refuse) == refusal("1 facet of walls inside left out"));
+  for (const models::Facets& dirty : {turned, reversed, wall})
+    CHECK(desk.refusal_of(dirty).empty());
+  // No guess, but told.
+  doubled.push_back(kCube[3]);
+  CHECK(desk.refusal_of(doubled, refuse).empty());
+}
+
 TEST_CASE("Gaps within a pixel are no reason to refuse a model") {
   Desk desk;
   models::Facets cracked = kCube;

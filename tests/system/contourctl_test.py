@@ -36,7 +36,9 @@ class Inspect(FolderTest):
         self.assertEqual(found, {
             "format": "binary", "facets": 12, "bounds_mm": {"min": [-10, 5, 1], "max": [10, 25, 21]},
             "size_mm": [20, 20, 20], "watertight": True, "open_edges": 0, "non_manifold_edges": 0,
-            "flipped_edges": 0, "degenerate_facets": 0, "zero_area_facets": 0, "duplicate_facets": 0, "warnings": [],
+            "flipped_edges": 0, "degenerate_facets": 0, "zero_area_facets": 0, "duplicate_facets": 0,
+            "repairs": {"turned_facets": 0, "doubled_facets": 0, "reversed_facets": 0, "inner_wall_facets": 0},
+            "warnings": [],
         })  # fmt: skip
 
     def test_an_ascii_cube_has_the_same_figures_as_a_binary_one(self):
@@ -61,6 +63,12 @@ class Inspect(FolderTest):
         facets = cube(20)
         found = self.inspect(self.write("flip.stl", binary_stl(inside_out(facets[:1]) + facets[1:])))
         self.assertEqual((found["flipped_edges"], found["open_edges"], found["watertight"]), (3, 0, False))
+        self.assertEqual(found["repairs"]["turned_facets"], 1)
+        told = "the model's facets disagree with each other: 1 facet turned round"
+        self.assertEqual(found["warnings"], [told])
+        result = contourctl("slice", self.path("flip.stl"), "--z", "5")
+        self.assertEqual(result.stderr.decode(), f"contourctl: warning: {told}\n")
+        self.assertIn(b"area         400 mm2", result.stdout)
 
     def test_degenerate_and_duplicate_facets_are_counted(self):
         facets = cube(20)

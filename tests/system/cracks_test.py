@@ -52,14 +52,17 @@ class Policies(FolderTest):
     def test_turned_facets_are_turned_back_and_told_unless_the_ticket_refuses_guesses(self):
         daemon = self.daemon()
         daemon.drop("turned.stl", TURNED, {"layer_height_um": 100})
-        layers = daemon.wait_done("turned")["layer_records"]
-        self.assertEqual([(layer["turned_chains"], layer["open_chains"]) for layer in layers], [(1, 0)] * 10)
+        report = daemon.wait_done("turned")
+        layers = report["layer_records"]
+        self.assertEqual([(layer["turned_chains"], layer["open_chains"]) for layer in layers], [(0, 0)] * 10)
+        self.assertEqual(report["model"]["repairs"]["turned_facets"], 1)
+        self.assertIn("1 facet turned round", " ".join(report["model"]["warnings"]))
         self.assertEqual({round(layer["area_mm2"], 6) for layer in layers}, {100.0})
         daemon.stop()
         daemon = self.daemon()
         daemon.drop("part.stl", TURNED, {"layer_height_um": 100, "cracks": "refuse"})
         reason = daemon.wait_refused("part")
-        self.assert_one_line(reason.encode(), "facets are turned against each other in 10 of 10 layers")
+        self.assert_one_line(reason.encode(), "its facets disagree with each other (to print it: 1 facet turned round)")
         daemon.stop()
 
 
