@@ -74,9 +74,8 @@ Facets drop_facets(Facets& facets, double share, Dice& dice) {
 }
 
 void turn_facets(Facets& facets, double share, Dice& dice) {
-  for (std::size_t left = facets.empty() ? 0 : count_of(share, facets.size()); left > 0; --left) {
-    auto& corners = facets[dice.below(facets.size())].vertices;
-    std::swap(corners[0], corners[1]);
+  for (Facet& facet : facets) {
+    if (dice.between(0, 1) < share) std::swap(facet.vertices[0], facet.vertices[1]);
   }
 }
 

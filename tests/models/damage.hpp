@@ -33,7 +33,7 @@ void shake_vertices(Facets& facets, double reach_mm, Dice& dice);
 // Takes a share of the facets out, at least one, and returns them.
 Facets drop_facets(Facets& facets, double share, Dice& dice);
 
-// Swaps two corners of a share of the facets: up to so many of them face inwards.
+// Swaps two corners of a share of the facets, each by chance: they face inwards.
 void turn_facets(Facets& facets, double share, Dice& dice);
 
 // Appends a share of the facets once more, as they are.
