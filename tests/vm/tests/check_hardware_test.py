@@ -19,7 +19,7 @@ ok   emergency stop  line 5 of {chip} (zplant), an input, free; it is not presse
 ok   lid             line 6 of {chip} (zplant), an input, free; it is closed
 ok   encoder A       line 20 of {chip} (zplant), an input, free; it is inactive
 ok   encoder B       line 21 of {chip} (zplant), an input, free; it is active
-ok   step thread     1600 steps/s wanted, 2 mm/s; {lateness}
+ok   step thread     2400 steps/s wanted, 3 mm/s; {lateness}
 ok   light           line 24 of {chip} (zplant), an input, free
 ok   display         HDMI-A-1 of /dev/dri/card0 (zproj): 1920x1080 at 60.00 Hz, atomic; formats: XR24 RG16 R8
 ok   projector       Optoma at /dev/ttyZ0, on, lamp 1234 h
@@ -40,7 +40,7 @@ def _config():
     line = lambda number: {"chip": "zplant", "line": number}  # noqa: E731
     encoder = {"a": line(guests.ENCODER_A), "b": line(guests.ENCODER_B), "counts_per_mm": 200}
     # What the emulator keeps: its one processor hashes the screen's pictures besides.
-    speeds = {f"{name}_speed_mm_s": 2 for name in ("homing", "travel", "top")}
+    speeds = {f"{name}_speed_mm_s": 3 for name in ("homing", "travel", "top")}
     axis = {"encoder": encoder, "second_switch": {**line(_SECOND_SWITCH), "active_low": True}, **speeds}
     return guests.real_config(z_axis=axis, projector={"table": "optoma"})
 
@@ -57,7 +57,7 @@ def check_hardware():
     assert results.text("ended_with") == "0\n", said
     chip = said.split(" of ", 1)[1].split()[0]
     # How late threads wake is this computer's matter, not the check's.
-    lateness = said.split("2 mm/s; ", 1)[1].splitlines()[0]
+    lateness = said.split("3 mm/s; ", 1)[1].splitlines()[0]
     assert "this computer keeps" in lateness, said
     assert said == _FINDINGS.format(chip=chip, lateness=lateness), said
     assert not results.bytes("edges"), "levels of the axis' lines changed"
