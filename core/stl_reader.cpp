@@ -109,11 +109,14 @@ StlModel read_stl_file(const std::filesystem::path& path) {
   }
   const File file(std::fopen(path.c_str(), "rb"));
   if (!file) throw cannot_read(path, std::error_code(errno, std::generic_category()));
-  const std::uint64_t bytes = std::filesystem::file_size(path);
+  return read_stl_file(file.get(), std::filesystem::file_size(path), path);
+}
+
+StlModel read_stl_file(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
   std::vector<std::byte> start(std::min<std::uint64_t>(bytes, kSniffBytes));
-  read_exactly(file.get(), start, path);
-  std::rewind(file.get());
-  return read_any(bytes, start, [&](std::span<std::byte> into) { read_exactly(file.get(), into, path); });
+  read_exactly(file, start, path);
+  std::rewind(file);
+  return read_any(bytes, start, [&](std::span<std::byte> into) { read_exactly(file, into, path); });
 }
 
 StlModel read_stl(std::span<const std::byte> bytes) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <span>
 #include <stdexcept>
@@ -34,6 +36,9 @@ class StlError : public std::runtime_error {
 // file claims. Throws StlError for bad data, std::system_error when the file cannot be read or is not a
 // regular file.
 [[nodiscard]] StlModel read_stl_file(const std::filesystem::path& path);
+
+// The same for a regular file of that many bytes that is open for reading; `path` is its name in messages.
+[[nodiscard]] StlModel read_stl_file(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path);
 
 // The same for bytes already in memory. Throws StlError.
 [[nodiscard]] StlModel read_stl(std::span<const std::byte> bytes);

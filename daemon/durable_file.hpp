@@ -7,7 +7,8 @@
 
 namespace contourd {
 
-// Writes beside it and renames. Throws std::system_error; then what was there before is still there.
+// Writes a file of a name that nobody can know, or of none, and gives it this one. Throws std::system_error;
+// then what was there before is still there.
 void write_durably(const std::filesystem::path& path, std::string_view text);
 
 // Has a folder's renames on the disk. Where a file system cannot, it is left to that file system.

@@ -1,9 +1,14 @@
 #include "daemon/print_job.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <new>
 #include <string_view>
 #include <system_error>
@@ -12,6 +17,7 @@
 
 #include "core/crack_survey.hpp"
 #include "core/placement.hpp"
+#include "daemon/config/regular_file.hpp"
 #include "daemon/mesh_repair_text.hpp"
 
 namespace contourd {
@@ -28,12 +34,27 @@ struct LoadedModel {
   StlModel stl;
 };
 
-StlModel read_model(const std::filesystem::path& path, const std::string& name) {
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+StlModel read_open_stl(const std::filesystem::path& path, Links links) {
+  const FileDescriptor opened = open_regular_file(path, links);
+  struct stat status {};
+  const std::unique_ptr<std::FILE, CloseFile> file(::fdopen(::fcntl(opened.get(), F_DUPFD_CLOEXEC, 0), "rb"));
+  if (!file || ::fstat(opened.get(), &status) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot read " + path.string());
+  return read_stl_file(file.get(), static_cast<std::uint64_t>(status.st_size), path);
+}
+
+StlModel read_model(const std::filesystem::path& path, const std::string& name, Links links) {
   const std::string prefix = name.empty() ? "" : name + ": ";
   try {
-    StlModel model = read_stl_file(path);
+    StlModel model = read_open_stl(path, links);
     if (model.facets.empty()) throw JobRefused(prefix + "the STL file holds no facets");
     return model;
+  } catch (const UnreadableFile& error) {
+    throw JobRefused(fmt::format("cannot read {}: {}", path.string(), error.what()));
   } catch (const StlError& error) {
     throw JobRefused(fmt::format("{}not a usable STL file: {}", prefix, error.what()));
   } catch (const std::bad_alloc&) {
@@ -42,8 +63,8 @@ StlModel read_model(const std::filesystem::path& path, const std::string& name) 
 }
 
 JobTicket ticket_of(const JobFiles& files) {
-  if (files.plate) return load_plate_ticket(files.model / kPlateTicket);
-  return files.ticket ? load_job_ticket(*files.ticket) : JobTicket{};
+  if (files.plate) return load_plate_ticket(files.model / kPlateTicket, files.links);
+  return files.ticket ? load_job_ticket(*files.ticket, files.links) : JobTicket{};
 }
 
 EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin,
@@ -56,7 +77,8 @@ std::vector<LoadedModel> read_models(const JobFiles& files, const JobTicket& tic
   std::vector<LoadedModel> models;
   for (const ModelTicket& model : ticket.models) {
     const std::filesystem::path path = files.plate ? files.model / model.file : files.model;
-    models.push_back({model, files.plate ? model.file : "the model", read_model(path, model.file)});
+    models.push_back(
+        {model, files.plate ? model.file : "the model", read_model(path, model.file, files.links)});
   }
   return models;
 }

@@ -24,6 +24,7 @@ struct JobFiles {
   std::filesystem::path model;                  // an STL file, or a plate's folder
   std::optional<std::filesystem::path> ticket;  // beside an STL file
   bool plate = false;
+  Links links = Links::Follow;  // of these files
 };
 
 // One of its models.

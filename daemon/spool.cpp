@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "daemon/durable_file.hpp"
+#include "daemon/state_folder.hpp"
 
 namespace contourd {
 namespace {
@@ -75,7 +76,7 @@ bool is_folder(const fs::path& path) {
 std::vector<std::string> missing_models(const fs::path& plate) {
   std::vector<std::string> missing;
   try {
-    for (const ModelTicket& model : load_plate_ticket(plate / kPlateTicket).models) {
+    for (const ModelTicket& model : load_plate_ticket(plate / kPlateTicket, Links::Refuse).models) {
       std::error_code code;
       const bool there = fs::exists(fs::symlink_status(plate / model.file, code));
       if (!there && std::find(missing.begin(), missing.end(), model.file) == missing.end())
@@ -100,20 +101,34 @@ bool is_model_name(const std::string& file) {
 }
 
 Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
-    : root_(std::move(root)), loop_(loop), observer_(observer), disk_(loop) {
+    : root_(std::move(root)),
+      state_(state_folder_path(root_)),
+      loop_(loop),
+      observer_(observer),
+      disk_(loop) {
   for (const Folder each : {Folder::Incoming, Folder::Printing, Folder::Done, Folder::Failed}) {
     std::error_code code;
     fs::create_directories(folder(each), code);
     if (code) throw std::runtime_error(fmt::format("cannot make {}: {}", folder(each).string(), why(code)));
+    if (!is_folder(folder(each)))
+      throw std::runtime_error(fmt::format("{} is a symbolic link, not a folder", folder(each).string()));
   }
-  lock_ = FileDescriptor(::open((root_ / kLock).c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
+  make_state_folder(state_);
+  take_for_this_process();
+}
+
+// The lock can be read by nobody else: whoever can read it could hold it.
+void Spool::take_for_this_process() {
+  constexpr int flags = O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
+  lock_ = FileDescriptor(::open((root_ / kLock).c_str(), O_RDWR | flags, 0600));
   // A card that has become read-only may be written again later.
   if (!lock_.valid() && errno == EROFS)
-    lock_ = FileDescriptor(::open((root_ / kLock).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    lock_ = FileDescriptor(::open((root_ / kLock).c_str(), (O_RDONLY | flags) & ~O_CREAT));
   if (!lock_.valid()) {
     const std::error_code code(errno, std::generic_category());
     throw std::runtime_error(fmt::format("cannot write in the spool {}: {}", root_.string(), why(code)));
   }
+  (void)::fchmod(lock_.get(), 0600);  // where it cannot be changed now it is as it was made
   if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0) {
     throw std::runtime_error(fmt::format("another contourd uses the spool {}", root_.string()));
   }
@@ -402,10 +417,10 @@ bool Spool::is_plate(Folder where, const std::string& file) const {
 
 JobFiles Spool::files_of(Folder where, const std::string& file) const {
   const fs::path model = folder(where) / file;
-  if (is_plate(where, file)) return {file, model, std::nullopt, true};
+  if (is_plate(where, file)) return {file, model, std::nullopt, true, Links::Refuse};
   fs::path ticket = model;
   ticket.replace_extension(".json");
-  JobFiles files{job_name_of(file), model, std::nullopt, false};
+  JobFiles files{job_name_of(file), model, std::nullopt, false, Links::Refuse};
   // A name too long to have a ticket has none.
   std::error_code code;
   if (fs::exists(fs::symlink_status(ticket, code))) files.ticket = ticket;
@@ -433,7 +448,8 @@ std::string Spool::unused_name(const std::string& full_stem) const {
 }
 
 JobFiles Spool::named(Folder where, const std::string& name, const JobFiles& like) const {
-  JobFiles files{name, folder(where) / (like.plate ? name : name + ".stl"), std::nullopt, like.plate};
+  JobFiles files{name, folder(where) / (like.plate ? name : name + ".stl"), std::nullopt, like.plate,
+                 like.links};
   if (like.ticket) files.ticket = folder(where) / (name + ".json");
   return files;
 }
@@ -533,7 +549,7 @@ std::vector<JobFiles> Spool::interrupted() {
 }
 
 std::optional<std::string> Spool::first_line_of(const char* name) const {
-  std::ifstream file(root_ / name);
+  std::ifstream file(state_ / name);
   if (!file) return std::nullopt;
   std::string line;
   std::getline(file, line);
@@ -543,10 +559,10 @@ std::optional<std::string> Spool::first_line_of(const char* name) const {
 void Spool::keep_line(const char* name, const std::optional<std::string>& line) const {
   if (first_line_of(name) == line) return;
   if (line) {
-    write_durably(root_ / name, *line + "\n");
+    write_durably(state_ / name, *line + "\n");
   } else {
-    fs::remove(root_ / name);
-    sync_folder(root_);
+    fs::remove(state_ / name);
+    sync_folder(state_);
   }
 }
 

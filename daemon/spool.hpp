@@ -10,6 +10,9 @@
 //   printing/NAME.stl (+ NAME.json)     under way; or printing/NAME/
 //   done/NAME.stl ... NAME.report.json NAME.report.html; or done/NAME/ ...
 //   failed/NAME.stl ... NAME.reason.txt; or failed/NAME/ ...
+//
+// In a folder that nobody else may write (state_folder.hpp):
+//
 //   plate-occupied                      the plate holds a part: the job's name is in it
 //   queue-held                          no job begins until the owner has spoken: why is in it
 #pragma once
@@ -56,7 +59,7 @@ class Spool {
   enum class Folder { Incoming, Printing, Done, Failed };
 
   // Makes the folders, and takes the spool for this process alone. Throws std::runtime_error when that fails,
-  // or another contourd has it.
+  // one of them is a symbolic link, or another contourd has it.
   Spool(std::filesystem::path root, EventLoop& loop, SpoolObserver& observer);
 
   // Watches incoming/, and reports what is in it already, oldest first. Throws std::system_error.
@@ -164,7 +167,10 @@ class Spool {
   [[nodiscard]] JobFiles named(Folder folder, const std::string& name, const JobFiles& like) const;
   [[nodiscard]] Rejection file_rejected(const std::string& file, const std::string& reason) const;
 
+  void take_for_this_process();
+
   std::filesystem::path root_;
+  std::filesystem::path state_;
   EventLoop& loop_;
   SpoolObserver& observer_;
   FileDescriptor lock_;

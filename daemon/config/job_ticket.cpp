@@ -79,8 +79,8 @@ JobTicket read_job(const JsonSection& root) {
 
 }  // namespace
 
-JobTicket load_job_ticket(const std::filesystem::path& path) {
-  JsonDocument document = JsonDocument::from_file(path);
+JobTicket load_job_ticket(const std::filesystem::path& path, Links links) {
+  JsonDocument document = JsonDocument::from_file(path, links);
   ticket_schema().check(document);
   check_model_rules(document, "");
   check_layer_rules(document);
@@ -91,8 +91,8 @@ JobTicket load_job_ticket(const std::filesystem::path& path) {
   return ticket;
 }
 
-JobTicket load_plate_ticket(const std::filesystem::path& path) {
-  JsonDocument document = JsonDocument::from_file(path);
+JobTicket load_plate_ticket(const std::filesystem::path& path, Links links) {
+  JsonDocument document = JsonDocument::from_file(path, links);
   plate_schema().check(document);
   const nlohmann::json& value = document.value();
   const std::size_t models = value.is_object() && value.contains("models") && value.at("models").is_array()

@@ -9,6 +9,7 @@
 
 #include "core/placement.hpp"
 #include "core/units.hpp"
+#include "daemon/config/regular_file.hpp"
 
 namespace contourd {
 
@@ -61,10 +62,10 @@ struct JobTicket {
 inline constexpr const char* kPlateTicket = "plate.json";
 
 // Reads NAME.json from beside NAME.stl. Throws ConfigError with everything that is wrong with it.
-[[nodiscard]] JobTicket load_job_ticket(const std::filesystem::path& path);
+[[nodiscard]] JobTicket load_job_ticket(const std::filesystem::path& path, Links links = Links::Follow);
 
 // Reads a plate's plate.json. The files that it names need not be there. Throws ConfigError with everything
 // that is wrong with it.
-[[nodiscard]] JobTicket load_plate_ticket(const std::filesystem::path& path);
+[[nodiscard]] JobTicket load_plate_ticket(const std::filesystem::path& path, Links links = Links::Follow);
 
 }  // namespace contourd

@@ -1,11 +1,12 @@
 #include "daemon/config/json_document.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -25,22 +26,18 @@ void check_size(std::size_t bytes, const std::string& file) {
   if (bytes > largest_file_bytes) reject(file, "it is larger than the limit, 1 MiB");
 }
 
-std::string read_file(const std::filesystem::path& path) {
-  namespace fs = std::filesystem;
-  const std::string file = path.string();
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (status.type() == fs::file_type::not_found) reject(file, "there is no such file");
-  if (error) reject(file, "it cannot be read: " + error.message());
-  if (fs::is_directory(status)) reject(file, "it is a folder, not a file");
-  if (!fs::is_regular_file(status)) reject(file, "it is not a regular file");
-
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) reject(file, "it cannot be read: " + std::generic_category().message(errno));
+// Of the file, up to one byte more than is allowed.
+std::string read_all(const FileDescriptor& file, const std::string& name) {
   std::string text(largest_file_bytes + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) reject(file, "it cannot be read: " + std::generic_category().message(errno));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  std::size_t size = 0;
+  while (size < text.size()) {
+    const ssize_t bytes = ::read(file.get(), text.data() + size, text.size() - size);
+    if (bytes < 0 && errno == EINTR) continue;
+    if (bytes < 0) reject(name, "it cannot be read: " + std::generic_category().message(errno));
+    if (bytes == 0) break;
+    size += static_cast<std::size_t>(bytes);
+  }
+  text.resize(size);
   return text;
 }
 
@@ -79,8 +76,15 @@ std::vector<Violation> by_pointer(std::vector<Violation> violations) {
 JsonDocument::JsonDocument(std::string file, nlohmann::json value, std::vector<Violation> violations)
     : file_(std::move(file)), value_(std::move(value)), violations_(std::move(violations)) {}
 
-JsonDocument JsonDocument::from_file(const std::filesystem::path& path) {
-  return from_text(read_file(path), path.string());
+JsonDocument JsonDocument::from_file(const std::filesystem::path& path, Links links) {
+  const std::string name = path.string();
+  FileDescriptor file;
+  try {
+    file = open_regular_file(path, links);
+  } catch (const UnreadableFile& error) {
+    reject(name, error.what());
+  }
+  return from_text(read_all(file, name), name);
 }
 
 JsonDocument JsonDocument::from_text(std::string_view text, std::string file) {

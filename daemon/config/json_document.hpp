@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/config/config_error.hpp"
+#include "daemon/config/regular_file.hpp"
 
 namespace contourd {
 
@@ -19,7 +20,7 @@ class JsonDocument {
   // with no text longer than 1024 bytes and no NUL in one. Throws ConfigError when there is no such thing, or
   // it is not JSON. A duplicate key is a violation of the document, not a throw: the rest can still be
   // checked.
-  [[nodiscard]] static JsonDocument from_file(const std::filesystem::path& path);
+  [[nodiscard]] static JsonDocument from_file(const std::filesystem::path& path, Links links = Links::Follow);
   // The same for text at hand; `file` is its name in messages.
   [[nodiscard]] static JsonDocument from_text(std::string_view text, std::string file);
 

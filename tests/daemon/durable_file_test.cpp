@@ -1,5 +1,7 @@
 #include "daemon/durable_file.hpp"
 
+#include <sys/stat.h>
+
 #include <system_error>
 
 #include "tests/catch.hpp"
@@ -40,4 +42,14 @@ TEST_CASE("A durable file that cannot be written leaves the old one, and says wh
     CHECK(std::string(error.what()).find("a.txt") != std::string::npos);
   }
   CHECK(entries(folder.path()) == 1);
+}
+
+TEST_CASE("A durable file is written whatever lies under names like its own") {
+  const TemporaryFolder folder;
+  // Opened for writing, a FIFO waits for a reader.
+  for (const char* name : {".a.txt.new", "a.txt.new", "a.txt"})
+    REQUIRE(::mkfifo((folder.path() / name).c_str(), 0600) == 0);
+  write_durably(folder.path() / "a.txt", "one");
+  CHECK(content(folder.path() / "a.txt") == "one");
+  CHECK(entries(folder.path()) == 3);
 }

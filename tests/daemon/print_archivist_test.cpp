@@ -54,12 +54,12 @@ class Bench {
     return result;
   }
 
-  [[nodiscard]] bool has(const std::string& name) const { return fs::exists(folder.path() / name); }
+  [[nodiscard]] bool has(const std::string& name) const { return fs::exists(folder.path() / "spool" / name); }
 
   testing::TemporaryFolder folder;
   EventLoop loop;
   NoObserver observer;
-  Spool spool{folder.path(), loop, observer};
+  Spool spool{folder.path() / "spool", loop, observer};
 };
 
 }  // namespace
@@ -76,7 +76,7 @@ TEST_CASE("A print that is done lies in done/ with its report, page and picture"
 TEST_CASE("A report that cannot be written is told, and the job is filed all the same") {
   Bench bench;
   // A folder cannot be replaced by a file.
-  fs::create_directory(bench.folder.path() / "failed" / "part.report.json");
+  fs::create_directory(bench.spool.folder(Spool::Folder::Failed) / "part.report.json");
   const FiledPrint filed = bench.file(bench.ended(PrintOutcome::Failed, "the sky fell"));
   REQUIRE(filed.troubles.size() == 1);
   CHECK(filed.troubles.front().starts_with("no report: cannot write "));
@@ -86,7 +86,7 @@ TEST_CASE("A report that cannot be written is told, and the job is filed all the
 
 TEST_CASE("A page that cannot be written is told, and everything else is there") {
   Bench bench;
-  fs::create_directory(bench.folder.path() / "done" / "part.report.html");
+  fs::create_directory(bench.spool.folder(Spool::Folder::Done) / "part.report.html");
   const FiledPrint filed = bench.file(bench.ended(PrintOutcome::Done));
   REQUIRE(filed.troubles.size() == 1);
   CHECK(filed.troubles.front().starts_with("no report.html: "));
@@ -122,7 +122,7 @@ TEST_CASE("Without a report, or with what is none, nobody knows how a print ende
                            // Of another folder's: a done print is not filed here.
                            R"({"outcome": "done"})"}) {
     CAPTURE(text);
-    std::ofstream(bench.folder.path() / "failed" / "part.report.json") << text;
+    std::ofstream(bench.folder.path() / "spool" / "failed" / "part.report.json") << text;
     CHECK_FALSE(recorded_end(bench.spool, "part"));
   }
 }

@@ -1,9 +1,7 @@
 #include "daemon/printer_service.hpp"
 
-#include <fcntl.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
-#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -257,36 +255,6 @@ TEST_CASE("An emergency stop pressed while nothing is printed keeps jobs waiting
   CHECK(bench.has("incoming/one.stl"));
 }
 
-TEST_CASE("While a report waits for the disk the loop turns, and no other job begins") {
-  Bench bench;
-  bench.start();
-  bench.drop("one.stl");
-  // A report is written into a new file of this name: one that is there already and is a pipe takes nothing
-  // until somebody reads it, and cannot be had on the disk then.
-  const fs::path report = bench.config.spool_folder / "done" / ".one.report.json.new";
-  REQUIRE(::mkfifo(report.c_str(), 0600) == 0);
-  bool printed = false, second_began = false;
-  int turns = 0;
-  FileDescriptor reader;
-  bench.run_until("done/two.stl", [&] {
-    if (!printed && bench.machine->z_axis().moving()) bench.drop("two.stl");
-    printed = printed || bench.machine->z_axis().moving();
-    const bool waits = printed && !bench.machine->z_axis().moving() && bench.clock.idle() && !reader.valid();
-    if (!waits) return;
-    second_began = second_began || bench.has("printing/two.stl");
-    CHECK(bench.has("printing/one.stl"));
-    // A hundred milliseconds' worth of turns of a millisecond or less, whatever the disk does.
-    if (++turns == 100) reader = FileDescriptor(::open(report.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
-  });
-  CHECK(turns == 100);
-  CHECK_FALSE(second_began);
-  CHECK(bench.has("done/one.stl"));
-  // It was not on the disk: nothing is there that looks like one.
-  CHECK_FALSE(bench.has("done/one.report.json"));
-  CHECK(bench.report_of("two")["outcome"] == "done");
-  bench.stop();
-}
-
 namespace {
 
 // The report of a print beside which something keeps the loop busy once, with the light on or off.
@@ -331,9 +299,9 @@ TEST_CASE("That the queue is held is written to the disk when the light is off, 
     if (stopped || !bench.machine->light_is_on()) return;
     stopped = true;
     bench.machine->press_emergency_stop();
-    CHECK_FALSE(bench.has("queue-held"));
+    CHECK_FALSE(bench.has("../spool.state/queue-held"));
   });
   CHECK(stopped);
-  CHECK(bench.has("queue-held"));
+  CHECK(bench.has("../spool.state/queue-held"));
   bench.stop();
 }

@@ -472,6 +472,11 @@ class Daemon:
         with open(self.file(*parts), encoding="utf-8") as file:
             return file.read()
 
+    def state(self, name):
+        """A file of the daemon's own."""
+        with open(os.path.join(self.spool + ".state", name), encoding="utf-8") as file:
+            return file.read()
+
     def drop(self, name, data, ticket=None):
         """Puts a whole file into the spool, its ticket first."""
         if ticket is not None:

@@ -430,7 +430,7 @@ class HeldQueue(PrintTest):
         daemon.wait_done("two")
         daemon.wait_done("three")
         daemon.stop()
-        self.assertFalse(daemon.has("queue-held"))
+        self.assertFalse(daemon.has("../spool.state/queue-held"))
 
     def test_with_a_part_on_the_plate_one_command_says_that_both_are_seen_to(self):
         daemon = self.daemon({"simulation": {"projector_silent_after_commands": 8}, "wait_for_plate_cleared": True})

@@ -66,7 +66,7 @@ void wait_while(const char* gate) {
 }
 
 void wait_for_file(const char* path, bool writes) {
-  if (std::strstr(path, "/spool/") != nullptr) wait_while(writes ? "writes" : "reads");
+  if (in_spool(path)) wait_while(writes ? "writes" : "reads");
   if (writes && std::strstr(path, "preview.png") != nullptr) wait_while("pictures");
 }
 

@@ -469,16 +469,28 @@ class NotAFile(SpoolTest):
         self.assertTrue(os.path.islink(self.printer.file("failed", "dangling.stl")))
         self.next_is_printed()
 
-    def test_a_link_to_a_model_is_printed_or_refused(self):
+    def test_a_link_to_a_model_or_ticket_is_refused_and_what_it_leads_to_is_not_read(self):
         original = self.write("original.stl", SMALL)
+        ticket = self.write("original.json", b'{"secret": 1}')
         for name, target in (("absolute", os.fsdecode(original)), ("relative", "../../original.stl")):
             os.symlink(target, self.printer.file("incoming", name + ".stl"))
-            end = self.printer.wait_ended(name)
-            self.assertIn(end["outcome"], ("done", "failed"))
-            if end["outcome"] == "failed":
-                self.assertGreater(len(self.printer.read("failed", name + ".reason.txt")), 10)
+            self.assertIn("it is a symbolic link", self.printer.wait_refused(name))
+        os.symlink(ticket, os.fsencode(self.printer.file("incoming", "ticket.json")))
+        self.printer.drop("ticket.stl", SMALL)
+        reason = self.printer.wait_refused("ticket")
+        self.assertIn("it is a symbolic link", reason)
+        self.assertNotIn("secret", reason)
         with open(original, "rb") as file:
             self.assertEqual(file.read(), SMALL)
+        self.next_is_printed()
+
+    def test_a_link_in_a_plate_is_refused(self):
+        self.write("original.stl", SMALL)
+        os.mkdir(self.path("linked"))
+        os.symlink("../../../original.stl", self.path("linked", "part.stl"))
+        self.write("linked/plate.json", json.dumps({"models": [{"file": "part.stl"}]}))
+        os.rename(self.path("linked"), self.printer.file("incoming", "linked"))
+        self.assertIn("it is a symbolic link", self.printer.wait_refused("linked"))
         self.next_is_printed()
 
     def test_a_socket_is_refused(self):
@@ -507,6 +519,79 @@ class NotAFile(SpoolTest):
         os.rename(path, os.fsencode(self.printer.file("incoming", "secret.stl")))
         self.assertIn("ermission", self.printer.wait_refused("secret"))
         self.next_is_printed()
+
+
+class PlantedFiles(SpoolTest):
+    """What a member of the group may put into the spool beside models."""
+
+    def test_fifos_under_any_name_keep_neither_print_nor_refusal_nor_restart_waiting(self):
+        daemon = self.daemon({"wait_for_plate_cleared": True}).start()
+        for suffix in ("report.json", "report.html", "preview.png", "reason.txt"):
+            for folder in ("done", "failed"):
+                for name in (f"part.{suffix}", f".part.{suffix}.new", f"bad.{suffix}", f".bad.{suffix}.new"):
+                    os.mkfifo(daemon.file(folder, name))
+        for name in ("plate-occupied", ".plate-occupied.new", "queue-held", ".queue-held.new"):
+            os.mkfifo(daemon.file(name))
+        daemon.drop("bad.stl", b"no model")
+        # A name that is taken gets a number: jobs that end look for another, files beside it for none.
+        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "an end")["params"]["last"]
+        self.assertEqual(end["outcome"], "failed")
+        daemon.drop("part.stl", SMALL)
+        end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "an end")["params"]["last"]
+        self.assertEqual(end["outcome"], "done")
+        daemon.stop()
+        daemon.start()
+        self.assertEqual(daemon.status()["plate_job"], end["job"])
+        daemon.stop()
+
+    def test_files_called_like_the_daemons_own_hold_nothing_and_clear_nothing(self):
+        daemon = self.daemon({"wait_for_plate_cleared": True})
+        os.makedirs(daemon.spool)
+        for name in ("plate-occupied", "queue-held"):
+            with open(daemon.file(name), "w", encoding="utf-8") as file:
+                file.write("something\n")
+        daemon.start()
+        status = daemon.status()
+        self.assertEqual((status["held"], status["plate"]), (None, "clear"))
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+        for name in ("plate-occupied", "queue-held"):
+            os.unlink(daemon.file(name))
+        daemon.stop()
+        daemon.start()
+        self.assertEqual(daemon.status()["plate_job"], "part")
+        daemon.stop()
+
+    def test_the_daemons_own_files_are_nobody_elses(self):
+        daemon = self.daemon({"wait_for_plate_cleared": True}).start()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+        self.assertEqual(os.stat(daemon.spool + ".state").st_mode & 0o777, 0o700)
+        # Whoever can read it can hold the lock.
+        self.assertEqual(os.stat(daemon.file(".lock")).st_mode & 0o777, 0o600)
+        daemon.stop()
+
+    def test_the_service_managers_folder_is_used_where_there_is_one(self):
+        daemon = self.daemon({"wait_for_plate_cleared": True})
+        os.mkdir(self.path("own"))
+        os.chmod(self.path("own"), 0o2775)
+        daemon.environment["STATE_DIRECTORY"] = self.path("own")
+        daemon.start()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+        daemon.stop()
+        self.assertIn("plate-occupied", os.listdir(self.path("own")))
+        self.assertEqual(os.stat(self.path("own")).st_mode & 0o777, 0o700)
+        self.assertFalse(os.path.exists(daemon.spool + ".state"))
+
+    def test_a_spool_with_a_link_for_a_folder_is_refused(self):
+        daemon = self.daemon()
+        os.makedirs(daemon.spool)
+        os.mkdir(self.path("elsewhere"))
+        os.symlink(self.path("elsewhere"), daemon.file("done"))
+        daemon.launch()
+        self.assertGreater(daemon.process.wait(30), 0)
+        self.assertIn("done is a symbolic link", daemon.log())
 
 
 @unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
@@ -708,7 +793,7 @@ class DiskThatTakesNothing(SpoolTest):
         daemon.drop("more.stl", SMALL)
         wait_until(lambda: daemon.has("failed", "first.stl"), "first in failed")
         self.assertIn("interrupted", daemon.read("failed", "first.reason.txt"))
-        self.assertIn("first", daemon.read("queue-held"))
+        self.assertIn("first", daemon.state("queue-held"))
         self.assertEqual(daemon.names_in("printing"), [])
         self.assertEqual(daemon.rpc("resume")["result"]["held"], None)
         daemon.wait_state("exposing")
