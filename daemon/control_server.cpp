@@ -15,6 +15,7 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 namespace contourd {
 namespace {
@@ -32,6 +33,7 @@ constexpr std::size_t kMostUnsent = 262144;       // beyond it, lossy notificati
 constexpr std::size_t kMostUnsentEver = 4194304;  // beyond it, the client is not reading: it is dropped
 constexpr std::size_t kMostClients = 64;
 constexpr std::size_t kLargestBatch = 64;
+constexpr uid_t kRoot = 0;
 
 Json error_answer(const Json& id, int code, const std::string& message) {
   return {{"jsonrpc", "2.0"}, {"error", {{"code", code}, {"message", message}}}, {"id", id}};
@@ -60,12 +62,20 @@ FileDescriptor new_socket() {
   return socket;
 }
 
+std::optional<ControlServer::Peer> peer_of(int socket) {
+  ucred credentials{};
+  socklen_t size = sizeof credentials;
+  if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0) return std::nullopt;
+  return ControlServer::Peer{credentials.uid, credentials.pid};
+}
+
 }  // namespace
 
 // Answers one request a turn of the event loop: nobody can ask so much that a light waits.
 class ControlServer::Client {
  public:
-  Client(ControlServer& server, FileDescriptor socket) : server_(server), socket_(std::move(socket)) {
+  Client(ControlServer& server, FileDescriptor socket, const Peer& other_end)
+      : peer(other_end), server_(server), socket_(std::move(socket)) {
     source_ = server_.loop_.on_ready(socket_.get(), EPOLLIN, kName,
                                      [this](std::uint32_t events) { ready(events); });
   }
@@ -78,7 +88,16 @@ class ControlServer::Client {
 
   [[nodiscard]] bool closed() const { return source_ == nullptr; }
   [[nodiscard]] bool reads_slowly() const { return unsent_.size() > kMostUnsent; }
+  // No more is read or sent; the server removes the client when nobody is inside it.
+  void close() {
+    source_.reset();
+    next_turn_.reset();
+    server_.drop_closed_clients();
+  }
+
+  const Peer peer;
   bool watching = false;
+  std::chrono::steady_clock::time_point last_heard = std::chrono::steady_clock::now();
 
  private:
   static constexpr std::string_view kName = "a client of the control socket";
@@ -100,13 +119,6 @@ class ControlServer::Client {
     }
   }
 
-  // No more is read or sent; the server removes the client when nobody is inside it.
-  void close() {
-    source_.reset();
-    next_turn_.reset();
-    server_.drop_closed_clients();
-  }
-
   // REQUIRES: nothing of what came before is still to be answered.
   void receive() {
     std::array<char, 4096> buffer;
@@ -115,6 +127,7 @@ class ControlServer::Client {
     if (bytes < 0) return close();
     if (bytes == 0) return end_input();
     received_.append(buffer.data(), static_cast<std::size_t>(bytes));
+    last_heard = std::chrono::steady_clock::now();
     take_turn();
   }
 
@@ -244,9 +257,32 @@ void ControlServer::listen() {
 
 void ControlServer::accept_client() {
   FileDescriptor socket(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (!socket.valid() || clients_.size() >= kMostClients) return;
+  if (!socket.valid()) return;
+  const std::optional<Peer> peer = peer_of(socket.get());
+  if (!peer || !make_room(*peer)) return;
   const int key = socket.get();
-  clients_[key] = std::make_unique<Client>(*this, std::move(socket));
+  clients_[key] = std::make_unique<Client>(*this, std::move(socket), *peer);
+}
+
+bool ControlServer::make_room(const Peer& newcomer) {
+  std::map<uid_t, std::vector<Client*>> by_user;
+  std::size_t open = 0;
+  for (const auto& [key, client] : clients_) {
+    if (client->closed()) continue;
+    ++open;
+    if (client->peer.user != kRoot || newcomer.user == kRoot)
+      by_user[client->peer.user].push_back(client.get());
+  }
+  if (open < kMostClients) return true;
+  if (by_user.empty()) return false;
+  const auto fewer = [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); };
+  const std::vector<Client*>& most = std::ranges::max_element(by_user, fewer)->second;
+  // Who watches waits for what happens, and is not idle.
+  const auto idler = [](const Client* a, const Client* b) {
+    return std::pair(a->watching, a->last_heard) < std::pair(b->watching, b->last_heard);
+  };
+  (*std::ranges::min_element(most, idler))->close();
+  return true;
 }
 
 Json ControlServer::answer(const Json& message, Client& client) {
@@ -286,6 +322,7 @@ Json ControlServer::call(const Json& message, Client& client) {
     client.watching = true;
     return Json{{"result", true}};
   }
+  if (called_) called_(name, client.peer);
   try {
     return Json{{"result", method->second()}};
   } catch (const ControlRefusal& refusal) {

@@ -1,6 +1,8 @@
 // The control socket: JSON-RPC 2.0 over a Unix stream socket, one message a line. Whatever a client sends, it
-// gets an answer and stays connected. Event loop's thread only.
+// gets an answer and stays connected, unless it is idle and others want to come in. Event loop's thread only.
 #pragma once
+
+#include <sys/types.h>
 
 #include <filesystem>
 #include <functional>
@@ -9,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "daemon/event_loop.hpp"
 
@@ -25,6 +28,11 @@ class ControlServer {
   using Json = nlohmann::ordered_json;
   // Returns the result; throws ControlRefusal.
   using Method = std::function<Json()>;
+  // Who is at the other end of a connection, as the kernel says.
+  struct Peer {
+    uid_t user = 0;
+    pid_t process = 0;
+  };
 
   // Listens at once; the socket is readable and writable for owner and group. The socket of a contourd that
   // is no more is replaced. Throws std::runtime_error: the path is too long, taken by something else, or by a
@@ -33,6 +41,11 @@ class ControlServer {
   ~ControlServer();
   ControlServer(const ControlServer&) = delete;
   ControlServer& operator=(const ControlServer&) = delete;
+
+  // Calls `call` before each method that a client calls.
+  void on_call(std::function<void(const std::string& method, const Peer& peer)> call) {
+    called_ = std::move(call);
+  }
 
   // Sends a notification to every client that called "watch". A client that reads too slowly misses those
   // that need not arrive.
@@ -46,6 +59,9 @@ class ControlServer {
 
   void listen();
   void accept_client();
+  // When there are as many clients as there may be: closes the one that has been idle for longest, of the
+  // user who has most, for `newcomer`. None of root's gives way to another user's. False when none can.
+  [[nodiscard]] bool make_room(const Peer& newcomer);
   // One message's answer; discarded for a notification.
   Json answer(const Json& message, Client& client);
   Json call(const Json& message, Client& client);
@@ -57,6 +73,7 @@ class ControlServer {
   FileDescriptor listener_;
   EventLoop::SourcePtr listener_source_;
   std::map<int, std::unique_ptr<Client>> clients_;
+  std::function<void(const std::string&, const Peer&)> called_;
   EventLoop::SourcePtr drop_timer_;
 };
 

@@ -107,6 +107,8 @@ void PrinterService::start() {
   find_left_jobs();
   if (held_) log_.warning("held", hold_sentence());
   control_ = std::make_unique<ControlServer>(loop_, config_.control_socket, methods());
+  control_->on_call(
+      [this](const std::string& method, const ControlServer::Peer& peer) { called(method, peer); });
   spool_.open();
   supervisor_.status(readiness());
   pump_soon();

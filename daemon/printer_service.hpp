@@ -155,6 +155,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   [[nodiscard]] static Json ended_json(const EndedJob& job);
   Json cancel();
   Json resume_queue();
+  // Logs who gave a command; whoever only asks is not told of.
+  void called(const std::string& method, const ControlServer::Peer& peer) const;
   void require_print(std::string_view what) const;
   // The print is over, its job not filed yet.
   [[nodiscard]] bool finishing() const;

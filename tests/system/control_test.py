@@ -221,6 +221,7 @@ class Protocol(ControlTest):
         for client in clients:
             client.close()
         wait_until(self.reconnects, "a new client being served")
+        self.client = self.daemon.client()  # the one from before was idle, and gave way
 
     def reconnects(self):
         try:

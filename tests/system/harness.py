@@ -338,6 +338,7 @@ class Daemon:
         self.folder = test.folder
         self.process = None
         self.environment = {}
+        self.rights = {}  # for Popen: user, group and so on
         self.clients = []
         self.log_path = os.path.join(self.folder, "contourd.log")
         self.spool = os.path.join(self.folder, "spool")
@@ -369,6 +370,7 @@ class Daemon:
             os.unlink(notify_path)
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notify:
             notify.bind(notify_path)
+            os.chmod(notify_path, 0o777)  # for a daemon of another user
             self.launch(*arguments, NOTIFY_SOCKET=notify_path, **environment)
             notify.settimeout(0.02)
             end = time.monotonic() + DEADLINE_S
@@ -393,7 +395,7 @@ class Daemon:
         with open(self.log_path, "ab") as log:
             self.process = subprocess.Popen(
                 [CONTOURD, "--config", self.config_path, *arguments], stdin=subprocess.DEVNULL, stdout=log,
-                stderr=log, env={**os.environ, **self.environment, **environment})  # fmt: skip
+                stderr=log, env={**os.environ, **self.environment, **environment}, **self.rights)  # fmt: skip
 
     def log(self):
         with open(self.log_path, encoding="utf-8", errors="replace") as file:

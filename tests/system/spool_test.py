@@ -4,11 +4,13 @@ import json
 import os
 import signal
 import socket
+import subprocess
+import sys
 import time
 import unittest
 
 from harness import (
-    CONTOURD, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, SANITIZED, Daemon, FolderTest, ascii_stl, binary_stl, box, cube, main, merge, run,
+    CONTOURCTL, CONTOURD, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, SANITIZED, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box, cube, main, merge, run,
     wait_until,
 )  # fmt: skip
 
@@ -519,6 +521,93 @@ class NotAFile(SpoolTest):
         os.rename(path, os.fsencode(self.printer.file("incoming", "secret.stl")))
         self.assertIn("ermission", self.printer.wait_refused("secret"))
         self.next_is_printed()
+
+
+@unittest.skipUnless(os.geteuid() == 0, "only root can run a daemon and a member of its group as users of their own")
+class Members(SpoolTest):
+    """The service as its own user, with the rights that its folders have on a printer; another user of its group, with the
+    usual umask, drops files."""
+
+    GROUP, SERVICE, MEMBER = 64000, 64001, 64002  # nobody else's
+
+    def setUp(self):
+        super().setUp()
+        self.printer = self.daemon({"wait_for_plate_cleared": False})
+        os.chmod(self.folder, 0o755)
+        for name in ("home", "state", "run"):
+            os.mkdir(self.path(name))
+        os.chown(self.path("home"), self.MEMBER, self.MEMBER)
+        for name in ("state", "run"):
+            os.chown(self.path(name), self.SERVICE, self.GROUP)
+        with open(os.path.join(SOURCE, "systemd", "contourd.tmpfiles"), encoding="utf-8") as file:
+            folders = [line.split() for line in file if line.startswith("d ")]
+        for _, path, mode, *_ in folders:
+            folder = path.replace("/var/spool/contourd", self.printer.spool)
+            os.mkdir(folder)
+            os.chown(folder, self.SERVICE, self.GROUP)
+            os.chmod(folder, int(mode, 8))
+        self.printer.config["control_socket"] = self.printer.socket_path = self.path("run", "control.sock")
+        self.printer.write_config()
+        self.printer.environment["STATE_DIRECTORY"] = self.path("state")
+        self.printer.rights = {"user": self.SERVICE, "group": self.GROUP, "extra_groups": [], "umask": 0o002}
+        os.chmod(self.path(), 0o777)  # for the test's own notify socket
+        self.printer.start()
+
+    def member(self, command, umask="022"):
+        """Runs a shell command as the member, in the member's home; $incoming is the spool's."""
+        subprocess.run(
+            ["sh", "-ec", f"umask {umask}; {command}"], cwd=self.path("home"), check=True, user=self.MEMBER,
+            group=self.MEMBER, extra_groups=[self.GROUP], env={**os.environ, "incoming": self.printer.file("incoming")})  # fmt: skip
+
+    def flood(self, request=b""):
+        """The member's 200 connections, each with a request, idle from then on."""
+        script = (
+            "import os, socket, sys, time\n"
+            f"os.setgroups([{self.GROUP}])\n"
+            f"os.setresgid({self.MEMBER}, {self.MEMBER}, {self.MEMBER})\n"
+            f"os.setresuid({self.MEMBER}, {self.MEMBER}, {self.MEMBER})\n"
+            "held = []\n"
+            "for _ in range(200):\n"
+            "    held.append(socket.socket(socket.AF_UNIX))\n"
+            "    held[-1].connect(sys.argv[1])\n"
+            "    held[-1].send(sys.argv[2].encode())\n"
+            "print('held', flush=True)\n"
+            "time.sleep(600)\n")  # fmt: skip
+        flood = subprocess.Popen(
+            [sys.executable, "-c", script, self.printer.socket_path, request.decode()], stdout=subprocess.PIPE)
+        self.addCleanup(flood.wait)
+        self.addCleanup(flood.kill)
+        self.addCleanup(flood.stdout.close)
+        flood.stdout.readline()
+
+    def test_idle_connections_and_watchers_of_one_user_keep_nobody_from_the_printer(self):
+        for request in (b"", b'{"jsonrpc":"2.0","method":"watch","id":1}\n'):
+            self.flood(request)
+            for _ in range(3):
+                self.assertEqual(self.printer.status()["state"], "idle")
+        # The daemon's first watcher was there before them, is root's, and is there still.
+        self.printer.drop("part.stl", SMALL)
+        self.printer.wait_done("part")
+        self.printer.stop()
+
+    def test_a_command_is_logged_with_its_user_and_a_question_is_not(self):
+        call = [CONTOURCTL, "cancel", "--socket", self.printer.socket_path]
+        result = subprocess.run(call, user=self.MEMBER, group=self.MEMBER, extra_groups=[self.GROUP], capture_output=True, check=False)
+        self.assertIn(b"no print to cancel", result.stderr)
+        self.assertIn(f"cancel, says user {self.MEMBER} (process ", self.printer.log())
+        self.printer.rpc("pause")
+        self.assertIn("pause, says user root (0) (process ", self.printer.log())
+        self.printer.status()
+        self.assertNotIn("status, says", self.printer.log())
+        self.printer.stop()
+
+    def test_a_member_can_neither_replace_nor_remove_the_spools_folders(self):
+        for folder in ("incoming", "printing", "done", "failed"):
+            with self.assertRaises(subprocess.CalledProcessError):
+                self.member(f"mv $incoming/../{folder} $incoming/../elsewhere 2>/dev/null")
+        with self.assertRaises(subprocess.CalledProcessError):
+            self.member("ls $incoming/../../state 2>/dev/null")
+        self.printer.stop()
 
 
 class PlantedFiles(SpoolTest):
