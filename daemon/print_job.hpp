@@ -25,6 +25,7 @@ struct JobFiles {
   std::optional<std::filesystem::path> ticket;  // beside an STL file
   bool plate = false;
   Links links = Links::Follow;  // of these files
+  std::string original{};       // in incoming/: what these are a copy of; empty when they were moved
 };
 
 // One of its models.

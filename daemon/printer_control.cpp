@@ -157,6 +157,7 @@ PrinterService::Json PrinterService::status() const {
   for (const auto& [file, missing] : spool_.incomplete() | std::views::take(kMostIncomplete))
     incomplete[file] = missing;
   status["incomplete"] = std::move(incomplete);
+  status["deletable"] = spool_.originals();
   status["plate"] = plate_occupant_ ? "occupied" : "clear";
   status["plate_job"] = plate_occupant_ ? Json(*plate_occupant_) : Json();
   const std::string hindrance = machine_.hindrance();

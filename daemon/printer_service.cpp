@@ -131,6 +131,7 @@ void PrinterService::leave_if_over() {
                               [this] { stop_waiting_for_filing(); });
     return;
   }
+  if (copying_) return spool_.stop_copying();  // the end comes back here
   // Still being read: nothing was printed, so it waits for the next start.
   if (active_) give_back_unbegun();
   if (records_due_) keep_records();
@@ -372,20 +373,26 @@ void PrinterService::take_what_is_due() {
 void PrinterService::begin_next() {
   QueuedJob job = queue_.front();
   // Its check is being made right now, or a refused file looks for a name: the end comes back here.
-  if (job.check == QueuedJob::Check::Running || rejections_ > 0) return;
+  if (job.check == QueuedJob::Check::Running || rejections_ > 0 || copying_) return;
   queue_.pop_front();
   // The owner is writing it anew: it comes back when it is whole.
   if (spool_.is_unfinished(job.file)) {
     spool_.wait_for(job.file);
     return pump_soon();
   }
-  ActiveJob active;
-  active.turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived;
+  JobFiles files;
   try {
-    active.files = spool_.begin(job.file);
+    files = spool_.begin(job.file);
   } catch (const std::system_error& error) {
     return not_claimed(std::move(job), error);
   }
+  claimed(job, std::move(files));
+}
+
+void PrinterService::claimed(const QueuedJob& job, JobFiles files) {
+  ActiveJob active;
+  active.turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived;
+  active.files = std::move(files);
   active_ = std::move(active);
   worker_.run([files = active_->files, this] { return try_to_prepare(files, config_); },
               [this](std::variant<PreparedJob, std::string> result) { prepared(std::move(result)); });
@@ -407,16 +414,45 @@ void PrinterService::not_claimed(QueuedJob job, const std::system_error& error) 
               file_fields(job.file));
     return pump_soon();
   }
+  if (Spool::is_immovable(error.code())) return begin_with_copy(std::move(job), error.code().message());
   const std::string trouble = fmt::format("{} cannot be claimed: {}", printable(job.file), error.what());
   if (std::exchange(job.trouble, trouble) != trouble) log_.error("claim", trouble, file_fields(job.file));
   waiting_for_ = trouble;
   job.waited = true;
-  // What is about this file alone keeps no other waiting.
-  const bool of_file =
-      error.code() == std::errc::permission_denied || error.code() == std::errc::operation_not_permitted;
-  queue_.insert(of_file ? queue_.end() : queue_.begin(), std::move(job));
-  if (queue_.front().trouble.empty()) return pump_soon();
+  queue_.push_front(std::move(job));
   retry_later();
+}
+
+void PrinterService::begin_with_copy(QueuedJob job, const std::string& why) {
+  copying_ = std::move(job);
+  spool_.begin_with_copy(copying_->file, [this, why](const Spool::Copy& copy) { copied(copy, why); });
+}
+
+void PrinterService::copied(const Spool::Copy& copy, const std::string& why) {
+  QueuedJob job = std::move(*copying_);
+  copying_.reset();
+  if (copy.job) {
+    log_.warning("copied",
+                 fmt::format("{}: a copy of it is printed, as it cannot be moved: {}{}", printable(job.file),
+                             why, copy.job->original.empty() ? "" : "; what lies in incoming may be deleted"),
+                 file_fields(job.file));
+    claimed(job, *copy.job);
+  } else if (!copy.unreadable.empty()) {
+    queue_.push_front(std::move(job));
+    reject(queue_.front(), copy.unreadable);
+  } else {
+    const std::string trouble = fmt::format("{} cannot be copied: {}", printable(job.file), copy.trouble);
+    if (std::exchange(job.trouble, trouble) != trouble) log_.error("claim", trouble, file_fields(job.file));
+    waiting_for_ = trouble;
+    job.waited = true;
+    // What is about this job alone keeps no other waiting.
+    queue_.push_back(std::move(job));
+    if (queue_.front().trouble.empty())
+      pump_soon();
+    else
+      retry_later();
+  }
+  leave_if_over();
 }
 
 // A waiting job is read once when it arrives, so that its owner hears of a mistake while still there.
@@ -469,6 +505,11 @@ void PrinterService::rejected(const std::string& file, const std::string& reason
   }
   if (job != queue_.end()) queue_.erase(job);
   log_.error("refused", fmt::format("{}: {}", printable(file), reason), file_fields(file));
+  if (rejection == Spool::Rejection::LeftThere)
+    log_.warning(
+        "refused",
+        fmt::format("{}: lies in incoming still, as it cannot be moved; it may be deleted", printable(file)),
+        file_fields(file));
   if (rejection == Spool::Rejection::Impossible)
     log_.error("refused", fmt::format("{}: cannot be moved to failed: {}", printable(file), trouble));
   ended(job_name_of(file), "failed", reason);

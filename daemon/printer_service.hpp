@@ -116,7 +116,12 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   // For the service manager's status line.
   [[nodiscard]] std::string readiness() const;
   void begin_next();
+  // Has it printed, for which nothing is in the way any more.
+  void claimed(const QueuedJob& job, JobFiles files);
   void not_claimed(QueuedJob job, const std::system_error& error);
+  // What cannot be moved is copied, or refused if that cannot be either.
+  void begin_with_copy(QueuedJob job, const std::string& why);
+  void copied(const Spool::Copy& copy, const std::string& why);
   void check_waiting();
   void prepared(std::variant<PreparedJob, std::string> result);
   void checked(const std::string& file, const std::optional<std::string>& refusal);
@@ -150,13 +155,13 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void keep_records();
 
   [[nodiscard]] std::map<std::string, ControlServer::Method> methods();
+  // Logs who gave a command; whoever only asks is not told of.
+  void called(const std::string& method, const ControlServer::Peer& peer) const;
   [[nodiscard]] Json status() const;
   [[nodiscard]] Json job_json() const;
   [[nodiscard]] static Json ended_json(const EndedJob& job);
   Json cancel();
   Json resume_queue();
-  // Logs who gave a command; whoever only asks is not told of.
-  void called(const std::string& method, const ControlServer::Peer& peer) const;
   void require_print(std::string_view what) const;
   // The print is over, its job not filed yet.
   [[nodiscard]] bool finishing() const;
@@ -170,7 +175,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   Spool spool_;
   PrintProcess process_;
   std::deque<QueuedJob> queue_;
-  int rejections_ = 0;  // under way
+  int rejections_ = 0;                // under way
+  std::optional<QueuedJob> copying_;  // whose turn it is
   std::optional<ActiveJob> active_;
   std::deque<EndedJob> ended_;  // the latest last
   std::optional<std::string> plate_occupant_;

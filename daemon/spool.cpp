@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "daemon/durable_file.hpp"
+#include "daemon/job_copy.hpp"
 #include "daemon/state_folder.hpp"
 
 namespace contourd {
@@ -26,6 +27,9 @@ namespace fs = std::filesystem;
 constexpr const char* kOccupied = "plate-occupied";
 constexpr const char* kHeld = "queue-held";
 constexpr const char* kLock = ".lock";
+constexpr const char* kCopied = "copied-originals";
+// In printing/: copies under way.
+constexpr const char* kCopies = ".copies";
 
 // File names have at most 255 bytes; a job's name leaves room for a number and for what is written beside it.
 constexpr std::size_t kLongestName = 200;
@@ -44,6 +48,14 @@ std::system_error failure(const std::string& what) {
 
 std::string why(const std::error_code& code) {
   return code.message() + (code == std::errc::read_only_file_system ? kReadOnlyHint : "");
+}
+
+// What it consists of, as far as that is possible.
+void remove_job(const JobFiles& job) {
+  std::error_code ignored;
+  for (const fs::path& part : parts_of(job))
+    fs::remove(part, ignored);
+  if (job.plate) fs::remove(job.model, ignored);
 }
 
 enum class Writers { None, Some, Unknown };
@@ -105,6 +117,7 @@ Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
       state_(state_folder_path(root_)),
       loop_(loop),
       observer_(observer),
+      originals_(state_ / kCopied),
       disk_(loop) {
   for (const Folder each : {Folder::Incoming, Folder::Printing, Folder::Done, Folder::Failed}) {
     std::error_code code;
@@ -115,6 +128,10 @@ Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
   }
   make_state_folder(state_);
   take_for_this_process();
+}
+
+Spool::~Spool() {
+  stop_copying();
 }
 
 // The lock can be read by nobody else: whoever can read it could hold it.
@@ -153,6 +170,7 @@ void Spool::open() {
   if (!inotify_.valid()) throw failure("cannot watch folders (inotify)");
   // Watched before it is read, so that nothing can come in between.
   watch_incoming();
+  originals_.keep_those_in(folder(Folder::Incoming));
   inotify_source_ = loop_.on_ready(inotify_.get(), EPOLLIN, "the spool (inotify)",
                                    [this](std::uint32_t) { read_events(); });
   consider_all();
@@ -263,6 +281,7 @@ void Spool::take_event(const inotify_event& event) {
   looks_.erase(file);
   candidates_.erase(file);
   incomplete_.erase(file);
+  originals_here_.erase(file);
   if ((event.mask & IN_ISDIR) != 0) stop_watching_plate(file);
   if (is_model_name(file) || (event.mask & IN_ISDIR) != 0) observer_.model_withdrawn(file);
 }
@@ -282,11 +301,11 @@ Spool::Sight Spool::look_at_plate(const fs::path& path) const {
   Sight sight;
   std::error_code code;
   // Anybody's folder, or not yet a plate: what is in it does not matter.
-  if (!fs::exists(fs::symlink_status(path / kPlateTicket, code))) {
+  if (!fs::exists(fs::symlink_status(path / kPlateTicket, code)) && code != std::errc::permission_denied) {
     sight.missing = {kPlateTicket};
     return sight;
   }
-  sight.known_to_be_whole = true;
+  sight.known_to_be_whole = !code;
   for (const fs::directory_entry& entry : fs::directory_iterator(path, code)) {
     struct stat status {};
     if (::lstat(entry.path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
@@ -324,6 +343,7 @@ Spool::Sight Spool::look_at(const std::string& file) const noexcept {
     if (!plate && (!is_model_name(file) || !fs::exists(fs::symlink_status(path, code)))) return sight;
     sight = plate ? look_at_plate(path) : look_at_model(path);
     sight.is_plate = plate;
+    sight.taken = originals_.contains(files_of(Folder::Incoming, file));
   } catch (const std::exception&) {
     sight.being_written = true;  // cannot be looked at now: looked at again
   }
@@ -336,6 +356,12 @@ void Spool::seen(const std::string& file, Look look, const Sight& sight) {
     candidates_.erase(file);
     return;
   }
+  if (sight.taken) {
+    candidates_.erase(file);
+    originals_here_.insert(file);
+    return;
+  }
+  originals_here_.erase(file);
   const auto is_this = [&](const auto& watched) { return watched.second == file; };
   const bool watched = !sight.is_plate || std::ranges::any_of(plate_watches_, is_this);
   // Watched before it is looked at, so that nothing can come in between. (The disk was asked for its path
@@ -481,7 +507,66 @@ void Spool::end(const JobFiles& files, Folder where) const {
   move_job(files, named(where, files.name, files));
 }
 
+void Spool::begin_with_copy(const std::string& file, std::function<void(const Copy&)> done) {
+  disk_.run([this, file] { return copy_to_printing(file); },
+            [this, file, done = std::move(done)](const Copy& copy) {
+              if (copy.job && !copy.job->original.empty()) originals_here_.insert(file);
+              done(copy);
+            });
+}
+
+bool Spool::is_immovable(const std::error_code& code) {
+  return code == std::errc::permission_denied || code == std::errc::operation_not_permitted ||
+         code == std::errc::cross_device_link || code == std::errc::device_or_resource_busy;
+}
+
+// On the disk's thread. Copied under a name that is no job's: in printing/, a job is whole.
+Spool::Copy Spool::copy_to_printing(const std::string& file) {
+  const fs::path copies = folder(Folder::Printing) / kCopies;
+  try {
+    fs::remove_all(copies);
+    fs::create_directory(copies);
+    const JobFiles from = files_of(Folder::Incoming, file);
+    const std::string mark = mark_of(from);
+    JobFiles to = named(Folder::Printing, unused_name(from.name), from);
+    JobFiles copy = to;
+    copy.model = copies / to.model.filename();
+    if (to.ticket) copy.ticket = copies / to.ticket->filename();
+    copy_job(from, copy, free_bytes(), stop_copying_);
+      move_job(copy, to);
+    try {
+      originals_.add(mark);
+    } catch (const std::system_error&) {
+      remove_job(to);
+      throw;
+    }
+    // Possible where only the move was not, as to another file system.
+    remove_job(from);
+    if (fs::exists(fs::symlink_status(from.model))) to.original = file;
+    return {.job = to, .unreadable = {}, .trouble = {}};
+  } catch (const JobUnreadable& error) {
+    return {.job = {}, .unreadable = error.what(), .trouble = {}};
+  } catch (const ConfigError& error) {
+    return {
+        .job = {}, .unreadable = fmt::format("the job ticket is wrong:\n{}", error.what()), .trouble = {}};
+  } catch (const std::exception& error) {
+    std::error_code ignored;
+    fs::remove_all(copies, ignored);
+    return {.job = {}, .unreadable = {}, .trouble = error.what()};
+  }
+}
+
+void Spool::take_back(const JobFiles& copy) {
+  originals_.remove(mark_of(files_of(Folder::Incoming, copy.original)));
+  originals_here_.erase(copy.original);
+  remove_job(copy);
+}
+
 bool Spool::give_back(const JobFiles& files) {
+  if (!files.original.empty()) {
+    take_back(files);
+    return true;
+  }
   const JobFiles to = named(Folder::Incoming, files.name, files);
   if (fs::exists(fs::symlink_status(to.model)) || (to.ticket && fs::exists(fs::symlink_status(*to.ticket))))
     return false;
@@ -499,11 +584,14 @@ void Spool::reject(const std::string& file, const std::string& reason, Rejected 
           return {Rejection::Impossible, error.what()};
         }
       },
-      [done = std::move(done)](const Result& result) { done(result.first, result.second); });
+      [this, file, done = std::move(done)](const Result& result) {
+        if (result.first == Rejection::LeftThere) originals_here_.insert(file);
+        done(result.first, result.second);
+      });
 }
 
 // On the disk's thread.
-Spool::Rejection Spool::file_rejected(const std::string& file, const std::string& reason) const {
+Spool::Rejection Spool::file_rejected(const std::string& file, const std::string& reason) {
   if (is_unfinished(file)) return Rejection::Unfinished;
   const JobFiles from = files_of(Folder::Incoming, file);
   const JobFiles to = named(Folder::Failed, unused_name(from.name), from);
@@ -514,8 +602,14 @@ Spool::Rejection Spool::file_rejected(const std::string& file, const std::string
     fs::remove(folder(Folder::Failed) / (to.name + ".reason.txt"));
     return Rejection::Unfinished;
   }
-  move_job(from, to);
-  return Rejection::Filed;
+  try {
+    move_job(from, to);
+    return Rejection::Filed;
+  } catch (const std::system_error& error) {
+    if (!is_immovable(error.code())) throw;
+    originals_.add(mark_of(from));
+    return Rejection::LeftThere;
+  }
 }
 
 void Spool::write_beside(Folder where, const std::string& name, const std::string& suffix,

@@ -15,19 +15,23 @@
 //
 //   plate-occupied                      the plate holds a part: the job's name is in it
 //   queue-held                          no job begins until the owner has spoken: why is in it
+//   copied-originals                    what lies in incoming/ and was taken by copy
 #pragma once
 
 #include <sys/inotify.h>
 
+#include <atomic>
 #include <deque>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "daemon/copied_originals.hpp"
 #include "daemon/event_loop.hpp"
 #include "daemon/print_job.hpp"
 #include "daemon/worker.hpp"
@@ -61,6 +65,9 @@ class Spool {
   // Makes the folders, and takes the spool for this process alone. Throws std::runtime_error when that fails,
   // one of them is a symbolic link, or another contourd has it.
   Spool(std::filesystem::path root, EventLoop& loop, SpoolObserver& observer);
+  ~Spool();
+  Spool(const Spool&) = delete;
+  Spool& operator=(const Spool&) = delete;
 
   // Watches incoming/, and reports what is in it already, oldest first. Throws std::system_error.
   void open();
@@ -85,6 +92,22 @@ class Spool {
   // incoming/ -> printing/, under a name that no job in printing/, done/ or failed/ has. Throws
   // std::system_error; then the files are where they were.
   [[nodiscard]] JobFiles begin(const std::string& file);
+  // The same for what may be read but not moved (see is_immovable()), such as a folder that another made for
+  // himself alone: it is copied. The original stays, is never told of again as long as it is what it is, and
+  // is in originals(). Returns at once; `done` is called from the loop.
+  struct Copy {
+    std::optional<JobFiles> job;  // in printing/
+    std::string unreadable;       // else a sentence, when that is why: it can be refused
+    std::string trouble;          // else why it is to be tried again
+  };
+  void begin_with_copy(const std::string& file, std::function<void(const Copy&)> done);
+  // Whether what begin() threw is of this kind.
+  [[nodiscard]] static bool is_immovable(const std::error_code& code);
+  // What is being copied is given up soon.
+  void stop_copying() { stop_copying_ = true; }
+  // What lies in incoming/ and was taken by copy, or refused there: it may be deleted.
+  [[nodiscard]] const std::set<std::string>& originals() const { return originals_here_; }
+
   // -> done/ or failed/. What goes beside them has been written before: see write_beside(). Throws
   // std::system_error.
   void end(const JobFiles& files, Folder to) const;
@@ -94,6 +117,7 @@ class Spool {
   // incoming/ -> failed/, with a reason file. Returns at once; `done` is called from the loop.
   enum class Rejection {
     Filed,
+    LeftThere,   // filed, but for its files: they cannot be moved, and may be deleted
     Unfinished,  // somebody writes it anew: it stays where it is
     Impossible,  // it stays where it is, `trouble` says why
   };
@@ -135,6 +159,7 @@ class Spool {
     std::vector<std::string> missing;  // of a plate: what it lacks, its plate.json alone if it lacks that
     bool is_there = false;             // else there is nothing to be taken, and the rest says nothing
     bool is_plate = false;
+    bool taken = false;  // by copy: what lies there is not wanted any more
   };
 
   void watch_incoming();
@@ -165,7 +190,9 @@ class Spool {
   [[nodiscard]] std::string unused_name(const std::string& full_stem) const;
   void move_job(const JobFiles& from, const JobFiles& to) const;
   [[nodiscard]] JobFiles named(Folder folder, const std::string& name, const JobFiles& like) const;
-  [[nodiscard]] Rejection file_rejected(const std::string& file, const std::string& reason) const;
+  [[nodiscard]] Copy copy_to_printing(const std::string& file);
+  void take_back(const JobFiles& copy);
+  [[nodiscard]] Rejection file_rejected(const std::string& file, const std::string& reason);
 
   void take_for_this_process();
 
@@ -183,6 +210,9 @@ class Spool {
   std::map<int, std::string> plate_watches_;     // inotify's number: the plate in incoming/
   std::map<std::string, Candidate> candidates_;  // not known to be whole yet
   std::map<std::string, std::vector<std::string>> incomplete_;
+  CopiedOriginals originals_;
+  std::set<std::string> originals_here_;
+  std::atomic<bool> stop_copying_ = false;
   std::map<std::string, std::uint64_t> looks_;  // under way: the number of the latest at each file
   std::uint64_t looks_begun_ = 0;
   Worker disk_;  // last: its thread ends before what its tasks use

@@ -92,6 +92,9 @@ void print_status(const Json& status) {
       "plate     {}{}\n", status.value("plate", ""),
       status["plate_job"].is_string() ? " by " + printable(status["plate_job"].get<std::string>()) : "");
   fmt::print("queue     {}\n", status.value("queued", 0));
+  for (const Json& file : status["deletable"])
+    fmt::print("deletable {} in incoming: it had its turn, and cannot be moved\n",
+               printable(file.get<std::string>()));
   if (status["hindrance"].is_string())
     fmt::print("machine   {}\n", printable(status["hindrance"].get<std::string>()));
   if (status["held"].is_string()) fmt::print("held      {}\n", printable(status["held"].get<std::string>()));

@@ -65,7 +65,7 @@ class Protocol(ControlTest):
     def test_status_has_every_key_when_idle(self):
         result = self.client.call("status")["result"]
         self.assertEqual(result, {
-            "printer": "Simulated printer", "state": "idle", "job": None, "queued": 0, "incomplete": {}, "plate": "clear",
+            "printer": "Simulated printer", "state": "idle", "job": None, "queued": 0, "incomplete": {}, "deletable": [], "plate": "clear",
             "plate_job": None, "hindrance": None, "held": None, "waiting_for": None, "last": None,
         })  # fmt: skip
 

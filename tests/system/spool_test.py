@@ -559,6 +559,98 @@ class Members(SpoolTest):
             ["sh", "-ec", f"umask {umask}; {command}"], cwd=self.path("home"), check=True, user=self.MEMBER,
             group=self.MEMBER, extra_groups=[self.GROUP], env={**os.environ, "incoming": self.printer.file("incoming")})  # fmt: skip
 
+    def plate_at_home(self, name, ticket=None):
+        self.member(f"mkdir {name}")
+        for file, data in (("part.stl", SMALL), ("plate.json", json.dumps(ticket or {"models": [{"file": "part.stl"}]}))):
+            path = self.write(f"home/{name}/{file}", data)
+            os.chown(path, self.MEMBER, self.MEMBER)
+
+    def is_not_printed_again(self, *jobs):
+        """Nor refused again: not now, not after a restart."""
+        self.assertEqual(self.printer.status()["deletable"], list(jobs))
+        self.printer.stop()
+        self.printer.start()
+        self.printer.drop("another.stl", SMALL)
+        self.printer.wait_done("another")
+        wait_until(lambda: self.printer.status()["deletable"] == list(jobs), "its word")
+        for job in jobs:
+            self.assertFalse(any(name.startswith(job + "-2") for folder in ("done", "failed") for name in self.printer.names_in(folder)))
+        self.printer.stop()
+
+    def test_a_plate_copied_in_is_printed_once_and_may_be_deleted(self):
+        self.plate_at_home("plate")
+        self.member("cp -r plate $incoming/")
+        self.printer.wait_done("plate")
+        self.assertTrue(self.printer.has("done", "plate", "part.stl"))
+        self.assertTrue(self.printer.has("incoming", "plate", "part.stl"))
+        self.assertIn("plate: a copy of it is printed", self.printer.log())
+        self.assertIn(b"deletable plate", self.printer.ctl("status").stdout)
+        # Neither a change of its rights nor its name makes it another.
+        self.member("chmod -R a+r $incoming/plate; mv $incoming/plate $incoming/renamed")
+        wait_until(lambda: self.printer.status()["deletable"] == ["renamed"], "its new name")
+        self.is_not_printed_again("renamed")
+
+    def test_a_plate_made_in_place_and_one_moved_in_are_printed(self):
+        self.plate_at_home("moved")
+        self.member("mv moved $incoming/")
+        self.printer.wait_done("moved")
+        self.plate_at_home("made")
+        self.member("mkdir $incoming/made; cp made/part.stl made/plate.json $incoming/made/")
+        self.printer.wait_done("made")
+        self.is_not_printed_again("made", "moved")
+
+    def test_a_plate_that_was_changed_is_printed_again_and_one_taken_away_is_forgotten(self):
+        self.plate_at_home("plate")
+        self.member("cp -r plate $incoming/")
+        self.printer.wait_done("plate")
+        self.member("""echo '{"models": [{"file": "part.stl", "copies": 2}]}' > $incoming/plate/plate.json""")
+        self.printer.wait_done("plate-2")
+        self.member("rm -r $incoming/plate")
+        wait_until(lambda: self.printer.status()["deletable"] == [], "its word")
+        self.printer.stop()
+
+    def test_models_of_any_owner_are_moved(self):
+        self.write("home/model.stl", SMALL)
+        self.member("cp model.stl $incoming/copied.stl")
+        self.printer.wait_done("copied")
+        self.member("cp model.stl mine.stl; mv mine.stl $incoming/moved.stl")
+        self.printer.wait_done("moved")
+        self.assertEqual(self.printer.names_in("incoming"), [])
+        self.printer.stop()
+
+    def test_a_bad_plate_is_refused_once(self):
+        self.plate_at_home("bad", {"models": [{"file": "part.stl", "colour": "red"}]})
+        self.member("cp -r bad $incoming/")
+        self.assertIn("colour", self.printer.wait_refused("bad"))
+        self.is_not_printed_again("bad")
+
+    def test_what_may_not_be_read_is_refused_once(self):
+        self.plate_at_home("closed")
+        self.member("cp -r closed $incoming/", umask="077")
+        self.assertIn("Permission denied", self.printer.wait_refused("closed"))
+        self.write("home/model.stl", SMALL)
+        self.member("cp model.stl $incoming/secret.stl", umask="077")
+        self.assertIn("Permission denied", self.printer.wait_refused("secret"))
+        self.member("mkdir $incoming/folder.stl")
+        self.assertIn("folder", self.printer.wait_refused("folder"))
+        self.is_not_printed_again("closed", "folder.stl")
+
+    def test_a_bad_plate_is_refused_while_another_job_waits(self):
+        # Checked in the queue, behind a plate that is not clear.
+        self.printer.stop()
+        merge(self.printer.config, WAITS)
+        self.printer.write_config()
+        self.printer.start()
+        self.printer.drop("first.stl", SMALL)
+        self.printer.wait_done("first")
+        self.plate_at_home("bad", {"models": [{"file": "part.stl", "colour": "red"}]})
+        self.plate_at_home("good")
+        self.member("cp -r bad good $incoming/")
+        self.assertIn("colour", self.printer.wait_refused("bad"))
+        self.printer.rpc("plate_cleared")
+        self.printer.wait_done("good")
+        self.printer.stop()
+
     def flood(self, request=b""):
         """The member's 200 connections, each with a request, idle from then on."""
         script = (
