@@ -88,6 +88,16 @@ void write_durably(const fs::path& path, std::string_view text) {
   sync_folder(path.parent_path());
 }
 
+void remove_unfinished_files(const fs::path& folder) {
+  std::error_code code;
+  for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code)) {
+    const std::string name = entry->path().filename().string();
+    std::error_code ignored;
+    if (name.starts_with(kTemporaryStart) && name.ends_with(kTemporaryEnd))
+      fs::remove(entry->path(), ignored);
+  }
+}
+
 void sync_folder(const fs::path& folder) {
   const FileDescriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (directory.valid()) ::fsync(directory.get());

@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <exception>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "core/preview.hpp"
+#include "daemon/readable.hpp"
 #include "hw/png_file.hpp"
 
 namespace contourd {
@@ -68,11 +69,25 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   attempt("no preview.png", filed, [&] { spool.write_beside(folder, report.job, "preview.png", picture); });
 }
 
+// A name may be no UTF-8, which JSON is.
+std::string as_recorded(const std::string& job) {
+  return printable(job);
+}
+
+void write_record(const Spool& spool, const std::string& job, const PrintEnd& end) {
+  if (recorded_end(spool, job)) return;
+  const nlohmann::json record{
+      {"job", as_recorded(job)}, {"outcome", name_of(end.outcome)}, {"reason", end.reason}};
+  spool.keep_end_of_print(record.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+}
+
 FiledPrint file_print(const Spool& spool, EndedPrint& print) {
   const PrintReport& report = print.report;
-  FiledPrint filed{report.job, report.outcome, report.reason, {}};
+  FiledPrint filed{print.files, false, report.outcome, report.reason, {}};
   const Spool::Folder folder = folder_for(report.outcome);
-  const std::string reason = reason_text({report.outcome, report.reason});
+  const PrintEnd end{report.outcome, report.reason};
+  attempt("no record of its end", filed, [&] { write_record(spool, report.job, end); });
+  const std::string reason = reason_text(end);
   // A full disk has no room for what goes beside the job, but a rename needs none.
   if (!reason.empty())
     attempt("no reason beside it", filed,
@@ -81,7 +96,7 @@ FiledPrint file_print(const Spool& spool, EndedPrint& print) {
     spool.write_beside(folder, report.job, "report.json", report_as_json(report));
   });
   if (recorded) write_page_and_picture(spool, print, filed);
-  attempt("stays in printing", filed, [&] { spool.end(print.files, folder); });
+  filed.moved = attempt("stays in printing", filed, [&] { spool.end(print.files, folder); });
   return filed;
 }
 
@@ -109,6 +124,19 @@ void PrintArchivist::file(EndedPrint print, std::function<void(const FiledPrint&
               });
 }
 
+void PrintArchivist::record(const std::string& job, const PrintEnd& end) {
+  worker_.run(
+      [&spool = spool_, job, end] {
+        try {
+          write_record(spool, job, end);
+        } catch (const std::system_error&) {
+          return false;  // tried again, and told, when it is filed
+        }
+        return true;
+      },
+      [](bool) {});
+}
+
 Spool::Folder folder_for(PrintOutcome outcome) {
   return outcome == PrintOutcome::Done ? Spool::Folder::Done : Spool::Folder::Failed;
 }
@@ -125,19 +153,17 @@ std::string reason_text(const PrintEnd& end) {
   return "";
 }
 
+// A record that nobody could make out is one of nothing.
 std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job) {
-  for (const Spool::Folder folder : {Spool::Folder::Done, Spool::Folder::Failed}) {
-    std::ifstream file(spool.folder(folder) / (job + ".report.json"));
-    const auto report = nlohmann::json::parse(file, nullptr, false);
-    if (!report.is_object()) continue;
-    const auto text = [&](const char* key) {
-      const auto found = report.find(key);
-      return found != report.end() && found->is_string() ? found->get<std::string>() : std::string();
-    };
-    const std::optional<PrintOutcome> outcome = outcome_called(text("outcome"));
-    if (outcome && folder_for(*outcome) == folder) return PrintEnd{*outcome, text("reason")};
-  }
-  return std::nullopt;
+  const auto record = nlohmann::json::parse(spool.end_of_print(), nullptr, false);
+  if (!record.is_object()) return std::nullopt;
+  const auto text = [&](const char* key) {
+    const auto found = record.find(key);
+    return found != record.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  const std::optional<PrintOutcome> outcome = outcome_called(text("outcome"));
+  if (!outcome || text("job") != as_recorded(job)) return std::nullopt;
+  return PrintEnd{*outcome, text("reason")};
 }
 
 }  // namespace contourd

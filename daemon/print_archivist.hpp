@@ -22,7 +22,8 @@ struct EndedPrint {
 };
 
 struct FiledPrint {
-  std::string job;
+  JobFiles files;  // where they were
+  bool moved = false;
   PrintOutcome outcome = PrintOutcome::Failed;
   std::string reason;
   std::vector<std::string> troubles;  // a sentence each: what is not there, or not as it should be, and why
@@ -39,8 +40,12 @@ class PrintArchivist {
   // The spool must outlive the archivist.
   PrintArchivist(EventLoop& loop, const Spool& spool);
 
+  // Has it on the disk how the job's print ended, before anything else is made of that: from then on it ended
+  // so, whatever happens to this process or to done/ and failed/. What goes wrong is told with the filing.
+  void record(const std::string& job, const PrintEnd& end);
+
   // Writes what belongs beside the job's files and moves them to done/ or failed/; then calls `done`, from
-  // the loop. The outcome is on the disk before what takes long is made. REQUIRES: not busy.
+  // the loop. REQUIRES: not busy.
   void file(EndedPrint print, std::function<void(const FiledPrint&)> done);
   // A print was given and its `done` is still to come.
   [[nodiscard]] bool busy() const { return busy_; }
@@ -55,7 +60,7 @@ class PrintArchivist {
 [[nodiscard]] Spool::Folder folder_for(PrintOutcome outcome);
 [[nodiscard]] std::string reason_text(const PrintEnd& end);
 
-// For a job found in printing/: how its print ended, if the archivist was only kept from filing it. Blocks.
+// How the print of a job in printing/ ended, if the archivist was only kept from filing it. Blocks.
 [[nodiscard]] std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job);
 
 }  // namespace contourd

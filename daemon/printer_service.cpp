@@ -278,6 +278,8 @@ void PrinterService::retry_later() {
 std::string PrinterService::reason_to_wait() const {
   if (std::string hindrance = machine_.hindrance(); !hindrance.empty()) return hindrance;
   if (held_) return hold_sentence();
+  if (!left_jobs_.empty())
+    return fmt::format("{} is not filed yet: {}", left_jobs_.back().files.name, unkept_);
   if (config_.wait_for_plate_cleared && plate_occupant_) {
     return fmt::format("the plate holds {}; say \"contourctl plate-cleared\" when it is clear",
                        *plate_occupant_);
@@ -696,6 +698,7 @@ void PrinterService::print_ended(PrintOutcome outcome, const std::string& reason
   log_.write(outcome == PrintOutcome::Failed ? LogLevel::Error : LogLevel::Info, name_of(outcome), summary,
              job_fields(name));
   warn_about_lateness(report);
+  archivist_.record(name, {outcome, reason});
   active_->over = EndedPrint{active_->files, std::move(report), std::move(plan.engine)};
   // What is wrong with the machine would be wrong for the next job too, and that begins with a motion.
   // Stopped with contourd, it has left its part in the way.
@@ -738,11 +741,16 @@ void PrinterService::finish_job() {
 }
 
 void PrinterService::filed(const FiledPrint& print) {
+  const std::string& name = print.files.name;
   for (const std::string& trouble : print.troubles)
-    log_.error("spool", fmt::format("{}: {}", printable(print.job), trouble), job_fields(print.job));
+    log_.error("spool", fmt::format("{}: {}", printable(name), trouble), job_fields(name));
   Json analysis = std::move(active_->analysis);
   active_.reset();
-  ended(print.job, name_of(print.outcome), print.reason, std::move(analysis));
+  if (!print.moved) {
+    left_jobs_.push_back({print.files, PrintEnd{print.outcome, print.reason}});
+    keep_records();
+  }
+  ended(name, name_of(print.outcome), print.reason, std::move(analysis));
   pump_soon();
   leave_if_over();
 }

@@ -27,6 +27,7 @@ namespace fs = std::filesystem;
 constexpr const char* kOccupied = "plate-occupied";
 constexpr const char* kHeld = "queue-held";
 constexpr const char* kLock = ".lock";
+constexpr const char* kEnded = "ended-print";
 constexpr const char* kCopied = "copied-originals";
 // In printing/: copies under way.
 constexpr const char* kCopies = ".copies";
@@ -128,6 +129,15 @@ Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
   }
   make_state_folder(state_);
   take_for_this_process();
+  remove_leftovers();
+}
+
+void Spool::remove_leftovers() const {
+  for (const fs::path& each :
+       {folder(Folder::Printing), folder(Folder::Done), folder(Folder::Failed), state_})
+    remove_unfinished_files(each);
+  std::error_code ignored;
+  fs::remove_all(folder(Folder::Printing) / kCopies, ignored);
 }
 
 Spool::~Spool() {
@@ -499,12 +509,29 @@ void Spool::move_job(const JobFiles& from, const JobFiles& to) const {
 JobFiles Spool::begin(const std::string& file) {
   const JobFiles from = files_of(Folder::Incoming, file);
   const JobFiles to = named(Folder::Printing, unused_name(from.name), from);
+  forget_end_of_print();
   move_job(from, to);
   return to;
 }
 
 void Spool::end(const JobFiles& files, Folder where) const {
+  fs::create_directories(folder(where));
   move_job(files, named(where, files.name, files));
+  forget_end_of_print();
+}
+
+std::string Spool::end_of_print() const {
+  return first_line_of(kEnded).value_or("");
+}
+
+void Spool::keep_end_of_print(const std::string& text) const {
+  keep_line(kEnded, text);
+}
+
+// Another job may get this one's name.
+void Spool::forget_end_of_print() const {
+  std::error_code ignored;
+  if (fs::remove(state_ / kEnded, ignored)) sync_folder(state_);
 }
 
 void Spool::begin_with_copy(const std::string& file, std::function<void(const Copy&)> done) {
@@ -533,7 +560,8 @@ Spool::Copy Spool::copy_to_printing(const std::string& file) {
     copy.model = copies / to.model.filename();
     if (to.ticket) copy.ticket = copies / to.ticket->filename();
     copy_job(from, copy, free_bytes(), stop_copying_);
-      move_job(copy, to);
+    forget_end_of_print();
+    move_job(copy, to);
     try {
       originals_.add(mark);
     } catch (const std::system_error&) {
@@ -614,6 +642,7 @@ Spool::Rejection Spool::file_rejected(const std::string& file, const std::string
 
 void Spool::write_beside(Folder where, const std::string& name, const std::string& suffix,
                          const std::string& text) const {
+  fs::create_directories(folder(where));
   write_durably(folder(where) / (name + "." + suffix), text);
 }
 

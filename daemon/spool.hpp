@@ -15,6 +15,7 @@
 //
 //   plate-occupied                      the plate holds a part: the job's name is in it
 //   queue-held                          no job begins until the owner has spoken: why is in it
+//   ended-print                         how the print of the job in printing/ ended, until that is filed
 //   copied-originals                    what lies in incoming/ and was taken by copy
 #pragma once
 
@@ -141,6 +142,12 @@ class Spool {
   [[nodiscard]] std::optional<std::string> hold() const;
   void set_hold(const std::optional<std::string>& why) const;
 
+  // How the print of the job in printing/ ended, as the archivist has it; empty when nobody has told. Ended
+  // prints and claimed jobs have none any more. Any thread may call these; the second throws
+  // std::system_error.
+  [[nodiscard]] std::string end_of_print() const;
+  void keep_end_of_print(const std::string& text) const;
+
   // Why nothing in the spool can be changed at this moment; empty when that is possible.
   [[nodiscard]] std::string trouble() const;
   [[nodiscard]] std::uintmax_t free_bytes() const;
@@ -195,6 +202,9 @@ class Spool {
   [[nodiscard]] Rejection file_rejected(const std::string& file, const std::string& reason);
 
   void take_for_this_process();
+  // What a daemon that was killed was writing.
+  void remove_leftovers() const;
+  void forget_end_of_print() const;
 
   std::filesystem::path root_;
   std::filesystem::path state_;

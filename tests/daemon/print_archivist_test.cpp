@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
@@ -115,14 +116,53 @@ TEST_CASE("A job that cannot be moved is told, and how its print ended can be re
   }
 }
 
-TEST_CASE("Without a report, or with what is none, nobody knows how a print ended") {
+TEST_CASE("Without a record, or with what is none or another job's, nobody knows how a print ended") {
   Bench bench;
   CHECK_FALSE(recorded_end(bench.spool, "part"));
-  for (const char* text : {"", "{", "[]", R"({"outcome": 3})", R"({"outcome": "splendid"})",
-                           // Of another folder's: a done print is not filed here.
-                           R"({"outcome": "done"})"}) {
+  for (const char* text :
+       {"", "{", "[]", R"({"job": "part", "outcome": 3})", R"({"job": "part", "outcome": "splendid"})",
+        R"({"outcome": "done"})", R"({"job": "other", "outcome": "done"})"}) {
     CAPTURE(text);
-    std::ofstream(bench.folder.path() / "spool" / "failed" / "part.report.json") << text;
+    bench.spool.keep_end_of_print(text);
     CHECK_FALSE(recorded_end(bench.spool, "part"));
+  }
+}
+
+TEST_CASE("How a print ended is on the disk before it is filed, and gone once it is") {
+  Bench bench;
+  PrintArchivist archivist(bench.loop, bench.spool);
+  archivist.record("part", {PrintOutcome::Failed, "the sky fell"});
+  archivist.file(bench.ended(PrintOutcome::Failed, "the sky fell"),
+                 [&](const FiledPrint&) { bench.loop.stop(); });
+  bench.loop.run();
+  CHECK_FALSE(recorded_end(bench.spool, "part"));
+  CHECK(bench.has("failed/part.stl"));
+  archivist.record("next", {PrintOutcome::Failed, "the sky fell"});
+  while (!recorded_end(bench.spool, "next"))
+    std::this_thread::yield();
+  CHECK(recorded_end(bench.spool, "next")->reason == "the sky fell");
+  CHECK_FALSE(recorded_end(bench.spool, "part"));
+}
+
+TEST_CASE("A job that is begun has no end yet, whatever one of its name came to") {
+  Bench bench;
+  bench.spool.keep_end_of_print(R"({"job": "new", "outcome": "done", "reason": ""})");
+  REQUIRE(recorded_end(bench.spool, "new"));
+  std::ofstream(bench.spool.folder(Spool::Folder::Incoming) / "new.stl") << "a model";
+  CHECK(bench.spool.begin("new.stl").name == "new");
+  CHECK_FALSE(recorded_end(bench.spool, "new"));
+}
+
+TEST_CASE("A print is filed in a folder that was removed meanwhile") {
+  for (const PrintOutcome outcome : {PrintOutcome::Done, PrintOutcome::Failed}) {
+    Bench bench;
+    EndedPrint print = bench.ended(outcome, "the sky fell");
+    const fs::path folder = bench.spool.folder(folder_for(outcome));
+    fs::remove_all(folder);
+    const FiledPrint filed = bench.file(std::move(print));
+    CHECK(filed.troubles.empty());
+    CHECK(filed.moved);
+    CHECK(fs::exists(folder / "part.stl"));
+    CHECK(fs::exists(folder / "part.report.json"));
   }
 }

@@ -702,6 +702,49 @@ class Members(SpoolTest):
         self.printer.stop()
 
 
+class Outcome(SpoolTest):
+    def test_a_print_whose_done_folder_was_removed_is_done(self):
+        daemon = self.daemon().start()
+        os.rmdir(daemon.file("done"))
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+        self.assertTrue(daemon.has("done", "part.stl"))
+        daemon.stop()
+
+    def test_a_print_that_cannot_be_filed_is_filed_by_the_next_start_as_what_it_is(self):
+        daemon = self.daemon().start()
+        os.rmdir(daemon.file("done"))
+        open(daemon.file("done"), "wb").close()
+        daemon.drop("part.stl", SMALL)
+        self.assertEqual(daemon.wait_ended("part")["outcome"], "done")
+        self.assertEqual(daemon.names_in("printing"), ["part.stl"])
+        daemon.drop("next.stl", SMALL)
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        self.assertIn("part is not filed yet", status["waiting_for"])
+        daemon.kill()
+        os.unlink(daemon.file("done"))
+        daemon.start()
+        self.assertIn("contourd did not file this print, which was done", daemon.log())
+        self.assertTrue(daemon.has("done", "part.stl"))
+        daemon.wait_done("next")
+        self.assertEqual(daemon.names_in("failed"), [])
+        daemon.stop()
+
+    def test_what_a_killed_daemon_left_half_written_is_removed_at_the_start(self):
+        daemon = self.daemon().start()
+        daemon.kill()
+        left = [daemon.file(folder, ".contourd-0123456789abcdef.new") for folder in ("printing", "done", "failed")]
+        left.append(os.path.join(daemon.spool + ".state", ".contourd-0123456789abcdef.new"))
+        for path in left:
+            open(path, "wb").close()
+        os.mkdir(daemon.file("printing", ".copies"))
+        open(daemon.file("printing", ".copies", "half.stl"), "wb").close()
+        daemon.start()
+        self.assertEqual([path for path in left if os.path.lexists(path)], [])
+        self.assertEqual(daemon.names_in("printing"), [])
+        daemon.stop()
+
+
 class PlantedFiles(SpoolTest):
     """What a member of the group may put into the spool beside models."""
 
