@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <memory>
 
-#include <ranges>
-
 #include "daemon/printer_service.hpp"
 
 namespace contourd {
@@ -18,6 +16,16 @@ constexpr std::size_t kMostQueued = 1'000, kMostIncomplete = 10;
 
 double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
+}
+
+template <typename All, typename Take>
+void for_first(const All& all, std::size_t most, const Take& take) {
+  for (auto each = all.begin(); each != all.end() && most > 0; ++each, --most)
+    take(*each);
+}
+
+std::size_t beyond(std::size_t all, std::size_t most) {
+  return all > most ? all - most : 0;
 }
 
 // By the system's own list alone: a directory service could keep the loop waiting. The number of whom that
@@ -40,9 +48,8 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
           {"queue",
            [this] {
              Json files = Json::array();
-             for (const QueuedJob& job : queue_ | std::views::take(kMostQueued))
-               files.push_back(job.file);
-             return Json{{"queue", files}};
+             for_first(queue_, kMostQueued, [&](const QueuedJob& job) { files.push_back(job.file); });
+             return Json{{"queue", files}, {"more", beyond(queue_.size(), kMostQueued)}};
            }},
           {"history",
            [this] {
@@ -153,11 +160,16 @@ PrinterService::Json PrinterService::status() const {
   Json status{{"printer", config_.name}, {"state", state}};
   status["job"] = active_ ? job_json() : Json();
   status["queued"] = queue_.size();
-  Json incomplete = Json::object();
-  for (const auto& [file, missing] : spool_.incomplete() | std::views::take(kMostIncomplete))
-    incomplete[file] = missing;
-  status["incomplete"] = std::move(incomplete);
-  status["deletable"] = spool_.originals();
+  const auto& incomplete = spool_.incomplete();
+  status["incomplete"] = Json::object();
+  for_first(incomplete, kMostIncomplete,
+            [&](const auto& plate) { status["incomplete"][plate.first] = plate.second; });
+  status["incomplete_more"] = beyond(incomplete.size(), kMostIncomplete);
+  const auto& originals = spool_.originals();
+  status["deletable"] = Json::array();
+  for_first(originals, kMostIncomplete,
+            [&](const std::string& file) { status["deletable"].push_back(file); });
+  status["deletable_more"] = beyond(originals.size(), kMostIncomplete);
   status["plate"] = plate_occupant_ ? "occupied" : "clear";
   status["plate_job"] = plate_occupant_ ? Json(*plate_occupant_) : Json();
   const std::string hindrance = machine_.hindrance();

@@ -21,6 +21,9 @@ constexpr Duration kRetryInterval = 30s;
 constexpr Duration kLongestFiling = 15s;
 // A model that is read beside a print gives way to the event loop.
 constexpr int kNiceness = 5;
+// What is told of why a job is refused goes into the log, a file and each answer to a client.
+constexpr std::size_t kLongestReason = 8000;
+constexpr std::size_t kMostWarnings = 20;
 // How many ended jobs are remembered for whoever asks.
 constexpr std::size_t kLongestHistory = 100;
 
@@ -35,7 +38,7 @@ std::variant<PreparedJob, std::string> try_to_prepare(const JobFiles& files, con
   try {
     return prepare_job(files, printer);
   } catch (const JobRefused& refusal) {
-    return std::string(refusal.what());
+    return shortened(refusal.what(), kLongestReason);
   }
 }
 
@@ -441,7 +444,7 @@ void PrinterService::copied(const Spool::Copy& copy, const std::string& why) {
     claimed(job, *copy.job);
   } else if (!copy.unreadable.empty()) {
     queue_.push_front(std::move(job));
-    reject(queue_.front(), copy.unreadable);
+    reject(queue_.front(), shortened(copy.unreadable, kLongestReason));
   } else {
     const std::string trouble = fmt::format("{} cannot be copied: {}", printable(job.file), copy.trouble);
     if (std::exchange(job.trouble, trouble) != trouble) log_.error("claim", trouble, file_fields(job.file));
@@ -539,9 +542,12 @@ void PrinterService::prepared(std::variant<PreparedJob, std::string> result) {
   if (const std::string correction = describe_correction(summary); !correction.empty()) {
     log_.info("compensation", fmt::format("{}: {}", printable(name), correction), job_fields(name));
   }
-  for (const std::string& warning : summary.warnings) {
-    log_.warning("model", fmt::format("{}: {}", printable(name), warning), job_fields(name));
-  }
+  const std::size_t told = std::min(summary.warnings.size(), kMostWarnings);
+  for (std::size_t i = 0; i < told; ++i)
+    log_.warning("model", fmt::format("{}: {}", printable(name), summary.warnings[i]), job_fields(name));
+  if (told < summary.warnings.size())
+    log_.warning("model", fmt::format("{}: and {} more", printable(name), summary.warnings.size() - told),
+                 job_fields(name));
   start_print();
 }
 

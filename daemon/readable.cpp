@@ -14,6 +14,16 @@ std::string readable(Duration duration) {
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
 }
 
+std::string shortened(std::string_view text, std::size_t bytes) {
+  if (text.size() <= bytes) return std::string(text);
+  const auto continues = [&](std::size_t at) {
+    return (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80;
+  };
+  while (bytes > 0 && continues(bytes))
+    --bytes;
+  return fmt::format("{}... ({} bytes more)", text.substr(0, bytes), text.size() - bytes);
+}
+
 std::string printable(std::string_view text) {
   std::string clean(text);
   for (char& c : clean) {

@@ -84,14 +84,18 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(fs::symlink_status(path, code));
 }
 
-// Which of a plate's files are not there. Nothing when its plate.json cannot be used: that is for its owner
-// to hear.
+// As many as are told.
+constexpr std::size_t kMostMissing = 10;
+
+// Which of a plate's files are not there, or the first of these. Nothing when its plate.json cannot be used:
+// that is for its owner to hear.
 std::vector<std::string> missing_models(const fs::path& plate) {
   std::vector<std::string> missing;
   try {
     for (const ModelTicket& model : load_plate_ticket(plate / kPlateTicket, Links::Refuse).models) {
       std::error_code code;
       const bool there = fs::exists(fs::symlink_status(plate / model.file, code));
+      if (missing.size() == kMostMissing) break;
       if (!there && std::find(missing.begin(), missing.end(), model.file) == missing.end())
         missing.push_back(model.file);
     }
@@ -249,16 +253,18 @@ void Spool::watch_incoming_anew() {
 bool Spool::watch_plate(const std::string& file) {
   const fs::path path = folder(Folder::Incoming) / file;
   const int watch = ::inotify_add_watch(inotify_.get(), path.c_str(), kChanges | IN_DONT_FOLLOW);
-  if (watch >= 0) plate_watches_[watch] = file;
-  return watch >= 0;
+  if (watch < 0) return false;
+  plate_watches_[watch] = file;
+  watch_of_plate_[file] = watch;
+  return true;
 }
 
 void Spool::stop_watching_plate(const std::string& file) {
-  std::erase_if(plate_watches_, [&](const auto& watched) {
-    if (watched.second != file) return false;
-    ::inotify_rm_watch(inotify_.get(), watched.first);
-    return true;
-  });
+  const auto watch = watch_of_plate_.find(file);
+  if (watch == watch_of_plate_.end()) return;
+  ::inotify_rm_watch(inotify_.get(), watch->second);
+  plate_watches_.erase(watch->second);
+  watch_of_plate_.erase(watch);
 }
 
 // One buffer a turn of the event loop: a folder can have more events than a light could wait for.
@@ -279,7 +285,10 @@ void Spool::take_event(const inotify_event& event) {
   }
   if (const auto plate = plate_watches_.find(event.wd); plate != plate_watches_.end()) {
     const std::string file = plate->second;
-    if ((event.mask & IN_IGNORED) != 0) plate_watches_.erase(plate);
+    if ((event.mask & IN_IGNORED) != 0) {
+      plate_watches_.erase(plate);
+      watch_of_plate_.erase(file);
+    }
     return consider(file, Look::Event);
   }
   // A plate's that is not watched any more.
@@ -372,8 +381,7 @@ void Spool::seen(const std::string& file, Look look, const Sight& sight) {
     return;
   }
   originals_here_.erase(file);
-  const auto is_this = [&](const auto& watched) { return watched.second == file; };
-  const bool watched = !sight.is_plate || std::ranges::any_of(plate_watches_, is_this);
+  const bool watched = !sight.is_plate || watch_of_plate_.contains(file);
   // Watched before it is looked at, so that nothing can come in between. (The disk was asked for its path
   // just now, the kernel knows it.)
   if (!watched && watch_plate(file)) return consider(file, look);

@@ -80,7 +80,7 @@ class Spool {
   [[nodiscard]] bool is_unfinished(const std::string& file) const;
   // False when incoming/`file` is not there; true also when nobody can tell.
   [[nodiscard]] bool is_waiting(const std::string& file) const;
-  // Plates in incoming/ that wait for files, and for which.
+  // Plates in incoming/ that wait for files, and for which, or the first of these.
   [[nodiscard]] const std::map<std::string, std::vector<std::string>>& incomplete() const {
     return incomplete_;
   }
@@ -217,7 +217,8 @@ class Spool {
   int incoming_watch_ = -1;
   bool incoming_lost_ = false;
   std::deque<std::pair<std::string, Look>> to_consider_;
-  std::map<int, std::string> plate_watches_;     // inotify's number: the plate in incoming/
+  std::map<int, std::string> plate_watches_;  // inotify's number: the plate in incoming/
+  std::map<std::string, int> watch_of_plate_;
   std::map<std::string, Candidate> candidates_;  // not known to be whole yet
   std::map<std::string, std::vector<std::string>> incomplete_;
   CopiedOriginals originals_;

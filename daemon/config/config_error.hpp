@@ -17,7 +17,8 @@ struct Violation {
   bool operator==(const Violation&) const = default;
 };
 
-// what() is one line a violation: `FILE: /pointer: message`, control characters escaped.
+// what() is one line a violation: `FILE: /pointer: message`, control characters escaped; of many, the first
+// 30 and how many there are more.
 class ConfigError : public std::runtime_error {
  public:
   // REQUIRES: at least one violation.

@@ -113,6 +113,7 @@ void print_queue(const Json& result) {
   if (queue.empty()) fmt::print("the queue is empty\n");
   for (std::size_t i = 0; i < queue.size(); ++i)
     fmt::print("{:>3}  {}\n", i + 1, printable(queue[i].get<std::string>()));
+  if (const auto more = result.value("more", std::size_t{0}); more > 0) fmt::print("and {} more\n", more);
 }
 
 // The bar on a terminal; elsewhere a line for every tenth of the print.

@@ -19,3 +19,10 @@ TEST_CASE("Text from a file name is one line of valid UTF-8") {
   CHECK(printable("two\nlines\x1B[2J") == "two?lines?[2J");
   CHECK(printable("bad\xFF") == "bad\xEF\xBF\xBD");
 }
+
+TEST_CASE("What is too long is cut at a character, and how much is left out is said") {
+  CHECK(shortened("short", 5) == "short");
+  CHECK(shortened("longer", 5) == "longe... (1 bytes more)");
+  CHECK(shortened("Ger\xC3\xA4t", 4) == "Ger... (3 bytes more)");
+  CHECK(shortened("", 0).empty());
+}

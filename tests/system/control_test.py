@@ -65,7 +65,8 @@ class Protocol(ControlTest):
     def test_status_has_every_key_when_idle(self):
         result = self.client.call("status")["result"]
         self.assertEqual(result, {
-            "printer": "Simulated printer", "state": "idle", "job": None, "queued": 0, "incomplete": {}, "deletable": [], "plate": "clear",
+            "printer": "Simulated printer", "state": "idle", "job": None, "queued": 0, "incomplete": {},
+            "incomplete_more": 0, "deletable": [], "deletable_more": 0, "plate": "clear",
             "plate_job": None, "hindrance": None, "held": None, "waiting_for": None, "last": None,
         })  # fmt: skip
 
@@ -96,7 +97,7 @@ class Protocol(ControlTest):
     def test_ids_may_be_strings_and_numbers(self):
         for number in (0, -1, 1.5, 2**53, "", "a \u00e4 \u2028", None):
             answer = self.answer(json.dumps({"jsonrpc": "2.0", "method": "queue", "id": number}))
-            self.assertEqual((answer["id"], answer["result"]), (number, {"queue": []}))
+            self.assertEqual((answer["id"], answer["result"]), (number, {"queue": [], "more": 0}))
 
     def test_an_id_that_is_no_id_is_an_invalid_request(self):
         for number in ({}, [], [1], True, {"a": 1}):
@@ -450,7 +451,7 @@ class Contourctl(ControlTest):
             self.assertIn(word, text)
         self.assertEqual(json.loads(self.ctl("status", "--json"))["result"]["state"], "idle")
         self.assertIn("empty", self.ctl("queue"))
-        self.assertEqual(json.loads(self.ctl("queue", "--json"))["result"], {"queue": []})
+        self.assertEqual(json.loads(self.ctl("queue", "--json"))["result"], {"queue": [], "more": 0})
         for command in ("pause", "resume", "cancel"):
             self.refused(command, "no print")
         self.ctl("plate-cleared")

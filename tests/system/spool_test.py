@@ -702,6 +702,36 @@ class Members(SpoolTest):
         self.printer.stop()
 
 
+class ManyAndLong(SpoolTest):
+    def test_a_ticket_of_a_hundred_thousand_mistakes_has_a_short_reason(self):
+        daemon = self.daemon().start()
+        daemon.drop("long.stl", SMALL, "{" + ",".join(f'"{number}":1' for number in range(80000)) + "}")
+        reason = daemon.wait_refused("long")
+        self.assertLess(len(reason), 10000)
+        self.assertIn("and 79970 more", reason)
+        # A key of a thousand bytes in another, and so on.
+        nested = "".join('{"' + "k" * 1000 + '":' for _ in range(60)) + "1" + "}" * 60
+        daemon.drop("deep.stl", SMALL, nested)
+        self.assertLess(len(daemon.wait_refused("deep")), 10000)
+        self.assertLess(len(daemon.log()), 50000)
+        daemon.stop()
+
+    def test_answers_have_the_first_of_many_names_and_say_how_many_more(self):
+        daemon = self.daemon(WAITS).start()
+        daemon.drop("first.stl", SMALL)
+        daemon.wait_done("first")
+        for number in range(60):
+            os.mkdir(daemon.file("incoming", f"folder{number}"))
+        for number in range(1060):
+            daemon.drop(f"part{number}.stl", SMALL)
+        status = wait_until(lambda: (lambda s: s if s["queued"] == 1060 and s["incomplete_more"] == 50 else None)(daemon.status()), "all of them")
+        self.assertEqual(len(status["incomplete"]), 10)
+        queue = daemon.rpc("queue")["result"]
+        self.assertEqual((len(queue["queue"]), queue["more"]), (1000, 60))
+        self.assertIn(b"and 60 more", daemon.ctl("queue").stdout)
+        daemon.stop()
+
+
 class Outcome(SpoolTest):
     def test_a_print_whose_done_folder_was_removed_is_done(self):
         daemon = self.daemon().start()
