@@ -40,7 +40,8 @@ Json error_answer(const Json& id, int code, const std::string& message) {
 }
 
 std::string text_of(const Json& message) {
-  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+  // ASCII alone: whoever looks at it on a terminal sees names, and nothing that they do.
+  return message.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 
 sockaddr_un address_of(const std::filesystem::path& path) {

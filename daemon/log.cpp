@@ -1,4 +1,5 @@
 #include "daemon/log.hpp"
+#include "daemon/readable.hpp"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -71,7 +72,7 @@ std::string journal_entry(LogLevel level, std::string_view event, const std::str
   add_field(entry, "EVENT", event);
   add_field(entry, "SYSLOG_IDENTIFIER", "contourd");
   for (const auto& [name, value] : fields)
-    add_field(entry, name, value);
+    add_field(entry, name, printable(value));
   return entry;
 }
 
@@ -175,8 +176,9 @@ Log::~Log() {
 
 void Log::write(LogLevel level, std::string_view event, const std::string& message,
                 const LogFields& fields) const {
+  const std::string clean = printable_lines(message);
   std::string text =
-      backlog_->to_journal() ? journal_entry(level, event, message, fields) : message.substr(0, kLongestLine);
+      backlog_->to_journal() ? journal_entry(level, event, clean, fields) : clean.substr(0, kLongestLine);
   backlog_->add({level, std::move(text), std::chrono::system_clock::now()});
 }
 

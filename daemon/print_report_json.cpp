@@ -155,7 +155,7 @@ std::string report_as_json(const PrintReport& report) {
     layers.push_back(layer_json(layer));
   json["layer_records"] = std::move(layers);
   // File names need not be UTF-8.
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(1, ' ', true, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace contourd

@@ -38,7 +38,7 @@ std::variant<PreparedJob, std::string> try_to_prepare(const JobFiles& files, con
   try {
     return prepare_job(files, printer);
   } catch (const JobRefused& refusal) {
-    return shortened(refusal.what(), kLongestReason);
+    return printable_lines(shortened(refusal.what(), kLongestReason));
   }
 }
 
@@ -444,7 +444,7 @@ void PrinterService::copied(const Spool::Copy& copy, const std::string& why) {
     claimed(job, *copy.job);
   } else if (!copy.unreadable.empty()) {
     queue_.push_front(std::move(job));
-    reject(queue_.front(), shortened(copy.unreadable, kLongestReason));
+    reject(queue_.front(), printable_lines(shortened(copy.unreadable, kLongestReason)));
   } else {
     const std::string trouble = fmt::format("{} cannot be copied: {}", printable(job.file), copy.trouble);
     if (std::exchange(job.trouble, trouble) != trouble) log_.error("claim", trouble, file_fields(job.file));

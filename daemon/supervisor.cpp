@@ -1,4 +1,5 @@
 #include "daemon/supervisor.hpp"
+#include "daemon/readable.hpp"
 
 #include <sys/socket.h>
 #include <systemd/sd-daemon.h>
@@ -36,7 +37,7 @@ void Supervisor::stopping() {
 }
 
 void Supervisor::status(const std::string& line) {
-  send("STATUS=" + line);
+  send("STATUS=" + printable(line));
 }
 
 void Supervisor::ping() {

@@ -75,7 +75,8 @@ void print_analysis(const Json& analysis) {
 }
 
 void print_status(const Json& status) {
-  fmt::print("printer   {}\nstate     {}\n", status.value("printer", ""), status.value("state", ""));
+  fmt::print("printer   {}\nstate     {}\n", printable(status.value("printer", "")),
+             status.value("state", ""));
   if (status["job"].is_object()) {
     const Json& job = status["job"];
     fmt::print("job       {}\n", printable(job.value("name", "")));
@@ -104,7 +105,7 @@ void print_status(const Json& status) {
     const Json& last = status["last"];
     const std::string reason = last.value("reason", "");
     fmt::print("last job  {}: {}{}\n", printable(last.value("job", "")), last.value("outcome", ""),
-               reason.empty() ? "" : ": " + reason);
+               reason.empty() ? "" : ": " + printable_lines(reason));
   }
 }
 
@@ -161,7 +162,8 @@ class ProgressView {
 int print_end(const Json& ended, bool json) {
   const std::string outcome = ended.value("outcome", ""), reason = ended.value("reason", "");
   if (!json) {
-    fmt::print("{}: {}{}\n", printable(ended.value("job", "")), outcome, reason.empty() ? "" : ": " + reason);
+    fmt::print("{}: {}{}\n", printable(ended.value("job", "")), outcome,
+               reason.empty() ? "" : ": " + printable_lines(reason));
   }
   return outcome == "done" ? kOk : kFailed;
 }
@@ -181,9 +183,10 @@ int request(const ClientOptions& options, const std::string& method) {
   Connection connection(options.socket);
   connection.send(method, 1);
   const Json answer = connection.receive();
-  if (options.json) fmt::print("{}\n", answer.dump());
+  if (options.json) fmt::print("{}\n", answer.dump(-1, ' ', true));
   if (answer.contains("error")) {
-    if (!options.json) fmt::print(stderr, "contourctl: {}\n", answer["error"].value("message", ""));
+    if (!options.json)
+      fmt::print(stderr, "contourctl: {}\n", printable_lines(answer["error"].value("message", "")));
     return kFailed;
   }
   if (options.json) return kOk;
@@ -206,7 +209,7 @@ int watch(const ClientOptions& options, const std::optional<std::string>& wanted
   while (true) {
     const Json message = connection.receive();
     if (options.json) {
-      fmt::print("{}\n", message.dump());
+      fmt::print("{}\n", message.dump(-1, ' ', true));
       std::fflush(stdout);
     }
     if (wanted_job && message.value("id", 0) == kHistory) {

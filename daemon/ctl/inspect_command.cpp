@@ -10,6 +10,7 @@
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/mesh_repair_text.hpp"
+#include "daemon/readable.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -54,7 +55,7 @@ void print(const StlModel& model, const MeshReport& report) {
   fmt::print("bad facets   {} degenerate, {} without area, {} duplicate\n", report.degenerate_facets,
              report.zero_area_facets, report.duplicate_facets);
   for (const std::string& warning : model.warnings)
-    fmt::print("warning      {}\n", warning);
+    fmt::print("warning      {}\n", printable(warning));
 }
 
 }  // namespace
@@ -66,7 +67,7 @@ int inspect(const InspectOptions& options) {
   const MeshRepairs repairs = HeightIndex(std::move(model.facets)).repairs();
   if (repairs != MeshRepairs{}) model.warnings.push_back(repair_warning(repairs));
   if (options.json) {
-    fmt::print("{}\n", to_json(model, report, repairs).dump(2));
+    fmt::print("{}\n", to_json(model, report, repairs).dump(2, ' ', true));
   } else {
     print(model, report);
   }

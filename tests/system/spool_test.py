@@ -702,6 +702,41 @@ class Members(SpoolTest):
         self.printer.stop()
 
 
+class OddNames(SpoolTest):
+    """Names that would do something to a terminal, or pass for other names."""
+
+    ODD = ("\x1b[31m", "line\nbreak", "\x9b2J", "\u202egnp", "\u2066isolate", "\u2028separator", "\x07bell\r")
+
+    def assert_harmless(self, text, what):
+        text = text.decode("utf-8") if isinstance(text, bytes) else text
+        for char in "\x1b\x07\r\x9b\u202e\u2066\u2028":
+            self.assertNotIn(char, text, what)
+        self.assertNotIn("line\nbreak", text, what)
+
+    def test_odd_names_reach_neither_terminal_nor_log_nor_report_as_they_are(self):
+        daemon = self.daemon().start()
+        for odd in self.ODD:
+            daemon.drop(f"good{odd}.stl", SMALL)
+            daemon.wait_done(f"good{odd}")
+            daemon.drop(f"bad{odd}.stl", f"solid {odd}\nfacet {odd}\n{odd}".encode())
+            daemon.wait_ended(f"bad{odd}")
+            self.assert_harmless(daemon.ctl("status").stdout, "status")
+            self.assert_harmless(daemon.ctl("status", "--json").stdout, "status as JSON")
+            os.mkdir(self.path("plate"))
+            self.write("plate/plate.json", json.dumps({"models": [{"file": f"{odd}.stl"}], odd: 1}))
+            self.write(f"plate/{odd}.stl", SMALL)
+            os.rename(self.path("plate"), daemon.file("incoming", f"plate{odd}"))
+            daemon.wait_ended(f"plate{odd}")
+        self.assert_harmless(daemon.log(), "log")
+        for folder in ("done", "failed"):
+            for name in daemon.names_in(folder):
+                if name.endswith((".html", ".json", ".txt")):
+                    self.assert_harmless(daemon.read(folder, name), name)
+        daemon.drop("pause.stl", b"no model")
+        daemon.wait_ended("pause")
+        daemon.stop()
+
+
 class ManyAndLong(SpoolTest):
     def test_a_ticket_of_a_hundred_thousand_mistakes_has_a_short_reason(self):
         daemon = self.daemon().start()
