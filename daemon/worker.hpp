@@ -18,7 +18,8 @@ namespace contourd {
 
 class Worker {
  public:
-  // `niceness` as for setpriority(2), up to 19. The event loop's is lower in a service (see contourd.service).
+  // `niceness` as for setpriority(2), up to 19. The event loop's is lower in a service (see
+  // contourd.service).
   explicit Worker(EventLoop& loop, int niceness = 0)
       : mailbox_(loop), thread_([this, niceness](const std::stop_token& stop) {
           // Linux: of the calling thread. Should it fail, the work is done all the same.
