@@ -32,6 +32,7 @@ constexpr std::size_t kLongestMessage = 8192;
 constexpr std::size_t kMostUnsent = 262144;       // beyond it, lossy notifications are left out
 constexpr std::size_t kMostUnsentEver = 4194304;  // beyond it, the client is not reading: it is dropped
 constexpr std::size_t kMostClients = 64;
+constexpr Duration kRest = std::chrono::milliseconds(200);
 constexpr std::size_t kLargestBatch = 64;
 constexpr uid_t kRoot = 0;
 
@@ -258,11 +259,22 @@ void ControlServer::listen() {
 
 void ControlServer::accept_client() {
   FileDescriptor socket(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (!socket.valid()) return;
+  if (!socket.valid()) {
+    if (errno != EAGAIN && errno != ECONNABORTED && errno != EINTR) rest();
+    return;
+  }
   const std::optional<Peer> peer = peer_of(socket.get());
   if (!peer || !make_room(*peer)) return;
   const int key = socket.get();
   clients_[key] = std::make_unique<Client>(*this, std::move(socket), *peer);
+}
+
+// The process has no descriptor left, or the kernel no memory: whoever waits would be announced again and
+// again.
+void ControlServer::rest() {
+  listener_source_->set_events(0);
+  rest_timer_ = loop_.at(std::chrono::steady_clock::now() + kRest, "the control socket",
+                         [this] { listener_source_->set_events(EPOLLIN); });
 }
 
 bool ControlServer::make_room(const Peer& newcomer) {

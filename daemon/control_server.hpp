@@ -59,6 +59,7 @@ class ControlServer {
 
   void listen();
   void accept_client();
+  void rest();
   // When there are as many clients as there may be: closes the one that has been idle for longest, of the
   // user who has most, for `newcomer`. None of root's gives way to another user's. False when none can.
   [[nodiscard]] bool make_room(const Peer& newcomer);
@@ -71,10 +72,10 @@ class ControlServer {
   std::filesystem::path path_;
   std::map<std::string, Method> methods_;
   FileDescriptor listener_;
-  EventLoop::SourcePtr listener_source_;
+  std::unique_ptr<EventLoop::IoSource> listener_source_;
   std::map<int, std::unique_ptr<Client>> clients_;
   std::function<void(const std::string&, const Peer&)> called_;
-  EventLoop::SourcePtr drop_timer_;
+  EventLoop::SourcePtr drop_timer_, rest_timer_;
 };
 
 }  // namespace contourd

@@ -1,10 +1,12 @@
 #include "daemon/control_server.hpp"
 
 #include <sys/eventfd.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "tests/temporary_folder.hpp"
 
 using namespace contourd;
+using namespace std::chrono_literals;
 using contourd::testing::TemporaryFolder;
 
 namespace {
@@ -25,21 +28,27 @@ class Bench {
       eventfd_t count = 0;
       ::eventfd_read(machine_.get(), &count);
       order.emplace_back("machine");
-      if (requests == wanted) loop_.stop();
+      if (requests == wanted) loop.stop();
     });
   }
 
   // The order of three answers and what was due to the machine, when a client asks for these at once.
   void ask(std::string_view lines) {
+    const FileDescriptor client = connect();
+    REQUIRE(::write(client.get(), lines.data(), lines.size()) == static_cast<ssize_t>(lines.size()));
+    loop.run();
+  }
+
+  [[nodiscard]] FileDescriptor connect() const {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     path_.string().copy(address.sun_path, sizeof address.sun_path - 1);
-    const FileDescriptor client(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    FileDescriptor client(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
     REQUIRE(::connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
-    REQUIRE(::write(client.get(), lines.data(), lines.size()) == static_cast<ssize_t>(lines.size()));
-    loop_.run();
+    return client;
   }
 
+  EventLoop loop;
   std::vector<std::string> order;
   int requests = 0;
   static constexpr int wanted = 3;
@@ -54,11 +63,10 @@ class Bench {
 
   TemporaryFolder folder_;
   std::filesystem::path path_ = folder_.path() / "control.sock";
-  EventLoop loop_;
-  EventLoopWatcher watcher_{loop_};
+  EventLoopWatcher watcher_{loop};
   FileDescriptor machine_{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
   std::unique_ptr<DescriptorWatcher::Watch> watch_;
-  ControlServer server_{loop_, path_, {{"ask", [this] { return answer(); }}}};
+  ControlServer server_{loop, path_, {{"ask", [this] { return answer(); }}}};
 };
 
 const std::vector<std::string> kInTurns{"request", "machine", "request", "machine", "request", "machine"};
@@ -77,5 +85,29 @@ TEST_CASE("Between two requests of a batch the loop sees to the machine") {
   Bench bench;
   const std::string ask = R"({"jsonrpc":"2.0","method":"ask","id":1})";
   bench.ask("[" + ask + "," + ask + "," + ask + "]\n");
+  CHECK(bench.order == kInTurns);
+}
+
+TEST_CASE(
+    "A connection for which there is no descriptor left keeps the loop from nothing, and is taken when there "
+    "is one") {
+  Bench bench;
+  const FileDescriptor client = bench.connect();
+  const std::string ask = R"({"jsonrpc":"2.0","method":"ask","id":1})"
+                          "\n";
+  REQUIRE(::write(client.get(), (ask + ask + ask).data(), 3 * ask.size()) > 0);
+  rlimit limit{};
+  REQUIRE(::getrlimit(RLIMIT_NOFILE, &limit) == 0);
+  const rlimit none{0, limit.rlim_max};
+  int turns = 0, turns_without = 0;
+  bench.loop.on_turn_over(
+      [&](const EventLoop::Turn& turn) { turns += turn.source == "the control socket" ? 1 : 0; });
+  const auto later = bench.loop.at(std::chrono::steady_clock::now() + 100ms, "the test", [&] {
+    turns_without = turns;
+    REQUIRE(::setrlimit(RLIMIT_NOFILE, &limit) == 0);
+  });
+  REQUIRE(::setrlimit(RLIMIT_NOFILE, &none) == 0);
+  bench.loop.run();
+  CHECK(turns_without == 1);
   CHECK(bench.order == kInTurns);
 }

@@ -176,12 +176,18 @@ TEST_CASE("A daemon that lives has its light turned off when the exposure is ove
   Projector projector;
   Watchdog watchdog;
   watchdog.give(projector);
-  const TimePoint armed = now();
-  watchdog.arm(20ms);
-  LightTrip trip = LightTrip::None;
-  while (trip == LightTrip::None && now() - armed < std::chrono::milliseconds{kPatienceMs}) {
-    watchdog.say(WatchdogWord::Beat, armed + 20ms - now());
-    trip = watchdog.reply().trip;
+  TimePoint armed;
+  LightTrip trip = LightTrip::Silence;
+  // A test that was itself held up for that long was silent: once more.
+  for (int attempt = 0; attempt < 20 && trip == LightTrip::Silence; ++attempt) {
+    watchdog.say(WatchdogWord::Disarm, 0s);
+    armed = now();
+    watchdog.arm(20ms);
+    trip = LightTrip::None;
+    while (trip == LightTrip::None && now() - armed < std::chrono::milliseconds{kPatienceMs}) {
+      watchdog.say(WatchdogWord::Beat, armed + 20ms - now());
+      trip = watchdog.reply().trip;
+    }
   }
   CHECK(trip == LightTrip::Overrun);
   CHECK(now() - armed >= 20ms + LightDeadline::kMostOverrun);
@@ -197,7 +203,7 @@ TEST_CASE("The signals that end a daemon end no light watchdog") {
     REQUIRE(::kill(watchdog.process, signal) == 0);
   watchdog.arm();
   watchdog.socket = FileDescriptor();
-  CHECK(projector.heard(100) == kOff + kOff + kOff);
+  CHECK(projector.heard(3 * kOff.size()) == kOff + kOff + kOff);
   CHECK(watchdog.ended() == 0);
 }
 
