@@ -101,14 +101,14 @@ def _run(debian=None):
     return "; ".join(notes)
 
 
-@vm_test("full")
+@vm_test("full", alone=True)
 def real_service():
     """The installed service prints with real devices as its own user; when it is killed in an exposure the
     unit's clean-up turns the light off, and were there none, the next start would."""
     return _run()
 
 
-@vm_test("full", other_debian=True)
+@vm_test("full", other_debian=True, alone=True)
 def real_service_on_the_other_debian():
     """The same on the other Debian: with libgpiod 2 where this is Debian 12."""
     return _run("bookworm" if root_image().name == "root-trixie.ext4" else "trixie")
