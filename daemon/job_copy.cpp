@@ -10,6 +10,7 @@
 #include <system_error>
 #include <vector>
 
+#include "daemon/config/json_document.hpp"
 #include "daemon/copied_originals.hpp"
 #include "daemon/durable_file.hpp"
 
@@ -58,6 +59,12 @@ void copy_file(const FileDescriptor& from, std::uintmax_t size, const fs::path& 
   if (::fsync(file.get()) != 0) throw failure(to);
 }
 
+std::uintmax_t size_of(const FileDescriptor& file, const fs::path& path) {
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) throw failure(path);
+  return static_cast<std::uintmax_t>(status.st_size);
+}
+
 fs::path place_of(const fs::path& part, const JobFiles& from, const JobFiles& to) {
   if (from.plate) return to.model / part.filename();
   return part == from.model ? to.model : *to.ticket;
@@ -70,9 +77,7 @@ void copy_job(const JobFiles& from, const JobFiles& to, std::uintmax_t most_byte
   if (from.plate) fs::create_directory(to.model);
   for (const fs::path& part : parts_of(from)) {
     const FileDescriptor file = open_part(part);
-    struct stat status {};
-    if (::fstat(file.get(), &status) != 0) throw failure(part);
-    const auto size = static_cast<std::uintmax_t>(status.st_size);
+    const std::uintmax_t size = size_of(file, part);
     if (size > most_bytes)
       throw std::system_error(std::make_error_code(std::errc::no_space_on_device),
                               "cannot copy " + part.string());
@@ -80,6 +85,13 @@ void copy_job(const JobFiles& from, const JobFiles& to, std::uintmax_t most_byte
     copy_file(file, size, place_of(part, from, to), stop);
   }
   if (from.plate) sync_folder(to.model);
+}
+
+void copy_ticket(const fs::path& from, const fs::path& to) {
+  const FileDescriptor file = open_part(from);
+  const std::uintmax_t size = size_of(file, from);
+  if (size > JsonDocument::kLargestBytes) throw JobUnreadable(from.string() + " is too large for a ticket");
+  copy_file(file, size, to, false);
 }
 
 }  // namespace contourd

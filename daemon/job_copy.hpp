@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <stdexcept>
 
 #include "daemon/print_job.hpp"
@@ -20,5 +21,8 @@ class JobUnreadable : public std::runtime_error {
 // std::errc::operation_canceled when `stop` is set meanwhile; what was copied until then lies there.
 void copy_job(const JobFiles& from, const JobFiles& to, std::uintmax_t most_bytes,
               const std::atomic<bool>& stop);
+
+// The same for a ticket, which is small or refused as too large (JobUnreadable).
+void copy_ticket(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace contourd

@@ -155,12 +155,11 @@ void PrinterService::stop_waiting_for_filing() {
 void PrinterService::give_back_unbegun() {
   const std::string name = active_->files.name;
   try {
-    if (!spool_.give_back(active_->files))
-      file_job(active_->files, Spool::Folder::Failed, "contourd was stopped before the print began.\n");
+    spool_.give_back(active_->files);
     log_.info("stopped", fmt::format("{}: had not begun, waits for the next start", printable(name)),
               job_fields(name));
-  } catch (const std::system_error& error) {
-    log_.error("spool", fmt::format("{}: stays in printing: {}", printable(name), error.what()),
+  } catch (const std::runtime_error& error) {
+    log_.error("spool", fmt::format("{}: stays in printing: {}", printable(name), printable(error.what())),
                job_fields(name));
   }
   active_.reset();
@@ -255,6 +254,10 @@ void PrinterService::plate_waits(const std::string& file, const std::vector<std:
 void PrinterService::incoming_lost(const std::string& why) {
   log_.error("spool",
              fmt::format("nothing arrives until there is an incoming folder again: {}", printable(why)));
+}
+
+void PrinterService::incoming_replaced() {
+  log_.warning("spool", "incoming was removed, replaced or mounted over: what is there now is watched");
 }
 
 void PrinterService::model_withdrawn(const std::string& file) {

@@ -90,6 +90,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void model_withdrawn(const std::string& file) override;
   void plate_waits(const std::string& file, const std::vector<std::string>& missing) override;
   void incoming_lost(const std::string& why) override;
+  void incoming_replaced() override;
   void state_changed(PrintState state) override;
   void layer_done(const LayerRecord& layer) override;
   void warn_about_light(const LayerRecord& layer, const LogFields& fields);

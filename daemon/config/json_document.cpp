@@ -16,19 +16,17 @@
 namespace contourd {
 namespace {
 
-constexpr std::size_t largest_file_bytes = std::size_t{1} << 20U;
-
 [[noreturn]] void reject(const std::string& file, std::string message) {
   throw ConfigError({{file, "", std::move(message)}});
 }
 
 void check_size(std::size_t bytes, const std::string& file) {
-  if (bytes > largest_file_bytes) reject(file, "it is larger than the limit, 1 MiB");
+  if (bytes > JsonDocument::kLargestBytes) reject(file, "it is larger than the limit, 1 MiB");
 }
 
 // Of the file, up to one byte more than is allowed.
 std::string read_all(const FileDescriptor& file, const std::string& name) {
-  std::string text(largest_file_bytes + 1, '\0');
+  std::string text(JsonDocument::kLargestBytes + 1, '\0');
   std::size_t size = 0;
   while (size < text.size()) {
     const ssize_t bytes = ::read(file.get(), text.data() + size, text.size() - size);

@@ -2,6 +2,7 @@
 // Value type; not thread-safe while violations are being added.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -16,6 +17,8 @@ namespace contourd {
 
 class JsonDocument {
  public:
+  static constexpr std::size_t kLargestBytes = std::size_t{1} << 20U;
+
   // Reads a regular file of at most 1 MiB of UTF-8 (a byte order mark is skipped), nested at most 64 deep,
   // with no text longer than 1024 bytes and no NUL in one. Throws ConfigError when there is no such thing, or
   // it is not JSON. A duplicate key is a violation of the document, not a throw: the rest can still be

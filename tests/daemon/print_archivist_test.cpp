@@ -21,6 +21,7 @@ class NoObserver final : public SpoolObserver {
   void model_withdrawn(const std::string&) override {}
   void plate_waits(const std::string&, const std::vector<std::string>&) override {}
   void incoming_lost(const std::string&) override {}
+  void incoming_replaced() override {}
 };
 
 // A spool with the job "part" in printing/, whose print has ended.

@@ -1,5 +1,6 @@
 """The spool: what becomes of files that are put into incoming/."""
 
+import fcntl
 import json
 import os
 import signal
@@ -28,6 +29,15 @@ class SpoolTest(FolderTest):
         daemon.drop("first.stl", SMALL)
         daemon.wait_state("exposing")
         return daemon
+
+    def second_daemon(self, name, config):
+        """Another one in the same folder, with its own configuration, socket and log."""
+        second = Daemon(self)
+        second.config_path, second.log_path = self.path(name + ".json"), self.path(name + ".log")
+        second.spool, second.socket_path = self.path(config["spool_folder"]), self.path(name + ".sock")
+        merge(second.config, {"control_socket": name + ".sock", **config})
+        second.write_config()
+        return second
 
     def looks_pass(self, daemon, name):
         """Waits as long as the daemon gives an empty file: several looks at everything that is not known to be whole."""
@@ -1138,6 +1148,174 @@ class DiskThatTakesNothing(SpoolTest):
         wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
         self.assertEqual(daemon.log().count("incoming folder"), 1)
         daemon.stop()
+
+
+class TicketOfTwoModels(SpoolTest):
+    """NAME.json beside NAME.stl and NAME.STL."""
+
+    TICKET = b'{"layer_height_um": 100}'  # 10 layers
+
+    def test_each_prints_with_it(self):
+        daemon = self.daemon()
+        for name in ("part.json", "part.stl", "part.STL"):
+            daemon.drop(name, self.TICKET if name.endswith("json") else SMALL)
+        daemon.start()
+        self.assertEqual([daemon.wait_done(job)["layers"] for job in ("part", "part-2")], [10, 10])
+        for job in ("part", "part-2"):
+            self.assertEqual(daemon.read("done", job + ".json"), self.TICKET.decode())
+        self.assertEqual(daemon.names_in("incoming"), [])
+        daemon.stop()
+
+    def test_it_stays_for_the_other_when_one_is_refused(self):
+        daemon = self.printing_daemon()
+        for name, data in (("part.json", self.TICKET), ("part.STL", b"no model"), ("part.stl", SMALL)):
+            daemon.drop(name, data)
+        daemon.wait_refused("part")
+        self.assertTrue(daemon.has("failed", "part.json"))
+        daemon.rpc("cancel")
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.status()["job"]["layers"], 10)
+        daemon.rpc("cancel")
+        daemon.wait_ended("part-2")
+        daemon.stop()
+
+    def test_one_that_is_no_ticket_refuses_both(self):
+        daemon = self.daemon()
+        for name in ("part.stl", "part.STL"):
+            daemon.drop(name, SMALL)
+        os.mkfifo(daemon.file("incoming", "part.json"))
+        daemon.start()
+        daemon.wait_refused("part")
+        daemon.drop("next.stl", SMALL)
+        daemon.wait_done("next")
+        daemon.stop()
+
+
+class ReplacedFolders(SpoolTest):
+    WATCHED = "what is there now is watched"
+
+    def put(self, daemon, name, data=SMALL, folder="incoming"):
+        with open(daemon.file(folder, name), "wb") as file:
+            file.write(data)
+
+    def printed(self, daemon, name):
+        self.put(daemon, name + ".stl")
+        return daemon.wait_done(name)
+
+    def mount_over_incoming(self, daemon):
+        os.makedirs(daemon.file("incoming"), exist_ok=True)
+        if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "none", daemon.file("incoming")], check=False).returncode != 0:
+            self.skipTest("nothing can be mounted here")
+        self.addCleanup(subprocess.run, ["umount", "-q", daemon.file("incoming")], check=False)
+
+    def stopped_while_it_reads(self, daemon, meanwhile=lambda: None):
+        """Stops it in the preparation of big.stl, which has a ticket."""
+        large = self.path("large.stl")
+        self.assertEqual(run(MAKE_MODEL, "gyroid-sphere", large, "120").returncode, 0)
+        daemon.start()
+        with open(large, "rb") as file:
+            data = file.read()
+        self.put(daemon, "big.json", b"{}")
+        self.put(daemon, "big.stl", data)
+        wait_until(lambda: daemon.status()["state"] == "preparing", "the model to be read")
+        meanwhile()
+        self.assertEqual(daemon.status()["state"], "preparing", "the model is read too fast for this test")
+        daemon.stop()
+
+    def test_an_incoming_that_was_replaced_by_rename_is_watched(self):
+        daemon = self.daemon().start()
+        os.mkdir(daemon.file("other"))
+        os.rename(daemon.file("incoming"), daemon.file("old"))
+        os.rename(daemon.file("other"), daemon.file("incoming"))
+        wait_until(lambda: self.WATCHED in daemon.log(), "its word")
+        self.printed(daemon, "part")
+        self.put(daemon, "late.stl", folder="old")
+        self.printed(daemon, "next")
+        self.assertTrue(daemon.has("old", "late.stl"))
+        daemon.stop()
+
+    def test_what_waited_in_the_old_one_is_withdrawn_and_what_lies_in_the_new_one_arrives(self):
+        daemon = self.printing_daemon()
+        daemon.drop("old.stl", SMALL)
+        wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["old.stl"], "the job")
+        os.mkdir(daemon.file("other"))
+        self.put(daemon, "new.stl", folder="other")
+        os.rename(daemon.file("incoming"), daemon.file("before"))
+        os.rename(daemon.file("other"), daemon.file("incoming"))
+        wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["new.stl"], "the new folder's job alone")
+        self.assertEqual(daemon.status()["state"], "exposing")
+        daemon.stop()
+
+    def test_what_was_taken_away_when_events_were_lost_waits_no_longer(self):
+        daemon = self.printing_daemon()
+        daemon.drop("waits.stl", SMALL)
+        os.mkdir(daemon.file("incoming", "plate"))
+        self.put(daemon, "plate.json", json.dumps({"models": [{"file": "part.stl"}]}).encode(), "incoming/plate")
+        wait_until(lambda: "plate" in daemon.status()["incomplete"] and daemon.status()["queued"] == 1, "both")
+        with open("/proc/sys/fs/inotify/max_queued_events", encoding="ascii") as file:
+            most = int(file.read())
+        os.kill(daemon.process.pid, signal.SIGSTOP)
+        for _ in range(most // 3 + 1):  # made, closed, removed
+            self.put(daemon, "noise", b"")
+            os.unlink(daemon.file("incoming", "noise"))
+        os.unlink(daemon.file("incoming", "waits.stl"))
+        os.rename(daemon.file("incoming", "plate"), daemon.file("plate"))
+        self.put(daemon, "new.stl")
+        os.kill(daemon.process.pid, signal.SIGCONT)
+        wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["new.stl"], "the new job alone")
+        wait_until(lambda: not daemon.status()["incomplete"], "the plate's end")
+        daemon.stop()
+
+    def test_a_spool_that_was_replaced_is_taken_and_watched(self):
+        daemon = self.daemon().start()
+        os.rename(daemon.spool, daemon.spool + ".old")
+        os.mkdir(daemon.spool)
+        wait_until(lambda: self.WATCHED in daemon.log(), "its word")
+        self.printed(daemon, "part")
+        second = self.second_daemon("second", {"spool_folder": "spool"})
+        second.launch()
+        self.assertNotEqual(second.process.wait(), 0)
+        self.assertIn("another contourd uses the spool", second.log())
+        daemon.stop()
+
+    def test_a_spool_of_another_daemon_is_left_to_it(self):
+        daemon = self.daemon().start()
+        os.mkdir(self.path("others"))
+        with open(self.path("others", ".lock"), "wb") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            os.rename(daemon.spool, daemon.spool + ".old")
+            os.rename(self.path("others"), daemon.spool)
+            wait_until(lambda: "another contourd uses the spool" in daemon.log(), "its word")
+            self.assertEqual(daemon.log().count("nothing arrives"), 1)
+            self.assertNotIn(self.WATCHED, daemon.log())
+        wait_until(lambda: self.WATCHED in daemon.log(), "its word")
+        self.printed(daemon, "part")
+        daemon.stop()
+
+    def test_what_is_mounted_over_incoming_is_watched_and_what_is_under_it_again_after_that(self):
+        daemon = self.daemon().start()
+        self.mount_over_incoming(daemon)
+        wait_until(lambda: self.WATCHED in daemon.log(), "its word")
+        self.assertEqual(self.printed(daemon, "part")["layers"], 20)
+        self.assertEqual(daemon.names_in("incoming"), [])  # though nothing can be moved out of it
+        self.put(daemon, "bad.stl", b"no model")
+        daemon.wait_refused("bad")
+        subprocess.run(["umount", daemon.file("incoming")], check=True)
+        wait_until(lambda: daemon.log().count(self.WATCHED) == 2, "its word")
+        self.printed(daemon, "under")
+        daemon.stop()
+
+    def test_a_job_that_has_not_begun_goes_back_to_an_incoming_that_is_mounted(self):
+        daemon = self.daemon()
+        self.mount_over_incoming(daemon)
+        self.stopped_while_it_reads(daemon)
+        self.assertEqual(daemon.names_in("incoming"), ["big.json", "big.stl"])
+        self.assertEqual(daemon.names_in("printing"), [])
+
+    def test_a_job_that_has_not_begun_takes_no_others_name(self):
+        daemon = self.daemon()
+        self.stopped_while_it_reads(daemon, lambda: self.put(daemon, "big.stl"))
+        self.assertEqual(daemon.names_in("incoming"), ["big-2.json", "big-2.stl", "big.stl"])
 
 
 class Plate(SpoolTest):
