@@ -110,9 +110,10 @@ def exact_print_in_rgb565():
 
 @vm_test("full")
 def exact_print_on_a_slow_computer():
-    """Two layers on a computer that has no time left while it makes steps (64 ns an instruction): the switch halts the
-    plate with the next step all the same, homing is exact, every picture is the core's mask for where the plate was."""
-    results = _print(ARM64, 2, shift=6)
+    """Two layers on a computer that has no time left while it makes steps (64 ns an instruction), at speeds from which the
+    motor may stop dead, up to half the homing speed: the switch halts the plate with the next step all the same, homing is
+    exact, every picture is the core's mask for where the plate was."""
+    results = _print(ARM64, 2, guests.real_config(z_axis={"travel_speed_mm_s": 2.5}), shift=6)
     edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
     expected = _expected_layers(json.loads(results.text("spool/done/part.report.json")), edges, frames)
     assert len(expected) == 2, f"{len(expected)} of 2 layers were shown"

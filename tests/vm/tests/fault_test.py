@@ -512,9 +512,10 @@ contourctl resume || true""",
 def stopped_in_the_warm_up():
     """The daemon is stopped while the projector warms up and refuses everything: the unit's clean-up tells it again until
     it takes light off."""
-    refusals = r"'~0002 1\r=>F\r' " * 8
+    refusals = r"'~0002 1\r=>F\r' " * 12
     outcome = run(
         projector=_OPTOMA.replace(r"'~0002 1\r=>P\r'", refusals + r"'~0002 1\r=>P\r'").replace(
+            r"'~0000 0\r=>P\r'", r"'~0000 0\r=>F\r'").replace(
             r"'~00124 1\r=>Ok0\r' ", r"'~00124 1\r=>Ok0\r' " * 3),
         config=_light_by_serial(),
         scenario="""\
@@ -530,7 +531,7 @@ keep_logs
 """,
     )
     asked = [line.split(" ", 1)[1] for line in outcome.results.text("projector").splitlines()]
-    assert asked.count(_LIGHT_OFF) == 9, asked
+    assert asked.count(_LIGHT_OFF) == 13, asked
     assert "has not confirmed that its light is off" in outcome.log, outcome.log
     assert "light off, motor still" not in outcome.log, outcome.log
 
@@ -574,7 +575,9 @@ def no_permission():
         before="""
 echo nobody:x:65534:65534::/:/bin/sh >/etc/passwd
 chmod 600 /dev/gpiochip*
-su nobody -s /bin/sh -c "LD_LIBRARY_PATH=/lib timeout 10 contourd --config /etc/contourd/contourd.json" 2>/tmp/log
+mkdir /tmp/state
+chown 65534 /tmp/state
+STATE_DIRECTORY=/tmp/state su nobody -s /bin/sh -c "LD_LIBRARY_PATH=/lib timeout 10 contourd --config /etc/contourd/contourd.json" 2>/tmp/log
 cp /tmp/log /out/daemon.log
 mkdir -p $SPOOL/done $SPOOL/failed $SPOOL/incoming $SPOOL/printing""",
     )
