@@ -96,7 +96,10 @@ FiledPrint file_print(const Spool& spool, EndedPrint& print) {
     spool.write_beside(folder, report.job, "report.json", report_as_json(report));
   });
   if (recorded) write_page_and_picture(spool, print, filed);
-  filed.moved = attempt("stays in printing", filed, [&] { spool.end(print.files, folder); });
+  filed.moved = attempt("stays in printing", filed, [&] {
+    if (!spool.end(print.files, folder))
+      filed.troubles.push_back(fmt::format("{} is gone: somebody took it away", print.files.model.string()));
+  });
   return filed;
 }
 

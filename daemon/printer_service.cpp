@@ -752,7 +752,7 @@ void PrinterService::finish_job() {
 void PrinterService::filed(const FiledPrint& print) {
   const std::string& name = print.files.name;
   for (const std::string& trouble : print.troubles)
-    log_.error("spool", fmt::format("{}: {}", printable(name), trouble), job_fields(name));
+    log_.error("spool", fmt::format("{}: {}", printable(name), printable(trouble)), job_fields(name));
   Json analysis = std::move(active_->analysis);
   active_.reset();
   if (!print.moved) {
@@ -805,7 +805,9 @@ void PrinterService::move_job(const JobFiles& files, Spool::Folder to, const std
   } catch (const std::system_error& error) {
     trouble = error.what();  // a full disk has no room for a reason, but a rename needs none
   }
-  spool_.end(files, to);
+  if (!spool_.end(files, to))
+    log_.error("spool", fmt::format("{} is gone: somebody took it away", printable(files.model.string())),
+               job_fields(files.name));
   if (!trouble.empty())
     log_.error("spool", fmt::format("{}: no reason beside it: {}", printable(files.name), trouble),
                job_fields(files.name));

@@ -166,10 +166,12 @@ JobFiles Spool::begin(const std::string& file) {
   return to;
 }
 
-void Spool::end(const JobFiles& files, Folder where) const {
+bool Spool::end(const JobFiles& files, Folder where) const {
   fs::create_directories(folder(where));
-  move_job(files, folders_.named(where, files.name, files));
+  const bool there = fs::exists(fs::symlink_status(files.model));
+  if (there) move_job(files, folders_.named(where, files.name, files));
   forget_end_of_print();
+  return there;
 }
 
 std::string Spool::end_of_print() const {

@@ -89,9 +89,9 @@ class Spool {
   // What lies in incoming/ and was taken by copy, or refused there: it may be deleted.
   [[nodiscard]] const std::set<std::string>& originals() const { return watch_.originals(); }
 
-  // -> done/ or failed/. What goes beside them has been written before: see write_beside(). Throws
-  // std::system_error.
-  void end(const JobFiles& files, Folder to) const;
+  // -> done/ or failed/. What goes beside them has been written before: see write_beside(). False when the
+  // model is not there any more: then there is nothing to be moved, now or ever. Throws std::system_error.
+  bool end(const JobFiles& files, Folder to) const;
   // printing/ -> incoming/, for a job that has not begun; under another name when incoming/ has one of its
   // own by now. Throws std::runtime_error; then the job is where it was.
   void give_back(const JobFiles& files);

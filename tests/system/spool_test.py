@@ -1278,6 +1278,20 @@ class ReplacedFolders(SpoolTest):
         self.assertIn("another contourd uses the spool", second.log())
         daemon.stop()
 
+    def test_a_print_whose_spool_was_replaced_ends_and_the_queue_goes_on(self):
+        daemon = self.printing_daemon()
+        os.rename(daemon.spool, daemon.spool + ".old")
+        os.mkdir(daemon.spool)
+        wait_until(lambda: self.WATCHED in daemon.log(), "its word")
+        self.assertEqual(daemon.status()["state"], "exposing")
+        daemon.rpc("cancel")
+        daemon.wait_ended("first")
+        self.put(daemon, "next.stl")
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.status()["job"]["name"], "next")
+        self.assertTrue(os.path.exists(os.path.join(daemon.spool + ".old", "printing", "first.stl")))
+        daemon.stop()
+
     def test_a_spool_of_another_daemon_is_left_to_it(self):
         daemon = self.daemon().start()
         os.mkdir(self.path("others"))
