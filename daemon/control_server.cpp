@@ -33,6 +33,9 @@ constexpr std::size_t kMostUnsent = 262144;       // beyond it, lossy notificati
 constexpr std::size_t kMostUnsentEver = 4194304;  // beyond it, the client is not reading: it is dropped
 constexpr std::size_t kMostClients = 64;
 constexpr Duration kRest = std::chrono::milliseconds(200);
+// A user's turns in the long run, one in this time, and how many come at once after a while without any.
+constexpr Duration kTurnInterval = std::chrono::milliseconds(2);
+constexpr int kTurnsAtOnce = 200;
 constexpr std::size_t kLargestBatch = 64;
 constexpr uid_t kRoot = 0;
 
@@ -73,7 +76,8 @@ std::optional<ControlServer::Peer> peer_of(int socket) {
 
 }  // namespace
 
-// Answers one request a turn of the event loop: nobody can ask so much that a light waits.
+// Answers one request a turn of the event loop, and no more than its user has turns: nobody can ask so much
+// that a light waits, or that the computer has time for nothing else.
 class ControlServer::Client {
  public:
   Client(ControlServer& server, FileDescriptor socket, const Peer& other_end)
@@ -143,12 +147,19 @@ class ControlServer::Client {
       if (!std::exchange(skipping_, false)) handle(line);
     }
     if (closed()) return;
-    busy_ = batch_ || received_.find('\n') != std::string::npos;
-    if (busy_) {
-      next_turn_ = server_.loop_.at(std::chrono::steady_clock::now(), kName, [this] { take_turn(); });
-    } else if (received_.size() > kLongestMessage) {
-      skip_line();
-    }
+    const bool more = batch_ || received_.find('\n') != std::string::npos;
+    if (!more && received_.size() > kLongestMessage) skip_line();
+    if (closed()) return;
+    const TimePoint now = std::chrono::steady_clock::now();
+    const TimePoint next = server_.take_turn_of(peer.user, now);
+    busy_ = more || next > now;
+    if (busy_) next_turn_ = server_.loop_.at(next, kName, [this] { go_on(); });
+    watch_socket();
+  }
+
+  void go_on() {
+    busy_ = false;
+    if (batch_ || received_.find('\n') != std::string::npos) return take_turn();
     watch_socket();
   }
 
@@ -357,6 +368,14 @@ void ControlServer::notify(const std::string& method, const Json& params, Delive
     if (delivery == Delivery::Lossy && client->reads_slowly()) continue;
     client->send_line(line);
   }
+}
+
+ControlServer::TimePoint ControlServer::take_turn_of(uid_t user, TimePoint now) {
+  // Users whose turns are all paid for are like new ones.
+  std::erase_if(paid_until_, [now](const auto& entry) { return entry.second <= now; });
+  TimePoint& paid = paid_until_.try_emplace(user, now).first->second;
+  paid += kTurnInterval;
+  return std::max(now, paid - kTurnsAtOnce * kTurnInterval);
 }
 
 void ControlServer::drop_closed_clients() {

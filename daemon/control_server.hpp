@@ -1,9 +1,11 @@
 // The control socket: JSON-RPC 2.0 over a Unix stream socket, one message a line. Whatever a client sends, it
-// gets an answer and stays connected, unless it is idle and others want to come in. Event loop's thread only.
+// gets an answer and stays connected, unless it is idle and others want to come in. One user's clients
+// together get some hundred answers a second; what they ask beyond that waits. Event loop's thread only.
 #pragma once
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -56,6 +58,7 @@ class ControlServer {
 
  private:
   class Client;
+  using TimePoint = std::chrono::steady_clock::time_point;
 
   void listen();
   void accept_client();
@@ -66,6 +69,8 @@ class ControlServer {
   // One message's answer; discarded for a notification.
   Json answer(const Json& message, Client& client);
   Json call(const Json& message, Client& client);
+  // Counts a turn of the user's and tells when the next one is.
+  [[nodiscard]] TimePoint take_turn_of(uid_t user, TimePoint now);
   void drop_closed_clients();
 
   EventLoop& loop_;
@@ -74,6 +79,7 @@ class ControlServer {
   FileDescriptor listener_;
   std::unique_ptr<EventLoop::IoSource> listener_source_;
   std::map<int, std::unique_ptr<Client>> clients_;
+  std::map<uid_t, TimePoint> paid_until_;  // of users who had turns lately
   std::function<void(const std::string&, const Peer&)> called_;
   EventLoop::SourcePtr drop_timer_, rest_timer_;
 };

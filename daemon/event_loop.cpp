@@ -93,6 +93,7 @@ class EventLoop::SdIoSource final : public OwnedSource<IoSource, SdSource> {
  public:
   using OwnedSource::OwnedSource;
   void set_events(std::uint32_t events) override {
+    sd.enable(events == 0 ? SD_EVENT_OFF : SD_EVENT_ON);
     check(sd_event_source_set_io_events(sd.source, events), "sd_event_source_set_io_events");
   }
 };

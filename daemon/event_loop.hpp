@@ -32,6 +32,7 @@ class EventLoop {
   using SourcePtr = std::unique_ptr<Source>;
   class IoSource : public Source {
    public:
+    // 0: it is told of nothing, not even of errors and a hang-up.
     virtual void set_events(std::uint32_t events) = 0;
   };
 

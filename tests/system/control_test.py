@@ -178,6 +178,18 @@ class Protocol(ControlTest):
         self.client.send(b"".join(b'{"jsonrpc":"2.0","method":"queue","id":%d}\n' % number for number in range(2000)))
         self.assertEqual([self.client.next()["id"] for _ in range(2000)], list(range(2000)))
 
+    def test_one_users_clients_together_get_no_more_than_some_hundred_answers_a_second(self):
+        clients = [self.daemon.client() for _ in range(10)]
+        begin = time.monotonic()
+        for client in clients:
+            client.send(b'{"jsonrpc":"2.0","method":"queue","id":1}\n' * 150)
+        for client in clients:
+            for _ in range(150):
+                client.next()
+            client.close()
+        # 200 at once, one of each client that waits for its next turn, and the others 2 ms each, however fast the computer is.
+        self.assertGreater(time.monotonic() - begin, (1500 - 200 - 10) * 0.002)
+
     def test_a_client_that_has_said_all_still_gets_its_answer(self):
         # As `echo ... | nc -U` does: the sending side is closed at once.
         with socket.socket(socket.AF_UNIX) as client:
