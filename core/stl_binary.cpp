@@ -15,28 +15,6 @@ constexpr std::size_t kChunkFacets = 4096;
 constexpr std::size_t kNormalBytes = 12;
 constexpr std::size_t kAttributeOffset = 48;
 
-// How many of the file's facets to read.
-struct Extent {
-  std::uint64_t facets;
-  std::vector<std::string> warnings;
-};
-
-Extent choose_extent(std::uint64_t claimed, std::uint64_t data_bytes) {
-  const std::uint64_t whole = data_bytes / kBinaryFacetBytes;
-  const std::uint64_t rest = data_bytes % kBinaryFacetBytes;
-  if (claimed == whole && rest == 0) return {claimed, {}};
-  const std::string claim = "the header says " + std::to_string(claimed) + " facets";
-  if (claimed > whole || (claimed == 0 && whole > 0)) {
-    if (rest != 0 || whole == 0) {
-      throw StlError("the file is cut short: " + claim + ", but it ends after " + std::to_string(whole) +
-                     " whole facets and " + std::to_string(rest) + " bytes");
-    }
-    return {whole, {claim + ", the file holds " + std::to_string(whole) + "; all of those are used"}};
-  }
-  const std::uint64_t surplus = data_bytes - claimed * kBinaryFacetBytes;
-  return {claimed, {claim + ", " + std::to_string(surplus) + " more bytes follow them and are ignored"}};
-}
-
 // Some writers take the attribute byte count literally and let that many bytes follow each facet. The facets
 // then do not lie 50 bytes apart and would be read as garbage.
 bool attributes_follow_facets(std::span<const std::byte> data, std::uint64_t facets) {
@@ -93,11 +71,29 @@ std::uint32_t claimed_facets(std::span<const std::byte> header) {
   return count;
 }
 
+BinaryExtent binary_extent(std::span<const std::byte> header, std::uint64_t file_bytes) {
+  const std::uint64_t claimed = claimed_facets(header), data_bytes = file_bytes - kBinaryHeaderBytes;
+  const std::uint64_t whole = data_bytes / kBinaryFacetBytes;
+  const std::uint64_t rest = data_bytes % kBinaryFacetBytes;
+  if (claimed == whole && rest == 0) return {claimed, {}, true};
+  const std::string claim = "the header says " + std::to_string(claimed) + " facets";
+  if (claimed > whole || (claimed == 0 && whole > 0)) {
+    if (rest != 0 || whole == 0) {
+      throw StlError("the file is cut short: " + claim + ", but it ends after " + std::to_string(whole) +
+                     " whole facets and " + std::to_string(rest) + " bytes");
+    }
+    return {whole, {claim + ", the file holds " + std::to_string(whole) + "; all of those are used"}, true};
+  }
+  const std::uint64_t surplus = data_bytes - claimed * kBinaryFacetBytes;
+  return {
+      claimed, {claim + ", " + std::to_string(surplus) + " more bytes follow them and are ignored"}, false};
+}
+
 StlModel read_binary_stl(std::span<const std::byte> header, std::uint64_t file_bytes, const ReadBytes& read) {
   const std::uint64_t data_bytes = file_bytes - kBinaryHeaderBytes;
-  Extent extent = choose_extent(claimed_facets(header), data_bytes);
+  BinaryExtent extent = binary_extent(header, file_bytes);
   StlModel model{StlFormat::Binary, {}, std::move(extent.warnings)};
-  if (extent.facets * kBinaryFacetBytes == data_bytes) {
+  if (extent.fills_file) {
     read_facets(read, extent.facets, model.facets);
     return model;
   }

@@ -65,35 +65,42 @@ bool looks_like_ascii(std::string_view start) {
          start.starts_with('#');
 }
 
-// Decides the format and reads on; `bytes` is the size, `start` the first bytes, `read` gives all from the
-// first on.
-StlModel read_any(std::uint64_t bytes, std::span<const std::byte> start, const ReadBytes& read) {
+// By the size and the first bytes. Throws StlError when it is neither.
+StlFormat format_of(std::uint64_t bytes, std::span<const std::byte> start) {
   if (bytes == 0) throw StlError("the file is empty");
   const bool room_for_header = start.size() >= kBinaryHeaderBytes;
   const bool exact_size =
       room_for_header && kBinaryHeaderBytes + kBinaryFacetBytes * claimed_facets(start) == bytes;
   const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
-  if (!exact_size && looks_like_ascii(text)) {
-    std::vector<std::byte> all(bytes);
-    read(all);
-    return read_ascii_stl({reinterpret_cast<const char*>(all.data()), all.size()});
-  }
+  if (!exact_size && looks_like_ascii(text)) return StlFormat::Ascii;
   if (!room_for_header) {
     throw StlError("not an STL file: " + std::to_string(bytes) +
                    " bytes are too few for a binary one (84 at least), and it does not begin with \"solid\"");
+  }
+  return StlFormat::Binary;
+}
+
+// `bytes` is the size, `start` the first bytes, `read` gives all from the first on.
+StlModel read_any(std::uint64_t bytes, std::span<const std::byte> start, const ReadBytes& read) {
+  if (format_of(bytes, start) == StlFormat::Ascii) {
+    std::vector<std::byte> all(bytes);
+    read(all);
+    return read_ascii_stl({reinterpret_cast<const char*>(all.data()), all.size()});
   }
   std::array<std::byte, kBinaryHeaderBytes> header{};
   read(header);
   return read_binary_stl(header, bytes, read);
 }
 
-}  // namespace
-
-std::string_view name_of(StlFormat format) {
-  return format == StlFormat::Binary ? "binary" : "ascii";
+// The file is at its beginning again then.
+std::vector<std::byte> read_start(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
+  std::vector<std::byte> start(std::min<std::uint64_t>(bytes, kSniffBytes));
+  read_exactly(file, start, path);
+  std::rewind(file);
+  return start;
 }
 
-StlModel read_stl_file(const std::filesystem::path& path) {
+File open_regular(const std::filesystem::path& path) {
   std::error_code code;
   // Asked before opening: opening a FIFO would wait for a writer.
   const std::filesystem::file_status status = std::filesystem::status(path, code);
@@ -107,15 +114,38 @@ StlModel read_stl_file(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(status)) {
     throw NotARegularFile(path);
   }
-  const File file(std::fopen(path.c_str(), "rb"));
+  File file(std::fopen(path.c_str(), "rb"));
   if (!file) throw cannot_read(path, std::error_code(errno, std::generic_category()));
+  return file;
+}
+
+}  // namespace
+
+std::string_view name_of(StlFormat format) {
+  return format == StlFormat::Binary ? "binary" : "ascii";
+}
+
+StlOutline outline_of_stl(const std::filesystem::path& path) {
+  const File file = open_regular(path);
+  return outline_of_stl(file.get(), std::filesystem::file_size(path), path);
+}
+
+StlOutline outline_of_stl(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
+  const std::vector<std::byte> start = read_start(file, bytes, path);
+  // White space behind the last facet may be missing.
+  if (format_of(bytes, start) == StlFormat::Ascii)
+    return {StlFormat::Ascii, (bytes + 1) / kShortestAsciiFacet.size(), bytes};
+  const BinaryExtent extent = binary_extent(std::span(start).first(kBinaryHeaderBytes), bytes);
+  return {StlFormat::Binary, extent.facets, extent.fills_file ? 0 : bytes - kBinaryHeaderBytes};
+}
+
+StlModel read_stl_file(const std::filesystem::path& path) {
+  const File file = open_regular(path);
   return read_stl_file(file.get(), std::filesystem::file_size(path), path);
 }
 
 StlModel read_stl_file(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
-  std::vector<std::byte> start(std::min<std::uint64_t>(bytes, kSniffBytes));
-  read_exactly(file, start, path);
-  std::rewind(file);
+  const std::vector<std::byte> start = read_start(file, bytes, path);
   return read_any(bytes, start, [&](std::span<std::byte> into) { read_exactly(file, into, path); });
 }
 

@@ -31,6 +31,21 @@ class StlError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// What a file holds at most, by its size and its first bytes.
+struct StlOutline {
+  StlFormat format = StlFormat::Binary;
+  std::uint64_t most_facets = 0;     // just as many, if it is binary
+  std::uint64_t buffered_bytes = 0;  // of the file, in memory beside the facets while it is read
+};
+
+// Looks at the beginning alone; blocks. Throws as read_stl_file() does, as far as it shows there what is
+// wrong.
+[[nodiscard]] StlOutline outline_of_stl(const std::filesystem::path& path);
+// The same for a regular file of that many bytes that is open for reading, which is at its beginning again
+// then; `path` is its name in messages.
+[[nodiscard]] StlOutline outline_of_stl(std::FILE* file, std::uint64_t bytes,
+                                        const std::filesystem::path& path);
+
 // Reads a whole file; blocks. It is binary when 84 + 50 n equals its size, whatever the header says, and
 // otherwise what its first bytes look like. Memory is in proportion to the file, never to a count that the
 // file claims. Throws StlError for bad data, std::system_error when the file cannot be read or is not a

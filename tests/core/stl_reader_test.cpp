@@ -542,3 +542,83 @@ TEST_CASE("An ASCII file may have all its facets in one line") {
   std::replace(text.begin() + static_cast<std::ptrdiff_t>(first_line) + 1, text.end(), '\n', ' ');
   CHECK(read_stl(std::as_bytes(std::span(text))).facets.size() == 12);
 }
+
+namespace {
+
+// Of a file that holds these bytes.
+StlOutline outline_of(std::string_view bytes) {
+  const testing::TemporaryFolder folder;
+  return outline_of_stl(folder.write("part.stl", bytes));
+}
+StlOutline outline_of(std::span<const std::byte> bytes) {
+  return outline_of(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+std::string refused_outline(const std::vector<std::byte>& bytes) {
+  try {
+    (void)outline_of(bytes);
+  } catch (const StlError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("A binary file's outline has the facets that reading it gives, whatever its header claims") {
+  for (const std::uint32_t claimed : {0U, 1U, 3U, 4U, 5U, 1000U, 0xFFFFFFFFU}) {
+    const std::vector<std::byte> bytes = binary_claiming(claimed);
+    CHECK(outline_of(bytes).most_facets == read_stl(bytes).facets.size());
+    CHECK(outline_of(bytes).format == StlFormat::Binary);
+  }
+  // Only bytes behind the facets have the file in memory as a whole.
+  CHECK(outline_of(binary()).buffered_bytes == 0);
+  CHECK(outline_of(binary_claiming(1000)).buffered_bytes == 0);
+  CHECK(outline_of(binary_claiming(3)).buffered_bytes == 200);
+}
+
+TEST_CASE("An outline refuses what reading refuses for its size or its first bytes, in the same words") {
+  std::vector<std::byte> cut = binary_claiming(0xFFFFFFFF);
+  append(cut, 7);
+  CHECK(refused_outline(cut) == refusal_of(cut));
+  CHECK_FALSE(refusal_of(cut).empty());
+  for (const std::size_t bytes : {std::size_t{0}, std::size_t{10}, std::size_t{83}}) {
+    const std::vector<std::byte> few(bytes);
+    CHECK(refused_outline(few) == refusal_of(few));
+    CHECK_FALSE(refusal_of(few).empty());
+  }
+}
+
+TEST_CASE("A text's outline has at least its facets, and just those where nothing is in it but facets") {
+  const std::string text = models::to_ascii_stl(tetrahedron());
+  const StlOutline outline = outline_of(text);
+  CHECK(outline.format == StlFormat::Ascii);
+  CHECK(outline.buffered_bytes == text.size());
+  CHECK(outline.most_facets >= 4);
+  std::string bare;
+  for (int i = 0; i < 50; ++i)
+    bare += "facet outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet ";
+  CHECK(outline_of(bare).most_facets == 50);
+  bare.pop_back();
+  CHECK(outline_of(bare).most_facets == 50);
+  CHECK(read_text(bare).facets.size() == 50);
+}
+
+TEST_CASE("A binary file that begins with solid is outlined as what it is") {
+  std::vector<std::byte> bytes = binary();
+  std::memcpy(bytes.data(), "solid part", 10);
+  CHECK(outline_of(bytes).format == StlFormat::Binary);
+  CHECK(outline_of(bytes).most_facets == 4);
+}
+
+TEST_CASE("An outline is made of a file's beginning alone") {
+  const testing::TemporaryFolder folder;
+  std::vector<std::byte> header(84);
+  constexpr std::uint32_t facets = 85'000'000;
+  std::memcpy(header.data() + kCountOffset, &facets, sizeof facets);
+  const auto path =
+      folder.write("huge.stl", std::string_view(reinterpret_cast<const char*>(header.data()), 84));
+  std::filesystem::resize_file(path, 84 + std::uintmax_t{50} * facets);  // sparse
+  CHECK(outline_of_stl(path).most_facets == facets);
+  CHECK_THROWS_AS((void)outline_of_stl(folder.path() / "none.stl"), std::system_error);
+}
