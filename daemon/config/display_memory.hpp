@@ -1,0 +1,20 @@
+// What contourd takes of memory before there is a model. Pure functions, thread-safe.
+#pragma once
+
+#include <cstdint>
+
+#include "core/units.hpp"
+
+namespace contourd {
+
+// The program, with its threads and connections, when it has nothing to do.
+inline constexpr std::uint64_t kProgramBytes = 10'000'000;
+
+// Masks of the print and of its analysis, what they are painted from, a lamp's mask, the preview.
+[[nodiscard]] constexpr std::uint64_t memory_for_display(Pixels width, Pixels height) {
+  constexpr std::uint64_t bytes_a_pixel = 10, others = 12'000'000;
+  return others + bytes_a_pixel * static_cast<std::uint64_t>(width.count()) *
+                      static_cast<std::uint64_t>(height.count());
+}
+
+}  // namespace contourd
