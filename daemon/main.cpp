@@ -1,5 +1,6 @@
 // contourd: wires the machine, the printer service and the event loop, and nothing else.
 #include <fmt/format.h>
+#include <malloc.h>
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -195,6 +196,9 @@ void leave_light_record(const PrinterConfig& config, const std::string& record, 
 }
 
 int run(const PrinterConfig& config) {
+  // What is larger goes back to the system as soon as it is free: a model's facets leave room for the next.
+  constexpr int kept_bytes = 1 << 20;
+  ::mallopt(M_MMAP_THRESHOLD, kept_bytes);
   EventLoop loop;
   // Before any thread is made: signals come through the loop alone. SIGIO would come from a lease (see
   // spool.cpp).

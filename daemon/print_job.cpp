@@ -1,14 +1,9 @@
 #include "daemon/print_job.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <new>
 #include <string_view>
 #include <system_error>
@@ -17,7 +12,8 @@
 
 #include "core/crack_survey.hpp"
 #include "core/placement.hpp"
-#include "daemon/config/regular_file.hpp"
+#include "daemon/job_content.hpp"
+#include "daemon/memory_room.hpp"
 #include "daemon/mesh_repair_text.hpp"
 
 namespace contourd {
@@ -26,41 +22,6 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::string_view kMendIt = "mend the model, or print it with \"cracks\": \"repair\" in its ticket";
-
-// What is known of one model on the way to the plate.
-struct LoadedModel {
-  ModelTicket ticket;
-  std::string name;  // as messages have it
-  StlModel stl;
-};
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
-StlModel read_open_stl(const std::filesystem::path& path, Links links) {
-  const FileDescriptor opened = open_regular_file(path, links);
-  struct stat status {};
-  const std::unique_ptr<std::FILE, CloseFile> file(::fdopen(::fcntl(opened.get(), F_DUPFD_CLOEXEC, 0), "rb"));
-  if (!file || ::fstat(opened.get(), &status) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot read " + path.string());
-  return read_stl_file(file.get(), static_cast<std::uint64_t>(status.st_size), path);
-}
-
-StlModel read_model(const std::filesystem::path& path, const std::string& name, Links links) {
-  const std::string prefix = name.empty() ? "" : name + ": ";
-  try {
-    StlModel model = read_open_stl(path, links);
-    if (model.facets.empty()) throw JobRefused(prefix + "the STL file holds no facets");
-    return model;
-  } catch (const UnreadableFile& error) {
-    throw JobRefused(fmt::format("cannot read {}: {}", path.string(), error.what()));
-  } catch (const StlError& error) {
-    throw JobRefused(fmt::format("{}not a usable STL file: {}", prefix, error.what()));
-  } catch (const std::bad_alloc&) {
-    throw JobRefused(prefix + "the model does not fit into this machine's memory");
-  }
-}
 
 JobTicket ticket_of(const JobFiles& files) {
   if (files.plate) return load_plate_ticket(files.model / kPlateTicket, files.links);
@@ -71,16 +32,6 @@ EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile&
                                const BuildVolume& volume) {
   return {volume.display, printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off, resin.compensation,
           printer.tone, printer.lamp};
-}
-
-std::vector<LoadedModel> read_models(const JobFiles& files, const JobTicket& ticket) {
-  std::vector<LoadedModel> models;
-  for (const ModelTicket& model : ticket.models) {
-    const std::filesystem::path path = files.plate ? files.model / model.file : files.model;
-    models.push_back(
-        {model, files.plate ? model.file : "the model", read_model(path, model.file, files.links)});
-  }
-  return models;
 }
 
 BuildVolume build_volume(const PrinterConfig& printer, const ResinProfile& resin) {
@@ -126,28 +77,45 @@ void check_size(const Bounds& bounds, const std::string& name, const BuildVolume
   }
 }
 
-// Takes the facets; what they were before is lost.
-ModelToPlace make_ready(LoadedModel& model, const JobFiles& files, const BuildVolume& volume,
-                        JobSummary& summary) {
-  const ModelTicket& ticket = model.ticket;
+// Takes the facets.
+ModelSummary make_model(JobContent& content, std::size_t number, const BuildVolume& volume,
+                        const ResinProfile& resin, std::shared_ptr<const HeightIndex>& made) {
+  const auto& [ticket, name, file, made_as] = content.models()[number];
   ModelSummary figures;
   figures.file = ticket.file;
-  figures.format = model.stl.format;
+  figures.format = content.stl(file).format;
   figures.rotation_deg = ticket.rotation;
   figures.up = ticket.up;
-  figures.scale = turn_and_scale(model.stl.facets, ticket, volume, summary.resin.shrinkage_factors);
-  const Bounds bounds = bounds_of(model.stl.facets);
-  check_size(bounds, model.name, volume);
+  std::vector<Facet> facets = content.take_facets(number);
+  figures.scale = turn_and_scale(facets, ticket, volume, resin.shrinkage_factors);
+  const Bounds bounds = bounds_of(facets);
+  check_size(bounds, name, volume);
   figures.size_x_mm = bounds.size_x();
   figures.size_y_mm = bounds.size_y();
   figures.size_z_mm = bounds.size_z();
-  summary.height_mm = std::max(summary.height_mm, bounds.size_z());
-  summary.models.push_back(std::move(figures));
-  // A model alone stands in the middle.
-  const std::optional<PlateOffset> position =
-      files.plate ? ticket.position : ticket.position.value_or(PlateOffset{});
-  return {model.name, std::make_shared<const HeightIndex>(std::move(model.stl.facets)), position,
-          ticket.copies};
+  content.require_room_to_mend(facets);
+  made = std::make_shared<const HeightIndex>(std::move(facets));
+  return figures;
+}
+
+std::vector<ModelToPlace> make_ready(JobContent& content, const JobFiles& files, const BuildVolume& volume,
+                                     JobSummary& summary) {
+  std::vector<ModelToPlace> models;
+  for (std::size_t i = 0; i < content.models().size(); ++i) {
+    const auto& [ticket, name, file, made_as] = content.models()[i];
+    // A model alone stands in the middle.
+    const std::optional<PlateOffset> position =
+        files.plate ? ticket.position : ticket.position.value_or(PlateOffset{});
+    models.push_back({name, nullptr, position, ticket.copies});
+    if (made_as == i) {
+      summary.models.push_back(make_model(content, i, volume, summary.resin, models[i].model));
+    } else {
+      models[i].model = models[made_as].model;
+      summary.models.push_back(ModelSummary(summary.models[made_as]));
+    }
+    summary.height_mm = std::max(summary.height_mm, summary.models[i].size_z_mm);
+  }
+  return models;
 }
 
 // A part that fills the display is not refused for some micrometres that it grows by.
@@ -297,6 +265,24 @@ void refuse_guesses(const ModelToPlace& model, const PrintLayers& layers, const 
                   survey.cracks.widest_gap.count(), kMendIt));
 }
 
+// At each file and each model once, however often it stands on the plate.
+void look_at_models(const JobContent& content, const ContourEngine& engine, JobSummary& summary) {
+  for (std::size_t i = 0; i < content.models().size(); ++i) {
+    const auto& [ticket, name, file, made_as] = content.models()[i];
+    if (made_as != i) {
+      summary.models[i].mesh = summary.models[made_as].mesh;
+      summary.models[i].repairs = summary.models[made_as].repairs;
+      continue;
+    }
+    const std::string prefix = summary.plate ? name + ": " : "";
+    if (content.is_first_of_file(i)) {
+      for (const std::string& warning : content.stl(file).warnings)
+        summary.warnings.push_back(prefix + warning);
+    }
+    inspect(engine.models()[i], prefix, summary.models[i], summary.warnings);
+  }
+}
+
 PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   const auto start = SteadyClock::now();
   const JobTicket ticket = ticket_of(files);
@@ -304,14 +290,13 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   JobSummary& summary = job.summary;
   summary.plate = files.plate;
   summary.resin = ticket.resin ? find_resin(printer, *ticket.resin) : printer.resin;
-  std::vector<LoadedModel> loaded = read_models(files, ticket);
+  const BuildVolume volume = build_volume(printer, summary.resin);
+  JobContent content(files.model, files.plate, files.links, ticket);
+  content.read(volume.display, memory_room(printer.memory_limit_bytes));
   const auto read = SteadyClock::now();
   summary.tone = printer.tone;
   summary.lamp_mask = printer.lamp.has_value();
-  const BuildVolume volume = build_volume(printer, summary.resin);
-  std::vector<ModelToPlace> models;
-  for (LoadedModel& model : loaded)
-    models.push_back(make_ready(model, files, volume, summary));
+  const std::vector<ModelToPlace> models = make_ready(content, files, volume, summary);
   const Arrangement arrangement = arrange(models, volume);
   PrintPlan& plan = job.plan;
   plan.job = files.name;
@@ -319,12 +304,14 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   check_arrangement(models, arrangement, volume, summary.layers.thinnest);
   warn_if_grown_beyond(models, arrangement, volume, summary);
   if (ticket.cracks == CrackPolicy::Refuse) {
-    for (const ModelToPlace& model : models)
-      refuse_guesses(model, plan.layers, volume);
+    for (std::size_t i = 0; i < models.size(); ++i)
+      if (content.models()[i].made_as == i) refuse_guesses(models[i], plan.layers, volume);
   }
   const auto indexed = SteadyClock::now();
-  plan.engine = std::make_unique<ContourEngine>(stand_on_plate(models, arrangement, volume),
-                                                engine_settings(printer, summary.resin, volume));
+  std::vector<PlateModel> standing = stand_on_plate(models, arrangement, volume);
+  content.require_room_for_masks(standing, summary.resin.compensation != Compensation{});
+  plan.engine =
+      std::make_unique<ContourEngine>(std::move(standing), engine_settings(printer, summary.resin, volume));
   // Computed for its time, and to have the engine's memory grown before the print needs it.
   const std::optional<Nanometers> first = plan.layers.thickness_at(Nanometers{});
   if (first) (void)plan.engine->mask_at(*first / 2);
@@ -336,13 +323,9 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   summary.first_mask = job.first_mask_at - indexed;
   count_layers(plan, summary);
   take_settings(printer, summary.resin, plan);
-  for (std::size_t i = 0; i < models.size(); ++i) {
+  for (std::size_t i = 0; i < models.size(); ++i)
     summary.models[i].centers = arrangement[i];
-    const std::string prefix = files.plate ? models[i].name + ": " : "";
-    for (const std::string& warning : loaded[i].stl.warnings)
-      summary.warnings.push_back(prefix + warning);
-    inspect(plan.engine->models()[i], prefix, summary.models[i], summary.warnings);
-  }
+  look_at_models(content, *plan.engine, summary);
   return job;
 }
 

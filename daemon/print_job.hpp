@@ -76,7 +76,8 @@ struct PreparedJob {
   TimePoint first_mask_at{};  // CLOCK_MONOTONIC, whatever clock the machine runs by
 };
 
-// Blocks: a few hundred milliseconds for a million facets. Throws JobRefused.
+// Blocks: a few hundred milliseconds for a million facets. Throws JobRefused, of which JobTooLarge says that
+// there is no room for it in memory; then nothing was read.
 [[nodiscard]] PreparedJob prepare_job(const JobFiles& files, const PrinterConfig& printer);
 
 }  // namespace contourd

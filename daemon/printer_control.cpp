@@ -165,6 +165,13 @@ PrinterService::Json PrinterService::status() const {
   for_first(incomplete, kMostIncomplete,
             [&](const auto& plate) { status["incomplete"][plate.first] = plate.second; });
   status["incomplete_more"] = beyond(incomplete.size(), kMostIncomplete);
+  status["postponed"] = Json::object();
+  std::size_t postponed = 0;
+  for (const QueuedJob& job : queue_) {
+    if (!job.postponed.empty() && ++postponed <= kMostIncomplete)
+      status["postponed"][job.file] = job.postponed;
+  }
+  status["postponed_more"] = beyond(postponed, kMostIncomplete);
   const auto& originals = spool_.originals();
   status["deletable"] = Json::array();
   for_first(originals, kMostIncomplete,

@@ -9,6 +9,7 @@
 #include "daemon/durable_file.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
+#include "daemon/state_folder.hpp"
 
 namespace contourd {
 namespace {
@@ -24,6 +25,8 @@ constexpr int kNiceness = 5;
 // What is told of why a job is refused goes into the log, a file and each answer to a client.
 constexpr std::size_t kLongestReason = 8000;
 constexpr std::size_t kMostWarnings = 20;
+// In the state folder: see reading_record.hpp.
+constexpr const char* kReadingRecord = "reading";
 // How many ended jobs are remembered for whoever asks.
 constexpr std::size_t kLongestHistory = 100;
 
@@ -32,14 +35,6 @@ LogFields job_fields(const std::string& job) {
 }
 LogFields file_fields(const std::string& file) {
   return job_fields(job_name_of(file));
-}
-
-std::variant<PreparedJob, std::string> try_to_prepare(const JobFiles& files, const PrinterConfig& printer) {
-  try {
-    return prepare_job(files, printer);
-  } catch (const JobRefused& refusal) {
-    return printable_lines(shortened(refusal.what(), kLongestReason));
-  }
 }
 
 // "434000 facets, 20.00 x 20.00 x 40.00 mm", or what is on the plate.
@@ -88,6 +83,7 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       log_(log),
       supervisor_(supervisor),
       spool_(config.spool_folder, loop, *this),
+      reading_record_(state_folder_path(config.spool_folder) / kReadingRecord),
       process_(machine, clock, *this),
       analyst_(loop),
       archivist_(loop, spool_),
@@ -119,6 +115,7 @@ void PrinterService::start() {
 
 void PrinterService::shut_down(const std::string& reason) {
   shutting_down_ = true;
+  reading_record_.stop();
   process_.fail(reason);
   leave_if_over();
 }
@@ -194,6 +191,13 @@ void PrinterService::disturbed(const Disturbance& disturbance) {
 
 void PrinterService::find_left_jobs() {
   for (const JobFiles& files : spool_.interrupted()) {
+    // It had not begun.
+    if (plate_occupant_ != files.name && reading_record_.take_ended(files)) {
+      left_jobs_.push_back({files, PrintEnd{PrintOutcome::Failed, std::string(kEndedAProcess)}});
+      log_.error("refused", fmt::format("{}: {}", printable(files.name), kEndedAProcess),
+                 job_fields(files.name));
+      continue;
+    }
     left_jobs_.push_back({files, recorded_end(spool_, files.name)});
     const std::optional<PrintEnd>& end = left_jobs_.back().end;
     const std::string how =
@@ -277,8 +281,10 @@ void PrinterService::pump_soon() {
 }
 
 void PrinterService::retry_later() {
-  pump_timer_ =
-      loop_.at(std::chrono::steady_clock::now() + kRetryInterval, "the queue's timer", [this] { pump(); });
+  pump_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, "the queue's timer", [this] {
+    check_postponed();
+    pump();
+  });
 }
 
 std::string PrinterService::reason_to_wait() const {
@@ -402,8 +408,7 @@ void PrinterService::claimed(const QueuedJob& job, JobFiles files) {
   active.turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived;
   active.files = std::move(files);
   active_ = std::move(active);
-  worker_.run([files = active_->files, this] { return try_to_prepare(files, config_); },
-              [this](std::variant<PreparedJob, std::string> result) { prepared(std::move(result)); });
+  read_active();
   // Whoever copied it may not have had it written to the disk, and after a power cut it would be empty. After
   // preparing it: the first mask does not wait for the disk.
   worker_.run(
@@ -463,34 +468,6 @@ void PrinterService::copied(const Spool::Copy& copy, const std::string& why) {
   leave_if_over();
 }
 
-// A waiting job is read once when it arrives, so that its owner hears of a mistake while still there.
-void PrinterService::check_waiting() {
-  const auto wanted = std::find_if(queue_.begin(), queue_.end(), [](const QueuedJob& job) {
-    return job.check == QueuedJob::Check::Wanted;
-  });
-  if (wanted == queue_.end()) return;
-  wanted->check = QueuedJob::Check::Running;
-  const std::string file = wanted->file;
-  worker_.run(
-      [file, this]() -> std::optional<std::string> {
-        auto result = try_to_prepare(spool_.files_of(Spool::Folder::Incoming, file), config_);
-        if (auto* refusal = std::get_if<std::string>(&result)) return std::move(*refusal);
-        return std::nullopt;
-      },
-      [this, file](const std::optional<std::string>& refusal) { checked(file, refusal); });
-}
-
-void PrinterService::checked(const std::string& file, const std::optional<std::string>& refusal) {
-  const auto job =
-      std::find_if(queue_.begin(), queue_.end(), [&](const QueuedJob& q) { return q.file == file; });
-  // Gone, or written again meanwhile: what was found out is about another file.
-  if (job != queue_.end() && job->check == QueuedJob::Check::Running) {
-    if (refusal) return reject(*job, *refusal);
-    job->check = QueuedJob::Check::Passed;
-  }
-  pump();
-}
-
 void PrinterService::reject(QueuedJob& job, const std::string& reason) {
   job.check = QueuedJob::Check::Refused;
   ++rejections_;
@@ -524,11 +501,12 @@ void PrinterService::rejected(const std::string& file, const std::string& reason
   pump();
 }
 
-void PrinterService::prepared(std::variant<PreparedJob, std::string> result) {
+void PrinterService::prepared(std::variant<PreparedJob, Refusal> result) {
   const std::string name = active_->files.name;
-  const auto* refusal = std::get_if<std::string>(&result);
+  const auto* refusal = std::get_if<Refusal>(&result);
+  if (refusal != nullptr && read_later(*refusal)) return;
   if (refusal != nullptr || active_->cancel_wanted || shutting_down_) {
-    const std::string reason = refusal != nullptr ? *refusal : "cancelled before it started";
+    const std::string reason = refusal != nullptr ? refusal->reason : "cancelled before it started";
     log_.error("refused", fmt::format("{}: {}", printable(name), reason), job_fields(name));
     file_job(active_->files, Spool::Folder::Failed, reason + "\n");
     active_.reset();
@@ -755,6 +733,7 @@ void PrinterService::filed(const FiledPrint& print) {
     log_.error("spool", fmt::format("{}: {}", printable(name), printable(trouble)), job_fields(name));
   Json analysis = std::move(active_->analysis);
   active_.reset();
+  check_postponed();
   if (!print.moved) {
     left_jobs_.push_back({print.files, PrintEnd{print.outcome, print.reason}});
     keep_records();

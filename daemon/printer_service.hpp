@@ -17,6 +17,7 @@
 #include "daemon/print_archivist.hpp"
 #include "daemon/print_process.hpp"
 #include "daemon/print_report.hpp"
+#include "daemon/reading_record.hpp"
 #include "daemon/spool.hpp"
 #include "daemon/supervisor.hpp"
 #include "daemon/worker.hpp"
@@ -54,10 +55,12 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
       Wanted,
       Running,
       Passed,
-      Refused,  // on its way to failed/
+      Postponed,  // there is no room for it in memory beside what is there now
+      Refused,    // on its way to failed/
     } check = Check::Wanted;
-    bool waited = false;  // for another print, or for the plate
-    std::string trouble;  // why it could not be claimed, already told
+    std::string postponed{};  // why, already told; empty when it was not
+    bool waited = false;      // for another print, or for the plate
+    std::string trouble;      // why it could not be claimed, already told
   };
   // The job between its claim and its end.
   struct ActiveJob {
@@ -72,6 +75,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
     std::optional<std::filesystem::path> masks;
     Json analysis;               // the findings in short, for whoever asks; null while there are none
     bool cancel_wanted = false;  // cancelled before it could start
+    int readings = 0;            // that found no room in memory
     std::optional<PrintFindings> findings;  // nothing while the analysis is under way
     std::optional<EndedPrint> over;         // once the print is, until its analysis is too
     EventLoop::Turn busiest_lit{};          // of those while there was or may have been light
@@ -80,6 +84,10 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   struct LeftJob {
     JobFiles files;
     std::optional<PrintEnd> end;  // nothing when its print did not come to one
+  };
+  struct Refusal {
+    std::string reason;
+    bool for_now = false;  // there may be room in memory for it later
   };
   struct EndedJob {
     std::string name, outcome, reason;
@@ -124,8 +132,16 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void begin_with_copy(QueuedJob job, const std::string& why);
   void copied(const Spool::Copy& copy, const std::string& why);
   void check_waiting();
-  void prepared(std::variant<PreparedJob, std::string> result);
-  void checked(const std::string& file, const std::optional<std::string>& refusal);
+  // On the worker's thread.
+  [[nodiscard]] std::variant<PreparedJob, Refusal> read(const JobFiles& files);
+  void read_active();
+  // Whether the active job is read again, since that found no room in memory that there may be soon.
+  [[nodiscard]] bool read_later(const Refusal& refusal);
+  void prepared(std::variant<PreparedJob, Refusal> result);
+  void checked(const std::string& file, const std::optional<Refusal>& refusal);
+  void postpone(QueuedJob& job, const std::string& why);
+  // Those have their check again for which there was no room: some memory may be free by now.
+  void check_postponed();
   void reject(QueuedJob& job, const std::string& reason);
   void rejected(const std::string& file, const std::string& reason, Spool::Rejection rejection,
                 const std::string& trouble);
@@ -174,6 +190,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   const Log& log_;
   Supervisor& supervisor_;
   Spool spool_;
+  ReadingRecord reading_record_;
   PrintProcess process_;
   std::deque<QueuedJob> queue_;
   int rejections_ = 0;                // under way
@@ -189,7 +206,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   bool shutting_down_ = false;
   std::function<void(bool)> printing_;
   std::unique_ptr<ControlServer> control_;
-  EventLoop::SourcePtr pump_timer_, keep_timer_, leave_timer_;
+  EventLoop::SourcePtr pump_timer_, keep_timer_, leave_timer_, read_timer_;
   PrintAnalyst analyst_;
   PrintArchivist archivist_;
   Worker worker_;  // last: its thread ends before what its tasks use

@@ -18,6 +18,7 @@ struct RotationDegrees {
   double x = 0.0;
   double y = 0.0;
   double z = 0.0;
+  bool operator==(const RotationDegrees&) const = default;
 };
 
 // Of the model's centre from the plate's centre.

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/config/display_memory.hpp"
 #include "daemon/config/hardware_config.hpp"
 #include "daemon/config/hardware_rules.hpp"
 #include "daemon/config/input_plausibility.hpp"
@@ -26,6 +27,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uint64_t kBytesPerMb = 1'000'000;
+
+// A limit that leaves nothing for a model.
+void check_memory_limit(JsonDocument& document) {
+  const auto limit = document.sound_number("/memory_limit_mb");
+  const auto width = document.sound_number("/display/width_px"),
+             height = document.sound_number("/display/height_px");
+  if (!limit || !width || !height) return;
+  const auto pixels = [](double count) { return Pixels{static_cast<std::int32_t>(count)}; };
+  const std::uint64_t least = kProgramBytes + memory_for_display(pixels(*width), pixels(*height));
+  if (*limit * static_cast<double>(kBytesPerMb) >= static_cast<double>(least)) return;
+  document.add_violation("/memory_limit_mb", std::to_string(std::llround(*limit)) +
+                                                 " MB leave no room for a model: contourd and the masks of "
+                                                 "this display take " +
+                                                 std::to_string(least / kBytesPerMb + 1) + " MB");
+}
+
 void check_rules(JsonDocument& document, const fs::path& folder) {
   const auto start = document.sound_number("/simulation/start_height_mm");
   const auto travel = document.sound_number("/z_axis/travel_mm");
@@ -35,6 +53,7 @@ void check_rules(JsonDocument& document, const fs::path& folder) {
                                                               " is more than z_axis/travel_mm, " +
                                                               nlohmann::json(*travel).dump() + " mm");
   }
+  check_memory_limit(document);
   constexpr std::size_t longest_socket_path = 107;  // unix(7): sun_path has 108 bytes, one for the NUL
   if (const auto socket = document.sound_text("/control_socket")) {
     const std::size_t length = resolved(folder, *socket).string().size();
@@ -204,6 +223,11 @@ std::optional<MillimetersPerSecond> read_top_speed(const JsonSection& z_axis) {
   return MillimetersPerSecond{z_axis.number("top_speed_mm_s")};
 }
 
+std::optional<std::uint64_t> read_memory_limit(const JsonSection& root) {
+  if (!root.has("memory_limit_mb")) return std::nullopt;
+  return kBytesPerMb * root.integer<std::uint64_t>("memory_limit_mb");
+}
+
 // What the printer's file refers to.
 struct Companions {
   std::optional<ResinProfile> resin;
@@ -232,14 +256,14 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
   const JsonSection root(document);
   const JsonSection display = root.section("display");
   const bool real = root.text("hardware") == "real";
-  constexpr std::uintmax_t bytes_per_mb = 1'000'000;
   PrinterConfig config{
       .name = root.text("name"),
       .spool_folder = resolved(folder, root.text("spool_folder")),
       .control_socket = resolved(folder, root.text("control_socket")),
       .resins_folder = resolved(folder, root.text("resins_folder")),
       .wait_for_plate_cleared = root.boolean("wait_for_plate_cleared"),
-      .min_free_disk_bytes = bytes_per_mb * root.integer<std::uintmax_t>("min_free_disk_mb"),
+      .min_free_disk_bytes = kBytesPerMb * root.integer<std::uintmax_t>("min_free_disk_mb"),
+      .memory_limit_bytes = read_memory_limit(root),
       .resin = std::move(companions.resin).value(),
       .travel = root.section("z_axis").length("travel_mm"),
       .travel_speed = MillimetersPerSecond{root.section("z_axis").number("travel_speed_mm_s")},

@@ -31,7 +31,8 @@ struct PrinterConfig {
   std::filesystem::path resins_folder;
   bool wait_for_plate_cleared = true;
   std::uintmax_t min_free_disk_bytes = 0;
-  ResinProfile resin;  // for jobs that name none
+  std::optional<std::uint64_t> memory_limit_bytes{};  // of the process; nothing: by what is available
+  ResinProfile resin;                                 // for jobs that name none
 
   Nanometers travel;
   MillimetersPerSecond travel_speed, homing_speed;

@@ -93,6 +93,8 @@ void print_status(const Json& status) {
       "plate     {}{}\n", status.value("plate", ""),
       status["plate_job"].is_string() ? " by " + printable(status["plate_job"].get<std::string>()) : "");
   fmt::print("queue     {}\n", status.value("queued", 0));
+  for (const auto& [file, why] : status["postponed"].items())
+    fmt::print("postponed {}: {}\n", printable(file), why.get<std::string>());
   for (const Json& file : status["deletable"])
     fmt::print("deletable {} in incoming: it had its turn, and cannot be moved\n",
                printable(file.get<std::string>()));

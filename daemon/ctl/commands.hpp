@@ -15,14 +15,9 @@
 
 namespace contourd::ctl {
 
-// read_stl_file(), with the file's name in front of what is wrong with it. Throws as that does.
-[[nodiscard]] inline StlModel read_model(const std::filesystem::path& path) {
-  try {
-    return read_stl_file(path);
-  } catch (const StlError& error) {
-    throw StlError(path.string() + ": " + error.what());
-  }
-}
+// read_stl_file(), with the file's name in front of what is wrong with it; what needs more memory than there
+// is is not read. Throws as that does.
+[[nodiscard]] StlModel read_model(const std::filesystem::path& path);
 
 struct InspectOptions {
   std::filesystem::path model;

@@ -1,7 +1,10 @@
 #include "daemon/print_job.hpp"
 
 #include <algorithm>
+#include <cstring>
+#include <fstream>
 
+#include "daemon/job_memory.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
 #include "tests/models/models.hpp"
@@ -373,4 +376,80 @@ TEST_CASE("A part that grows beyond the display is printed with a warning") {
   CHECK(desk.prepare(kCube).summary.warnings.empty());
   desk.printer.resin.compensation.growth = Micrometers{-80};
   CHECK(desk.prepare(wide).summary.warnings.empty());
+}
+
+namespace {
+
+// Of 84 + 50 facets bytes, all but the header a hole: no disk has to hold it.
+void write_sparse_stl(const std::filesystem::path& path, std::uint32_t facets) {
+  std::string header(84, '\0');
+  std::memcpy(header.data() + 80, &facets, sizeof facets);
+  std::ofstream(path, std::ios::binary) << header;
+  std::filesystem::resize_file(path, 84 + std::uintmax_t{50} * facets);
+}
+
+// What a sparse file is refused with.
+std::string refusal_of_sparse(const PrinterConfig& printer, std::uint32_t facets) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "huge.stl";
+  write_sparse_stl(path, facets);
+  try {
+    (void)prepare_job({"huge", path, std::nullopt}, printer);
+  } catch (const JobTooLarge& refusal) {
+    return refusal.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("A model that needs more memory than there is is refused with both figures before it is read") {
+  Desk desk;
+  desk.printer.memory_limit_bytes = 800'000'000;
+  const std::string refusal = refusal_of_sparse(desk.printer, 85'899'344);
+  CHECK(refusal.starts_with("the model holds 85899344 facets, for which "));
+  CHECK(refusal.find(" MB of memory are needed, and there is room for 7") != std::string::npos);
+  CHECK(refusal.find(" MB: memory_limit_mb is 800, and contourd holds ") != std::string::npos);
+  // Whatever this computer has, and however little of it is there.
+  desk.printer.memory_limit_bytes.reset();
+  const std::string more_than_any = refusal_of_sparse(desk.printer, 0xFFFFFFFF);
+  CHECK(more_than_any.starts_with("the model holds 4294967295 facets, for which "));
+  CHECK(more_than_any.find(" MB stay free") != std::string::npos);
+}
+
+TEST_CASE("A plate that names a file many times has one model of all that are turned and scaled alike") {
+  PlateDesk desk;
+  desk.add("cube.stl", kCube);
+  desk.add("same.stl", kCube);
+  const PreparedJob job = desk.prepare(R"({"models": [
+    {"file": "cube.stl", "scale": 0.4}, {"file": "cube.stl", "scale": 0.4, "copies": 2},
+    {"file": "cube.stl", "scale": 0.5}, {"file": "cube.stl", "scale": 0.4, "position_mm": {"x": 30}},
+    {"file": "same.stl", "scale": 0.4}, {"file": "cube.stl", "scale": 0.4, "up": {"x": 1}}]})");
+  const std::span<const PlateModel> models = job.plan.engine->models();
+  REQUIRE(models.size() == 6);
+  CHECK(models[1].model == models[0].model);
+  CHECK(models[3].model == models[0].model);
+  for (const std::size_t other : {2U, 4U, 5U})
+    CHECK(models[other].model != models[0].model);
+  REQUIRE(job.summary.models.size() == 6);
+  for (const ModelSummary& model : job.summary.models) {
+    CHECK(model.mesh.facets == 12);
+    CHECK(model.mesh.watertight);
+  }
+  CHECK(job.summary.models[2].size_x_mm == 10);
+  CHECK(job.summary.models[3].size_x_mm == 8);
+  CHECK(job.summary.models[1].centers.size() == 2);
+  // Six of 8 by 8 mm and one of 10 by 10.
+  CHECK(job.plan.engine->mask_at(Nanometers{5'000'000}).lit_area() == (6 * 160.0 * 160 + 200.0 * 200));
+}
+
+TEST_CASE("What is odd about a file or a model that a plate names many times is told once") {
+  PlateDesk desk;
+  models::Facets open = models::box({0, 0, 0}, {5, 5, 5});
+  open.pop_back();
+  desk.add("open.stl", open);
+  const PreparedJob job = desk.prepare(
+      R"({"models": [{"file": "open.stl"}, {"file": "open.stl"}, {"file": "open.stl", "copies": 3}]})");
+  CHECK(job.summary.warnings.size() == 1);
+  CHECK_FALSE(job.summary.models[2].mesh.watertight);
 }

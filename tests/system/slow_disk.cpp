@@ -1,6 +1,6 @@
 // Preloaded into a daemon by a test: a disk that does not answer, or that takes nothing. What reads (or looks
 // for) a file of the spool waits while $SLOW_DISK/reads exists, what writes one while $SLOW_DISK/writes does,
-// what writes a preview while $SLOW_DISK/pictures does;
+// what writes a preview while $SLOW_DISK/pictures does, what reads a model while $SLOW_DISK/models does;
 // $SLOW_DISK/waiting is made by whatever waits. While there is $SLOW_DISK/full nothing can be written into a
 // file, while there is $SLOW_DISK/read-only nothing can be changed, while there is
 // $SLOW_DISK/printing-read-only nothing in printing/.
@@ -95,6 +95,15 @@ int open64(const char* path, int flags, ...) {
   wait_for_file(path, (flags & O_ACCMODE) != O_RDONLY);
   if (refused(path, flags)) return -1;
   return real<int(const char*, int, ...)>("open64")(path, flags, mode);
+}
+int openat(int folder, const char* path, int flags, ...) {
+  va_list more;
+  va_start(more, flags);
+  const mode_t mode = mode_of(flags, more);
+  va_end(more);
+  const char* const ending = std::strrchr(path, '.');
+  if (ending != nullptr && std::strcmp(ending, ".stl") == 0) wait_while("models");
+  return real<int(int, const char*, int, ...)>("openat")(folder, path, flags, mode);
 }
 FILE* fopen(const char* path, const char* mode) {
   wait_for_file(path, std::strchr(mode, 'r') == nullptr);

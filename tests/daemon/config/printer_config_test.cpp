@@ -282,6 +282,20 @@ TEST_CASE("a limit is named with its key's unit") {
   }
 }
 
+TEST_CASE("a memory limit is optional, and leaves room for more than the program and its masks") {
+  CHECK_FALSE(PrinterFolder(smallest_printer()).load().memory_limit_bytes);
+  json printer = smallest_printer();
+  printer["memory_limit_mb"] = 500;
+  CHECK(PrinterFolder(printer).load().memory_limit_bytes == 500'000'000);
+  CHECK(
+      complaints_with("/memory_limit_mb", 20) ==
+      Complaints{"/memory_limit_mb: 20 MB leave no room for a model: contourd and the masks of this display "
+                 "take 43 MB"});
+  CHECK(complaints_with("/memory_limit_mb", 43).empty());
+  CHECK(complaints_with("/memory_limit_mb", 0).size() == 1);
+  CHECK(complaints_with("/memory_limit_mb", "much").size() == 1);
+}
+
 TEST_CASE("the start height is within the travel, also when neither is written") {
   CHECK(complaints_with("/simulation/start_height_mm", 160).empty());
   CHECK(complaints_with("/simulation/start_height_mm", 160.5) ==
