@@ -69,7 +69,8 @@ void ContourEngine::add_to_mask(const PlateModel& plate_model, double z) {
   // Balanced segments close by themselves, in whatever order they come.
   const bool open = !section_.balanced;
   if (open) {
-    linker_.close_open_chains(section_.segments, join_tolerance_, contours_);
+    MaskBudget unlimited;
+    linker_.close_open_chains(section_.segments, join_tolerance_, contours_, unlimited);
     cracks_ += contours_.cracks;
   }
   for (const PixelMap& copy : plate_model.copies) {

@@ -64,21 +64,27 @@ void ContourLinker::clear(Contours& contours) {
 }
 
 void ContourLinker::link(std::span<const Segment> segments, Millimeters tolerance, Contours& contours) {
+  MaskBudget unlimited;
+  link(segments, tolerance, contours, unlimited);
+}
+
+void ContourLinker::link(std::span<const Segment> segments, Millimeters tolerance, Contours& contours,
+                         MaskBudget& budget) {
   clear(contours);
   if (link_simple(segments, contours)) return;
   clear(contours);
   find_ends(segments);
   walk_chains(segments, contours);
   walk_loops(segments, contours);
-  join_chains(tolerance, contours);
+  join_chains(tolerance, contours, budget);
 }
 
 void ContourLinker::close_open_chains(std::vector<Segment>& segments, Millimeters tolerance,
-                                      Contours& contours) {
+                                      Contours& contours, MaskBudget& budget) {
   clear(contours);
   find_ends(segments);
   walk_chains(segments, contours);
-  join_chains(tolerance, contours);
+  join_chains(tolerance, contours, budget);
   for (std::size_t i = segments.size(); i-- > 0;) {
     if (used_[i] == 0) continue;
     segments[i] = segments.back();
@@ -244,14 +250,14 @@ void ContourLinker::walk_loops(std::span<const Segment> segments, Contours& cont
   }
 }
 
-void ContourLinker::join_chains(Millimeters tolerance, Contours& contours) {
+void ContourLinker::join_chains(Millimeters tolerance, Contours& contours, MaskBudget& budget) {
   if (chains_.empty()) return;
   joiner_.reset(tolerance);
   for (const Chain& chain : chains_) {
     const Point* points = chain_points_.data() + chain.first_point;
     joiner_.add(points[0], points[chain.point_count - 1], chain.point_count);
   }
-  const JoinedChains& joined = joiner_.join();
+  const JoinedChains& joined = joiner_.join(budget);
   contours.cracks = joined.cracks;
   for (const JoinedChains::Loop& loop : joined.loops) {
     const auto first = static_cast<std::uint32_t>(contours.points.size());

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/layer_cracks.hpp"
+#include "core/mask_budget.hpp"
 #include "core/open_chain_joiner.hpp"
 #include "core/segment_ends.hpp"
 #include "core/slicer.hpp"
@@ -49,13 +50,16 @@ struct Contours {
 class ContourLinker {
  public:
   // Joins `segments` into `contours`, replacing what they held. Ends up to `tolerance` apart count as
-  // meeting.
+  // meeting. Once the budget is overrun, gaps are closed as they come.
+  void link(std::span<const Segment> segments, Millimeters tolerance, Contours& contours, MaskBudget& budget);
+  // The same with as much time as it takes.
   void link(std::span<const Segment> segments, Millimeters tolerance, Contours& contours);
 
   // Makes the segments of an unbalanced section balanced, which is all that a mask needs: moves its open
   // chains out of `segments` and, closed as link() closes them, into `contours`, replacing what they held.
   // What is left in `segments` forms closed loops, in no order.
-  void close_open_chains(std::vector<Segment>& segments, Millimeters tolerance, Contours& contours);
+  void close_open_chains(std::vector<Segment>& segments, Millimeters tolerance, Contours& contours,
+                         MaskBudget& budget);
 
  private:
   static constexpr std::uint32_t kNone = SegmentEnds::kNone;
@@ -81,7 +85,7 @@ class ContourLinker {
   // again.
   bool walk(std::uint32_t segment, std::span<const Segment> segments, std::vector<Point>& points);
   void walk_loops(std::span<const Segment> segments, Contours& contours);
-  void join_chains(Millimeters tolerance, Contours& contours);
+  void join_chains(Millimeters tolerance, Contours& contours, MaskBudget& budget);
 
   // While every point joins two: a segment that leaves it, by open addressing, and by segment the next one.
   std::vector<std::uint32_t> slots_, next_;

@@ -4,12 +4,16 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace contourd {
 namespace {
 
 // Corners nearer than this are one: short sides would be in the way of each other when they are moved.
 constexpr double kNoLength = ContourOffset::kChordError.count();
+
+// Cosine of the turn up to which a corner is mitered: it moves by 2.6 times the distance there.
+constexpr double kSharpest = -0.7;
 
 Point moved_by(Point point, double factor, Point vector) {
   return {point.x + factor * vector.x, point.y + factor * vector.y};
@@ -58,20 +62,61 @@ Point outward(Point direction) {
   return {direction.y, -direction.x};
 }
 
+// Far from the origin a float's step is more than a file's decimals. One stray facet at the end of the world
+// must not close what is open.
+double closing_for(const Contours& contours) {
+  constexpr double kStep = 1.0 / (1 << 23);  // of a float, in parts of it
+  constexpr double kMost = 5 * ContourOffset::kClosing.count();
+  double reach = 0;
+  for (const Point& point : contours.points)
+    reach = std::max({reach, std::fabs(point.x), std::fabs(point.y)});
+  return std::clamp(2 * kStep * reach, ContourOffset::kClosing.count(), kMost);
+}
+
 double length_of(Point vector) {
   return std::sqrt(vector.x * vector.x + vector.y * vector.y);
 }
 
 }  // namespace
 
+bool ContourOffset::offset(const Contours& contours, Millimeters distance, Contours& moved,
+                           MaskBudget& budget) {
+  const double by = distance.count();
+  if (by < 0) {
+    const double closing = closing_for(contours);
+    return close_gaps(contours, closing, budget) && move(closed_, by - closing, Join::Round, moved, budget);
+  }
+  Contours& outline = by == 0 ? moved : outline_;
+  if (!union_.unite(contours, FillRule::NonZero, ContourUnion::kDoubleRounding, outline, budget))
+    return false;
+  return by == 0 || move(outline_, by, Join::Round, moved, budget);
+}
+
 void ContourOffset::offset(const Contours& contours, Millimeters distance, Contours& moved) {
-  union_.unite(contours, FillRule::NonZero, ContourUnion::kFileRounding, outline_);
-  distance_ = distance.count();
+  MaskBudget unlimited;
+  if (!offset(contours, distance, moved, unlimited))
+    throw std::length_error("the contours cross each other too often");
+}
+
+bool ContourOffset::close_gaps(const Contours& contours, double closing, MaskBudget& budget) {
+  if (!move(contours, closing, Join::Mitered, closed_, budget)) return false;
+  if (!union_.winds_negatively()) return true;
+  // Something is wound the wrong way. The outline has it turned.
+  return union_.unite(contours, FillRule::NonZero, ContourUnion::kDoubleRounding, outline_, budget) &&
+         move(outline_, closing, Join::Mitered, closed_, budget);
+}
+
+bool ContourOffset::move(const Contours& contours, double distance, Join join, Contours& moved,
+                         MaskBudget& budget) {
+  distance_ = distance;
+  join_ = join;
   raw_.points.clear();
   raw_.loops.clear();
-  for (const ContourLoop& loop : outline_.loops)
-    move_loop(outline_.points_of(loop));
-  union_.unite(raw_, FillRule::Positive, ContourUnion::kDoubleRounding, moved);
+  for (const ContourLoop& loop : contours.loops) {
+    move_loop(contours.points_of(loop));
+    if (!budget.spend(loop.point_count) || !budget.can_hold(raw_.points.size())) return false;
+  }
+  return union_.unite(raw_, FillRule::Positive, ContourUnion::kDoubleRounding, moved, budget);
 }
 
 void ContourOffset::move_loop(std::span<const Point> points) {
@@ -110,6 +155,10 @@ void ContourOffset::move_corner(const Corner& corner) {
   const double straight = a.x * b.x + a.y * b.y;
   const Point from = outward(a), to = outward(b);
   if (turn * distance_ > 0 || (turn == 0 && straight < 0)) {
+    if (join_ == Join::Mitered && straight > kSharpest) {
+      add(moved_by(corner.at, distance_ / (1 + straight), {from.x + to.x, from.y + to.y}));
+      return;
+    }
     const double side = distance_ < 0 ? -1 : 1;
     add_arc(corner.at, {side * from.x, side * from.y}, {side * to.x, side * to.y}, a);
     return;

@@ -2,16 +2,17 @@
 // loops that run the wrong way are turned. After it no two loops cross and every side has the filled area on
 // its left, which an offset needs.
 //
-// Sides that meet are found row by row and cut where they do; between two cuts a run of sides has the same on
-// its left and on its right all along, so one look at the winding number on either side of it tells whether
-// it is part of the outline. What is left of loops that were cut is linked again.
+// A loop that nothing meets stays as it is. Of the others, the sides are cut where they meet (ArrangedSides);
+// those with the filled area on one side only are linked again.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/arranged_sides.hpp"
 #include "core/contour_loops.hpp"
+#include "core/mask_budget.hpp"
 
 namespace contourd {
 
@@ -24,58 +25,43 @@ class ContourUnion {
   // How far points of a file's contours lie off: 2^-15 mm. Its coordinates are floats, up to 128 mm rounded
   // to 2^-17 mm; where a vertex lies on another solid's wall it misses it by about as much.
   static constexpr Millimeters kFileRounding{1.0 / (1 << 15)};
-  // The same for contours that were computed in doubles.
-  static constexpr Millimeters kDoubleRounding{1.0 / (1 << 24)};
+  // The same for contours that were computed in doubles: a nanometre.
+  static constexpr Millimeters kDoubleRounding{1.0 / (1 << 20)};
 
-  // Replaces `outline` by the outline of `contours`; what contours say of gaps is not carried over. Points
-  // nearer than the rounding are the same; walls and gaps thinner than twice of it do not show.
+  // Replaces `outline` by the outline of `contours`; what contours say of gaps is not carried over. Where
+  // loops meet, points are rounded to multiples of `rounding`, or of more where the contours are wider than
+  // 2^30 of it. False when the budget was overrun: `outline` is of no use then.
   // REQUIRES: two different objects.
+  [[nodiscard]] bool unite(const Contours& contours, FillRule rule, Millimeters rounding, Contours& outline,
+                           MaskBudget& budget);
+  // The same with as much time as it takes. Throws std::length_error for more sides than a budget holds.
   void unite(const Contours& contours, FillRule rule, Millimeters rounding, Contours& outline);
 
+  // Whether the last contours wound around anything a negative number of times.
+  [[nodiscard]] bool winds_negatively() const { return sides_.winds_negatively(); }
+
  private:
-  struct Side {
-    Point from, to;
-    double low_x, high_x, low_y, high_y;
-    std::uint32_t next;       // the side that follows in its loop
-    std::uint32_t first_row;  // of those it lies in
-    bool cut;                 // whether something meets the loop in `from`
-  };
+  using GridPoint = ArrangedSides::GridPoint;
+
   struct Loop {
-    std::uint32_t first, end;  // in sides_
-  };
-  // Where a side is cut, between its ends.
-  struct Cut {
-    std::uint32_t side;
-    double along;  // 0 to 1
-    Point point;
+    std::uint32_t first, count;  // in points_
+    std::uint32_t side;          // one of its own, in sides_
+    bool upwards;                // whether it runs up there
   };
 
-  [[nodiscard]] bool same(Point a, Point b) const;
-  void take_sides(const Contours& contours);
+  void choose_grid(const Contours& contours, Millimeters rounding);
+  [[nodiscard]] GridPoint to_grid(Point point) const;
+  [[nodiscard]] Point to_point(GridPoint point) const;
   void take_loop(std::span<const Point> points);
-  void sort_into_rows();
-  [[nodiscard]] std::uint32_t row_of(double y) const;
-  void cut_where_sides_meet();
-  void cut_pair(std::uint32_t a, std::uint32_t b);
-  bool cut_by_end(std::uint32_t end_of, std::uint32_t other);
-  void cut_by_crossing(std::uint32_t a, std::uint32_t b);
-  [[nodiscard]] int winding_at(Point point) const;
-  [[nodiscard]] int direction_at(Point from, Point to, FillRule rule) const;
-  // +1: filled on the left only, so part of the outline; -1: on the right only; 0: no part of it.
-  [[nodiscard]] int outline_direction(std::span<const Point> run, FillRule rule) const;
-  void take_whole_loop(const Loop& loop, FillRule rule, Contours& outline);
-  void take_runs(const Loop& loop, FillRule rule);
-  void take_run(std::span<const Point> run, FillRule rule);
+  void take_whole_loops(FillRule rule, Contours& outline) const;
+  void take_cut_sides(FillRule rule);
 
-  double same_ = 0;  // mm
-  std::vector<Side> sides_;
+  Point origin_{};
+  double unit_ = 1;  // mm
+  std::vector<Point> points_;
   std::vector<Loop> loops_;
-  std::vector<Cut> cuts_;
-  double low_y_ = 0, rows_per_mm_ = 0;
-  std::uint32_t rows_ = 0;
-  std::vector<std::uint32_t> row_begin_, row_end_, in_rows_;  // sides by row
-  std::vector<Point> run_;
-  std::vector<std::uint32_t> run_ends_;  // in run_
+  std::vector<GridPoint> corners_;
+  ArrangedSides sides_;
   std::vector<Segment> kept_;
   ContourLinker linker_;
   Contours linked_;

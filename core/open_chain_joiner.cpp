@@ -35,6 +35,9 @@ constexpr double kTurnedFactor = 1.0 / 4;
 // A segment is alone when nothing eight times as far as its length is left to meet.
 constexpr double kAloneFactor = 8;
 
+// What a search for the nearest free end counts as in a budget.
+constexpr std::size_t kStepsOfASearch = 16;
+
 bool is_start(std::uint32_t end) {
   return end % 2 == 0;
 }
@@ -53,7 +56,7 @@ void OpenChainJoiner::add(Point start, Point end, std::uint32_t weight) {
   weights_.push_back(weight);
 }
 
-const JoinedChains& OpenChainJoiner::join() {
+const JoinedChains& OpenChainJoiner::join(MaskBudget& budget) {
   partner_.assign(ends_.size(), kFree);
   seen_in_.assign(ends_.size(), 0);
   came_from_.assign(ends_.size(), kFree);
@@ -69,10 +72,10 @@ const JoinedChains& OpenChainJoiner::join() {
   find_free_ends();
   double reach = std::max(tolerance_mm_, 1e-9);
   change_reach_ = reach;
-  join_turned_runs(reach);
+  join_turned_runs(reach, budget);
   find_free_ends();
-  for (int round = 0; round < kRounds && !free_.empty(); ++round, reach *= 2)
-    join_within(reach);
+  for (int round = 0; round < kRounds && !free_.empty() && !budget.overrun(); ++round, reach *= 2)
+    join_within(reach, budget);
   if (!free_.empty()) join_what_is_left();
   collect_loops();
   report();
@@ -104,13 +107,13 @@ void OpenChainJoiner::find_free_ends() {
   }
 }
 
-void OpenChainJoiner::join_within(double reach) {
-  join_cheapest(reach);
+void OpenChainJoiner::join_within(double reach, MaskBudget& budget) {
+  join_cheapest(reach, budget);
   find_free_ends();
   if (free_.empty()) return;
-  join_turned_runs(reach);
+  join_turned_runs(reach, budget);
   find_free_ends();
-  join_turned_chains(reach * kTurnedFactor);
+  join_turned_chains(reach * kTurnedFactor, budget);
   find_free_ends();
 }
 
@@ -118,7 +121,7 @@ void OpenChainJoiner::join_within(double reach) {
 // the reach: successive shortest ways with potentials (the Hungarian method, on the pairs within the reach).
 // What the rounds before have found is the least for their reach, and so are their potentials: joins wider
 // than that were not worth a look.
-void OpenChainJoiner::join_cheapest(double reach) {
+void OpenChainJoiner::join_cheapest(double reach, MaskBudget& budget) {
   nearby_.sort(ends_, starts_, change_reach_);
   free_starts_.clear();
   for (const std::uint32_t end : free_) {
@@ -128,7 +131,9 @@ void OpenChainJoiner::join_cheapest(double reach) {
   int ends_looked_from = 0;
   for (const std::uint32_t end : free_) {
     if (is_start(end)) continue;
+    const int looks_up_to_here = looks_;
     pair_anew(end, reach);
+    if (!budget.spend(static_cast<std::size_t>(looks_ - looks_up_to_here))) return;
     ends_looked_from += 1 + static_cast<int>(settled_.size());
   }
   if (looks_ - looks_before < kMostLooksAnEnd * ends_looked_from) change_reach_ = reach * 2;
@@ -215,13 +220,14 @@ void OpenChainJoiner::take_way_to(std::uint32_t start) {
 // A run of chains whose start lies in the very same point as another start, and whose end in that of another
 // end, is turned, or what it meets is: joining both bridges nothing. Of a ring of turned and right chains,
 // join_turned_chains could leave two starts here and two ends on the other side of the part.
-void OpenChainJoiner::join_turned_runs(double reach) {
+void OpenChainJoiner::join_turned_runs(double reach, MaskBudget& budget) {
   nearby_.sort(ends_, free_, reach);
   far_end_.resize(ends_.size());
   for (const std::uint32_t end : free_)
     far_end_[end] = far_end_of(end);
   for (const std::uint32_t start : free_) {
     if (!is_start(start) || partner_[start] != kFree) continue;
+    if (!budget.spend(kStepsOfASearch)) return;
     const std::uint32_t other = free_end_like(start, 0);
     if (other == kFree) continue;
     for (const std::uint32_t turned : {start, other}) {
@@ -246,10 +252,11 @@ void OpenChainJoiner::join_runs(std::uint32_t a, std::uint32_t b) {
 // A chain of turned facets has a start where a start is, and an end where an end is: both at once, or it is
 // not one. Chains that have been joined are not taken for one: the other ends that their two ends would take
 // may lie far from each other, and would be missing there.
-void OpenChainJoiner::join_turned_chains(double reach) {
+void OpenChainJoiner::join_turned_chains(double reach, MaskBudget& budget) {
   nearby_.sort(ends_, free_, reach);
   for (const std::uint32_t start : free_) {
     if (!is_start(start) || partner_[start] != kFree) continue;
+    if (!budget.spend(kStepsOfASearch)) return;
     const std::uint32_t other = free_end_like(start, reach);
     if (other == kFree) continue;
     for (const std::uint32_t turned : {start, other}) {

@@ -15,6 +15,7 @@
 
 #include "core/facet.hpp"
 #include "core/layer_cracks.hpp"
+#include "core/mask_budget.hpp"
 #include "core/nearby_ends.hpp"
 #include "core/units.hpp"
 
@@ -45,7 +46,8 @@ class OpenChainJoiner {
   void add(Point start, Point end, std::uint32_t weight);
 
   // Valid until the next reset().
-  [[nodiscard]] const JoinedChains& join();
+  // Once the budget is overrun, what is not joined yet is closed on itself.
+  [[nodiscard]] const JoinedChains& join(MaskBudget& budget);
 
  private:
   // End 2i is chain i's start, 2i + 1 its end.
@@ -67,13 +69,13 @@ class OpenChainJoiner {
   [[nodiscard]] double cost_of(std::uint32_t end, std::uint32_t start) const;
   void join_ends(std::uint32_t a, std::uint32_t b);
   void find_free_ends();
-  void join_within(double reach);
-  void join_cheapest(double reach);
+  void join_within(double reach, MaskBudget& budget);
+  void join_cheapest(double reach, MaskBudget& budget);
   void pair_anew(std::uint32_t end, double reach);
   void look_from(std::uint32_t end, double cost_up_to, double least);
   void take_way_to(std::uint32_t start);
-  void join_turned_runs(double reach);
-  void join_turned_chains(double reach);
+  void join_turned_runs(double reach, MaskBudget& budget);
+  void join_turned_chains(double reach, MaskBudget& budget);
   void join_runs(std::uint32_t a, std::uint32_t b);
   [[nodiscard]] std::uint32_t free_end_like(std::uint32_t end, double reach) const;
   [[nodiscard]] std::uint32_t far_end_of(std::uint32_t end) const;

@@ -406,7 +406,8 @@ TEST_CASE("A soup of segments between few points becomes closed loops") {
 TEST_CASE("Closing only the open chains leaves the sides that linking everything has") {
   const auto closed = [](std::vector<Segment> segments) {
     Contours contours;
-    ContourLinker().close_open_chains(segments, kPixel, contours);
+    MaskBudget unlimited;
+    ContourLinker().close_open_chains(segments, kPixel, contours, unlimited);
     std::multiset<Side> sides = sides_of(contours);
     sides.merge(sides_of(segments));
     return std::pair{std::move(sides), contours.cracks};

@@ -23,7 +23,8 @@ JoinedChains joined(const std::vector<OpenChain>& chains, Millimeters tolerance 
   joiner.reset(tolerance);
   for (const OpenChain& chain : chains)
     joiner.add(chain.start, chain.end, chain.weight);
-  return joiner.join();
+  MaskBudget unlimited;
+  return joiner.join(unlimited);
 }
 
 // Every chain is in exactly one loop, once.

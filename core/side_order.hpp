@@ -1,0 +1,61 @@
+// Sides in their order along a line that sweeps over them, for ArrangedSides: a treap whose nodes are the
+// sides' numbers, so that a side is found in logarithmic time and its neighbours at once. Its shape depends
+// on the numbers alone. Not thread-safe; allocates only while the numbers grow.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace contourd {
+
+class SideOrder {
+ public:
+  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
+
+  void clear() { root_ = first_ = kNone; }
+  // Makes room for sides of numbers below this.
+  void reserve_numbers(std::size_t count) {
+    if (nodes_.size() < count) nodes_.resize(count);
+  }
+
+  [[nodiscard]] std::uint32_t first() const { return first_; }
+  [[nodiscard]] std::uint32_t before(std::uint32_t side) const { return nodes_[side].before; }
+  [[nodiscard]] std::uint32_t after(std::uint32_t side) const { return nodes_[side].after; }
+
+  // The last side for which `is_left_of_it(side)` does not hold; none when it holds for all.
+  template <typename IsLeftOfIt>
+  [[nodiscard]] std::uint32_t last_not_right(IsLeftOfIt&& is_left_of_it) const {
+    std::uint32_t found = kNone;
+    for (std::uint32_t at = root_; at != kNone;) {
+      if (is_left_of_it(at)) {
+        at = nodes_[at].left;
+      } else {
+        found = at;
+        at = nodes_[at].right;
+      }
+    }
+    return found;
+  }
+
+  // Right of `left_neighbour`, or first of all after none. REQUIRES: room for its number; not among them yet.
+  void insert_after(std::uint32_t left_neighbour, std::uint32_t side);
+  void erase(std::uint32_t side);
+  // `side` takes the place of `old`.
+  void replace(std::uint32_t old, std::uint32_t side);
+
+ private:
+  struct Node {
+    std::uint32_t parent, left, right, before, after;
+    std::uint32_t priority;  // no higher than its parent's
+  };
+
+  void put_under(std::uint32_t parent, std::uint32_t old_child, std::uint32_t child);
+  void rotate_up(std::uint32_t side);
+
+  std::uint32_t root_ = kNone, first_ = kNone;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace contourd
