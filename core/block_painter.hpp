@@ -5,8 +5,10 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -15,6 +17,8 @@
 #endif
 
 namespace contourd {
+
+static_assert(std::endian::native == std::endian::little, "bits_of() reads eight bytes as one word");
 
 // The winding number one in the cells' units is 2^kWindingBits.
 inline constexpr int kWindingBits = 15;
@@ -29,6 +33,18 @@ inline constexpr std::size_t kBlockPixels = 16;
   return static_cast<std::uint8_t>((std::min(magnitude, one) * 255U + one / 2) >> kWindingBits);
 }
 
+// A bit for each of 64 bytes that are 0 or 1.
+[[nodiscard]] inline std::uint64_t bits_of_plainly(const std::uint8_t* bytes) {
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < 64; i += 8) {
+    std::uint64_t eight = 0;
+    std::memcpy(&eight, bytes + i, sizeof eight);
+    // Byte k's bit comes to lie in bit 56 + k of the product, without any carry.
+    bits |= (eight * 0x0102040810204080U >> 56) << i;
+  }
+  return bits;
+}
+
 // Paints kBlockPixels pixels from as many cells, and makes these 0. `winding` is that of the pixel left of
 // the first; gives the last one's.
 inline std::uint32_t paint_block_plainly(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
@@ -40,7 +56,45 @@ inline std::uint32_t paint_block_plainly(std::uint32_t* cells, std::uint32_t win
   return winding;
 }
 
+// The same where winding numbers should be 0 to 1 only, as long as contours do not overlap: those below count
+// as 0, those above as 1, and it is noted that there were any.
+//
+// Half of one is taken from the winding number that goes from block to block, so that 16 bits hold it.
+inline constexpr std::uint32_t kNoWinding = 0U - (1U << (kWindingBits - 1));
+inline constexpr std::int32_t kHalfWinding = 1 << (kWindingBits - 1);
+// What the roundings of a pixel's sides may add up to: half a grey value.
+inline constexpr std::int32_t kWindingSlack = 64;
+
+struct PlainWindingRange {
+  std::int32_t lowest = 0, highest = 0;
+  [[nodiscard]] bool is_zero_to_one() const {
+    return lowest >= -kHalfWinding - kWindingSlack && highest <= kHalfWinding + kWindingSlack;
+  }
+};
+
+inline std::uint32_t paint_covered_block_plainly(std::uint32_t* cells, std::uint32_t winding,
+                                                 std::uint8_t* pixels, PlainWindingRange& range) {
+  for (std::size_t i = 0; i < kBlockPixels; ++i) {
+    winding += cells[i];
+    cells[i] = 0;
+    const auto off_middle = static_cast<std::int32_t>(winding);
+    range.lowest = std::min(range.lowest, off_middle);
+    range.highest = std::max(range.highest, off_middle);
+    pixels[i] = grey_of(
+        static_cast<std::uint32_t>(std::clamp(off_middle, -kHalfWinding, kHalfWinding) + kHalfWinding));
+  }
+  return winding;
+}
+
 #if defined(__SSE2__)
+
+[[nodiscard]] inline std::uint64_t bits_of(const std::uint8_t* bytes) {
+  const auto sixteen = [bytes](int i) {
+    const __m128i values = _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes + 16 * i));
+    return static_cast<std::uint64_t>(_mm_movemask_epi8(_mm_slli_epi16(values, 7))) << (16 * i);
+  };
+  return sixteen(0) | sixteen(1) | sixteen(2) | sixteen(3);
+}
 
 inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
   __m128i carry = _mm_set1_epi32(static_cast<std::int32_t>(winding));
@@ -71,7 +125,51 @@ inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, st
   return static_cast<std::uint32_t>(_mm_cvtsi128_si32(carry));
 }
 
+struct WindingRange {
+  __m128i lowest = _mm_setzero_si128(), highest = _mm_setzero_si128();
+  [[nodiscard]] bool is_zero_to_one() const {
+    const __m128i below = _mm_cmplt_epi16(lowest, _mm_set1_epi16(-kHalfWinding - kWindingSlack));
+    const __m128i above = _mm_cmpgt_epi16(highest, _mm_set1_epi16(kHalfWinding + kWindingSlack));
+    return _mm_movemask_epi8(_mm_or_si128(below, above)) == 0;
+  }
+};
+
+inline std::uint32_t paint_covered_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels,
+                                         WindingRange& range) {
+  __m128i carry = _mm_set1_epi32(static_cast<std::int32_t>(winding));
+  const auto take_four = [&carry](std::uint32_t* four) {
+    auto* const at = reinterpret_cast<__m128i*>(four);
+    __m128i sums = _mm_loadu_si128(at);
+    _mm_storeu_si128(at, _mm_setzero_si128());
+    sums = _mm_add_epi32(sums, _mm_slli_si128(sums, 4));
+    sums = _mm_add_epi32(sums, _mm_slli_si128(sums, 8));
+    sums = _mm_add_epi32(sums, carry);
+    carry = _mm_shuffle_epi32(sums, 0xFF);
+    return sums;
+  };
+  // The sum holds a winding to 2^15 - 1, which rounds to 255 as 2^15 does.
+  const auto take_eight = [&take_four, &range](std::uint32_t* eight) {
+    const __m128i first = take_four(eight);
+    const __m128i off_middle = _mm_packs_epi32(first, take_four(eight + 4));
+    range.lowest = _mm_min_epi16(range.lowest, off_middle);
+    range.highest = _mm_max_epi16(range.highest, off_middle);
+    const __m128i windings =
+        _mm_max_epi16(_mm_adds_epi16(off_middle, _mm_set1_epi16(kHalfWinding)), _mm_setzero_si128());
+    const __m128i factor = _mm_set1_epi16(2 * 255);
+    return _mm_add_epi16(_mm_mulhi_epu16(windings, factor),
+                         _mm_srli_epi16(_mm_mullo_epi16(windings, factor), 15));
+  };
+  const __m128i first = take_eight(cells);
+  const __m128i greys = _mm_packus_epi16(first, take_eight(cells + 8));
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(pixels), greys);
+  return static_cast<std::uint32_t>(_mm_cvtsi128_si32(carry));
+}
+
 #elif defined(__aarch64__)
+
+[[nodiscard]] inline std::uint64_t bits_of(const std::uint8_t* bytes) {
+  return bits_of_plainly(bytes);
+}
 
 inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
   const uint32x4_t zero = vdupq_n_u32(0);
@@ -96,7 +194,53 @@ inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, st
   return vgetq_lane_u32(carry, 3);
 }
 
+struct WindingRange {
+  int16x8_t lowest = vdupq_n_s16(0), highest = vdupq_n_s16(0);
+  [[nodiscard]] bool is_zero_to_one() const {
+    return vminvq_s16(lowest) >= -kHalfWinding - kWindingSlack &&
+           vmaxvq_s16(highest) <= kHalfWinding + kWindingSlack;
+  }
+};
+
+inline std::uint32_t paint_covered_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels,
+                                         WindingRange& range) {
+  const uint32x4_t zero = vdupq_n_u32(0);
+  uint32x4_t carry = vdupq_n_u32(winding);
+  const auto take_four = [&carry, zero](std::uint32_t* four) {
+    uint32x4_t sums = vld1q_u32(four);
+    vst1q_u32(four, zero);
+    sums = vaddq_u32(sums, vextq_u32(zero, sums, 3));
+    sums = vaddq_u32(sums, vextq_u32(zero, sums, 2));
+    sums = vaddq_u32(sums, carry);
+    carry = vdupq_laneq_u32(sums, 3);
+    return vqmovn_s32(vreinterpretq_s32_u32(sums));
+  };
+  // The sum holds a winding to 2^15 - 1, which rounds to 255 as 2^15 does.
+  const auto take_eight = [&take_four, &range](std::uint32_t* eight) {
+    const int16x4_t first = take_four(eight);
+    const int16x8_t off_middle = vcombine_s16(first, take_four(eight + 4));
+    range.lowest = vminq_s16(range.lowest, off_middle);
+    range.highest = vmaxq_s16(range.highest, off_middle);
+    const int16x8_t windings = vmaxq_s16(vqaddq_s16(off_middle, vdupq_n_s16(kHalfWinding)), vdupq_n_s16(0));
+    return vqmovun_s16(vqrdmulhq_n_s16(windings, 255));
+  };
+  const uint8x8_t first = take_eight(cells);
+  vst1q_u8(pixels, vcombine_u8(first, take_eight(cells + 8)));
+  return vgetq_lane_u32(carry, 3);
+}
+
 #else
+
+using WindingRange = PlainWindingRange;
+
+[[nodiscard]] inline std::uint64_t bits_of(const std::uint8_t* bytes) {
+  return bits_of_plainly(bytes);
+}
+
+inline std::uint32_t paint_covered_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels,
+                                         WindingRange& range) {
+  return paint_covered_block_plainly(cells, winding, pixels, range);
+}
 
 inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
   return paint_block_plainly(cells, winding, pixels);

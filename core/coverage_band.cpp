@@ -16,8 +16,6 @@ constexpr std::size_t kChunk = kBlock * kChunkBlocks;
 constexpr std::size_t kBandCells = std::size_t{1} << 15;
 constexpr std::size_t kFewestRows = 2;
 
-static_assert(std::endian::native == std::endian::little, "take_used() reads eight bytes as one word");
-
 // As many ones, from bit 0 on.
 std::uint64_t first_bits(std::size_t count) {
   return count < 64 ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
@@ -35,7 +33,7 @@ inline void put_block(const Block& block, std::span<std::uint8_t> pixels, std::s
 }
 
 // Makes the given blocks of a chunk one grey value.
-void fill_blocks(std::uint64_t blocks, std::uint8_t grey, std::span<std::uint8_t> pixels) {
+inline void fill_blocks(std::uint64_t blocks, std::uint8_t grey, std::span<std::uint8_t> pixels) {
   Block block;
   block.fill(grey);
   for (; blocks != 0; blocks &= blocks - 1)
@@ -57,20 +55,15 @@ CoverageBand::CoverageBand(std::int32_t width)
 // A bit for each block of the chunk that is in use; none is after that.
 inline std::uint64_t CoverageBand::take_used(std::size_t row, std::size_t chunk) {
   std::uint8_t* const bytes = used_.data() + row * used_stride() + chunk * kChunkBlocks;
-  std::uint64_t used = 0;
-  for (std::size_t i = 0; i < kChunkBlocks; i += 8) {
-    std::uint64_t eight = 0;
-    std::memcpy(&eight, bytes + i, sizeof eight);
-    // Byte k's lowest bit comes to lie in bit 56 + k of the product, without any carry.
-    used |= (eight * 0x0102040810204080U >> 56) << i;
-  }
+  const std::uint64_t used = bits_of(bytes);
   std::memset(bytes, 0, kChunkBlocks);
   return used;
 }
 
-void CoverageBand::paint(std::int32_t row_number, std::span<std::uint8_t> row_pixels, RowBlocks state) {
-  const auto row = static_cast<std::size_t>(row_number);
-  std::uint32_t winding = 0;
+// `winding`: none, as `paint_block_of` takes it.
+template <typename PaintBlock>
+inline void CoverageBand::paint_row(std::size_t row, std::span<std::uint8_t> row_pixels, RowBlocks state,
+                                    std::uint32_t winding, PaintBlock&& paint_block_of) {
   std::uint8_t grey = 0;  // of that winding number
   Block block;
   for (std::size_t chunk = 0; chunk < chunks_; ++chunk) {
@@ -92,7 +85,7 @@ void CoverageBand::paint(std::int32_t row_number, std::span<std::uint8_t> row_pi
       hold((lowest - 1) & ~done);
       done = lowest | (lowest - 1);
       const std::size_t begin = static_cast<std::size_t>(std::countr_zero(rest)) * kBlock;
-      winding = paint_block(cells + begin, winding, block.data());
+      winding = paint_block_of(cells + begin, winding, block.data());
       put_block(block, pixels, begin);
       grey = block.back();
     }
@@ -102,6 +95,19 @@ void CoverageBand::paint(std::int32_t row_number, std::span<std::uint8_t> row_pi
     state.dark[chunk] = dark;
     state.full[chunk] = full;
   }
+}
+
+void CoverageBand::paint(std::int32_t row, std::span<std::uint8_t> pixels, RowBlocks blocks) {
+  paint_row(static_cast<std::size_t>(row), pixels, blocks, 0, paint_block);
+}
+
+bool CoverageBand::paint_covered(std::int32_t row, std::span<std::uint8_t> pixels, RowBlocks blocks) {
+  WindingRange range;
+  paint_row(static_cast<std::size_t>(row), pixels, blocks, kNoWinding,
+            [&range](std::uint32_t* cells, std::uint32_t winding, std::uint8_t* block) {
+              return paint_covered_block(cells, winding, block, range);
+            });
+  return range.is_zero_to_one();
 }
 
 }  // namespace contourd

@@ -68,8 +68,14 @@ class CoverageBand {
   // Paints what was added to a row by the non-zero rule, and forgets it. `pixels` is the whole mask row,
   // which already is as `blocks` says; only blocks that change are written.
   void paint(std::int32_t row, std::span<std::uint8_t> pixels, RowBlocks blocks);
+  // The same for contours that do not overlap. False when a pixel's winding number is not 0 to 1: they do
+  // overlap, and what is painted is of no use.
+  [[nodiscard]] bool paint_covered(std::int32_t row, std::span<std::uint8_t> pixels, RowBlocks blocks);
 
  private:
+  template <typename PaintBlock>
+  void paint_row(std::size_t row, std::span<std::uint8_t> pixels, RowBlocks blocks, std::uint32_t winding,
+                 PaintBlock&& paint_block_of);
   [[nodiscard]] std::size_t used_stride() const { return chunks_ * 64; }
   [[nodiscard]] std::uint64_t take_used(std::size_t row, std::size_t chunk);
 

@@ -43,6 +43,10 @@ class PixelMap {
     return {point.x * scale_x_ + offset_x_, point.y * scale_y_ + offset_y_};
   }
 
+  // Whether a mirror turns loops round: what ran counter-clockwise on the plate runs clockwise in the
+  // picture.
+  [[nodiscard]] bool turns_round() const { return (scale_x_ < 0) != (scale_y_ > 0); }
+
   // Along x and along y alike; always positive.
   [[nodiscard]] double pixels_per_mm() const { return scale_x_ < 0 ? -scale_x_ : scale_x_; }
 

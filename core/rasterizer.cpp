@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "core/double_pair.hpp"
@@ -21,6 +22,13 @@ constexpr double kLeastWidth = 1e-6;
 
 std::int32_t rounded(double positive) {
   return static_cast<std::int32_t>(positive + 0.5);
+}
+
+// A column in whole units. Where a side begins and ends is known to some 1e-12 only, once it has been worked
+// off: what rounds up begins a little above one half, since halves and other binary fractions are common.
+std::int32_t column_in_units(double column) {
+  constexpr double kOffHalf = 1.0 / 600;
+  return rounded(std::max(0.0, column * kOne - kOffHalf));
 }
 
 // To the nearest whole number, halves to the even one, so that what two sides with opposite directions add is
@@ -144,12 +152,14 @@ void Rasterizer::add_cut(PixelPoint from, PixelPoint to) {
 }
 
 // REQUIRES: both ends on the display or its edges.
-inline void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to) {
+[[gnu::always_inline]] inline void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to) {
   // Heights in whole units: where two sides meet they are rounded alike, so what one side leaves the other
   // takes up.
   const std::int32_t from_y = rounded(from.y * kOne);
   const std::int32_t to_y = rounded(to.y * kOne);
-  if (from_y == to_y) return;
+  if (from_y == to_y) {
+    return add_level(from_y, from.x, to.x);
+  }
   // Numbers are chosen, not branches: which way a side runs cannot be foreseen.
   const auto down = static_cast<std::size_t>(from_y < to_y);
   const std::int32_t top_y = std::min(from_y, to_y);
@@ -160,7 +170,11 @@ inline void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to) {
   covered_sides_.push_back({top_x, width / std::fabs(height),
                             0.5 * height / std::max(kLeastWidth, std::fabs(width)), top_y,
                             std::max(from_y, to_y), static_cast<std::int32_t>(2 * down) - 1,
-                            std::exchange(first_side_at(top_y >> kOneBits), number)});
+                            std::exchange(first_side_at(top_y >> kOneBits), number), top_y});
+}
+
+void Rasterizer::add_level(std::int32_t y, double from_x, double to_x) {
+  level_sides_.push_back({y, from_x, to_x});
 }
 
 void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
@@ -189,48 +203,119 @@ void Rasterizer::add_side(PixelPoint from, PixelPoint to) {
 
 void Rasterizer::add_segments(std::span<const Segment> segments, const PixelMap& map) {
   const PixelMap in_registers = map;
+  if (map.turns_round()) {
+    for (const Segment& segment : segments)
+      add_side(in_registers.to_pixels(segment.to), in_registers.to_pixels(segment.from));
+    return;
+  }
   for (const Segment& segment : segments)
     add_side(in_registers.to_pixels(segment.from), in_registers.to_pixels(segment.to));
 }
 
 void Rasterizer::add_loops(const Contours& contours, const PixelMap& map) {
+  const bool turned = map.turns_round();
   for (const ContourLoop& loop : contours.loops) {
     const std::span<const Point> points = contours.points_of(loop);
     PixelPoint last = map.to_pixels(points.back());
     for (const Point& point : points) {
       const PixelPoint next = map.to_pixels(point);
-      add_side(last, next);
+      if (turned) {
+        add_side(next, last);
+      } else {
+        add_side(last, next);
+      }
       last = next;
     }
   }
 }
 
+void Rasterizer::clear() {
+  covered_sides_.clear();
+  level_sides_.clear();
+  center_sides_.clear();
+  std::ranges::fill(first_side_, kNone);
+}
+
 const Mask& Rasterizer::paint() {
+  MaskBudget unlimited;
+  if (!paint(unlimited)) throw std::length_error("the contours cross each other too often");
+  return mask_;
+}
+
+bool Rasterizer::paint(MaskBudget& budget) {
+  Painted painted = Painted::Overrun;
+  if (budget.can_hold(covered_sides_.size()) && budget.spend(covered_sides_.size())) {
+    painted = paint_bands(budget, Overlaps::Searched);
+    if (painted == Painted::ToAnOverlap)
+      painted = unite_sides(budget) ? paint_bands(budget, Overlaps::Gone) : Painted::Overrun;
+  }
+  clear();
+  return painted == Painted::All;
+}
+
+Rasterizer::Painted Rasterizer::paint_bands(MaskBudget& budget, Overlaps overlaps) {
   for (std::int32_t first_row = 0; first_row < height_; first_row += band_.rows()) {
     std::uint8_t& lit = band_lit_[static_cast<std::size_t>(first_row >> band_bits_)];
     const bool has_sides = first_side_at(first_row) != kNone;
     if (!has_sides && lit == 0) continue;
     lit = has_sides;
-    paint_band(first_row);
+    if (!budget.look_at_the_clock()) return Painted::Overrun;
+    if (!paint_band(first_row) && overlaps == Overlaps::Searched) return Painted::ToAnOverlap;
   }
-  covered_sides_.clear();
-  center_sides_.clear();
-  return mask_;
+  return Painted::All;
 }
 
-void Rasterizer::paint_band(std::int32_t first_row) {
+// False when polygons overlap there.
+bool Rasterizer::paint_band(std::int32_t first_row) {
   const std::int32_t end_row = std::min(first_row + band_.rows(), height_);
-  if (anti_aliasing_ == AntiAliasing::On) {
-    work_off_covered_sides(first_row, end_row);
-  } else {
+  if (anti_aliasing_ == AntiAliasing::Off) {
     work_off_center_sides(first_row, end_row);
+    for (std::int32_t row = first_row; row < end_row; ++row)
+      band_.paint(row - first_row, mask_.row(row), blocks_of(row));
+    return true;
   }
-  const std::size_t chunks = band_.chunks();
-  for (std::int32_t row = first_row; row < end_row; ++row) {
-    const std::size_t at = static_cast<std::size_t>(row) * chunks;
-    band_.paint(row - first_row, mask_.row(row),
-                {std::span(dark_).subspan(at, chunks), std::span(full_).subspan(at, chunks)});
+  work_off_covered_sides(first_row, end_row);
+  bool sound = true;
+  for (std::int32_t row = first_row; row < end_row; ++row)
+    sound &= band_.paint_covered(row - first_row, mask_.row(row), blocks_of(row));
+  return sound;
+}
+
+// The sides as they were added become the outline of what they wind around. Where two of those still overlap,
+// by a crossing's rounding, nothing more can be done.
+bool Rasterizer::unite_sides(MaskBudget& budget) {
+  arranged_.reset(1);
+  for (const CoveredSide& side : covered_sides_)
+    arrange(side);
+  for (const LevelSide& side : level_sides_)
+    arranged_.add({column_in_units(side.from_x), side.y}, {column_in_units(side.to_x), side.y}, 0);
+  clear();
+  if (!arranged_.arrange(budget)) return false;
+  const auto to_pixels = [](ArrangedSides::GridPoint p) {
+    return PixelPoint{static_cast<double>(p.x) / kOne, static_cast<double>(p.y) / kOne};
+  };
+  for (const ArrangedSides::Side& side : arranged_.sides()) {
+    const bool filled_left = side.winding_left != 0, filled_right = side.winding_left != side.turn;
+    if (side.turn == 0 || filled_left == filled_right) continue;
+    const PixelPoint low = to_pixels(side.low), high = to_pixels(side.high);
+    add_side(filled_right ? low : high, filled_right ? high : low);
   }
+  return true;
+}
+
+// However far it has been worked off.
+void Rasterizer::arrange(const CoveredSide& side) {
+  const auto point_at = [&side](std::int32_t y) {
+    const double x = side.x + side.slope * (side.sign * (y - side.y));
+    return ArrangedSides::GridPoint{column_in_units(x), y};
+  };
+  const ArrangedSides::GridPoint top = point_at(side.top_y), bottom = point_at(side.end_y);
+  arranged_.add(side.sign > 0 ? top : bottom, side.sign > 0 ? bottom : top, 0);
+}
+
+RowBlocks Rasterizer::blocks_of(std::int32_t row) {
+  const std::size_t chunks = band_.chunks(), at = static_cast<std::size_t>(row) * chunks;
+  return {std::span(dark_).subspan(at, chunks), std::span(full_).subspan(at, chunks)};
 }
 
 // Adds the band's part of all sides that reach into it; what is left of a side goes to the next band's list.

@@ -306,12 +306,19 @@ TEST_CASE("A polygon's direction does not matter and polygons within polygons fo
   }
 }
 
-TEST_CASE("Where polygons overlap within a pixel their parts add up to at most the whole") {
+TEST_CASE("Where polygons overlap in a pixel it is as bright as what they cover together") {
   const Polygon most = box(0.25, 0, 1, 1);
   CHECK(painted(1, 1, AntiAliasing::On, {most}).pixels()[0] == 191);  // 0.75 * 255 = 191.25
-  CHECK(painted(1, 1, AntiAliasing::On, {most, most}).pixels()[0] == 255);
-  const Polygon little = box(0, 0, 0.25, 1);
+  CHECK(painted(1, 1, AntiAliasing::On, {most, most}).pixels()[0] == 191);
+  CHECK(painted(1, 1, AntiAliasing::On, {most, box(0, 0, 0.5, 1)}).pixels()[0] == 255);
+}
+
+TEST_CASE("Of polygons that are thinner than a pixel wherever they overlap the parts add up") {
+  const Polygon little{{0, 0}, {0, 1}, {0.25, 1}, {0.25, 0}};
   CHECK(painted(1, 1, AntiAliasing::On, {little, little}).pixels()[0] == 128);  // 127.5, rounded up
+  // The other way round they tell.
+  const Polygon turned{little.rbegin(), little.rend()};
+  CHECK(painted(1, 1, AntiAliasing::On, {turned, turned}).pixels()[0] == 64);
 }
 
 TEST_CASE("Sixty thousand polygons over each other are still lit") {
