@@ -11,6 +11,12 @@ double z_of(const HeightIndex& model, Nanometers height) {
   return model.bounds().min_z + to_millimeters(height).count();
 }
 
+// Of a mask that may take as long as it likes.
+const Mask& sound(const Mask* mask) {
+  if (mask == nullptr) throw std::length_error("the section crosses itself in too many places");
+  return *mask;
+}
+
 void append(const Contours& more, Contours& all) {
   const auto first_point = static_cast<std::uint32_t>(all.points.size());
   all.points.insert(all.points.end(), more.points.begin(), more.points.end());
@@ -49,54 +55,67 @@ void ContourEngine::slice(const HeightIndex& model, double z) {
   intersecting_facets_ += section_.intersecting_facets;
 }
 
-void ContourEngine::link() {
-  linker_.link(section_.segments, join_tolerance_, contours_);
+void ContourEngine::link(MaskBudget& budget) {
+  linker_.link(section_.segments, join_tolerance_, contours_, budget);
   cracks_ += contours_.cracks;
 }
 
-void ContourEngine::add_to_mask(const PlateModel& plate_model, double z) {
+bool ContourEngine::add_to_mask(const PlateModel& plate_model, double z, MaskBudget& budget) {
   const HeightIndex& model = *plate_model.model;
   slice(model, z);
+  if (!budget.spend(section_.segments.size()) || !budget.can_hold(section_.segments.size())) return false;
   const auto height = to_nanometers(Millimeters{z - model.bounds().min_z});
   const Millimeters offset = height ? to_millimeters(compensation_.offset_at(*height)) : Millimeters{};
   if (offset != Millimeters{}) {
-    link();
-    offset_.offset(contours_, offset, moved_);
+    link(budget);
+    if (!budget.look_at_the_clock()) return false;
+    if (!offset_.offset(contours_, offset, moved_, budget)) return false;
     for (const PixelMap& copy : plate_model.copies)
       rasterizer_.add_loops(moved_, copy);
-    return;
+    return true;
   }
   // Balanced segments close by themselves, in whatever order they come.
   const bool open = !section_.balanced;
   if (open) {
-    MaskBudget unlimited;
-    linker_.close_open_chains(section_.segments, join_tolerance_, contours_, unlimited);
+    linker_.close_open_chains(section_.segments, join_tolerance_, contours_, budget);
+    if (!budget.look_at_the_clock()) return false;
     cracks_ += contours_.cracks;
   }
   for (const PixelMap& copy : plate_model.copies) {
     rasterizer_.add_segments(section_.segments, copy);
     if (open) rasterizer_.add_loops(contours_, copy);
   }
+  return true;
 }
 
-const Mask& ContourEngine::paint() {
-  const Mask& coverage = rasterizer_.paint();
-  if (!corrected_) return coverage;
-  correction_.apply(coverage, *corrected_);
-  return *corrected_;
+const Mask* ContourEngine::paint(MaskBudget& budget) {
+  if (!rasterizer_.paint(budget)) return nullptr;
+  if (!corrected_) return &rasterizer_.mask();
+  correction_.apply(rasterizer_.mask(), *corrected_);
+  return &*corrected_;
+}
+
+const Mask* ContourEngine::mask_within(Nanometers height, MaskBudget& budget) {
+  begin_section();
+  for (const PlateModel& each : models_) {
+    if (add_to_mask(each, z_of(*each.model, height), budget)) continue;
+    rasterizer_.clear();
+    return nullptr;
+  }
+  return paint(budget);
 }
 
 const Mask& ContourEngine::mask_at(Nanometers height) {
-  begin_section();
-  for (const PlateModel& each : models_)
-    add_to_mask(each, z_of(*each.model, height));
-  return paint();
+  MaskBudget unlimited;
+  return sound(mask_within(height, unlimited));
 }
 
 const Mask& ContourEngine::mask_at_z(Millimeters z) {
+  MaskBudget unlimited;
   begin_section();
-  add_to_mask(models_.front(), z.count());
-  return paint();
+  if (add_to_mask(models_.front(), z.count(), unlimited)) return sound(paint(unlimited));
+  rasterizer_.clear();
+  return sound(nullptr);
 }
 
 const Contours& ContourEngine::contours_at(Nanometers height) {
@@ -105,9 +124,10 @@ const Contours& ContourEngine::contours_at(Nanometers height) {
   plate_contours_.loops.clear();
   plate_contours_.cracks = LayerCracks{};
   plate_contours_.repaired_loops = 0;
+  MaskBudget unlimited;
   for (const PlateModel& each : models_) {
     slice(*each.model, z_of(*each.model, height));
-    link();
+    link(unlimited);
     append(contours_, plate_contours_);
   }
   return plate_contours_;

@@ -17,6 +17,7 @@
 #include "core/height_index.hpp"
 #include "core/layer_cracks.hpp"
 #include "core/mask.hpp"
+#include "core/mask_budget.hpp"
 #include "core/pixel_map.hpp"
 #include "core/rasterizer.hpp"
 #include "core/slicer.hpp"
@@ -51,8 +52,12 @@ class ContourEngine {
   [[nodiscard]] const HeightIndex& model() const { return *models_.front().model; }
 
   // The mask at a height above the plate, which is every model's lowest point: the union of the models'
-  // sections there. Valid until the next call.
+  // sections there. Valid until the next call. Throws std::length_error where a section crosses itself in
+  // more places than MaskBudget::kMostSidesEver.
   [[nodiscard]] const Mask& mask_at(Nanometers height);
+  // The same within a budget. Null when that was overrun: the mask was abandoned, coverage() and cracks() are
+  // of no use until the next one, which is computed as if nothing had happened.
+  [[nodiscard]] const Mask* mask_within(Nanometers height, MaskBudget& budget);
   // The same at a z of the model's own coordinates. REQUIRES: one model.
   [[nodiscard]] const Mask& mask_at_z(Millimeters z);
 
@@ -78,9 +83,11 @@ class ContourEngine {
  private:
   void begin_section();
   void slice(const HeightIndex& model, double z);
-  void link();
-  void add_to_mask(const PlateModel& plate_model, double z);
-  const Mask& paint();
+  void link(MaskBudget& budget);
+  // False when the budget was overrun.
+  [[nodiscard]] bool add_to_mask(const PlateModel& plate_model, double z, MaskBudget& budget);
+  // Null when the budget was overrun.
+  [[nodiscard]] const Mask* paint(MaskBudget& budget);
 
   std::vector<PlateModel> models_;
   Millimeters join_tolerance_;
