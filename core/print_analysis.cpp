@@ -27,6 +27,14 @@ void PrintAnalysis::add_layer(const Mask& mask, const Layer& layer) {
   findings_.layer_time += layer.duration;
 }
 
+// What stands on it is told by the layer beneath, which it may well go on from.
+void PrintAnalysis::add_abandoned_layer(const Layer& layer) {
+  findings_.abandoned_layers.push_back(findings_.layers());
+  findings_.area_mm2.push_back(0);
+  dark_since_ = findings_.layers();
+  findings_.layer_time += layer.duration;
+}
+
 void PrintAnalysis::note_area(double area_mm2, const Layer& layer) {
   const std::int32_t number = findings_.layers();
   findings_.area_mm2.push_back(area_mm2);
@@ -56,17 +64,23 @@ void PrintAnalysis::note_islands() {
 std::optional<PrintFindings> analyze_print(
     ContourEngine& engine, const DisplayGeometry& display, std::span<const Nanometers> thicknesses,
     const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,
-    const std::stop_token& stop, const CarryingSupport& support) {
-  PrintAnalysis analysis(display, support);
+    const std::stop_token& stop, const AnalysisOptions& options) {
+  PrintAnalysis analysis(display, options.support);
   const ExposureCorrection threshold({.threshold = engine.threshold()}, std::nullopt);
   std::optional<Mask> kept;
   if (!threshold.is_none()) kept.emplace(display.width, display.height);
   Nanometers bottom{};
   for (std::int32_t layer = 0; const Nanometers thickness : thicknesses) {
     if (stop.stop_requested()) return std::nullopt;
-    (void)engine.mask_at(bottom + thickness / 2);
-    if (kept) threshold.apply(engine.coverage(), *kept);
-    analysis.add_layer(kept ? *kept : engine.coverage(), {thickness, layer_duration(layer), engine.cracks()});
+    MaskBudget budget;
+    if (options.mask_budget) budget = MaskBudget(MaskBudget::Clock::now() + *options.mask_budget);
+    const PrintAnalysis::Layer figures{thickness, layer_duration(layer), {}};
+    if (engine.mask_within(bottom + thickness / 2, budget) == nullptr) {
+      analysis.add_abandoned_layer(figures);
+    } else {
+      if (kept) threshold.apply(engine.coverage(), *kept);
+      analysis.add_layer(kept ? *kept : engine.coverage(), {thickness, figures.duration, engine.cracks()});
+    }
     bottom += thickness;
     ++layer;
   }

@@ -55,6 +55,8 @@ struct PrintFindings {
   std::vector<Island> islands;
   LayerCracks cracks;  // of all layers together
   std::vector<CrackedLayer> cracked_layers;
+  // Whose masks did not keep their budget: they count as dark in all figures but this.
+  std::vector<std::int32_t> abandoned_layers;
   std::chrono::nanoseconds layer_time{};  // all layers together
 
   // A mesh of noise could have millions: enough of them is enough.
@@ -77,6 +79,8 @@ class PrintAnalysis {
   };
   // REQUIRES: a mask of the display's size.
   void add_layer(const Mask& mask, const Layer& layer);
+  // A layer whose mask did not keep its budget.
+  void add_abandoned_layer(const Layer& layer);
 
   // What the layers added so far amount to.
   [[nodiscard]] const PrintFindings& findings() const { return findings_; }
@@ -94,6 +98,11 @@ class PrintAnalysis {
   PrintFindings findings_;
 };
 
+struct AnalysisOptions {
+  CarryingSupport support{};
+  std::optional<std::chrono::nanoseconds> mask_budget{};  // none: as long as each takes
+};
+
 // All layers of a print, from the plate up by their thicknesses, computed by `engine` on `display`: what they
 // cover, less what the engine's threshold leaves dark; lamp and gamma only make that coverage the same light.
 // `layer_duration` says how long a layer takes.
@@ -101,6 +110,6 @@ class PrintAnalysis {
 [[nodiscard]] std::optional<PrintFindings> analyze_print(
     ContourEngine& engine, const DisplayGeometry& display, std::span<const Nanometers> thicknesses,
     const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,
-    const std::stop_token& stop = {}, const CarryingSupport& support = {});
+    const std::stop_token& stop = {}, const AnalysisOptions& options = {});
 
 }  // namespace contourd

@@ -18,7 +18,7 @@ std::optional<AnalyzedPrint> analyze(const AnalysisTask& task, const std::stop_t
     auto findings = analyze_print(
         *task.engine, task.display, task.layers,
         [&task](std::int32_t layer) { return task.layer_durations[static_cast<std::size_t>(layer)]; }, stop,
-        task.support);
+        task.options);
     if (!findings) return std::nullopt;
     analyzed.findings = std::move(*findings);
   } catch (const std::exception& error) {

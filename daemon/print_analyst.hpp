@@ -19,7 +19,7 @@ struct AnalysisTask {
   DisplayGeometry display;
   std::vector<Nanometers> layers;         // their thicknesses
   std::vector<Duration> layer_durations;  // by layer
-  CarryingSupport support{};
+  AnalysisOptions options{};
 };
 
 struct AnalyzedPrint {

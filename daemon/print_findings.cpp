@@ -115,6 +115,11 @@ std::vector<std::string> warnings_about(const PrintFindings& findings) {
   std::vector<std::string> warnings;
   if (findings.island_count > 0) warnings.push_back(island_warning(findings));
   add_empty_layers_warnings(findings, warnings);
+  if (!findings.abandoned_layers.empty()) {
+    warnings.push_back(fmt::format(
+        "the mask of {} ({}) takes far longer than mask_budget_ms: the print will stop there",
+        count_of(findings.abandoned_layers.size(), "layer", "layers"), stretches(findings.abandoned_layers)));
+  }
   if (findings.cracks.open_chains > 0) warnings.push_back(open_contours_warning(findings));
   if (findings.cracks.turned_chains > 0) warnings.push_back(turned_chains_warning(findings));
   return warnings;
@@ -129,6 +134,7 @@ Json findings_summary_json(const PrintFindings& findings) {
   json["largest_area_layer"] = findings.layers() > 0 ? Json(findings.largest_area_layer + 1) : Json();
   json["islands"] = findings.island_count;
   json["empty_layers"] = findings.empty_layers.size();
+  json["abandoned_layers"] = findings.abandoned_layers.size();
   json["cracked_layers"] = findings.cracked_layers.size();
   json["open_chains"] = findings.cracks.open_chains;
   json["turned_chains"] = findings.cracks.turned_chains;

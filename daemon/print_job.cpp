@@ -13,6 +13,7 @@
 #include "core/crack_survey.hpp"
 #include "core/placement.hpp"
 #include "daemon/job_content.hpp"
+#include "daemon/mask_cost.hpp"
 #include "daemon/memory_room.hpp"
 #include "daemon/mesh_repair_text.hpp"
 
@@ -234,6 +235,7 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
     return exposure_time(resin, thickness, layer, irradiance);
   };
   const double pitch_mm = to_millimeters(printer.pixel_pitch).count();
+  plan.mask_budget = printer.mask_budget;
   plan.pixel_area_mm2 = pitch_mm * pitch_mm;
   plan.lift = resin.lift;
   plan.lift_speed = resin.lift_speed;
@@ -303,10 +305,6 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   plan.layers = choose_layers(ticket, printer, models, summary);
   check_arrangement(models, arrangement, volume, summary.layers.thinnest);
   warn_if_grown_beyond(models, arrangement, volume, summary);
-  if (ticket.cracks == CrackPolicy::Refuse) {
-    for (std::size_t i = 0; i < models.size(); ++i)
-      if (content.models()[i].made_as == i) refuse_guesses(models[i], plan.layers, volume);
-  }
   const auto indexed = SteadyClock::now();
   std::vector<PlateModel> standing = stand_on_plate(models, arrangement, volume);
   content.require_room_for_masks(standing, summary.resin.compensation != Compensation{});
@@ -314,7 +312,8 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
       std::make_unique<ContourEngine>(std::move(standing), engine_settings(printer, summary.resin, volume));
   // Computed for its time, and to have the engine's memory grown before the print needs it.
   const std::optional<Nanometers> first = plan.layers.thickness_at(Nanometers{});
-  if (first) (void)plan.engine->mask_at(*first / 2);
+  MaskBudget budget(MaskBudget::Clock::now() + kSampledBudgets * printer.mask_budget);
+  if (first) (void)plan.engine->mask_within(*first / 2, budget);
   job.first_mask_at = SteadyClock::now();
   job.analysis_engine = std::make_unique<ContourEngine>(*plan.engine);
   job.display = volume.display;
@@ -322,6 +321,14 @@ PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
   summary.indexing = indexed - read;
   summary.first_mask = job.first_mask_at - indexed;
   count_layers(plan, summary);
+  refuse_costly_masks(*plan.engine, plan.expected_layers, printer.mask_budget);
+  if (ticket.cracks == CrackPolicy::Refuse) {
+    for (std::size_t i = 0; i < models.size(); ++i)
+      if (content.models()[i].made_as == i) refuse_guesses(models[i], plan.layers, volume);
+  }
+  // It gives way to the print: its masks take longer by the clock.
+  constexpr int kSlack = 4;
+  job.analysis = {summary.resin.support, kSlack * printer.mask_budget};
   take_settings(printer, summary.resin, plan);
   for (std::size_t i = 0; i < models.size(); ++i)
     summary.models[i].centers = arrangement[i];

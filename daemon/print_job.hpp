@@ -11,6 +11,7 @@
 #include "core/adaptive_layers.hpp"
 #include "core/mesh_repair.hpp"
 #include "core/mesh_report.hpp"
+#include "core/print_analysis.hpp"
 #include "core/stl_reader.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/printer_config.hpp"
@@ -72,6 +73,7 @@ struct PreparedJob {
   // The same engine once more, with the same settings: to look through the whole print beside it.
   std::unique_ptr<ContourEngine> analysis_engine;
   DisplayGeometry display;
+  AnalysisOptions analysis;
   JobSummary summary;
   TimePoint first_mask_at{};  // CLOCK_MONOTONIC, whatever clock the machine runs by
 };

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "daemon/mask_cost.hpp"
+
 namespace contourd {
 namespace {
 
@@ -374,16 +376,29 @@ void PrintProcess::show_mask() {
   // lies below the plate's height, and is cut at its middle.
   record_.plate_height = current_height();
   record_.mask_height = record_.plate_height - thickness_ / 2;
-  const auto start = std::chrono::steady_clock::now();
-  const Mask& mask = plan_->engine->mask_at(record_.mask_height);
-  record_.mask_time = std::chrono::steady_clock::now() - start;
+  const auto start = MaskBudget::Clock::now();
+  MaskBudget budget(start + plan_->mask_budget);
+  const Mask* const mask = plan_->engine->mask_within(record_.mask_height, budget);
+  record_.mask_time = MaskBudget::Clock::now() - start;
+  if (mask == nullptr) return abandon_mask(budget);
   record_.area_mm2 = plan_->engine->coverage().lit_area() * plan_->pixel_area_mm2;
   expect_within(kPresentDeadline, "the display to show the mask");
-  machine_.display().show(mask, while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
+  machine_.display().show(*mask,
+                          while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
                             if (!at) return display_lost();
                             record_.shown_at = *at;
                             handle(PrintEvent::MaskShown);
                           }));
+}
+
+// It is dark, and stays so. In the loop's next turn: this one has been long enough.
+void PrintProcess::abandon_mask(const MaskBudget& spent) {
+  const std::string what =
+      fmt::format("the mask at {:.3f} mm was abandoned, as it does not keep mask_budget_ms, {:.0f} ms: {}",
+                  to_millimeters(record_.mask_height).count(),
+                  std::chrono::duration<double, std::milli>(plan_->mask_budget).count(),
+                  describe_mask_cost(*plan_->engine, spent, record_.mask_time));
+  wait_ = clock_.call_at(clock_.now(), [this, what] { interrupt(what); });
 }
 
 void PrintProcess::describe_section() {

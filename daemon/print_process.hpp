@@ -26,7 +26,8 @@ struct PrintPlan {
   PrintLayers layers;  // asked layer by layer
   // Light of a layer, counted from 0, of this thickness.
   std::function<Duration(std::int32_t layer, Nanometers thickness)> exposure;
-  std::vector<Nanometers> expected_layers;  // their thicknesses, for the time left only
+  std::vector<Nanometers> expected_layers;         // their thicknesses, for the time left only
+  Duration mask_budget = std::chrono::seconds{1};  // for the computation of one mask, on the event loop
   double pixel_area_mm2 = 0;
   ExposureTolerance tolerance;
   Nanometers lift{};
@@ -147,6 +148,7 @@ class PrintProcess {
   void move_to(Nanometers target, MillimetersPerSecond speed);
   void home();
   void show_mask();
+  void abandon_mask(const MaskBudget& spent);
   void record_layer();
   void finish();
   void after_move(MoveResult result);

@@ -558,8 +558,7 @@ void PrinterService::start_print() {
 
 void PrinterService::start_analysis() {
   PreparedJob& job = *active_->prepared;
-  AnalysisTask task{
-      std::move(job.analysis_engine), job.display, job.plan.expected_layers, {}, job.summary.resin.support};
+  AnalysisTask task{std::move(job.analysis_engine), job.display, job.plan.expected_layers, {}, job.analysis};
   for (std::size_t layer = 0; layer < task.layers.size(); ++layer)
     task.layer_durations.push_back(
         layer_duration(job.plan, static_cast<std::int32_t>(layer), machine_.z_axis()));

@@ -32,6 +32,7 @@ struct PrinterConfig {
   bool wait_for_plate_cleared = true;
   std::uintmax_t min_free_disk_bytes = 0;
   std::optional<std::uint64_t> memory_limit_bytes{};  // of the process; nothing: by what is available
+  Duration mask_budget{};                             // for the computation of one mask
   ResinProfile resin;                                 // for jobs that name none
 
   Nanometers travel;

@@ -37,7 +37,7 @@ constexpr std::size_t kMostPicturePoints = 700'000;
 struct Subject {
   std::unique_ptr<ContourEngine> engine;
   std::vector<Duration> layer_durations;  // by layer
-  CarryingSupport support;
+  AnalysisOptions analysis;
   AnalyzedModel model;
 };
 
@@ -90,7 +90,7 @@ Subject subject_of_printer(const AnalyzeOptions& options) {
   subject.model.warnings = std::move(job.summary.warnings);
   subject.model.layers = plan.expected_layers;
   subject.model.display = job.display;
-  subject.support = job.summary.resin.support;
+  subject.analysis = job.analysis;
   subject.model.size_x_mm = job.summary.models.front().size_x_mm;
   subject.model.size_y_mm = job.summary.models.front().size_y_mm;
   subject.model.size_z_mm = job.summary.models.front().size_z_mm;
@@ -150,7 +150,7 @@ AnalyzedModel analyze(Subject subject, bool with_contours) {
     return subject.layer_durations[static_cast<std::size_t>(layer)];
   };
   model.findings =
-      analyze_print(*subject.engine, model.display, model.layers, duration_of, {}, subject.support).value();
+      analyze_print(*subject.engine, model.display, model.layers, duration_of, {}, subject.analysis).value();
   Stopwatch stopwatch(*subject.engine);
   for (const Nanometers middle : model.layer_middles)
     model.measurements.push_back(stopwatch.measure(middle));

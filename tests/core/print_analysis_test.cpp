@@ -201,8 +201,8 @@ TEST_CASE("What the threshold leaves dark is neither area nor island nor support
     ContourEngine engine(HeightIndex(facets),
                          EngineSettings{kDisplay, AntiAliasing::On, Compensation{}, tone, std::nullopt},
                          {PixelMap::true_scale(kDisplay, {0, 0})});
-    return analyze_print(
-               engine, kDisplay, std::vector(6, kLayer), [](std::int32_t) { return 0s; }, {}, support)
+    return analyze_print(engine, kDisplay, std::vector(6, kLayer), [](std::int32_t) { return 0s; }, {},
+                         {support, {}})
         .value();
   };
   const PrintFindings all = found_with({}, anything), bright = found_with({2.2, 64}, anything),

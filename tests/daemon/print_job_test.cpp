@@ -378,6 +378,14 @@ TEST_CASE("A part that grows beyond the display is printed with a warning") {
   CHECK(desk.prepare(wide).summary.warnings.empty());
 }
 
+TEST_CASE("A job whose masks do not keep their budget is refused, one that does carries the budget") {
+  Desk desk;
+  CHECK(desk.prepare(kCube).plan.mask_budget == std::chrono::seconds{1});
+  desk.printer.mask_budget = Duration{0};
+  CHECK(desk.refusal_of(kCube).find("the mask of layer 1 of 400 takes longer than mask_budget_ms, 0 ms") !=
+        std::string::npos);
+}
+
 namespace {
 
 // Of 84 + 50 facets bytes, all but the header a hole: no disk has to hold it.

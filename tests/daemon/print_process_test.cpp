@@ -406,6 +406,32 @@ TEST_CASE("A print resumed while the display is still gone exposes nothing and p
   CHECK_FALSE(bench.lit_wrongly);
 }
 
+TEST_CASE(
+    "A mask that does not keep its budget is abandoned: dark, told with its figures, and tried again on "
+    "resume") {
+  Bench bench;
+  PrintPlan plan = Bench::plan(3);
+  plan.mask_budget = Duration{0};
+  bench.process.start(std::move(plan));
+  for (std::size_t times = 1; times <= 2; ++times) {
+    bench.run_out();
+    CHECK(bench.process.state() == S::Paused);
+    REQUIRE(bench.interruptions.size() == times);
+    CAPTURE(bench.interruptions.back());
+    CHECK(bench.interruptions.back().find("the mask at 0.025 mm was abandoned") == 0);
+    CHECK(bench.interruptions.back().find("mask_budget_ms, 0 ms") != std::string::npos);
+    CHECK(bench.interruptions.back().find("8 facets cut") != std::string::npos);
+    CHECK(std::ranges::count(bench.states, S::Igniting) == 0);
+    CHECK(bench.machine.screen_is_black());
+    bench.process.resume();
+  }
+  bench.process.cancel();
+  bench.run_out();
+  CHECK(bench.ends == std::vector{PrintOutcome::Canceled});
+  CHECK(bench.layers.empty());
+  CHECK_FALSE(bench.lit_wrongly);
+}
+
 TEST_CASE("An exposure that is interrupted goes on with what is left of it, at the same layer") {
   Bench bench;
   bench.start(2);

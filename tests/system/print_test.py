@@ -5,6 +5,7 @@ import html
 import html.parser
 import json
 import os
+import random
 import re
 import signal
 import time
@@ -32,6 +33,19 @@ class PrintTest(FolderTest):
         report = daemon.wait_done("part")
         daemon.stop()
         return report
+
+
+class MaskBudget(PrintTest):
+    def test_a_soup_of_facets_is_refused_with_what_its_masks_take(self):
+        dice = random.Random(4)
+        soup = [[[dice.uniform(0, 20) for _ in range(3)] for _ in range(3)] for _ in range(6000)]
+        daemon = self.daemon({"mask_budget_ms": 100}, NIMBLE_RESIN, masks=False)
+        daemon.drop("soup.stl", binary_stl(soup))
+        reason = daemon.wait_refused("soup")
+        self.assert_one_line(reason.encode(), "takes longer than mask_budget_ms, 100 ms", "steps", "facets cut")
+        daemon.drop("sound.stl", SMALL)
+        daemon.wait_done("sound")
+        daemon.stop()
 
 
 class Masks(PrintTest):

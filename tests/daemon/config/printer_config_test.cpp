@@ -98,6 +98,7 @@ TEST_CASE("every key of a printer file arrives in the configuration with its uni
   json printer = smallest_printer();
   printer["wait_for_plate_cleared"] = false;
   printer["min_free_disk_mb"] = 7;
+  printer["mask_budget_ms"] = 250;
   printer["z_axis"] = {{"travel_mm", 150.5},
                        {"microsteps_per_mm", 400.5},
                        {"homing_speed_mm_s", 3.5},
@@ -121,6 +122,7 @@ TEST_CASE("every key of a printer file arrives in the configuration with its uni
   CHECK(config.name == "test");
   CHECK_FALSE(config.wait_for_plate_cleared);
   CHECK(config.min_free_disk_bytes == 7'000'000);
+  CHECK(config.mask_budget == std::chrono::milliseconds{250});
   CHECK(config.travel == Nanometers{150'500'000});
   CHECK(config.travel_speed == MillimetersPerSecond{6.5});
   CHECK(config.display_width == Pixels{1280});
@@ -156,6 +158,7 @@ TEST_CASE("what a printer file leaves out has the default value") {
   const PrinterConfig config = PrinterFolder().load();
   CHECK(config.wait_for_plate_cleared);
   CHECK(config.min_free_disk_bytes == 100'000'000);
+  CHECK(config.mask_budget == std::chrono::milliseconds{1000});
   CHECK_FALSE(config.mirror_x);
   CHECK_FALSE(config.mirror_y);
   CHECK(config.anti_aliasing);

@@ -1,0 +1,73 @@
+#include "daemon/mask_cost.hpp"
+
+#include <string>
+#include <vector>
+
+#include "daemon/plate_arrangement.hpp"
+#include "tests/catch.hpp"
+#include "tests/models/damage.hpp"
+#include "tests/models/models.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+
+namespace {
+
+const DisplayGeometry kDisplay{Pixels{1920}, Pixels{1080}, Micrometers{50.0}};
+
+ContourEngine engine_of(const models::Facets& facets) {
+  return {HeightIndex(facets), {.display = kDisplay}, {PixelMap::true_scale(kDisplay, {0, 0})}};
+}
+
+// As many facets cross each other nearly all at a middle height.
+models::Facets soup(std::size_t count) {
+  models::Dice dice(11);
+  models::Facets facets(count);
+  for (Facet& facet : facets) {
+    for (Vertex& v : facet.vertices)
+      v = dice.in_ball(20);
+  }
+  return facets;
+}
+
+std::string refusal_of(ContourEngine& engine, std::span<const Nanometers> layers, Duration budget) {
+  try {
+    refuse_costly_masks(engine, layers, budget);
+  } catch (const JobRefused& refusal) {
+    return refusal.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("A print whose masks cross themselves too often is refused with the figures") {
+  ContourEngine engine = engine_of(soup(4000));
+  // Some hundred thousand crossings take longer than a millisecond on any machine.
+  const std::string refusal = refusal_of(engine, std::vector(400, Nanometers{100'000}), 1ms);
+  CAPTURE(refusal);
+  CHECK(refusal.find("mask_budget_ms, 1 ms") != std::string::npos);
+  CHECK(refusal.find("facets cut") != std::string::npos);
+}
+
+TEST_CASE("A sample has the layer of each part that cuts the most facets") {
+  // A thin slice of many facets, 1 um at 6.5 mm, beside a column of 10 mm.
+  models::Facets facets = models::box({-5, -5, 0}, {5, 5, 10});
+  models::Facets slice = models::box({-5, -5, 6.4999F}, {5, 5, 6.5009F});
+  facets.insert(facets.end(), slice.begin(), slice.end());
+  const ContourEngine engine = engine_of(facets);
+  std::vector<Nanometers> middles;
+  for (int layer = 0; layer < 10'000; ++layer)
+    middles.push_back(Nanometers{1000 * layer + 500});
+  const std::vector<std::size_t> sample = layers_to_sample(engine.models(), middles);
+  CHECK(sample ==
+        std::vector<std::size_t>{0, 833, 1666, 2500, 3333, 4166, 5000, 6500, 6666, 7500, 8333, 9166});
+  CHECK(layers_to_sample(engine.models(), {}).empty());
+  CHECK(layers_to_sample(engine.models(), std::span(middles).first(1)) == std::vector<std::size_t>{0});
+}
+
+TEST_CASE("A print whose masks keep their budget is not") {
+  ContourEngine engine = engine_of(models::box({-5, -5, 0}, {5, 5, 10}));
+  CHECK(refusal_of(engine, std::vector(100, Nanometers{100'000}), 1h).empty());
+  CHECK(refusal_of(engine, std::vector(1, Nanometers{100'000}), 1h).empty());
+}
