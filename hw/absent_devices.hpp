@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "hw/clock.hpp"
+#include "hw/hardware_error.hpp"
+#include "hw/light_line.hpp"
 #include "hw/mask_display.hpp"
 #include "hw/projector.hpp"
 #include "hw/z_axis.hpp"
@@ -88,6 +90,20 @@ class AbsentProjector final : public Projector {
  private:
   Clock& clock_;
   std::unique_ptr<Timer> answer_;
+};
+
+// It may have refused to go off before it was lost, and then nobody can tell that it is off.
+class AbsentLightLine final : public LightLine {
+ public:
+  // What it said last; empty when it was off.
+  void lose(const std::string& refusal) { refusal_ = refusal; }
+
+  void on() override { throw HardwareError("there is no light line"); }
+  void off() noexcept override {}
+  [[nodiscard]] std::string refusal() const override { return refusal_; }
+
+ private:
+  std::string refusal_;
 };
 
 }  // namespace contourd

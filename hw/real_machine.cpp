@@ -29,13 +29,17 @@ void add(std::string& sentences, const std::string& sentence) {
 
 RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog,
                          const RealMachineConfig& config)
-    : RealMachine(clock, watcher, watchdog, config,
-                  {.axis = [&clock, &watcher,
-                            axis = config.axis] { return std::make_unique<GpioAxis>(clock, watcher, axis); },
-                   .light =
-                       [&clock, light = config.light] {
-                         return std::make_unique<GpioLightLine>(light.value(), clock);
-                       }}) {}
+    : RealMachine(
+          clock, watcher, watchdog, config,
+          {.axis = [&clock, &watcher,
+                    axis = config.axis] { return std::make_unique<GpioAxis>(clock, watcher, axis); },
+           .light = [&clock,
+                     light = config.light] { return std::make_unique<GpioLightLine>(light.value(), clock); },
+           .port =
+               [&watcher, projector = config.projector] {
+                 const SerialProjectorConfig& wanted = projector.value();
+                 return std::make_unique<SerialPort>(wanted.port, wanted.table.baud, watcher);
+               }}) {}
 
 RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog,
                          RealMachineConfig config, Openers openers)
@@ -97,17 +101,18 @@ bool RealMachine::open_light() {
     const bool was_lost = !std::exchange(missing_.light, "").empty();
     return was_lost;
   }
-  const std::string refusal = light_ ? light_->refusal() : std::exchange(light_refusal_, "");
+  const std::string refusal = light_ ? light_->refusal() : no_light_.refusal();
   projector().light_off();  // and what waits for the combined one is dropped
   watched_.watch(no_projector_);
   combined_.reset();
   if (axis_) axis_->set_light_cutoff(nullptr);
   light_.reset();
   if (!open(light_, missing_.light, openers_.light)) {
-    light_refusal_ = refusal;
+    no_light_.lose(refusal);
     if (!refusal.empty()) missing_.light = "the light may be on: " + refusal + "; " + missing_.light;
     return false;
   }
+  no_light_.lose("");
   light_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
   return true;
 }
@@ -119,9 +124,7 @@ bool RealMachine::open_projector() {
   combined_.reset();
   serial_.reset();
   port_.reset();
-  if (!open(port_, missing_.projector,
-            [&] { return std::make_unique<SerialPort>(wanted.port, wanted.table.baud, watcher_); }))
-    return false;
+  if (!open(port_, missing_.projector, openers_.port)) return false;
   serial_ = std::make_unique<SerialProjector>(*port_, clock_, wanted.table, wanted.brightness);
   serial_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
   serial_->may_warm_up();
@@ -129,12 +132,13 @@ bool RealMachine::open_projector() {
 }
 
 void RealMachine::combine_projector() {
-  // A line before a projector that is not there lets no light through.
-  if (!combined_ && light_ && (!config_.projector || serial_)) {
-    if (serial_)
-      combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, *light_, clock_);
-    else
-      combined_ = std::make_unique<LightLineProjector>(*light_, clock_, config_.warm_up);
+  // A line before a projector that is not there lets no light through; of one that is not there itself its
+  // projector does not know.
+  if (!combined_ && config_.light && serial_) {
+    LightLine& line = light_ ? static_cast<LightLine&>(*light_) : no_light_;
+    combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, line, clock_);
+  } else if (!combined_ && light_ && !config_.projector) {
+    combined_ = std::make_unique<LightLineProjector>(*light_, clock_, config_.warm_up);
   }
   if (combined_)
     watched_.watch(*combined_);

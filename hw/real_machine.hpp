@@ -34,6 +34,7 @@ class RealMachine final : public Machine {
   struct Openers {
     std::function<std::unique_ptr<GpioAxis>()> axis;
     std::function<std::unique_ptr<GpioLightLine>()> light = {};
+    std::function<std::unique_ptr<ByteChannel>()> port = {};
   };
   RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog, RealMachineConfig config,
               Openers openers);
@@ -93,9 +94,9 @@ class RealMachine final : public Machine {
   Openers openers_;
   std::function<void(const Disturbance&)> disturbed_;
   Missing missing_;
-  std::string light_refusal_;  // of a light line that could not be taken anew since
   std::unique_ptr<Timer> search_;
 
+  AbsentLightLine no_light_;
   AbsentProjector no_projector_;
   AbsentDisplay no_display_;
   AbsentAxis no_axis_;
@@ -103,7 +104,7 @@ class RealMachine final : public Machine {
   std::unique_ptr<GpioAxis> axis_;
   std::unique_ptr<DrmDisplay> display_;
   std::unique_ptr<GpioLightLine> light_;
-  std::unique_ptr<SerialPort> port_;
+  std::unique_ptr<ByteChannel> port_;
   std::unique_ptr<SerialProjector> serial_;
   std::unique_ptr<Projector> combined_;  // of the light line, and of the serial projector where there is one
   WatchedProjector watched_;

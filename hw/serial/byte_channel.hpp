@@ -34,6 +34,9 @@ class ByteChannel {
   // Sends and blocks: until the bytes have left (a second at most), then for `pause`. For the way out, when
   // no event loop runs any more.
   virtual void write_and_wait(std::string_view bytes, Duration pause) noexcept = 0;
+
+  // The device's, for another process that is to send something; -1 when it has none.
+  [[nodiscard]] virtual int descriptor() const noexcept { return -1; }
 };
 
 }  // namespace contourd

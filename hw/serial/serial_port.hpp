@@ -25,7 +25,7 @@ class SerialPort final : public ByteChannel {
   void listen(Listener listener) override { listener_ = std::move(listener); }
   [[nodiscard]] bool write(std::string_view bytes) noexcept override;
   // The port's; -1 when it is lost.
-  [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+  [[nodiscard]] int descriptor() const noexcept override { return descriptor_; }
   void write_and_wait(std::string_view bytes, Duration pause) noexcept override;
 
  private:

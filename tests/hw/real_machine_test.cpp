@@ -10,6 +10,7 @@
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/hw/serial/scripted_channel.hpp"
 #include "tests/hw/watchdog/ready_watchdog.hpp"
 
 using namespace contourd;
@@ -181,15 +182,27 @@ TEST_CASE("What an owner should know of a device that comes late is told when it
 namespace {
 
 // A machine whose light is a line that may break.
+// A projector that can be powered and nothing else, and does not answer.
+SerialProjectorConfig silent_projector() {
+  SerialProjectorConfig config{.port = "/dev/ttyUSB7", .table = {}, .brightness = {}};
+  config.table.power_on = {"power on", "on\r", std::chrono::seconds{1}, {}};
+  config.table.power_off = {"power off", "off\r", std::chrono::seconds{1}, {}};
+  return config;
+}
+
 struct LightBench {
-  explicit LightBench(bool without_light = false, bool without_axis = false)
+  explicit LightBench(bool without_light = false, bool without_axis = false,
+                      std::optional<SerialProjectorConfig> projector = std::nullopt)
       : chip_gone(without_light), axis_missing(without_axis) {
     plant.config.lid = GpioInputConfig{.line = {.chip = "gpiochip0", .line = "5"}};
     config.light = GpioLineConfig{.chip = "gpiochip7", .line = "24"};
-    config.projector.reset();
-    machine = std::make_unique<RealMachine>(plant.clock, plant, watchdog, config,
-                                            RealMachine::Openers{.axis = [this] { return open_axis(); },
-                                                                 .light = [this] { return open_light(); }});
+    config.projector = std::move(projector);
+    machine = std::make_unique<RealMachine>(
+        plant.clock, plant, watchdog, config,
+        RealMachine::Openers{
+            .axis = [this] { return open_axis(); },
+            .light = [this] { return open_light(); },
+            .port = [this] { return std::make_unique<testing::ScriptedChannel>(plant.clock); }});
     machine->on_disturbance([this](const Disturbance& disturbance) { told.push_back(disturbance); });
   }
   std::unique_ptr<GpioAxis> open_axis() {
@@ -211,6 +224,12 @@ struct LightBench {
     answer();
     plant.run([&] { return reply.has_value(); });
     return reply;
+  }
+  void power_on() {
+    std::optional<ProjectorReply> reply;
+    machine->projector().power_on([&](ProjectorReply r) { reply = r; });
+    plant.run([&] { return reply.has_value(); });
+    REQUIRE(reply == ProjectorReply::Ok);
   }
   void move_lid(bool open) {
     plant.press(AxisInput::Lid, open);
@@ -263,6 +282,29 @@ TEST_CASE(
   REQUIRE(bench.told.size() == 2);
   CHECK(bench.told[1].kind == Disturbance::Kind::Recovery);
   CHECK(bench.told[1].what == "found light: line 24 of gpiochip7");
+}
+
+TEST_CASE("Before a projector, too, nobody says that it is dark while the light line that refused is gone") {
+  LightBench bench(false, false, silent_projector());
+  bench.power_on();
+  REQUIRE(bench.light_on() == ProjectorReply::Ok);
+  REQUIRE(bench.line->level);
+  bench.line->refuses = bench.chip_gone = true;
+  bool dark = false;
+  bench.machine->projector().light_off();
+  bench.machine->projector().when_dark([&dark] { dark = true; });
+  bench.plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(bench.opened >= 2);
+  CHECK(count(bench.machine->projector().doubt(), "line 24 of gpiochip7 cannot be set") == 1);
+  CHECK_FALSE(dark);
+  bench.machine->projector().light_off();
+  bench.machine->projector().when_dark([&dark] { dark = true; });
+  bench.plant.run_for(std::chrono::seconds{1});
+  CHECK_FALSE(dark);
+  bench.chip_gone = false;
+  bench.plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(dark);
+  CHECK(bench.machine->projector().doubt().empty());
 }
 
 TEST_CASE("A light line that goes off after all no longer stands in the way") {
