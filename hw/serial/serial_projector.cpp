@@ -156,7 +156,7 @@ void SerialProjector::take(const ReplyReader::Heard& heard) {
                readable_bytes(heard.reply->text);
     return finish({ProjectorReply::Refused, ReplyMeaning::Refused, {}});
   }
-  finish({ProjectorReply::Ok, heard.reply->meaning, heard.reply->value});
+  finish({ProjectorReply::Ok, heard.reply->meaning, heard.reply->value, heard.reply->doubtful});
 }
 
 void SerialProjector::timed_out() {
@@ -426,17 +426,21 @@ void SerialProjector::light_on(Duration exposure, LightOn tell) {
 }
 
 void SerialProjector::light_answered(const Answer& answer, const Done& done) {
-  if (answer.reply == ProjectorReply::Ok) {
+  const bool confirmed = answer.reply == ProjectorReply::Ok && !answer.doubtful;
+  if (confirmed) {
     light_->on_latest = clock_.now();
     return done(answer.reply);
   }
-  if (answer.reply == ProjectorReply::NoAnswer && light_ && table_.light) return ask_whether_lit(done);
+  if (answer.doubtful) problem_ = called() + " has not confirmed that its light is on";
+  if (answer.reply != ProjectorReply::Refused && light_ && table_.light) return ask_whether_lit(done);
+  // Doubtful: it may be on, and since when nobody knows.
+  if (answer.reply == ProjectorReply::Ok) return done(answer.reply);
   // Not confirmed is not off.
   want_dark();
   done(answer.reply);
 }
 
-// Its reply to light on was lost, or the command.
+// Its reply to light on was lost, or the command, or nobody knows whether it has replied.
 void SerialProjector::ask_whether_lit(const Done& done) {
   ask(*table_.light, [this, done, problem = problem_](const Answer& answer) {
     if (answer.reply == ProjectorReply::Ok && answer.meaning == ReplyMeaning::On) {

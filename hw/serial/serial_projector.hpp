@@ -71,6 +71,7 @@ class SerialProjector final : public Projector {
     ProjectorReply reply = ProjectorReply::Ok;
     ReplyMeaning meaning = ReplyMeaning::Accepted;
     std::optional<std::int64_t> value;
+    bool doubtful = false;  // it may be an earlier command's reply once more
   };
   struct Request {
     ReplyReader::RequestId id;

@@ -665,6 +665,38 @@ TEST_CASE("after a lost reply to light on the projector is asked, where it can b
   }
 }
 
+TEST_CASE("a reply to light on that may be an earlier light off's once more does not say that it is on") {
+  for (const bool asked : {true, false}) {
+    for (const bool obeyed : {true, false}) {
+      CAPTURE(asked, obeyed);
+      ProjectorTable table = text_table();
+      if (asked)
+        table.light =
+            text_command("light", "~00355 1", {{ReplyMeaning::On, "OK0"}, {ReplyMeaning::Off, "OK1"}});
+      Bench bench(table);
+      bench.power_on();
+      bench.light_on();
+      bench.channel.projector = [&](const std::string& message) {
+        if (message == "~00355 1\r") return bench.channel.send(bench.light ? "OK0\r" : "OK1\r");
+        bench.light = message == "~0002 0\r" && obeyed;
+        // The second light off's, to both; and once more.
+        if (message == "~0002 0\r") return bench.channel.send("P\r");
+        if (bench.times_sent("~0002 1\r") == 2) bench.channel.send("P\rP\r");
+      };
+      bench.projector.light_off();
+      bench.pass(1500ms);
+      REQUIRE(bench.projector.doubt().empty());
+      bench.start_light_on();
+      bench.wait_for_answer();
+      CHECK(bench.answer == (asked && !obeyed ? ProjectorReply::NoAnswer : ProjectorReply::Ok));
+      CHECK(bench.projector.last_light()->on_latest.has_value() == (asked && obeyed));
+      if (asked && !obeyed)
+        CHECK(bench.projector.last_problem().find("has not confirmed that its light is on") !=
+              std::string::npos);
+    }
+  }
+}
+
 TEST_CASE("whoever waits for darkness is called when light off is confirmed, not before") {
   Bench bench;
   bench.power_on();
