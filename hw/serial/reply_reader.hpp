@@ -20,8 +20,8 @@ class ReplyReader {
     ReplyMeaning meaning;
     std::optional<std::int64_t> value;
     std::string text;  // the line, or the bytes it ended in, as received
-    // Another request was unanswered when the command was sent, or had been sent more than once: this may be
-    // its reply once more.
+    // Another request was unanswered when the command was sent, had been sent more than once, or had a
+    // doubtful reply itself: this may be its reply.
     bool doubtful = false;
   };
   struct Heard {  // one or neither
@@ -56,7 +56,7 @@ class ReplyReader {
     TimePoint until;
     bool repeated = false;  // the request was sent more than once
   };
-  // A reply to a request that was sent more than once: another may follow.
+  // A reply to a request that was sent more than once, or a doubtful one: another may follow.
   struct Repeat {
     RequestId request;
     const ProjectorCommand* command;

@@ -108,6 +108,31 @@ TEST_CASE(
   CHECK(doubtful(2, kNow + kPatience + 1ns) == 0);
 }
 
+TEST_CASE("behind a reply that may have been another's, a request's own may still come for a later one's") {
+  const ProjectorTable table = text_table();
+  ReplyReader reader(table);
+  reader.expect(1, *table.light_off, kNow, kPatience);
+  reader.expect(2, table.power_on, kNow, kPatience);
+  CHECK(heard(reader, "F\rF\r") == Words{"1 F", "2 F"});  // light off's, twice
+  const auto doubtful = [&reader](const std::string& bytes, TimePoint then) {
+    ReplyReader::Heard last;
+    for (const char byte : bytes)
+      last = reader.take(byte, then);
+    return last.reply.value().doubtful;
+  };
+  SECTION("while it may") {
+    reader.expect(1, *table.light_off, kNow, kPatience);
+    CHECK(doubtful("P\r", kNow));  // power on's
+    reader.expect(1, *table.light_off, kNow, kPatience);
+    CHECK_FALSE(doubtful("P\r", kNow));
+  }
+  SECTION("and no longer") {
+    const TimePoint then = kNow + kPatience + 1ns;
+    reader.expect(1, *table.light_off, then, kPatience);
+    CHECK_FALSE(doubtful("P\r", then));
+  }
+}
+
 TEST_CASE("a reply that is too late to be one is none") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
