@@ -13,6 +13,8 @@ using namespace std::chrono_literals;
 // Light off, and whether it is on, three tries of a second each, and some warm-up.
 constexpr Duration kFirstAnswers = 7s;
 constexpr Pixels kWidth{16}, kHeight{12};
+// Four full steps, of a motor that is driven by full ones.
+constexpr std::int64_t kFieldPeriod = 4;
 
 // A coarse screw, so that a step is long and a print short of them: 12.5 um.
 GpioAxisConfig axis_of(const Scenario& scenario) {
@@ -60,8 +62,11 @@ MachineModel::MachineModel(const Scenario& scenario)
   plant.loop = &loop;
   plant.loop_is_held_up = [this] { return loop.held_up(); };
   plant.motor = 160;
-  // As GpioAxis has it: that of homing's end, at which a motor stops dead.
-  plant.pull_in = plant.config.homing_speed.count() / 2 * kStepsPerMm;
+  // GpioAxis' is that of homing's end. How fast the motor was is not known to the step: braking, four steps
+  // ago it was faster by two fifths.
+  plant.pull_in = 1.4 * plant.config.homing_speed.count() / 2 * kStepsPerMm;
+  plant.swing_s += 0.4 / plant.pull_in;
+  plant.overrun = 1 + kFieldPeriod;
   model_->changed = screen.changed = [this] { changed(); };
   if (scenario.backlash) plant.slack = 4;
   plant.on_disturbance = [this] { tell(plant.disturbances.back()); };
@@ -85,10 +90,11 @@ Projector& MachineModel::present_projector() {
 }
 
 void MachineModel::combine() {
-  if (combined_ || !line_ || (has_projector(kind_) && !serial_)) return;
+  if (combined_ || !has_line(kind_)) return;
   if (serial_) {
-    combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, *line_, loop);
-  } else {
+    LightLine& line = line_ ? static_cast<LightLine&>(*line_) : no_line_;
+    combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, line, loop);
+  } else if (line_ && !has_projector(kind_)) {
     combined_ = std::make_unique<LightLineProjector>(*line_, loop, 1s);
   }
 }
@@ -141,14 +147,14 @@ void MachineModel::search() {
   const bool line_lost = has_line(kind_) && (!line_ || !line_->refusal().empty());
   const bool serial_lost = serial_ && serial_->lost();
   if (line_lost) {
-    if (line_) line_refusal_ = line_->refusal();
+    if (line_) no_line_.lose(line_->refusal());
     projector().light_off();
     combined_.reset();
     plant.axis->set_light_cutoff(nullptr);
     line_.reset();
     if (!line_refuses_) {
       open_line();
-      line_refusal_.clear();
+      no_line_.lose("");
     }
   }
   const bool projector_came = serial_lost && adapter_there_;
@@ -200,7 +206,7 @@ void MachineModel::tell(const Disturbance& disturbance) {
 }
 
 std::string MachineModel::hindrance() const {
-  if (!line_refusal_.empty() || (line_ && !line_->refusal().empty())) return "the light may be on";
+  if (!no_line_.refusal().empty() || (line_ && !line_->refusal().empty())) return "the light may be on";
   if (serial_ && serial_->lost()) return "the projector is lost";
   if (serial_ && serial_->dark_overdue()) return "the light may be on";
   if (!screen.there()) return "the display is unplugged";
@@ -210,7 +216,8 @@ std::string MachineModel::hindrance() const {
 }
 
 bool MachineModel::doubted() const {
-  if (!line_refusal_.empty() || (serial_ && (!heard_ || loop.now() < found_at_ + kFirstAnswers))) return true;
+  if (!no_line_.refusal().empty() || (serial_ && (!heard_ || loop.now() < found_at_ + kFirstAnswers)))
+    return true;
   const Projector* present = combined_ ? combined_.get() : serial_.get();
   return present != nullptr && !present->doubt().empty();
 }

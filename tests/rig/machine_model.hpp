@@ -153,7 +153,7 @@ class MachineModel final : public Machine {
   TimePoint found_at_{};
   bool heard_ = false;  // of the projector, since then
   testing::PlantOutput* output_ = nullptr;
-  std::string line_refusal_;  // of a line that could not be taken anew
+  AbsentLightLine no_line_;
   std::unique_ptr<Timer> search_, plug_, screen_timer_, line_timer_;
   std::unique_ptr<GpioLightLine> line_;
   std::shared_ptr<LineEnd> port_;

@@ -19,7 +19,7 @@ STATES = "daemon/print_states.cpp"
 LINE = "hw/projector_with_light_line.cpp"
 ENGINE = "hw/gpio/step_engine.cpp"
 
-# Name, file, what stands there once, what stands there instead.
+# Name, file, what stands there once, what stands there instead; the latter two as often as it takes.
 MUTATIONS = [
     ("a lost reply is answered by a second light on", SERIAL,
      "const bool once = current_->command == light_on_command() && current_->sent > 0;", "const bool once = false;"),
@@ -61,7 +61,8 @@ MUTATIONS = [
     ("a light behind a line is dark when the projector is", LINE,
      "projector_.when_dark([this, call = std::move(call)] { behind_line_.when_dark(call); });",
      "projector_.when_dark(std::move(call));"),
-    ("a repeated reply is owed once", READER, "if (owed->repeated) repeats_.push_back", "if (false) repeats_.push_back"),
+    ("a repeated reply is owed once", READER, "if (owed->repeated || reply.doubtful) repeats_.push_back",
+     "if (reply.doubtful) repeats_.push_back"),
     ("an end that is interrupted forgets its light", PROCESS, "if (light_asked_ && !light_) light_ =",
      "if (light_asked_) light_ ="),
     ("a light line that refuses is asked by nobody", LINE,
@@ -76,7 +77,10 @@ MUTATIONS = [
     ("the encoder is followed without limit", "hw/gpio/gpio_encoder.cpp", "plausibility_->refusal(off_mm)",
      "plausibility_->refusal(0)"),
     ("every edge restarts a safety input's debounce", "hw/gpio/safety_contact.cpp",
-     "  if (state_ == SafetyState::Safe) return first_;", "  if (state_ == SafetyState::Safe) return last_ + debounce_;"),
+     "  if (state_ == SafetyState::Safe) return first_;", "  if (state_ == SafetyState::Safe) return last_ + debounce_;",
+     "  if (state_ == SafetyState::Safe) return step_to(",
+     "  if (state_ == SafetyState::Safe && now - last_ < debounce_) return std::nullopt;\n"
+     "  if (state_ == SafetyState::Safe) return step_to("),
 ]
 
 
@@ -86,6 +90,14 @@ def copy_head(folder):
     archive = subprocess.run(["git", "-C", ROOT, "archive", "HEAD"], check=True, capture_output=True).stdout
     subprocess.run(["tar", "-x", "-C", source], input=archive, check=True)
     return source
+
+
+def mutated(name, text, changes):
+    for old, new in zip(changes[::2], changes[1::2]):
+        if text.count(old) != 1:
+            sys.exit(f"{name}: {text.count(old)} times: {old}")
+        text = text.replace(old, new)
+    return text
 
 
 def broken_rules(source, build, prints):
@@ -108,14 +120,12 @@ def main():
     if rules := broken_rules(source, build, options.prints):
         sys.exit("\n".join(["without any defect:", *rules]))
     missed = 0
-    for name, file, old, new in MUTATIONS:
+    for name, file, *changes in MUTATIONS:
         if options.only not in name:
             continue
         path = source / file
         sound = path.read_text()
-        if sound.count(old) != 1:
-            sys.exit(f"{name}: {file} has {sound.count(old)} times: {old}")
-        path.write_text(sound.replace(old, new))
+        path.write_text(mutated(name, sound, changes))
         rules = broken_rules(source, build, options.prints)
         path.write_text(sound)
         print(f"{'found ' if rules else 'MISSED'}  {name}", *(f"\n        {rule}" for rule in rules), flush=True)

@@ -13,8 +13,7 @@ using namespace std::chrono_literals;
 using contourd::testing::text_command;
 
 constexpr Duration kCooling = 3s;
-// After its command, if the replies before it are not later. What is later belongs to nobody any more
-// (ReplyReader).
+// After its command, or after the reply before it. What is later belongs to nobody any more (ReplyReader).
 constexpr Duration kLatest = 1'900ms, kLatestOfLightOn = 20s;
 
 void garble(std::string& bytes, Dice& dice) {
@@ -71,6 +70,7 @@ void ProjectorModel::at(TimePoint when, std::function<void()> call) {
 void ProjectorModel::receive(const std::string& bytes) {
   std::string arrived = bytes;
   tell("sent " + readable_bytes(bytes));
+  if (table_.light_on && table_.light_on->bytes == bytes) light_on_sent_ = true;
   if (happens(faults_.command_lost)) return tell("and lost");
   if (happens(faults_.command_garbled)) garble(arrived, dice_);
   const TimePoint first_byte = world_.now();
@@ -113,7 +113,10 @@ void ProjectorModel::obey(Command command, TimePoint came) {
   const auto answer = [&](const std::string& text) {
     const TimePoint earliest = std::max(world_.now(), replied_);
     const Duration latest = command == Command::LightOn ? kLatestOfLightOn : kLatest;
-    reply(text + "\r", earliest + dice_.between(Duration{1'000'000}, traits_.thinks), came + latest);
+    Duration thinks = dice_.between(Duration{1'000'000}, traits_.thinks);
+    if (command == Command::LightOn) thinks += dice_.between(Duration{0}, traits_.lights_late);
+    const bool whole = reply(text + "\r", earliest + thinks, std::max(came + latest, answered_ + kLatest));
+    if (whole) answered_ = replied_;
   };
   const bool is_on = power_ == Power::On, warming = power_ == Power::Warming;
   using While = ProjectorTraits::WhileWarm;
@@ -162,14 +165,20 @@ void ProjectorModel::warm() {
   changed();
 }
 
-void ProjectorModel::reply(const std::string& text, TimePoint sent_at, TimePoint latest) {
+// Whether it comes whole.
+bool ProjectorModel::reply(const std::string& text, TimePoint sent_at, TimePoint latest) {
   if (happens(faults_.reply_late)) sent_at += dice_.spread(10ms, kLatestOfLightOn);
   replied_ = std::max(std::min(sent_at, latest), replied_);
   std::string bytes = text;
-  if (happens(faults_.reply_lost)) return tell("lost " + readable_bytes(bytes));
-  if (happens(faults_.reply_garbled)) garble(bytes, dice_);
+  if (happens(faults_.reply_lost)) {
+    tell("lost " + readable_bytes(bytes));
+    return false;
+  }
+  const bool garbled = happens(faults_.reply_garbled);
+  if (garbled) garble(bytes, dice_);
   if (happens(faults_.reply_doubled)) bytes += bytes;
   send(bytes, replied_ + wire_time(bytes.size()));
+  return !garbled;
 }
 
 void ProjectorModel::send(std::string bytes, TimePoint when) {

@@ -22,6 +22,7 @@ namespace contourd::rig {
 struct LineFaults {
   double command_lost = 0, command_garbled = 0;
   double reply_lost = 0, reply_garbled = 0, reply_late = 0, reply_doubled = 0;
+  bool from_light_on = false;  // none before the first
 
   [[nodiscard]] bool any() const {
     return command_lost + command_garbled + reply_lost + reply_garbled + reply_late + reply_doubled > 0;
@@ -35,6 +36,7 @@ struct ProjectorTraits {
   Duration slower{};          // its light comes up to so much later than that
   Duration darkening{};       // its light goes up to so long after its command came
   Duration thinks{};          // up to so long from obeying to its reply
+  Duration lights_late{};     // and up to so much longer to that to light on
   Duration gap{};             // as the table says
   Duration warms_up{};        // really; the table says 5 s
   bool comes_up_lit = true;   // warm, its light is on
@@ -78,11 +80,11 @@ class ProjectorModel {
   void take_line(const std::string& line, TimePoint first_byte);
   void obey(Command command, TimePoint came);
   void warm();
-  void reply(const std::string& text, TimePoint sent_at, TimePoint latest);
+  bool reply(const std::string& text, TimePoint sent_at, TimePoint latest);
   void send(std::string bytes, TimePoint when);
   void at(TimePoint when, std::function<void()> call);
   [[nodiscard]] bool happens(double probability) {
-    const bool so = dice_.chance(probability);
+    const bool so = dice_.chance(probability) && (light_on_sent_ || !faults_.from_light_on);
     made_ += so ? 1 : 0;
     return so;
   }
@@ -95,9 +97,10 @@ class ProjectorModel {
   Dice dice_;
   std::uint64_t made_ = 0;
   Power power_ = Power::Off;
-  bool muted_ = true, asked_ = false;
+  bool muted_ = true, asked_ = false, light_on_sent_ = false;
   std::string line_;
   TimePoint line_began_{}, obeyed_{}, replied_{};
+  TimePoint answered_{};  // by the last reply that came whole; an echo is none
   std::unique_ptr<Timer> power_timer_;
   std::uint64_t next_timer_ = 0;
   std::map<std::uint64_t, std::unique_ptr<Timer>> timers_;

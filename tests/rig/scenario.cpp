@@ -8,6 +8,7 @@
 
 #include "hw/gpio/gpio_axis_config.hpp"
 #include "tests/rig/dice.hpp"
+#include "tests/rig/theme.hpp"
 
 namespace contourd::rig {
 namespace {
@@ -41,6 +42,7 @@ constexpr std::array kKinds{
     KindTraits{Kind::DisplayLost, "display lost", 2, 100ms, 10s},
     KindTraits{Kind::LineRefuses, "light line refuses", 3, 10ms, 8s},
     KindTraits{Kind::EncoderLoses, "encoder loses counts", 2, 1s, 30s},
+    KindTraits{Kind::EncoderLosesUpwards, "encoder loses counts upwards", 1, 1s, 30s},
 };
 
 const KindTraits& traits_of(Kind kind) {
@@ -59,8 +61,9 @@ Kind draw_kind(Dice& dice) {
   return kKinds.back().kind;
 }
 
-// A layer has ten states, and there are three before the first.
 constexpr std::int64_t kStates = 36;
+// Of the worlds.
+constexpr double kThemed = 0.5;
 
 Happening draw_happening(Dice& dice) {
   Happening happening{draw_kind(dice), static_cast<int>(dice.between(1, kStates)), {}, {}, 1};
@@ -125,6 +128,7 @@ Scenario draw_scenario(std::uint64_t seed) {
   const std::int64_t count = dice.chance(0.15) ? 0 : dice.between(1, 4);
   for (std::int64_t i = 0; i < count; ++i)
     scenario.happenings.push_back(draw_happening(dice));
+  if (Dice themes(seed, 4); themes.chance(kThemed)) draw_theme(themes, scenario);
   return scenario;
 }
 
@@ -139,11 +143,12 @@ bool Scenario::has(std::initializer_list<Kind> any) const {
 }
 
 // What an encoder that loses many counts at once seems to say is made good where that is the policy, up to a
-// sum: no program can know better.
+// sum: no program can know better. Nor where the motor runs on by as much as the encoder loses.
 Nanometers Scenario::plate_tolerance(Nanometers step) const {
   if (encoder == EncoderKind::None) return step;
   const EncoderConfig limits;
-  const bool misled = encoder == EncoderKind::Corrects && has({Kind::EncoderLoses});
+  const bool misled = has({Kind::EncoderLoses, Kind::EncoderLosesUpwards}) &&
+                      (encoder == EncoderKind::Corrects || has({Kind::StepsHeldUp}));
   return step + limits.tolerance + (misled ? limits.most_correction_sum : Nanometers{0});
 }
 
@@ -172,17 +177,19 @@ std::string describe(const Scenario& scenario) {
   std::string text = fmt::format(
       "seed {}: light {}, encoder {}, {} prints of {} layers of {} ms\n  projector: {}{}{}{}{}latency {} us "
       "and "
-      "up to {} us, darkens in {} us, thinks {} us, gap {} us, warm in {} ms, warming light off {}\n  line: "
+      "up to {} us, darkens in {} us, thinks {} us and up to {} us over a light, gap {} us, warm in {} ms, "
+      "warming light off {}\n  line: "
       "commands lost {:.0f} %, garbled {:.0f} %; replies lost {:.0f} %, garbled {:.0f} %, late {:.0f} %, "
       "doubled "
-      "{:.0f} %\n",
+      "{:.0f} %{}\n",
       scenario.seed, static_cast<int>(scenario.light), static_cast<int>(scenario.encoder), scenario.prints,
       scenario.layers, scenario.exposure / 1ms, p.answers_light ? "answers light, " : "",
       p.echoes ? "echoes, " : "", p.comes_up_lit ? "comes up lit, " : "", p.left_on ? "left on, " : "",
       p.warming_is_on ? "warming is on, " : "", p.latency / 1us, p.slower / 1us, p.darkening / 1us,
-      p.thinks / 1us, p.gap / 1us, p.warms_up / 1ms, static_cast<int>(p.off_while_warming),
-      100 * f.command_lost, 100 * f.command_garbled, 100 * f.reply_lost, 100 * f.reply_garbled,
-      100 * f.reply_late, 100 * f.reply_doubled);
+      p.thinks / 1us, p.lights_late / 1us, p.gap / 1us, p.warms_up / 1ms,
+      static_cast<int>(p.off_while_warming), 100 * f.command_lost, 100 * f.command_garbled,
+      100 * f.reply_lost, 100 * f.reply_garbled, 100 * f.reply_late, 100 * f.reply_doubled,
+      f.from_light_on ? ", from light on on" : "");
   for (const Happening& happening : scenario.happenings)
     text += "  " + describe(happening) + "\n";
   return text;

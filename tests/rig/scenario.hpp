@@ -41,6 +41,7 @@ struct Happening {
     DisplayLost,
     LineRefuses,   // to change
     EncoderLoses,  // some of its counts
+    EncoderLosesUpwards,
   };
   Kind kind;
   int state = 0;      // once the print has entered so many states

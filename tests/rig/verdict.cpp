@@ -19,8 +19,8 @@ bool may_be_lit(PrintState state) {
   return state == PrintState::Igniting || state == PrintState::Exposing;
 }
 
-// A plate that gives way by so much under a light that does not go off has not been lowered: corrections by
-// an encoder.
+// A plate that gives way by so much under a light that does not go off has not been moved: corrections by an
+// encoder.
 constexpr Nanometers kGiving{100'000};
 
 }  // namespace
@@ -74,7 +74,7 @@ void Verdict::light_begins(const Scene& scene) {
   lit_ = true;
   stray_ = scene.stray;
   lit_since_ = scene.now;
-  highest_ = scene.plate;
+  highest_ = lit_at_ = scene.plate;
   if (!stray_ && !layer_)
     break_rule("c: light belongs to a layer", "light that was never asked for", scene.now);
 }
@@ -89,6 +89,9 @@ void Verdict::check_light(const Scene& scene) {
   if (scene.plate < highest_ - kGiving)
     break_rule("a: no lowering under light",
                fmt::format("the plate came down by {:.1f} um", um(highest_ - scene.plate)), scene.now);
+  if (!stray_ && highest_ > lit_at_ + kGiving)
+    break_rule("a: no lift under light",
+               fmt::format("the plate went up by {:.1f} um", um(highest_ - lit_at_)), scene.now);
   if (stray_ || !wanted_) return;
   if (!scene.picture && scene.screen_is_in_use)
     break_rule("a: light through its own mask", "the screen is black in an exposure", scene.now);

@@ -79,7 +79,7 @@ class Verdict {
   bool wanted_ = false;       // and nobody has taken that back
   bool lit_ = false, stray_ = false;
   TimePoint lit_since_{};
-  Nanometers highest_{};  // of the plate, under this light
+  Nanometers lit_at_{}, highest_{};  // of the plate, under this light: at first, and since
   std::vector<Violation> violations_;
 };
 

@@ -15,7 +15,9 @@ using namespace std::chrono_literals;
 using Kind = Happening::Kind;
 
 constexpr Nanometers kLayer{50'000};
-constexpr double kLostCounts = 0.05;
+constexpr double kLostCounts = 0.05, kLostCountsUpwards = 0.15;
+// How long a print that ends waits for darkness.
+constexpr Duration kEnding = 5s;
 // An hour is a projector's longest warm-up, all else together takes minutes.
 constexpr Duration kLongestPrint = 2h;
 // Of the light, when everything works again: a light off is tried every timeout.
@@ -40,7 +42,10 @@ World::World(const Scenario& scenario)
     if (disturbance.kind == Disturbance::Kind::Fault) process_.fail(disturbance.what);
   });
   machine_.plant.loses_count = [this] {
-    return machine_.plant.clock.now() < encoder_loses_until_ && encoder_.chance(kLostCounts);
+    const TimePoint now = machine_.plant.clock.now();
+    if (now < encoder_loses_until_ && encoder_.chance(kLostCounts)) return true;
+    const bool upwards = machine_.plant.direction->level;
+    return upwards && now < encoder_loses_upwards_until_ && encoder_.chance(kLostCountsUpwards);
   };
   machine_.changed = [this] { look(); };
   machine_.screen.number = [this] { return number(); };
@@ -179,6 +184,8 @@ void World::look_at_motion() {
 void World::state_changed(PrintState state) {
   tell(fmt::format("-> {}", name_of(state)));
   ++states_;
+  const PrintState before = std::exchange(state_, state);
+  if (before != PrintState::Ending && state == PrintState::Ending) ending_since_ = machine_.loop.now();
   if (state == PrintState::Paused || state == PrintState::Held)
     owner_timer_ =
         machine_.loop.call_after(owner_.between(Duration{500ms}, Duration{5s}), [this] { tend(); });
@@ -245,6 +252,9 @@ void World::happen(const Happening& happening) {
     case Kind::EncoderLoses:
       encoder_loses_until_ = machine_.plant.clock.now() + happening.length;
       return;
+    case Kind::EncoderLosesUpwards:
+      encoder_loses_upwards_until_ = machine_.plant.clock.now() + happening.length;
+      return;
   }
 }
 
@@ -291,6 +301,13 @@ void World::interrupted(const std::string& what) {
 
 void World::print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan) {
   tell(fmt::format("{} {}", name_of(outcome), reason));
+  const TimePoint now = machine_.loop.now();
+  // One that was found in place of a lost one answers for itself.
+  const bool can_be_told = !scenario_.has({Kind::AdapterUnplugged});
+  if (machine_.lit() && !machine_.stray() && can_be_told && now - ending_since_ < kEnding)
+    verdict_.break_rule(
+        "c: a print ends in the dark, or has waited for it",
+        fmt::format("it ends lit, {:.3f} s after its end began", seconds(now - ending_since_)), now);
   Figures& figures = verdict_.figures;
   ++figures.prints;
   figures.done += outcome == PrintOutcome::Done ? 1 : 0;

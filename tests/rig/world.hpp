@@ -54,7 +54,9 @@ class World final : private PrintObserver {
   std::vector<std::unique_ptr<Timer>> timers_;
   std::unique_ptr<Timer> owner_timer_;
   std::optional<std::int64_t> stopped_at_;  // motor's position when motion was to end
-  TimePoint encoder_loses_until_{};
+  TimePoint encoder_loses_until_{}, encoder_loses_upwards_until_{};
+  PrintState state_ = PrintState::Idle;
+  TimePoint ending_since_{};  // of the state of that name, the last time
   bool keeps_story_ = false;
   std::vector<std::string> story_;
 };

@@ -218,6 +218,10 @@ class Plant final : public DescriptorWatcher {
   std::function<bool()> loses_step;  // asked for each
   // Above it, in steps/s, the motor neither starts dead nor stops dead: it loses steps.
   double pull_in = std::numeric_limits<double>::infinity();
+  // What it makes of the pulse behind a dead stop from above it: nothing; or it has run on, by whole periods
+  // of its field.
+  std::int64_t overrun = 0;
+  double swing_s = 0.005;  // a quarter of the rotor's: it has come to rest when its field stands for as long
   std::function<bool()> loses_count;       // of the encoder; asked for each step of the plate
   std::int64_t index_every = 400;          // steps between two marks of the encoder's index
   Duration latency{20'000};                // of the stepping thread
@@ -320,7 +324,7 @@ class Plant final : public DescriptorWatcher {
       fell_at_ = clock.now();
       return;
     }
-    const bool turns = follows();
+    const std::int64_t turned = turned_by_pulse();
     if (!pulses.empty()) shortest_pause = std::min(shortest_pause, clock.now() - fell_at_);
     shortest_setup = std::min(shortest_setup, clock.now() - direction_changed_at_);
     pulses.push_back(clock.now());
@@ -328,43 +332,45 @@ class Plant final : public DescriptorWatcher {
       ++disabled_steps;
       return;
     }
-    if (dead || !turns || (loses_step && loses_step())) return;
-    motor += direction->level != reversed ? 1 : -1;
+    if (dead || turned == 0 || (loses_step && loses_step())) return;
+    motor += direction->level != reversed ? turned : -turned;
     move_plate();
     update_switches();
   }
 
-  // Whether the rotor does, at the time of a pulse: its speed is that of the last pulses.
-  bool follows() {
-    if (pulses.empty() || !std::isfinite(pull_in)) return true;
+  // Steps of the rotor, at the time of a pulse: its speed is that of the last pulses.
+  std::int64_t turned_by_pulse() {
+    if (pulses.empty() || !std::isfinite(pull_in)) return 1;
     const double interval_s = std::chrono::duration<double>(clock.now() - pulses.back()).count();
     const double rate = 1 / interval_s, late_s = interval_s - (rotor_rate_ > 0 ? 1 / rotor_rate_ : 0);
     // Its field stood still for a full step's time, or for a quarter of the rotor's swing.
-    const bool stood = late_s > std::min(16 / rotor_rate_, 0.005);
+    const bool stood = late_s > std::min(16 / rotor_rate_, swing_s);
     const bool overran = stood && rotor_rate_ > pull_in;
     const bool turns = !overran && rate <= std::max(pull_in, stood ? 0 : 2 * rotor_rate_);
     rotor_rate_ = !turns ? 0 : stood ? rate : rotor_rate_ + (rate - rotor_rate_) / 4;
-    return turns;
+    if (overran) return overrun;
+    return turns ? 1 : 0;
   }
 
   void move_plate() {
     const std::int64_t before = plate_;
     plate_ = std::clamp(plate_, motor, motor + slack);
     if (encoder_a == nullptr) return;
-    // Four counts a period; one count a step.
-    for (std::int64_t p = before; p != plate_;) {
+    // Four counts a period; one count a step, one after the other.
+    TimePoint at = clock.now();
+    for (std::int64_t p = before; p != plate_; at += std::chrono::microseconds{1}) {
       const std::int64_t step_of_plate = plate_ > p ? 1 : -1;
       p += step_of_plate;
-      if (!loses_count || !loses_count()) move_encoder(step_of_plate);
+      if (!loses_count || !loses_count()) move_encoder(step_of_plate, at);
       if (encoder_index != nullptr)
-        encoder_index->set(((p % index_every) + index_every) % index_every < 2, clock.now());
+        encoder_index->set(((p % index_every) + index_every) % index_every < 2, at);
     }
   }
-  void move_encoder(std::int64_t by) {
+  void move_encoder(std::int64_t by, TimePoint at) {
     scale_ += counts_down ? -by : by;
     const auto phase = ((scale_ % 4) + 4) % 4;
-    encoder_a->set(phase == 1 || phase == 2, clock.now());
-    encoder_b->set(phase == 2 || phase == 3, clock.now());
+    encoder_a->set(phase == 1 || phase == 2, at);
+    encoder_b->set(phase == 2 || phase == 3, at);
   }
 
   void update_switches() {
