@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/mesh_soundness.hpp"
+#include "daemon/config/printable.hpp"
 
 namespace contourd {
 namespace {
@@ -31,9 +32,10 @@ void JobContent::add(const ModelTicket& ticket, const std::filesystem::path& fol
                                   [&](const NamedModel& other) { return made_alike(other.ticket, ticket); });
   const std::size_t file = same_file == models_.end() ? files_.size() : same_file->file;
   if (file == files_.size())
-    files_.emplace_back(plate ? folder_or_model / ticket.file : folder_or_model, ticket.file, links);
+    files_.emplace_back(plate ? folder_or_model / ticket.file : folder_or_model, printable(ticket.file),
+                        links);
   const auto made_as = static_cast<std::size_t>(alike - models_.begin());
-  models_.push_back({ticket, plate ? ticket.file : "the model", file, made_as});
+  models_.push_back({ticket, plate ? printable(ticket.file) : "the model", file, made_as});
 }
 
 bool JobContent::is_first_of_file(std::size_t model) const {

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "daemon/config/printable.hpp"
 #include "daemon/plate_arrangement.hpp"
 
 namespace contourd {
@@ -18,7 +19,7 @@ auto ModelFile::refusing(Work work) const {
   try {
     return work();
   } catch (const UnreadableFile& error) {
-    throw JobRefused(fmt::format("cannot read {}: {}", path_.string(), error.what()));
+    throw JobRefused(fmt::format("cannot read {}: {}", printable(path_.string()), error.what()));
   } catch (const StlError& error) {
     throw JobRefused(fmt::format("{}not a usable STL file: {}", prefix_, error.what()));
   } catch (const std::bad_alloc&) {

@@ -428,7 +428,8 @@ void PrinterService::not_claimed(QueuedJob job, const std::system_error& error) 
     return pump_soon();
   }
   if (Spool::is_immovable(error.code())) return begin_with_copy(std::move(job), error.code().message());
-  const std::string trouble = fmt::format("{} cannot be claimed: {}", printable(job.file), error.what());
+  const std::string trouble =
+      fmt::format("{} cannot be claimed: {}", printable(job.file), printable(error.what()));
   if (std::exchange(job.trouble, trouble) != trouble) log_.error("claim", trouble, file_fields(job.file));
   waiting_for_ = trouble;
   job.waited = true;
@@ -454,7 +455,8 @@ void PrinterService::copied(const Spool::Copy& copy, const std::string& why) {
     queue_.push_front(std::move(job));
     reject(queue_.front(), printable_lines(shortened(copy.unreadable, kLongestReason)));
   } else {
-    const std::string trouble = fmt::format("{} cannot be copied: {}", printable(job.file), copy.trouble);
+    const std::string trouble =
+        fmt::format("{} cannot be copied: {}", printable(job.file), printable(copy.trouble));
     if (std::exchange(job.trouble, trouble) != trouble) log_.error("claim", trouble, file_fields(job.file));
     waiting_for_ = trouble;
     job.waited = true;
@@ -496,7 +498,8 @@ void PrinterService::rejected(const std::string& file, const std::string& reason
         fmt::format("{}: lies in incoming still, as it cannot be moved; it may be deleted", printable(file)),
         file_fields(file));
   if (rejection == Spool::Rejection::Impossible)
-    log_.error("refused", fmt::format("{}: cannot be moved to failed: {}", printable(file), trouble));
+    log_.error("refused",
+               fmt::format("{}: cannot be moved to failed: {}", printable(file), printable(trouble)));
   ended(job_name_of(file), "failed", reason);
   pump();
 }
@@ -537,7 +540,7 @@ void PrinterService::start_print() {
   try {
     active_->masks = machine_.begin_job(name);
   } catch (const std::system_error& error) {
-    log_.error("refused", fmt::format("{}: {}", printable(name), error.what()), job_fields(name));
+    log_.error("refused", fmt::format("{}: {}", printable(name), printable(error.what())), job_fields(name));
     file_job(active_->files, Spool::Folder::Failed, std::string(error.what()) + "\n");
     active_.reset();
     ended(name, "failed", error.what());
@@ -771,7 +774,8 @@ void PrinterService::file_job(const JobFiles& files, Spool::Folder to, const std
   try {
     move_job(files, to, reason);
   } catch (const std::system_error& error) {
-    log_.error("spool", fmt::format("{}: stays in printing: {}", printable(files.name), error.what()),
+    log_.error("spool",
+               fmt::format("{}: stays in printing: {}", printable(files.name), printable(error.what())),
                job_fields(files.name));
   }
 }
@@ -787,7 +791,7 @@ void PrinterService::move_job(const JobFiles& files, Spool::Folder to, const std
     log_.error("spool", fmt::format("{} is gone: somebody took it away", printable(files.model.string())),
                job_fields(files.name));
   if (!trouble.empty())
-    log_.error("spool", fmt::format("{}: no reason beside it: {}", printable(files.name), trouble),
+    log_.error("spool", fmt::format("{}: no reason beside it: {}", printable(files.name), printable(trouble)),
                job_fields(files.name));
 }
 

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "daemon/config/printable.hpp"
+
 namespace contourd {
 namespace {
 
@@ -13,25 +15,8 @@ constexpr std::size_t longest_quote = 60;
 constexpr std::size_t most_lines = 30;
 constexpr std::size_t longest_pointer = 200;
 
-// Without control characters: a file name or a key with a line break in it must not look like two violations.
-std::string printable(std::string_view text) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string result;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 0x20 && byte != 0x7f) {
-      result += c;
-    } else {
-      result += "\\x";
-      result += digits[byte >> 4U];
-      result += digits[byte & 15U];
-    }
-  }
-  return result;
-}
-
 // Cut at `bytes`, never within a character, with dots for the rest.
-std::string shortened(std::string_view text, std::size_t bytes) {
+std::string cut(std::string_view text, std::size_t bytes) {
   std::string shown(text.substr(0, bytes));
   if (shown.size() == text.size()) return shown;
   const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) == 0x80U; };
@@ -42,9 +27,9 @@ std::string shortened(std::string_view text, std::size_t bytes) {
 
 // "FILE: severity/pointer: message"
 std::string line(const Violation& violation, const char* severity) {
-  std::string text = printable(violation.file) + ": " + severity;
-  if (!violation.pointer.empty()) text += printable(shortened(violation.pointer, longest_pointer)) + ": ";
-  return text + violation.message;
+  std::string text = violation.file + ": " + severity;
+  if (!violation.pointer.empty()) text += cut(violation.pointer, longest_pointer) + ": ";
+  return printable(text + violation.message);
 }
 
 std::string lines(const std::vector<Violation>& violations) {
@@ -67,7 +52,7 @@ std::string warning_line(const Violation& warning) {
 
 std::string in_quotes(std::string_view text) {
   constexpr auto replace = nlohmann::json::error_handler_t::replace;
-  return printable(nlohmann::json(shortened(text, longest_quote)).dump(-1, ' ', false, replace));
+  return printable(nlohmann::json(cut(text, longest_quote)).dump(-1, ' ', false, replace));
 }
 
 std::string child_pointer(std::string_view pointer, std::string_view token) {

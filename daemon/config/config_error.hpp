@@ -17,8 +17,8 @@ struct Violation {
   bool operator==(const Violation&) const = default;
 };
 
-// what() is one line a violation: `FILE: /pointer: message`, control characters escaped; of many, the first
-// 30 and how many there are more.
+// what() is one line a violation: `FILE: /pointer: message`, fit for a person (printable.hpp); of many, the
+// first 30 and how many there are more.
 class ConfigError : public std::runtime_error {
  public:
   // REQUIRES: at least one violation.
@@ -30,11 +30,10 @@ class ConfigError : public std::runtime_error {
   std::vector<Violation> violations_;
 };
 
-// `FILE: warning: /pointer: message`, control characters escaped: of what is no error.
+// `FILE: warning: /pointer: message`, in the same way: of what is no error.
 [[nodiscard]] std::string warning_line(const Violation& warning);
 
-// The text in double quotes, cut at 60 bytes, control characters and invalid UTF-8 replaced: fit for a
-// message.
+// The text in double quotes, cut at 60 bytes, fit for a message (printable.hpp).
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
 // The pointer to the member or element `token` of what `pointer` points to.

@@ -175,7 +175,7 @@ void print_findings(const AnalyzedModel& m) {
              found.cracks.gaps_closed, found.cracks.widest_gap.count(), found.cracks.open_chains,
              found.cracks.turned_chains, found.cracked_layers.size());
   for (const std::string& warning : m.warnings)
-    fmt::print("warning       {}\n", warning);
+    fmt::print("warning       {}\n", printable(warning));
   for (const std::string& warning : warnings_about(found))
     fmt::print("warning       {}\n", warning);
   fmt::print("\n");
@@ -193,7 +193,7 @@ void print_json(const AnalyzedModel& m) {
   json["model_warnings"] = m.warnings;
   json["statistics"] = statistics_json(m.statistics);
   json["area_mm2"] = m.findings.area_mm2;
-  fmt::print("{}\n", json.dump(2));
+  fmt::print("{}\n", json.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
 }  // namespace

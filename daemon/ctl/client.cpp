@@ -76,7 +76,7 @@ void print_analysis(const Json& analysis) {
 
 void print_status(const Json& status) {
   fmt::print("printer   {}\nstate     {}\n", printable(status.value("printer", "")),
-             status.value("state", ""));
+             printable(status.value("state", "")));
   if (status["job"].is_object()) {
     const Json& job = status["job"];
     fmt::print("job       {}\n", printable(job.value("name", "")));
@@ -90,7 +90,7 @@ void print_status(const Json& status) {
     if (job.contains("analysis") && job["analysis"].is_object()) print_analysis(job["analysis"]);
   }
   fmt::print(
-      "plate     {}{}\n", status.value("plate", ""),
+      "plate     {}{}\n", printable(status.value("plate", "")),
       status["plate_job"].is_string() ? " by " + printable(status["plate_job"].get<std::string>()) : "");
   fmt::print("queue     {}\n", status.value("queued", 0));
   for (const auto& [file, why] : status["postponed"].items())
@@ -106,7 +106,7 @@ void print_status(const Json& status) {
   if (status["last"].is_object()) {
     const Json& last = status["last"];
     const std::string reason = last.value("reason", "");
-    fmt::print("last job  {}: {}{}\n", printable(last.value("job", "")), last.value("outcome", ""),
+    fmt::print("last job  {}: {}{}\n", printable(last.value("job", "")), printable(last.value("outcome", "")),
                reason.empty() ? "" : ": " + printable_lines(reason));
   }
 }

@@ -67,7 +67,7 @@ int inspect(const InspectOptions& options) {
   const MeshRepairs repairs = HeightIndex(std::move(model.facets)).repairs();
   if (repairs != MeshRepairs{}) model.warnings.push_back(repair_warning(repairs));
   if (options.json) {
-    fmt::print("{}\n", to_json(model, report, repairs).dump(2, ' ', true));
+    fmt::print("{}\n", to_json(model, report, repairs).dump(2, ' ', true, Json::error_handler_t::replace));
   } else {
     print(model, report);
   }

@@ -190,13 +190,16 @@ TEST_CASE("whole numbers are integers however they are written, and none wraps a
 }
 
 TEST_CASE("an error's text is one line a violation, whatever is in the names") {
-  const ConfigError error({{"a\nb.json", "/x\x1b", "one"}, {"c.json", "", "two"}});
-  CHECK(std::string(error.what()) == "a\\x0ab.json: /x\\x1b: one\nc.json: two");
+  const ConfigError error(
+      {{"a\nb.json", "/x\x1b", "one"}, {"c.json", "", "two\xc2\x9b"}, {"\xe2\x80\xae", "", "\r3"}});
+  CHECK(std::string(error.what()) == "a?b.json: /x?: one\nc.json: two?\n?: ?3");
+  CHECK(warning_line({"a\nb", "/\xe2\x81\xa6", "\x1b[2J"}) == "a?b: warning: /?: ?[2J");
 }
 
 TEST_CASE("a quoted value is short, printable and valid UTF-8") {
   CHECK(in_quotes("a\"b") == "\"a\\\"b\"");
-  CHECK(in_quotes("a\nb\x7f") == "\"a\\nb\\x7f\"");
+  CHECK(in_quotes("a\nb\x7f") == "\"a\\nb?\"");
+  CHECK(in_quotes("\xc2\x9b\xe2\x80\xae") == "\"??\"");
   CHECK(in_quotes("\xff") == "\"\xef\xbf\xbd\"");
   CHECK(in_quotes(std::string(61, 'x')) == "\"" + std::string(60, 'x') + "...\"");
   // A two-byte character across the cut is dropped as a whole.
