@@ -12,6 +12,7 @@
 #include <system_error>
 #include <vector>
 
+#include "daemon/command_line.hpp"
 #include "daemon/config/light_config.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/control_defaults.hpp"
@@ -23,6 +24,7 @@
 #include "daemon/printer_service.hpp"
 #include "daemon/readable.hpp"
 #include "daemon/sleep_inhibitor.hpp"
+#include "daemon/standard_output.hpp"
 #include "daemon/supervisor.hpp"
 #include "hw/hardware_check.hpp"
 #include "hw/light_off.hpp"
@@ -34,8 +36,9 @@
 namespace contourd {
 namespace {
 
-// Exit codes of BSD's sysexits.h; systemd does not restart after 78 (see contourd.service).
-constexpr int kBadUsage = 64, kMissingDevice = 69, kFailed = 70, kBadConfig = 78;
+// Exit codes of BSD's sysexits.h, with kBadUsage and kCannotCreate; systemd does not restart after 78 (see
+// contourd.service).
+constexpr int kMissingDevice = 69, kFailed = 70, kBadConfig = 78;
 
 // The clock of the machine: the monotonic one, or for the simulated printer one that skips all waiting.
 class MachineClock {
@@ -113,7 +116,7 @@ class PrintWake {
 // Prints a line a device. Every device is looked at, whatever is wrong with the others.
 int check_hardware(const PrinterConfig& config) {
   if (!config.real) {
-    fmt::print("{}: the hardware is simulated, there is nothing to look at\n", config.name);
+    fmt::print("{}: the hardware is simulated, there is nothing to look at\n", printable(config.name));
     return EXIT_SUCCESS;
   }
   EventLoop loop;
@@ -125,7 +128,7 @@ int check_hardware(const PrinterConfig& config) {
       [&](const HardwareFinding& finding) {
         if (!finding.good) ++problems;
         const char* verdict = !finding.good ? "BAD" : finding.warning ? "warn" : "ok";
-        fmt::print("{:4} {:15} {}\n", verdict, finding.device, printable(finding.what));
+        fmt::print("{:4} {:15} {}\n", verdict, printable(finding.device), printable(finding.what));
       },
       [&] { loop.stop(); });
   loop.run();
@@ -145,7 +148,7 @@ std::optional<LightConfig> recorded_light(const std::filesystem::path& record) {
   try {
     return read_light_record(record);
   } catch (const ConfigError& unreadable) {
-    fmt::print(stderr, "{}\n", printable(unreadable.what()));
+    fmt::print(stderr, "{}\n", unreadable.what());
     return std::nullopt;
   }
 }
@@ -179,7 +182,8 @@ int light_off(const std::string& config_file) {
     std::filesystem::remove(record, ignored);
     return EXIT_SUCCESS;
   }
-  if (recorded) fmt::print(stderr, "that is by {}, which the last contourd left\n", record.string());
+  if (recorded)
+    fmt::print(stderr, "that is by {}, which the last contourd left\n", printable(record.string()));
   return kMissingDevice;
 }
 
@@ -226,7 +230,8 @@ int run(const PrinterConfig& config) {
   service.start();
   leave_light_record(config, config.light_record, log);  // nothing is lit before the loop runs
   log.info("ready", fmt::format("contourd {} is ready: {}, spool {}, socket {}", CONTOURD_VERSION,
-                                config.name, config.spool_folder.string(), config.control_socket.string()));
+                                printable(config.name), printable(config.spool_folder.string()),
+                                printable(config.control_socket.string())));
   supervisor.ready();
   loop.run();
   const std::string doubt = machine.projector().doubt();
@@ -264,7 +269,7 @@ int start(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? EXIT_SUCCESS : kBadUsage;
+    return end_of_command_line(app, error);
   }
   if (print_states) {
     fmt::print("{}", draw_print_states());
@@ -281,7 +286,8 @@ int start(int argc, char** argv) {
   PrinterConfig config = load_printer_config(config_file);
   if (look_at_hardware) return check_hardware(config);
   if (!pace.empty() && config.real) {
-    fmt::print(stderr, "--pace is for the simulated printer; the hardware of {} is real\n", config_file);
+    fmt::print(stderr, "--pace is for the simulated printer; the hardware of {} is real\n",
+               printable(config_file));
     return kBadUsage;
   }
   if (!pace.empty()) config.pace = pace == "fast" ? Pace::Fast : Pace::Realtime;
@@ -295,13 +301,17 @@ int main(int argc, char** argv) {
   // Nothing before it takes memory or time; an owner has no use for the option.
   if (argc == 3 && std::strcmp(argv[1], contourd::kLightWatchdogOption) == 0)
     return contourd::serve_light_watchdog(std::atoi(argv[2]));
+  const auto complain = [](int code, const std::string& why) {
+    fmt::print(stderr, "{}\n", why);
+    return code;
+  };
   try {
-    return contourd::start(argc, argv);
+    return contourd::print_whole([&] { return contourd::start(argc, argv); });
   } catch (const contourd::ConfigError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return contourd::kBadConfig;
+    return complain(contourd::kBadConfig, error.what());
+  } catch (const contourd::OutputError& error) {
+    return complain(contourd::kCannotCreate, std::string("contourd: ") + error.what());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "contourd: {}\n", error.what());
-    return contourd::kFailed;
+    return complain(contourd::kFailed, "contourd: " + contourd::printable(error.what()));
   }
 }

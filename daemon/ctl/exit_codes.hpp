@@ -1,23 +1,22 @@
-// contourctl's exit codes, from BSD's sysexits.h, and the exceptions that stand for them.
+// contourctl's exit codes, from BSD's sysexits.h, and the exceptions that stand for them; kBadUsage and
+// kCannotCreate are contourd's too.
 #pragma once
 
 #include <stdexcept>
 
+#include "daemon/command_line.hpp"
+#include "daemon/standard_output.hpp"
+
 namespace contourd::ctl {
 
 inline constexpr int kOk = 0;
-inline constexpr int kFailed = 1;         // the daemon refused, or the print failed
-inline constexpr int kBadUsage = 64;      // EX_USAGE
-inline constexpr int kBadData = 65;       // EX_DATAERR; also a model that the printer cannot print
-inline constexpr int kNoInput = 66;       // EX_NOINPUT: a file cannot be read
-inline constexpr int kUnavailable = 69;   // EX_UNAVAILABLE: the daemon cannot be reached
-inline constexpr int kCannotCreate = 73;  // EX_CANTCREAT: an output cannot be written
-inline constexpr int kBadConfig = 78;     // EX_CONFIG: the printer's configuration or a ticket is wrong
+inline constexpr int kFailed = 1;        // the daemon refused, or the print failed
+inline constexpr int kBadData = 65;      // EX_DATAERR; also a model that the printer cannot print
+inline constexpr int kNoInput = 66;      // EX_NOINPUT: a file cannot be read
+inline constexpr int kUnavailable = 69;  // EX_UNAVAILABLE: the daemon cannot be reached
+inline constexpr int kBadConfig = 78;    // EX_CONFIG: the printer's configuration or a ticket is wrong
 
 struct UsageError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-struct OutputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 struct DaemonError : std::runtime_error {

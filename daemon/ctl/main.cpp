@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -197,12 +196,9 @@ class CommandLine {
     try {
       app_.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-      return app_.exit(error) == 0 ? kOk : kBadUsage;
+      return end_of_command_line(app_, error);
     }
-    const int code = chosen_();
-    if (std::fflush(stdout) != 0)
-      throw std::system_error(errno, std::generic_category(), "cannot write the result");
-    return code;
+    return chosen_();
   }
 
  private:
@@ -328,21 +324,21 @@ int complain(int code, const char* why) {
 int main(int argc, char** argv) {
   using namespace contourd::ctl;
   try {
-    return CommandLine().run(argc, argv);
+    return contourd::print_whole([&] { return CommandLine().run(argc, argv); });
   } catch (const UsageError& error) {
-    return complain(kBadUsage, error.what());
+    return complain(contourd::kBadUsage, error.what());
   } catch (const contourd::StlError& error) {
     return complain(kBadData, error.what());
   } catch (const contourd::TooManyLayers& error) {
     return complain(kBadData, error.what());
-  } catch (const OutputError& error) {
-    return complain(kCannotCreate, error.what());
+  } catch (const contourd::OutputError& error) {
+    return complain(contourd::kCannotCreate, error.what());
   } catch (const contourd::ConfigError& error) {
     return complain(kBadConfig, error.what());
   } catch (const DaemonError& error) {
     return complain(kUnavailable, error.what());
   } catch (const std::system_error& error) {
-    return complain(std::ferror(stdout) != 0 ? kCannotCreate : kNoInput, error.what());
+    return complain(kNoInput, error.what());
   } catch (const std::bad_alloc&) {
     return complain(kBadData, "the model does not fit into this machine's memory");
   } catch (const std::exception& error) {

@@ -9,8 +9,8 @@ import subprocess
 import unittest
 
 from harness import (
-    BAD_DATA, BAD_USAGE, CANNOT_CREATE, NO_INPUT, OK, FolderTest, ascii_stl, binary_stl, box, contourctl, cube,
-    inside_out, limit_memory, main, read_png, wedge,
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, NO_INPUT, OK, SOURCE, FolderTest, ascii_stl, binary_stl, box, contourctl,
+    cube, inside_out, limit_memory, main, read_png, source_json, wedge,
 )  # fmt: skip
 
 # As the daemon says it.
@@ -632,11 +632,39 @@ class Output(FolderTest):
 
     def test_a_full_disk_under_the_standard_output_is_told(self):
         model = self.write("model.stl", binary_stl(cube(20)))
-        for arguments in (["inspect", model], ["inspect", "--json", model], ["slice", model, "--z", "5", "--json"]):
+        layers = ["slice", model, "--layer-height-um", "50", "--json"]
+        for arguments in (["inspect", model], ["inspect", "--json", model], ["slice", model, "--z", "5", "--json"], layers,
+                          ["analyze", model], ["--help"], ["slice", "--help"], ["--version"]):  # fmt: skip
             with open("/dev/full", "wb") as full:
                 result = contourctl(*arguments, stdout=full)
             self.assertEqual(result.returncode, CANNOT_CREATE, arguments)
             self.assert_one_line(result.stderr)
+
+    def test_a_closed_standard_output_is_told(self):
+        model = self.write("model.stl", binary_stl(cube(20)))
+        result = subprocess.run(["sh", "-c", f"exec {CONTOURCTL} inspect {os.fsdecode(model)} >&-"],
+                                stderr=subprocess.PIPE, check=False)  # fmt: skip
+        self.assertEqual(result.returncode, CANNOT_CREATE, result)
+        self.assert_one_line(result.stderr)
+
+    def test_what_is_told_of_names_and_words_has_nothing_in_it_that_a_terminal_obeys(self):
+        odd = "\x1b[31m\x9b2J\u202e\u2066\u2028\x07\r"
+        model = self.write(f"{odd}.stl", f"solid {odd}\nfacet {odd}\n".encode())
+        good = self.write(f"good{odd}.stl", binary_stl(cube(5)))
+        ticket = self.write(f"{odd}.json", json.dumps({odd: 1, "resin": odd}))
+        printer = self.write("printer.json", json.dumps({**source_json("simulated.json"), odd: odd}))
+        for arguments in (["inspect", model], ["analyze", model], ["slice", model, "--z", odd], [odd],
+                          ["slice", good, "--layer-height-um", "1000", "--masks", good],
+                          ["analyze", good, "--printer", ticket], ["analyze", good, "--printer", printer],
+                          ["analyze", good, "--printer", os.path.join(SOURCE, "config", "simulated.json"), "--ticket", ticket],
+                          ["status", "--socket", self.path(odd)], ["inspect", self.path(odd)]):  # fmt: skip
+            with self.subTest(arguments=arguments):
+                result = contourctl(*arguments)
+                self.assertNotEqual(result.returncode, OK)
+                told = (result.stdout + result.stderr).decode("utf-8")
+                self.assertTrue(told)
+                for char in "\x1b\x9b\u202e\u2066\u2028\x07\r":
+                    self.assertNotIn(char, told)
 
     def test_it_reads_a_model_from_a_redirected_file(self):
         with open(self.write("model.stl", binary_stl(cube(20))), "rb") as file:

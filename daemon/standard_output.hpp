@@ -1,0 +1,20 @@
+// What a program prints, and whether it arrived: the end of every program that prints something.
+#pragma once
+
+#include <functional>
+#include <stdexcept>
+
+namespace contourd {
+
+// Of BSD's sysexits.h: EX_CANTCREAT, an output cannot be written.
+inline constexpr int kCannotCreate = 73;
+
+struct OutputError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Calls `run` and returns its exit code. Throws OutputError when not all that was printed to stdout has
+// arrived (a full disk, a closed descriptor), whatever else came of it; and else what `run` throws.
+int print_whole(const std::function<int()>& run);
+
+}  // namespace contourd
