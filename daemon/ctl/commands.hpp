@@ -42,6 +42,7 @@ struct SliceOptions {
   std::optional<std::filesystem::path> masks;     // a folder of PNGs, with layers
   std::optional<std::filesystem::path> csv;       // with layers
   std::optional<std::filesystem::path> contours;  // a folder of CSVs, with layers
+  bool force = false;                             // replaces what an earlier slice left in these folders
 };
 int slice(SliceOptions options);
 

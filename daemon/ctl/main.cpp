@@ -146,9 +146,12 @@ SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
     if (options.masks || options.csv || options.contours) {
       throw UsageError("--masks, --csv and --contours go with --layer-height-um or --cusp-um");
     }
+    if (options.force) throw UsageError("--force goes with --masks or --contours");
     check_corrections_go_with_masks(options);
     return options;
   }
+  if (options.force && !options.masks && !options.contours)
+    throw UsageError("--force goes with --masks or --contours");
   if (options.mask) throw UsageError("--mask goes with --z");
   if (words.layer_height_um) options.layer_height = parse_um("--layer-height-um", *words.layer_height_um, 1);
   if (words.cusp_um) options.adaptive = parse_adaptive(words);
@@ -243,6 +246,8 @@ class CommandLine {
         "Multiply the masks by this PNG file, 8-bit grey, 255 leaves as it is");
     add("--gamma", words_.gamma, "Gamma of the projector, which the masks undo");
     add("--threshold", words_.threshold, "Leave grey below this dark");
+    command->add_flag("--force", slice_.force,
+                      "Replace the files of an earlier slice in the folders of --masks and --contours");
     command->add_flag("--fit", slice_.fit, "Fit the model to the display instead of true scale");
     command->add_flag("--json", slice_.json, "Print JSON");
   }

@@ -1,7 +1,5 @@
 #include "daemon/ctl/mask_files.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/layer_folder.hpp"
 #include "hw/png_file.hpp"
 
 namespace contourd::ctl {
@@ -77,7 +76,7 @@ std::vector<LayerCracks> write_masks(const std::filesystem::path& folder, std::s
     MaskPngEncoder encoder;
     queue.serve([&](std::size_t layer) {
       if (!engine) engine.emplace(make_engine());
-      write_mask(folder / fmt::format("{:04}.png", layer + 1), engine->mask_at(layers[layer]), encoder);
+      write_mask(folder / layer_file(layer + 1, ".png"), engine->mask_at(layers[layer]), encoder);
       cracks[layer] = engine->cracks();
     });
   };

@@ -14,6 +14,7 @@
 #include "core/stl_reader.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/layer_folder.hpp"
 #include "daemon/ctl/mask_files.hpp"
 #include "daemon/ctl/slice_files.hpp"
 #include "daemon/ctl/statistics_text.hpp"
@@ -53,12 +54,6 @@ Mask read_lamp(const std::filesystem::path& path, const DisplayGeometry& display
   throw UsageError(fmt::format("--lamp-mask {}: the picture is {}x{} pixels, the display {}x{}",
                                path.string(), lamp.width().count(), lamp.height().count(),
                                display.width.count(), display.height.count()));
-}
-
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code code;
-  std::filesystem::create_directories(folder, code);
-  if (code) throw OutputError(fmt::format("cannot make the folder {}: {}", folder.string(), code.message()));
 }
 
 void warn_if_larger_than_display(const SliceOptions& options, const Bounds& bounds) {
@@ -148,7 +143,7 @@ MeasuredLayers measure_layers(const SliceOptions& options, const HeightIndex& mo
                                      static_cast<std::uint32_t>(contours.loops.size())});
     measured.cracks.push_back(contours.cracks);
     if (options.contours) {
-      write_contours(*options.contours / fmt::format("{:04}.csv", measured.cracks.size()), contours, map);
+      write_contours(*options.contours / layer_file(measured.cracks.size(), ".csv"), contours, map);
     }
   }
   return measured;
@@ -210,9 +205,9 @@ int slice_layers(const SliceOptions& options, const std::shared_ptr<const Height
     throw StlError(fmt::format("{}: the model is {:.6g} mm high, too thin for a layer",
                                options.model.string(), model->bounds().size_z()));
   }
-  for (const auto& folder : {options.masks, options.contours}) {
-    if (folder) make_folder(*folder);
-  }
+  const Earlier earlier = options.force ? Earlier::Replace : Earlier::Refuse;
+  if (options.masks) open_layer_folder(*options.masks, ".png", earlier);
+  if (options.contours) open_layer_folder(*options.contours, ".csv", earlier);
   // Masks alone ask for no measurement; anything else is measured.
   std::vector<LayerCracks> cracks;
   if (options.csv || options.contours || options.json || !options.masks) {

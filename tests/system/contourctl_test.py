@@ -257,7 +257,7 @@ class Masks(FolderTest):
     def masks(self, facets, layer_height_um, *arguments):
         path = self.write("model.stl", binary_stl(facets))
         result = contourctl("slice", path, "--layer-height-um", str(layer_height_um), "--masks", self.path("masks"),
-                            *arguments)  # fmt: skip
+                            "--force", *arguments)  # fmt: skip
         self.assertEqual(result.returncode, OK, result.stderr)
         self.warnings = result.stderr
         names = sorted(os.listdir(self.path("masks")))
@@ -407,7 +407,7 @@ class Masks(FolderTest):
         for name in ("0004.png", "0005.png", "0006.png", "0017.png"):
             os.makedirs(self.path("masks", name))
         for _ in range(3):
-            result = contourctl("slice", model, "--layer-height-um", "10", "--masks", self.path("masks"))
+            result = contourctl("slice", model, "--layer-height-um", "10", "--masks", self.path("masks"), "--force")
             self.assertEqual(result.returncode, CANNOT_CREATE, result)
             self.assert_one_line(result.stderr, self.path("masks", "0004.png"))
             written = os.listdir(self.path("masks"))
@@ -510,7 +510,7 @@ class Measurements(FolderTest):
                    b"closed, the widest 20 mm\n")  # fmt: skip
         figures = {"open_chains": 1, "turned_chains": 0, "gaps_closed": 0, "widest_gap_mm": 20}
         for arguments in ([], ["--csv", self.path("out.csv")], ["--masks", self.path("masks")], ["--json"],
-                          ["--json", "--masks", self.path("masks")]):  # fmt: skip
+                          ["--json", "--masks", self.path("others")]):  # fmt: skip
             with self.subTest(arguments=arguments):
                 result = contourctl("slice", model, "--layer-height-um", "1000", *arguments)
                 self.assertEqual((result.returncode, result.stderr), (OK, warning))
@@ -518,6 +518,58 @@ class Measurements(FolderTest):
                     found = json.loads(result.stdout)
                     self.assertEqual({name: found[name] for name in figures}, {**figures, "open_chains": 2})
                     self.assertEqual(found["cracked_layer_list"], [{"layer": 4, **figures}, {"layer": 5, **figures}])
+
+
+class EarlierLayers(FolderTest):
+    """A folder that holds the layers of another model already."""
+
+    def slice(self, height, *arguments):
+        model = self.write("model.stl", binary_stl(box((0, 0, 0), (5, 5, height))))
+        return contourctl("slice", model, "--layer-height-um", "1000", *arguments)
+
+    def test_a_folder_with_an_earlier_models_layers_is_refused_and_stays_as_it_is(self):
+        for option, extension in (("--masks", ".png"), ("--contours", ".csv")):
+            with self.subTest(option):
+                folder = self.path(extension)
+                self.assertEqual(self.slice(30, option, folder).returncode, OK)
+                result = self.slice(20, option, folder)
+                self.assertEqual((result.returncode, result.stdout), (CANNOT_CREATE, b""))
+                self.assert_one_line(result.stderr, folder, "30", "0001" + extension, "0030" + extension, "--force")
+                self.assertEqual(len(os.listdir(folder)), 30)
+                # One layer is enough to pass for one of this model's.
+                for number in range(1, 31):
+                    if number != 25:
+                        os.unlink(os.path.join(folder, f"{number:04}{extension}"))
+                self.assertEqual(self.slice(20, option, folder).returncode, CANNOT_CREATE)
+                self.assertEqual(os.listdir(folder), [f"0025{extension}"])
+
+    def test_with_force_they_are_replaced_and_nothing_else_is_touched(self):
+        folder, outside = self.path("masks"), self.path("outside.png")
+        self.assertEqual(self.slice(30, "--masks", folder).returncode, OK)
+        with open(outside, "wb") as file:
+            file.write(b"outside")
+        others = ["notes.txt", "1.png", "0001.png.txt", "00001.png", "layer0001.png", "0001.csv", "0001.PNG", ".0001.png", "00a1.png"]
+        for name in others:
+            with open(os.path.join(folder, name), "wb") as file:
+                file.write(b"mine")
+        os.symlink(outside, os.path.join(folder, "0100.png"))
+        os.mkdir(os.path.join(folder, "0200.png"))
+        open(os.path.join(folder, "10000.png"), "wb").close()
+        self.assertEqual(self.slice(20, "--masks", folder, "--force").returncode, OK)
+        new = [f"{number:04}.png" for number in range(1, 21)]
+        self.assertEqual(sorted(os.listdir(folder)), sorted([*new, *others, "0200.png"]))
+        with open(outside, "rb") as file:
+            self.assertEqual(file.read(), b"outside")
+
+    def test_an_empty_folder_and_one_with_other_files_need_no_force(self):
+        os.mkdir(self.path("masks"))
+        self.write("masks/notes.txt", b"mine")
+        self.assertEqual(self.slice(20, "--masks", self.path("masks"), "--contours", self.path("masks")).returncode, OK)
+        self.assertEqual(len(os.listdir(self.path("masks"))), 41)
+
+    def test_force_alone_is_bad_usage(self):
+        for arguments in ([], ["--csv", self.path("layers.csv")]):
+            self.assertEqual(self.slice(20, "--force", *arguments).returncode, BAD_USAGE)
 
 
 class NoSuchLayers(FolderTest):
