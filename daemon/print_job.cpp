@@ -12,6 +12,7 @@
 
 #include "core/crack_survey.hpp"
 #include "core/placement.hpp"
+#include "daemon/config/printable.hpp"
 #include "daemon/job_content.hpp"
 #include "daemon/mask_cost.hpp"
 #include "daemon/memory_room.hpp"
@@ -23,11 +24,6 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::string_view kMendIt = "mend the model, or print it with \"cracks\": \"repair\" in its ticket";
-
-JobTicket ticket_of(const JobFiles& files) {
-  if (files.plate) return load_plate_ticket(files.model / kPlateTicket, files.links);
-  return files.ticket ? load_job_ticket(*files.ticket, files.links) : JobTicket{};
-}
 
 EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin,
                                const BuildVolume& volume) {
@@ -285,13 +281,14 @@ void look_at_models(const JobContent& content, const ContourEngine& engine, JobS
   }
 }
 
-PreparedJob prepare(const JobFiles& files, const PrinterConfig& printer) {
+PreparedJob prepare(const JobFiles& files, const JobSettings& settings, const PrinterConfig& printer) {
   const auto start = SteadyClock::now();
-  const JobTicket ticket = ticket_of(files);
+  const JobTicket& ticket = settings.ticket;
   PreparedJob job;
   JobSummary& summary = job.summary;
   summary.plate = files.plate;
-  summary.resin = ticket.resin ? find_resin(printer, *ticket.resin) : printer.resin;
+  summary.resin = settings.resin;
+  summary.irradiance_mw_cm2 = printer.irradiance_mw_cm2;
   const BuildVolume volume = build_volume(printer, summary.resin);
   JobContent content(files.model, files.plate, files.links, ticket);
   content.read(volume.display, memory_room(printer.memory_limit_bytes));
@@ -356,17 +353,38 @@ std::string describe_correction(const JobSummary& summary) {
   return text;
 }
 
-PreparedJob prepare_job(const JobFiles& files, const PrinterConfig& printer) {
+std::string describe_settings(const JobSummary& summary) {
+  const ResinProfile& resin = summary.resin;
+  const auto ms = [](Duration time) { return std::chrono::duration<double, std::milli>(time).count(); };
+  // In a layer behind the fade, and in the first.
+  const auto light = [&](Nanometers thickness, std::int32_t layer) {
+    return ms(exposure_time(resin, thickness, layer, summary.irradiance_mw_cm2));
+  };
+  const LayerSummary& layers = summary.layers;
+  const std::int32_t normal = resin.bottom_layers + resin.fade_layers;
+  const double least = light(layers.thinnest, normal), most = light(layers.thickest, normal);
+  std::string text = least == most
+                         ? fmt::format("{}: light of {:g} ms", printable(resin.name), least)
+                         : fmt::format("{}: light of {:g} to {:g} ms", printable(resin.name), least, most);
+  if (resin.bottom_layers > 0)
+    text += fmt::format(", {:g} ms in {} bottom layers, fading over {}", light(layers.thinnest, 0),
+                        resin.bottom_layers, resin.fade_layers);
+  return text + fmt::format(
+                    "; lift of {:g} mm at {:g} mm/s, back at {:g} mm/s; waits of {:g} ms before the light, "
+                    "{:g} ms after",
+                    to_millimeters(resin.lift).count(), resin.lift_speed.count(), resin.retract_speed.count(),
+                    ms(resin.settle), ms(resin.rest));
+}
+
+PreparedJob prepare_job(const JobFiles& files, const JobSettings& settings, const PrinterConfig& printer) {
   try {
-    return prepare(files, printer);
+    return prepare(files, settings, printer);
   } catch (const JobRefused&) {
     throw;
-  } catch (const ConfigError& error) {
-    throw JobRefused(fmt::format("the job ticket is wrong:\n{}", error.what()));
   } catch (const TooManyLayers& error) {
     throw JobRefused(error.what());
   } catch (const std::system_error& error) {
-    throw JobRefused(error.what());
+    throw JobRefused(printable(error.what()));
   } catch (const std::range_error& error) {
     throw JobRefused(error.what());
   } catch (const std::bad_alloc&) {

@@ -15,19 +15,12 @@
 #include "core/stl_reader.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/printer_config.hpp"
+#include "daemon/job_files.hpp"
+#include "daemon/job_settings.hpp"
 #include "daemon/plate_arrangement.hpp"
 #include "daemon/print_process.hpp"
 
 namespace contourd {
-
-struct JobFiles {
-  std::string name;                             // unique among all jobs in the spool; fit for a file's name
-  std::filesystem::path model;                  // an STL file, or a plate's folder
-  std::optional<std::filesystem::path> ticket;  // beside an STL file
-  bool plate = false;
-  Links links = Links::Follow;  // of these files
-  std::string original{};       // in incoming/: what these are a copy of; empty when they were moved
-};
 
 // One of its models.
 struct ModelSummary {
@@ -55,8 +48,9 @@ struct JobSummary {
   bool plate = false;
   double height_mm = 0;  // of the highest model
   ResinProfile resin;
-  ToneCurve tone;          // of the printer
-  bool lamp_mask = false;  // whether the printer evens out its lamp
+  double irradiance_mw_cm2 = 0;  // of the printer, and the next two
+  ToneCurve tone;
+  bool lamp_mask = false;  // whether it evens out its lamp
   LayerSummary layers;
   Duration reading{};     // the files, to facets
   Duration indexing{};    // placement and height index
@@ -67,6 +61,9 @@ struct JobSummary {
 // What is done to contours and masks beyond slicing, for a person: "contours moved outwards by 50 um, ...".
 // Empty when nothing is.
 [[nodiscard]] std::string describe_correction(const JobSummary& summary);
+
+// The resin's values that the job is printed with, for a person: "standard: light of 3000 ms, ...".
+[[nodiscard]] std::string describe_settings(const JobSummary& summary);
 
 struct PreparedJob {
   PrintPlan plan;
@@ -80,6 +77,7 @@ struct PreparedJob {
 
 // Blocks: a few hundred milliseconds for a million facets. Throws JobRefused, of which JobTooLarge says that
 // there is no room for it in memory; then nothing was read.
-[[nodiscard]] PreparedJob prepare_job(const JobFiles& files, const PrinterConfig& printer);
+[[nodiscard]] PreparedJob prepare_job(const JobFiles& files, const JobSettings& settings,
+                                      const PrinterConfig& printer);
 
 }  // namespace contourd

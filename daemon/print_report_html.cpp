@@ -60,7 +60,7 @@ std::string facts(const PrintReport& report) {
                                     : fmt::format("{:g} um each", thinnest_um)));
   for (const ModelSummary& model : s.models)
     rows += model_rows(model);
-  rows += row("Resin", s.resin.name);
+  rows += row("Resin", describe_settings(s));
   rows +=
       row("Lift", fmt::format("{:g} mm, {:g} mm/s up, {:g} mm/s down", to_millimeters(s.resin.lift).count(),
                               s.resin.lift_speed.count(), s.resin.retract_speed.count()));

@@ -70,6 +70,27 @@ void add_models(const JobSummary& summary, Json& json) {
   json["model"] = std::move(model);
 }
 
+// What every layer's light follows from.
+Json exposure_json(const JobSummary& summary) {
+  const Scale& made_larger = summary.resin.shrinkage_factors;
+  const auto percent = [](double factor) { return 100 * (1 - 1 / factor); };
+  Json json{{"irradiance_mw_cm2", summary.irradiance_mw_cm2},
+            {"shrinkage_percent", {percent(made_larger.x), percent(made_larger.y), percent(made_larger.z)}},
+            {"support_grey", summary.resin.support.least_grey},
+            {"support_area_mm2", summary.resin.support.contact_area_mm2}};
+  if (const auto* fixed = std::get_if<FixedExposure>(&summary.resin.exposure)) {
+    json["exposure_ms"] = ms(fixed->exposure);
+    json["bottom_exposure_ms"] = ms(fixed->bottom_exposure);
+    return json;
+  }
+  const auto& curve = std::get<WorkingCurve>(summary.resin.exposure);
+  json["working_curve"] = {{"penetration_depth_um", curve.penetration_depth.count()},
+                           {"critical_energy_mj_cm2", curve.critical_energy_mj_cm2},
+                           {"overcure_um", curve.overcure.count()},
+                           {"bottom_overcure_um", curve.bottom_overcure.count()}};
+  return json;
+}
+
 void add_layer_figures(const LayerSummary& layers, Json& json) {
   if (layers.adaptive) {
     json["adaptive_layers"] = {{"cusp_um", mm(layers.adaptive->cusp) * 1000},
@@ -121,20 +142,22 @@ std::string report_as_json(const PrintReport& report) {
   json["print_time_s"] = ms(report.print_time) / 1000;
   add_models(summary, json);
   json["resin"] = summary.resin.name;
-  json["settings"] = {{"lift_mm", mm(summary.resin.lift)},
-                      {"lift_speed_mm_s", summary.resin.lift_speed.count()},
-                      {"retract_speed_mm_s", summary.resin.retract_speed.count()},
-                      {"settle_ms", ms(summary.resin.settle)},
-                      {"rest_ms", ms(summary.resin.rest)},
-                      {"exposure_tolerance_ms", ms(summary.resin.tolerance.bounds)},
-                      {"bottom_layers", summary.resin.bottom_layers},
-                      {"fade_layers", summary.resin.fade_layers},
-                      {"growth_um", summary.resin.compensation.growth.count()},
-                      {"elephant_foot_um", summary.resin.compensation.elephant_foot.count()},
-                      {"elephant_foot_height_um", mm(summary.resin.compensation.elephant_foot_height) * 1000},
-                      {"lamp_mask", summary.lamp_mask},
-                      {"gamma", summary.tone.gamma},
-                      {"threshold", summary.tone.threshold}};
+  json["settings"] = exposure_json(summary);
+  json["settings"].update(
+      Json{{"lift_mm", mm(summary.resin.lift)},
+           {"lift_speed_mm_s", summary.resin.lift_speed.count()},
+           {"retract_speed_mm_s", summary.resin.retract_speed.count()},
+           {"settle_ms", ms(summary.resin.settle)},
+           {"rest_ms", ms(summary.resin.rest)},
+           {"exposure_tolerance_ms", ms(summary.resin.tolerance.bounds)},
+           {"bottom_layers", summary.resin.bottom_layers},
+           {"fade_layers", summary.resin.fade_layers},
+           {"growth_um", summary.resin.compensation.growth.count()},
+           {"elephant_foot_um", summary.resin.compensation.elephant_foot.count()},
+           {"elephant_foot_height_um", mm(summary.resin.compensation.elephant_foot_height) * 1000},
+           {"lamp_mask", summary.lamp_mask},
+           {"gamma", summary.tone.gamma},
+           {"threshold", summary.tone.threshold}});
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = layers_exposed(report.layers);
   json["interruptions"] = report.interruptions;

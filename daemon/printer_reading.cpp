@@ -26,20 +26,25 @@ std::string told(const JobRefused& refusal) {
 
 }  // namespace
 
-std::variant<PreparedJob, PrinterService::Refusal> PrinterService::read(const JobFiles& files) {
+std::variant<PreparedJob, PrinterService::Refusal> PrinterService::read(
+    const JobFiles& files, const std::optional<JobSettings>& settings) {
   if (reading_record_.take_ended(files)) return Refusal{std::string(kEndedAProcess)};
   const ReadingRecord::Reading under_way(reading_record_, files);
   try {
-    return prepare_job(files, config_);
+    // Without settings, the ticket is read to hear what is wrong with it.
+    return prepare_job(files, settings ? *settings : read_settings(files, config_), config_);
   } catch (const JobTooLarge& refusal) {
     return Refusal{told(refusal), refusal.fits_alone()};
+  } catch (const ProfileTrouble& trouble) {
+    const bool of_profile = trouble.fault() == ProfileTrouble::Fault::Profile;
+    return Refusal{told(trouble), false, of_profile ? trouble.sentence() : ""};
   } catch (const JobRefused& refusal) {
     return Refusal{told(refusal)};
   }
 }
 
 void PrinterService::read_active() {
-  worker_.run([files = active_->files, this] { return read(files); },
+  worker_.run([files = active_->files, settings = active_->settings, this] { return read(files, settings); },
               [this](std::variant<PreparedJob, Refusal> result) { prepared(std::move(result)); });
 }
 
@@ -62,7 +67,7 @@ void PrinterService::check_waiting() {
   const std::string file = wanted->file;
   worker_.run(
       [file, this]() -> std::optional<Refusal> {
-        auto result = read(spool_.files_of(Spool::Folder::Incoming, file));
+        auto result = read(spool_.files_of(Spool::Folder::Incoming, file), std::nullopt);
         if (auto* refusal = std::get_if<Refusal>(&result)) return std::move(*refusal);
         return std::nullopt;
       },
@@ -76,11 +81,15 @@ void PrinterService::checked(const std::string& file, const std::optional<Refusa
   if (job != queue_.end() && job->check == QueuedJob::Check::Running) {
     if (refusal && refusal->for_now) {
       postpone(*job, refusal->reason);
-    } else if (refusal) {
+    } else if (refusal && refusal->profile.empty()) {
       return reject(*job, refusal->reason);
     } else {
       job->check = QueuedJob::Check::Passed;
       job->postponed.clear();
+      // When its turn comes, the profile is read again.
+      if (refusal)
+        log_.warning("profile", fmt::format("{}: {}", printable(file), printable(refusal->profile)),
+                     {{"JOB_ID", printable(job_name_of(file))}});
     }
   }
   pump();

@@ -18,6 +18,8 @@ using namespace std::chrono_literals;
 
 // How long until what the disk did not take is tried again.
 constexpr Duration kRetryInterval = 30s;
+// The same for a resin's profile, by which its owner may be sitting.
+constexpr Duration kProfileInterval = 5s;
 // How long a stop waits for a print to be filed; the service manager waits for longer (contourd.service).
 constexpr Duration kLongestFiling = 15s;
 // A model that is read beside a print gives way to the event loop.
@@ -235,9 +237,10 @@ void PrinterService::file_left_jobs() {
 void PrinterService::model_arrived(const std::string& file) {
   const auto same_file = [&](const QueuedJob& job) { return job.file == file; };
   const auto queued = std::find_if(queue_.begin(), queue_.end(), same_file);
-  const QueuedJob job{.file = file, .arrived = std::chrono::steady_clock::now(), .trouble = {}};
+  QueuedJob job{.file = file, .arrived = std::chrono::steady_clock::now(), .trouble = {}};
   if (queued != queue_.end()) {
-    *queued = job;  // written again: keeps its place
+    job.trouble = std::move(queued->trouble);  // told already
+    *queued = std::move(job);                  // written again: keeps its place
   } else {
     queue_.push_back(job);
     log_.info("queued", fmt::format("{}: arrived, number {} in the queue", printable(file), queue_.size()),
@@ -396,18 +399,50 @@ void PrinterService::begin_next() {
   }
   JobFiles files;
   try {
+    job.settings = settings_of(job);
     files = spool_.begin(job.file);
+  } catch (const ProfileTrouble& trouble) {
+    return wait_for_profile(std::move(job), trouble.sentence());
   } catch (const std::system_error& error) {
     return not_claimed(std::move(job), error);
   }
-  claimed(job, std::move(files));
+  claimed(std::move(job), std::move(files));
 }
 
-void PrinterService::claimed(const QueuedJob& job, JobFiles files) {
+std::optional<JobSettings> PrinterService::settings_of(const QueuedJob& job) const {
+  try {
+    return read_settings(spool_.files_of(Spool::Folder::Incoming, job.file), config_);
+  } catch (const ProfileTrouble& trouble) {
+    // One that was there when the job was checked is not its ticket's mistake.
+    const bool known = job.check == QueuedJob::Check::Passed;
+    if (known || trouble.fault() == ProfileTrouble::Fault::Profile) throw;
+    return std::nullopt;
+  } catch (const JobRefused&) {
+    return std::nullopt;
+  }
+}
+
+// An owner who mends it says nothing: it is read again.
+void PrinterService::wait_for_profile(QueuedJob job, const std::string& why) {
+  const std::string trouble = fmt::format("{}; the queue goes on when it is mended", why);
+  if (std::exchange(job.trouble, trouble) != trouble)
+    log_.error("profile", fmt::format("{} waits: {}", printable(job.file), printable(trouble)),
+               file_fields(job.file));
+  waiting_for_ = trouble;
+  job.waited = true;
+  job.check = QueuedJob::Check::Passed;  // as far as that is possible now
+  queue_.push_front(std::move(job));
+  pump_timer_ =
+      loop_.at(std::chrono::steady_clock::now() + kProfileInterval, "the queue's timer", [this] { pump(); });
+  check_waiting();
+}
+
+void PrinterService::claimed(QueuedJob job, JobFiles files) {
   ActiveJob active;
   active.turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived;
   active.files = std::move(files);
   active_ = std::move(active);
+  active_->settings = std::move(job.settings);
   read_active();
   // Whoever copied it may not have had it written to the disk, and after a power cut it would be empty. After
   // preparing it: the first mask does not wait for the disk.
@@ -450,7 +485,7 @@ void PrinterService::copied(const Spool::Copy& copy, const std::string& why) {
                  fmt::format("{}: a copy of it is printed, as it cannot be moved: {}{}", printable(job.file),
                              why, copy.job->original.empty() ? "" : "; what lies in incoming may be deleted"),
                  file_fields(job.file));
-    claimed(job, *copy.job);
+    claimed(std::move(job), *copy.job);
   } else if (!copy.unreadable.empty()) {
     queue_.push_front(std::move(job));
     reject(queue_.front(), printable_lines(shortened(copy.unreadable, kLongestReason)));
@@ -523,6 +558,7 @@ void PrinterService::prepared(std::variant<PreparedJob, Refusal> result) {
                         content_of(summary), summary.layers.count, thickness_of(summary.layers),
                         milliseconds(active_->prepared->first_mask_at - active_->turn_came)),
             job_fields(name));
+  log_.info("settings", fmt::format("{}: {}", printable(name), describe_settings(summary)), job_fields(name));
   if (const std::string correction = describe_correction(summary); !correction.empty()) {
     log_.info("compensation", fmt::format("{}: {}", printable(name), correction), job_fields(name));
   }

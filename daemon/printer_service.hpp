@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "daemon/control_server.hpp"
+#include "daemon/job_settings.hpp"
 #include "daemon/log.hpp"
 #include "daemon/print_analyst.hpp"
 #include "daemon/print_archivist.hpp"
@@ -61,6 +62,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
     std::string postponed{};  // why, already told; empty when it was not
     bool waited = false;      // for another print, or for the plate
     std::string trouble;      // why it could not be claimed, already told
+    // Read when its turn comes; nothing where its ticket is a reason to refuse it.
+    std::optional<JobSettings> settings{};
   };
   // The job between its claim and its end.
   struct ActiveJob {
@@ -76,6 +79,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
     Json analysis;               // the findings in short, for whoever asks; null while there are none
     bool cancel_wanted = false;  // cancelled before it could start
     int readings = 0;            // that found no room in memory
+    std::optional<JobSettings> settings{};
     std::optional<PrintFindings> findings;  // nothing while the analysis is under way
     std::optional<EndedPrint> over;         // once the print is, until its analysis is too
     EventLoop::Turn busiest_lit{};          // of those while there was or may have been light
@@ -87,7 +91,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   };
   struct Refusal {
     std::string reason;
-    bool for_now = false;  // there may be room in memory for it later
+    bool for_now = false;   // there may be room in memory for it later
+    std::string profile{};  // what is the matter with its resin's, which is no reason to refuse it
   };
   struct EndedJob {
     std::string name, outcome, reason;
@@ -125,15 +130,19 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   // For the service manager's status line.
   [[nodiscard]] std::string readiness() const;
   void begin_next();
+  // Throws ProfileTrouble when the queue has to wait for the profile.
+  [[nodiscard]] std::optional<JobSettings> settings_of(const QueuedJob& job) const;
+  void wait_for_profile(QueuedJob job, const std::string& why);
   // Has it printed, for which nothing is in the way any more.
-  void claimed(const QueuedJob& job, JobFiles files);
+  void claimed(QueuedJob job, JobFiles files);
   void not_claimed(QueuedJob job, const std::system_error& error);
   // What cannot be moved is copied, or refused if that cannot be either.
   void begin_with_copy(QueuedJob job, const std::string& why);
   void copied(const Spool::Copy& copy, const std::string& why);
   void check_waiting();
   // On the worker's thread.
-  [[nodiscard]] std::variant<PreparedJob, Refusal> read(const JobFiles& files);
+  [[nodiscard]] std::variant<PreparedJob, Refusal> read(const JobFiles& files,
+                                                        const std::optional<JobSettings>& settings);
   void read_active();
   // Whether the active job is read again, since that found no room in memory that there may be soon.
   [[nodiscard]] bool read_later(const Refusal& refusal);

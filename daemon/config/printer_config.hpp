@@ -33,7 +33,7 @@ struct PrinterConfig {
   std::uintmax_t min_free_disk_bytes = 0;
   std::optional<std::uint64_t> memory_limit_bytes{};  // of the process; nothing: by what is available
   Duration mask_budget{};                             // for the computation of one mask
-  ResinProfile resin;                                 // for jobs that name none
+  std::string resin;  // name of the profile for jobs that name none; good when the file was read
 
   Nanometers travel;
   MillimetersPerSecond travel_speed, homing_speed;

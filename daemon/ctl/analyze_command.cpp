@@ -74,7 +74,11 @@ Subject subject_of_printer(const AnalyzeOptions& options) {
   (void)read_model(options.model);
   PreparedJob job = [&] {
     try {
-      return prepare_job({options.model.stem().string(), options.model, options.ticket}, printer);
+      const JobFiles files{options.model.stem().string(), options.model, options.ticket};
+      return prepare_job(files, read_settings(files, printer), printer);
+    } catch (const ProfileTrouble& trouble) {
+      if (trouble.fault() == ProfileTrouble::Fault::Profile) throw;
+      throw StlError(options.model.string() + ": " + trouble.what());
     } catch (const JobRefused& refusal) {
       throw StlError(options.model.string() + ": " + refusal.what());
     }

@@ -17,6 +17,7 @@
 #include "daemon/control_defaults.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/job_settings.hpp"
 #include "daemon/readable.hpp"
 
 namespace contourd::ctl {
@@ -340,6 +341,8 @@ int main(int argc, char** argv) {
     return complain(contourd::kCannotCreate, error.what());
   } catch (const contourd::ConfigError& error) {
     return complain(kBadConfig, error.what());
+  } catch (const contourd::ProfileTrouble& error) {
+    return complain(kBadConfig, error.sentence().c_str());
   } catch (const DaemonError& error) {
     return complain(kUnavailable, error.what());
   } catch (const std::system_error& error) {

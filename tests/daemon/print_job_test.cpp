@@ -17,13 +17,17 @@ namespace {
 // A spool with one model of 96 x 54 mm room, 50 um pixels (the shipped simulated printer).
 class Desk {
  public:
-  Desk() : printer(load_printer_config(std::filesystem::path(CONTOURD_CONFIG_DIR) / "simulated.json")) {}
+  Desk()
+      : printer(load_printer_config(std::filesystem::path(CONTOURD_CONFIG_DIR) / "simulated.json")),
+        resin(find_resin(printer, printer.resin)) {}
 
   PreparedJob prepare(const models::Facets& facets, const std::string& ticket = "") {
     JobFiles files{"part", folder_.path() / "part.stl", std::nullopt};
     models::write_binary_stl(files.model, facets);
     if (!ticket.empty()) files.ticket = folder_.write("part.json", ticket);
-    return prepare_job(files, printer);
+    JobSettings settings = read_settings(files, printer);
+    if (!settings.ticket.resin) settings.resin = resin;
+    return prepare_job(files, settings, printer);
   }
 
   std::string refusal_of(const models::Facets& facets, const std::string& ticket = "") {
@@ -36,6 +40,7 @@ class Desk {
   }
 
   PrinterConfig printer;
+  ResinProfile resin;  // of jobs that name none
 
  private:
   TemporaryFolder folder_;
@@ -164,7 +169,7 @@ TEST_CASE("More layers than can be printed are refused with their number") {
   Desk desk;
   // As no machine is, so that nothing else is wrong.
   desk.printer.travel = Nanometers{20'000'000'000'000};
-  desk.printer.resin.layer_height = desk.printer.resin.layer_height_min = Nanometers{1'000};
+  desk.resin.layer_height = desk.resin.layer_height_min = Nanometers{1'000};
   CHECK(desk.refusal_of(models::box({0, 0, 0}, {5, 5, 16'384})) ==
         "the model has 16384000 layers, at most 10000000 can be printed");
 }
@@ -196,7 +201,7 @@ TEST_CASE("A direction that points up stands a flat box up as the angles do") {
 
 TEST_CASE("Factors by axis and the resin's shrinkage change a cube by whole pixels") {
   Desk desk;
-  desk.printer.resin.shrinkage_factors = {1.25, 1, 1};
+  desk.resin.shrinkage_factors = {1.25, 1, 1};
   const PreparedJob job = desk.prepare(kCube, R"({"scale": {"y": 0.5, "z": 0.25}})");
   // 25 mm by 10 mm around the middle.
   const Mask& mask = job.plan.engine->mask_at(Nanometers{1'000'000});
@@ -208,7 +213,7 @@ TEST_CASE("Factors by axis and the resin's shrinkage change a cube by whole pixe
 
 TEST_CASE("Fit fills the display with a part that is made larger against shrinkage") {
   Desk desk;
-  desk.printer.resin.shrinkage_factors = {1, 1.25, 1};
+  desk.resin.shrinkage_factors = {1, 1.25, 1};
   const PreparedJob job = desk.prepare(kCube, R"({"fit": true})");
   CHECK(job.summary.models[0].size_y_mm == contourd::testing::Approx(1079 * 0.05).epsilon(1e-6));
   CHECK(job.summary.models[0].size_x_mm == contourd::testing::Approx(1079 * 0.05 / 1.25).epsilon(1e-6));
@@ -216,7 +221,7 @@ TEST_CASE("Fit fills the display with a part that is made larger against shrinka
 
 TEST_CASE("Adaptive layers are thin on slopes and thick on walls, within what the resin prints") {
   Desk desk;
-  desk.printer.resin.exposure = WorkingCurve{Micrometers{150}, 9, Micrometers{60}, Micrometers{200}};
+  desk.resin.exposure = WorkingCurve{Micrometers{150}, 9, Micrometers{60}, Micrometers{200}};
   const PreparedJob job = desk.prepare(models::cone(8, 8, 96), R"({"adaptive_layers": {"cusp_um": 40}})");
   CHECK(job.summary.layers.adaptive);
   // 40 um on a slope of nearly 45 degrees: its facets are a little less steep than the round cone.
@@ -247,7 +252,8 @@ class PlateDesk : public Desk {
   }
   PreparedJob prepare(const std::string& ticket) {
     folder_.write("plate/plate.json", ticket);
-    return prepare_job({"plate", plate_, std::nullopt, true}, printer);
+    const JobFiles files{"plate", plate_, std::nullopt, true};
+    return prepare_job(files, read_settings(files, printer), printer);
   }
   std::string refusal_of(const std::string& ticket) {
     try {
@@ -369,12 +375,12 @@ TEST_CASE("A part that grows beyond the display is printed with a warning") {
   Desk desk;
   const models::Facets wide = models::box({0, 0, 0}, {96, 20, 1});
   CHECK(desk.prepare(wide).summary.warnings.empty());
-  desk.printer.resin.compensation.growth = Micrometers{80};
+  desk.resin.compensation.growth = Micrometers{80};
   CHECK(desk.prepare(wide).summary.warnings ==
         std::vector<std::string>{
             "the resin's growth_um moves contours 80 um beyond the display, where they are cut off"});
   CHECK(desk.prepare(kCube).summary.warnings.empty());
-  desk.printer.resin.compensation.growth = Micrometers{-80};
+  desk.resin.compensation.growth = Micrometers{-80};
   CHECK(desk.prepare(wide).summary.warnings.empty());
 }
 
@@ -402,7 +408,8 @@ std::string refusal_of_sparse(const PrinterConfig& printer, std::uint32_t facets
   const std::filesystem::path path = folder.path() / "huge.stl";
   write_sparse_stl(path, facets);
   try {
-    (void)prepare_job({"huge", path, std::nullopt}, printer);
+    (void)prepare_job({"huge", path, std::nullopt}, {JobTicket{}, find_resin(printer, printer.resin)},
+                      printer);
   } catch (const JobTooLarge& refusal) {
     return refusal.what();
   }

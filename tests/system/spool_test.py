@@ -11,8 +11,8 @@ import time
 import unittest
 
 from harness import (
-    CONTOURCTL, CONTOURD, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, SANITIZED, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box, cube, main, merge, run,
-    wait_until,
+    CONTOURCTL, CONTOURD, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, REALTIME, SANITIZED, SLOWNESS, SOURCE, Daemon, FolderTest, ascii_stl, binary_stl, box, cube,
+    main, merge, run, source_json, wait_until,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
@@ -349,11 +349,6 @@ class Refusal(SpoolTest):
     def test_an_unknown_resin_names_those_there_are(self):
         self.printer.write_resin("clear", {})
         self.refused("part.stl", SMALL, {"resin": "gold"}, "gold", "standard", "clear")
-        self.still_prints()
-
-    def test_a_broken_resin_profile_refuses_the_job(self):
-        self.printer.write_resin("broken", {"lift_mm": -1})
-        self.refused("part.stl", SMALL, {"resin": "broken"}, "broken.json", "/lift_mm")
         self.still_prints()
 
     def test_a_model_too_large_is_refused_with_both_sizes(self):
@@ -744,6 +739,168 @@ class OddNames(SpoolTest):
                     self.assert_harmless(daemon.read(folder, name), name)
         daemon.drop("pause.stl", b"no model")
         daemon.wait_ended("pause")
+        daemon.stop()
+
+
+class Profiles(SpoolTest):
+    """The resin's profile is read when a job is claimed, whoever names it."""
+
+    def break_resin(self, name="standard", text=None):
+        broken = {**source_json("resins", "standard.json"), "lift_mm": "high", "settle_ms": True}
+        self.write(f"resins/{name}.json", json.dumps(broken) if text is None else text)
+
+    def waits_for(self, daemon, *words):
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        for word in words:
+            self.assertIn(word, status["waiting_for"])
+        self.assertNotIn("\n", status["waiting_for"])
+        self.assertIn(words[0].encode(), daemon.ctl("status").stdout)
+        return status
+
+    def exposure(self, report):
+        return report["settings"]["exposure_ms"], report["layer_records"][-1]["exposure_asked_ms"]
+
+    def analyzed_s(self, daemon, model, *ticket):
+        arguments = ["--ticket", *ticket] if ticket else []
+        result = run(CONTOURCTL, "analyze", "--json", model, "--printer", daemon.config_path, *arguments)
+        self.assertEqual(result.returncode, 0, result)
+        return json.loads(result.stdout)["layer_time_s"]
+
+    def cpu_s(self, daemon):
+        with open(f"/proc/{daemon.process.pid}/stat", encoding="ascii") as file:
+            fields = file.read().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def test_a_profile_that_is_edited_holds_for_every_job_that_is_claimed_then(self):
+        daemon = self.daemon().start()
+        tall = binary_stl(box((0, 0, 0), (10, 5, 2)))  # 40 layers: beyond the fade
+        daemon.drop("before.stl", tall)
+        self.assertEqual(self.exposure(daemon.wait_done("before")), (3000, 3000))
+        daemon.write_resin("standard", {"exposure_ms": 3500})
+        daemon.drop("none.stl", tall)
+        daemon.drop("empty.stl", tall, {})
+        daemon.drop("named.stl", tall, {"resin": "standard"})
+        os.mkdir(self.path("plate"))
+        self.write("plate/part.stl", tall)
+        self.write("plate/plate.json", json.dumps({"models": [{"file": "part.stl"}]}))
+        os.rename(self.path("plate"), daemon.file("incoming", "plate"))
+        for job in ("none", "empty", "named", "plate"):
+            self.assertEqual(self.exposure(daemon.wait_done(job)), (3500, 3500), job)
+            self.assertIn(f"{job}: standard: light of 3500 ms", daemon.log())
+            self.assertIn("light of 3500 ms", daemon.read("done", job + ".report.html"))
+        model, ticket = self.write("same.stl", tall), self.write("ticket.json", '{"resin": "standard"}')
+        edited = self.analyzed_s(daemon, model)
+        self.assertEqual(self.analyzed_s(daemon, model, ticket), edited)
+        daemon.write_resin("standard", {"exposure_ms": 4500})
+        # 25 layers behind bottom and fade get all of the second, those of the fade half of it on the average.
+        self.assertAlmostEqual(self.analyzed_s(daemon, model) - edited, 25 + 10 / 2, delta=0.01)
+        daemon.stop()
+
+    def test_what_is_edited_while_it_waits_or_prints_holds_from_the_next_claim_on(self):
+        daemon = self.printing_daemon()
+        daemon.drop("next.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 1, "the queue")
+        daemon.write_resin("standard", {**NIMBLE_RESIN, "exposure_ms": 2, "bottom_exposure_ms": 2})
+        daemon.rpc("cancel")
+        self.assertEqual(daemon.wait_ended("first")["outcome"], "cancelled")
+        self.assertEqual(daemon.report("first", "failed")["settings"]["exposure_ms"], 120000)
+        self.assertEqual(self.exposure(daemon.wait_done("next")), (2, 2))
+        daemon.stop()
+
+    def test_a_broken_profile_makes_the_queue_wait_until_it_is_mended(self):
+        daemon = self.daemon().start()
+        for text, words in ((None, ("standard.json", "/lift_mm", "1 more")), ("{", ("standard.json",)), ("gone", ("standard",))):
+            with self.subTest(text):
+                self.break_resin("standard", text)
+                if text == "gone":
+                    os.unlink(self.path("resins", "standard.json"))
+                daemon.drop("one.stl", SMALL)
+                daemon.drop("two.stl", SMALL, {"resin": "standard"})
+                self.waits_for(daemon, "standard", *words, "mended")
+                wait_until(lambda: daemon.status()["queued"] == 2, "both jobs")
+                self.assertEqual((daemon.names_in("printing"), daemon.names_in("failed")), ([], []))
+                daemon.write_resin("standard", {})
+                daemon.wait_done("one")
+                daemon.wait_done("two")
+                self.assertIsNone(daemon.status()["waiting_for"])
+                self.assertEqual(daemon.log().count("one.stl waits: the resin profile"), 1)
+                for name in daemon.names_in("done"):
+                    os.unlink(daemon.file("done", name))
+                daemon.stop()
+                os.truncate(daemon.log_path, 0)
+                daemon.start()
+        daemon.stop()
+
+    def test_a_broken_profile_that_only_a_ticket_names_makes_the_queue_wait_too(self):
+        daemon = self.daemon()
+        self.break_resin("tough")
+        daemon.start()
+        daemon.drop("part.stl", SMALL, {"resin": "tough"})
+        self.waits_for(daemon, "tough", "tough.json", "/lift_mm")
+        # Whoever took it away lets the others go on.
+        os.unlink(daemon.file("incoming", "part.stl"))
+        daemon.drop("other.stl", SMALL)
+        daemon.wait_done("other")
+        self.assertEqual(daemon.names_in("failed"), [])
+        daemon.stop()
+
+    def test_a_ticket_that_names_a_profile_there_is_none_of_is_refused(self):
+        daemon = self.daemon().start()
+        daemon.drop("part.stl", SMALL, {"resin": "gold"})
+        reason = daemon.wait_refused("part")
+        for word in ("gold", "standard"):
+            self.assertIn(word, reason)
+        daemon.drop("good.stl", SMALL)
+        daemon.wait_done("good")
+        daemon.stop()
+
+    def test_a_profile_that_breaks_or_goes_while_jobs_wait_is_told_and_files_none_of_them(self):
+        daemon = self.printing_daemon()
+        daemon.write_resin("tough", NIMBLE_RESIN)
+        daemon.drop("checked.stl", SMALL, {"resin": "tough"})
+        daemon.drop("bad.stl", b"no model")
+        daemon.wait_refused("bad")  # by then the one before it has been checked
+        os.unlink(self.path("resins", "tough.json"))
+        self.break_resin("standard")
+        daemon.drop("late.stl", SMALL)
+        wait_until(lambda: "late.stl: the resin profile" in daemon.log(), "the warning")
+        self.assertIsNone(daemon.status()["waiting_for"])  # a print is under way
+        daemon.rpc("cancel")
+        daemon.wait_ended("first")
+        self.waits_for(daemon, "tough")
+        daemon.write_resin("tough", NIMBLE_RESIN)
+        daemon.wait_done("checked")
+        self.waits_for(daemon, "standard.json")
+        daemon.write_resin("standard", NIMBLE_RESIN)
+        daemon.wait_done("late")
+        self.assertEqual([name for name in daemon.names_in("failed") if name.endswith(".stl")], ["bad.stl", "first.stl"])
+        daemon.stop()
+
+    def test_the_wait_is_not_busy(self):
+        daemon = self.daemon().start()
+        self.break_resin()
+        daemon.drop("part.stl", SMALL)
+        self.waits_for(daemon, "standard")
+        used = self.cpu_s(daemon)
+        end = time.monotonic() + 3
+        wait_until(lambda: time.monotonic() >= end, "the time")
+        # Reading a small file once: a hundredth of what a loop that spins would take.
+        self.assertLess(self.cpu_s(daemon) - used, 0.3 * SLOWNESS)
+        daemon.stop()
+
+    def test_the_printers_file_is_read_at_the_start_only(self):
+        daemon = self.daemon().start()
+        daemon.config["display"]["pixel_pitch_um"] = 100
+        daemon.config["resin"] = "tough"
+        daemon.write_resin("tough", {"exposure_ms": 4000})
+        daemon.write_config()
+        daemon.drop("part.stl", SMALL)
+        report = daemon.wait_done("part")
+        self.assertEqual((report["resin"], report["settings"]["exposure_ms"]), ("standard", 3000))
+        daemon.stop()
+        daemon.start()
+        daemon.drop("again.stl", SMALL)
+        self.assertEqual(daemon.wait_done("again")["resin"], "tough")
         daemon.stop()
 
 

@@ -73,7 +73,7 @@ TEST_CASE("the shipped configurations load") {
   CHECK(simulated.pace == Pace::Fast);
   CHECK(simulated.simulated.display.masks == (folder / "masks").lexically_normal());
   for (const PrinterConfig* printer : {&real, &simulated}) {
-    CHECK(printer->resin.name == "standard");
+    CHECK(printer->resin == "standard");
     CHECK(printer->display_width == Pixels{1920});
     CHECK(printer->display_height == Pixels{1080});
     CHECK(printer->pixel_pitch == Micrometers{50.0});

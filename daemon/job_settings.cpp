@@ -1,0 +1,59 @@
+#include "daemon/job_settings.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <utility>
+
+#include "daemon/config/config_error.hpp"
+#include "daemon/config/printable.hpp"
+#include "daemon/config/profile_file.hpp"
+
+namespace contourd {
+namespace {
+
+JobTicket ticket_of(const JobFiles& files) {
+  if (files.plate) return load_plate_ticket(files.model / kPlateTicket, files.links);
+  return files.ticket ? load_job_ticket(*files.ticket, files.links) : JobTicket{};
+}
+
+std::string in_one_line(const std::string& resin, const ConfigError& error) {
+  const std::size_t others = error.violations().size() - 1;
+  return fmt::format("the resin profile {} cannot be used: {}{}", in_quotes(resin),
+                     ConfigError({error.violations().front()}).what(),
+                     others > 0 ? fmt::format(", and {} more", others) : "");
+}
+
+ResinProfile resin_for(const JobTicket& ticket, const PrinterConfig& printer) {
+  using Fault = ProfileTrouble::Fault;
+  const std::string& name = ticket.resin ? *ticket.resin : printer.resin;
+  try {
+    return find_resin(printer, name);
+  } catch (const ConfigError& error) {
+    const auto is_there = [&](const std::string& resin) {
+      return profile_file(printer.resins_folder, resin).has_value();
+    };
+    // Where the printer's own is missing too, the folder is.
+    const bool unknown = ticket.resin && !is_there(name) && is_there(printer.resin);
+    throw ProfileTrouble(unknown ? Fault::Ticket : Fault::Profile,
+                         fmt::format("the job ticket is wrong:\n{}", error.what()), in_one_line(name, error));
+  }
+}
+
+}  // namespace
+
+JobSettings read_settings(const JobFiles& files, const PrinterConfig& printer) {
+  try {
+    JobTicket ticket = ticket_of(files);
+    ResinProfile resin = resin_for(ticket, printer);
+    return {std::move(ticket), std::move(resin)};
+  } catch (const JobRefused&) {
+    throw;
+  } catch (const ConfigError& error) {
+    throw JobRefused(fmt::format("the job ticket is wrong:\n{}", error.what()));
+  } catch (const std::exception& error) {
+    throw JobRefused(fmt::format("the job ticket cannot be used: {}", printable(error.what())));
+  }
+}
+
+}  // namespace contourd

@@ -1,0 +1,42 @@
+// How a job is printed: by its ticket, and by the profile of the resin that this names, or else the printer's
+// file. The printer's file is read when contourd starts; these are read when the job is claimed, and hold to
+// its end. Thread-safe (no shared state).
+#pragma once
+
+#include <string>
+
+#include "daemon/config/job_ticket.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "daemon/config/resin_profile.hpp"
+#include "daemon/job_files.hpp"
+#include "daemon/plate_arrangement.hpp"
+
+namespace contourd {
+
+struct JobSettings {
+  JobTicket ticket;
+  ResinProfile resin;
+};
+
+// The resin's profile cannot be used. what() is a reason to refuse the job by, which only a ticket deserves
+// that names a profile which there is none of; a profile that is broken, or the printer's own that is
+// missing, is nobody's fault who queued a job.
+class ProfileTrouble : public JobRefused {
+ public:
+  enum class Fault { Ticket, Profile };
+  ProfileTrouble(Fault fault, const std::string& reason, std::string sentence)
+      : JobRefused(reason), fault_(fault), sentence_(std::move(sentence)) {}
+
+  [[nodiscard]] Fault fault() const { return fault_; }
+  // The same in one line.
+  [[nodiscard]] const std::string& sentence() const { return sentence_; }
+
+ private:
+  Fault fault_;
+  std::string sentence_;
+};
+
+// Throws JobRefused with what is wrong with the ticket, ProfileTrouble among it.
+[[nodiscard]] JobSettings read_settings(const JobFiles& files, const PrinterConfig& printer);
+
+}  // namespace contourd
