@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "daemon/config/printer_places.hpp"
 #include "daemon/durable_file.hpp"
 #include "daemon/job_copy.hpp"
 #include "daemon/state_folder.hpp"

@@ -1,8 +1,5 @@
 #include "daemon/config/printer_config.hpp"
 
-#include <unistd.h>
-
-#include <cerrno>
 #include <cmath>
 #include <optional>
 #include <system_error>
@@ -10,6 +7,7 @@
 #include <vector>
 
 #include "daemon/config/display_memory.hpp"
+#include "daemon/config/display_plausibility.hpp"
 #include "daemon/config/hardware_config.hpp"
 #include "daemon/config/hardware_rules.hpp"
 #include "daemon/config/input_plausibility.hpp"
@@ -18,8 +16,10 @@
 #include "daemon/config/json_section.hpp"
 #include "daemon/config/light_config.hpp"
 #include "daemon/config/light_plausibility.hpp"
+#include "daemon/config/printer_places.hpp"
 #include "daemon/config/profile_file.hpp"
 #include "daemon/config/projector_table.hpp"
+#include "daemon/config/resin_plausibility.hpp"
 #include "hw/png_file.hpp"
 
 namespace contourd {
@@ -65,40 +65,15 @@ void check_rules(JsonDocument& document, const fs::path& folder) {
   }
 }
 
-// The first of the folder and those above it that is there.
-fs::path nearest_existing(fs::path folder) {
-  std::error_code code;
-  while (!fs::exists(folder, code) && folder.has_relative_path())
-    folder = folder.parent_path();
-  return folder;
-}
-
-// What keeps a daemon here from starting. Not permissions: it may run as another user than who asks.
-void check_places(JsonDocument& document, const fs::path& folder) {
-  std::error_code code;
-  if (const auto socket = document.sound_text("/control_socket")) {
-    const fs::path place = resolved(folder, *socket).parent_path();
-    // What lies in /run itself is made when the service starts.
-    if (!fs::is_directory(place, code) && place.parent_path() != "/run")
-      document.add_violation("/control_socket", "there is no folder " + place.string());
-  }
-  if (const auto spool = document.sound_text("/spool_folder")) {
-    const fs::path place = resolved(folder, *spool), base = nearest_existing(place);
-    const auto refuse = [&](const std::string& why) {
-      document.add_violation("/spool_folder", place.string() + " cannot be made: " + base.string() + why);
-    };
-    if (!fs::is_directory(base, code)) {
-      refuse(" is no folder");
-    } else if (base != place && ::access(base.c_str(), W_OK) != 0 && errno == EROFS) {
-      refuse(std::string(" is read-only") + kReadOnlyHint);
-    }
-  }
-}
+struct LoadedResin {
+  fs::path file;
+  ResinProfile profile;
+};
 
 // The default resin, as far as the printer's file is good enough to find and check it. What is wrong with the
 // profile goes to `violations`; that there is none goes to the printer's file.
-std::optional<ResinProfile> load_default_resin(JsonDocument& printer, const fs::path& folder,
-                                               std::vector<Violation>& violations) {
+std::optional<LoadedResin> load_default_resin(JsonDocument& printer, const fs::path& folder,
+                                              std::vector<Violation>& violations) {
   const auto resins = printer.sound_text("/resins_folder");
   const auto name = printer.sound_text("/resin");
   if (!resins || !name) return std::nullopt;
@@ -117,7 +92,7 @@ std::optional<ResinProfile> load_default_resin(JsonDocument& printer, const fs::
   if (const auto speed = printer.sound_number("/z_axis/top_speed_mm_s"))
     machine.top_speed = MillimetersPerSecond{*speed};
   try {
-    return load_resin_profile(*file, machine);
+    return LoadedResin{*file, load_resin_profile(*file, machine)};
   } catch (const ConfigError& error) {
     violations.insert(violations.end(), error.violations().begin(), error.violations().end());
     return std::nullopt;
@@ -125,6 +100,7 @@ std::optional<ResinProfile> load_default_resin(JsonDocument& printer, const fs::
 }
 
 struct LoadedTable {
+  fs::path file;
   ProjectorTable table;
   nlohmann::json json;  // as in its file, with its defaults
 };
@@ -144,7 +120,7 @@ std::optional<LoadedTable> load_table(JsonDocument& printer, const fs::path& fol
   try {
     JsonDocument document = JsonDocument::from_file(*file);
     ProjectorTable table = read_projector_table(document);
-    return LoadedTable{std::move(table), document.value()};
+    return LoadedTable{*file, std::move(table), document.value()};
   } catch (const ConfigError& error) {
     violations.insert(violations.end(), error.violations().begin(), error.violations().end());
     return std::nullopt;
@@ -230,13 +206,13 @@ std::optional<std::uint64_t> read_memory_limit(const JsonSection& root) {
 
 // What the printer's file refers to.
 struct Companions {
-  std::optional<ResinProfile> resin;
+  std::optional<LoadedResin> resin;
   std::optional<Mask> lamp;
   std::optional<LoadedTable> table;
 };
 
 void warn_of_light(JsonDocument& document, const Companions& companions) {
-  const ResinProfile& resin = *companions.resin;
+  const ResinProfile& resin = companions.resin->profile;
   const auto irradiance = document.sound_number("/projector/irradiance_mw_cm2");
   const int behind_fade = resin.bottom_layers + resin.fade_layers;
   warn_of_doubtful_light(document, companions.table->table, resin.tolerance,
@@ -252,10 +228,29 @@ void read_real(const JsonDocument& document, std::optional<LoadedTable> table, P
       read_real_machine(JsonSection(document), table ? std::optional(std::move(table->table)) : std::nullopt);
 }
 
+// All files that were read.
+std::vector<fs::path> files_of(const JsonDocument& document, const fs::path& folder,
+                               const Companions& companions) {
+  std::vector<fs::path> files{folder / fs::path(document.file()).filename(), companions.resin->file};
+  if (companions.table) files.push_back(companions.table->file);
+  if (companions.lamp) files.push_back(resolved(folder, document.sound_text("/display/lamp_mask").value()));
+  return files;
+}
+
+// The printer's, then the resin's.
+std::vector<Violation> warnings_of(const JsonDocument& document, const LoadedResin& resin) {
+  std::vector<Violation> warnings = document.warnings();
+  const double irradiance = document.sound_number("/projector/irradiance_mw_cm2").value();
+  for (Violation& doubt : doubts_about(resin.profile, resin.file, irradiance))
+    warnings.push_back(std::move(doubt));
+  return warnings;
+}
+
 PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder, Companions companions) {
   const JsonSection root(document);
   const JsonSection display = root.section("display");
   const bool real = root.text("hardware") == "real";
+  std::vector<fs::path> files = files_of(document, folder, companions);
   PrinterConfig config{
       .name = root.text("name"),
       .spool_folder = resolved(folder, root.text("spool_folder")),
@@ -282,7 +277,8 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .pace = !real && root.section("simulation").text("pace") == "fast" ? Pace::Fast : Pace::Realtime,
       .simulated = read_simulated(root, folder),
       .real = {},
-      .warnings = document.warnings(),
+      .warnings = warnings_of(document, *companions.resin),
+      .files = std::move(files),
       .light_record = {},
   };
   if (real) read_real(document, std::move(companions.table), config);
@@ -299,6 +295,7 @@ PrinterConfig load_printer_config(const fs::path& path, Places places) {
   if (places == Places::Here) check_places(document, folder);
   check_hardware_rules(document);
   warn_of_doubtful_contacts(document);
+  warn_of_doubtful_display(document);
   std::vector<Violation> elsewhere;
   Companions companions;
   companions.resin = load_default_resin(document, folder, elsewhere);
@@ -322,6 +319,22 @@ ResinProfile find_resin(const PrinterConfig& printer, std::string_view name) {
   return load_resin_profile(*file, {.travel = printer.travel,
                                     .irradiance_mw_cm2 = printer.irradiance_mw_cm2,
                                     .top_speed = printer.top_speed});
+}
+
+std::vector<Violation> doubts_about_other_resins(const PrinterConfig& printer) {
+  std::vector<Violation> doubts;
+  for (const std::string& name : profiles_in(printer.resins_folder)) {
+    if (name == printer.resin) continue;
+    std::vector<Violation> found;
+    try {
+      const fs::path file = printer.resins_folder / (name + ".json");
+      found = doubts_about(find_resin(printer, name), file, printer.irradiance_mw_cm2);
+    } catch (const ConfigError& error) {
+      found = error.violations();
+    }
+    doubts.insert(doubts.end(), found.begin(), found.end());
+  }
+  return doubts;
 }
 
 }  // namespace contourd

@@ -52,18 +52,15 @@ struct PrinterConfig {
 
   Pace pace = Pace::Realtime;
   SimulatedPrinterConfig simulated;
-  std::optional<RealMachineConfig> real;  // nothing when the machine is simulated
-  std::vector<Violation> warnings;        // what is allowed and hardly meant, by its place
+  std::optional<RealMachineConfig> real;     // nothing when the machine is simulated
+  std::vector<Violation> warnings;           // what is allowed and hardly meant, by its place
+  std::vector<std::filesystem::path> files;  // that were read for it, its own first
   std::string
       light_record;  // what is to be left for `--light-off`; see light_config.hpp. Real machines' only
 };
 
 // Whether the printer is this computer's, so that its folders must be possible here.
 enum class Places { Here, Elsewhere };
-
-// What may be the matter when a file system is read-only.
-inline constexpr const char* kReadOnlyHint =
-    " (under systemd, the unit's ReadWritePaths must name the folder)";
 
 // Throws ConfigError with everything that is wrong with the file and with the resin profile it names.
 [[nodiscard]] PrinterConfig load_printer_config(const std::filesystem::path& path,
@@ -72,5 +69,8 @@ inline constexpr const char* kReadOnlyHint =
 // Reads the profile of that name, checked against the printer. Throws ConfigError with what is wrong with it,
 // or with the profiles there are when there is none of that name. The name may come from anywhere.
 [[nodiscard]] ResinProfile find_resin(const PrinterConfig& printer, std::string_view name);
+
+// What is wrong with the profiles that a ticket may name, or hardly meant.
+[[nodiscard]] std::vector<Violation> doubts_about_other_resins(const PrinterConfig& printer);
 
 }  // namespace contourd

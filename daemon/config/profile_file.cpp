@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <system_error>
-#include <vector>
 
 #include "daemon/config/config_error.hpp"
 
@@ -12,20 +11,14 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string profile_names(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const fs::path& file = entry->path();
-    const bool is_hidden = file.filename().string().starts_with('.');
-    if (file.extension() == ".json" && !is_hidden) names.push_back(file.stem().string());
-  }
-  if (error) return "its folder cannot be read: " + error.message();
-  if (names.empty()) return "there are none";
-  std::sort(names.begin(), names.end());
   std::string text;
-  for (const std::string& name : names)
-    text += (text.empty() ? "there are " : ", ") + in_quotes(name);
-  return text;
+  try {
+    for (const std::string& name : profiles_in(folder))
+      text += (text.empty() ? "there are " : ", ") + in_quotes(name);
+  } catch (const std::system_error& error) {
+    return "its folder cannot be read: " + error.code().message();
+  }
+  return text.empty() ? "there are none" : text;
 }
 
 }  // namespace
@@ -37,6 +30,17 @@ fs::path folder_of(const fs::path& file) {
 fs::path resolved(const fs::path& folder, const std::string& text) {
   fs::path path = (folder / text).lexically_normal();
   return path.has_filename() ? path : path.parent_path();  // "spool/" is "spool"
+}
+
+std::vector<std::string> profiles_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const fs::path& file = entry.path();
+    const bool is_hidden = file.filename().string().starts_with('.');
+    if (file.extension() == ".json" && !is_hidden) names.push_back(file.stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 std::optional<fs::path> profile_file(const fs::path& folder, std::string_view name) {

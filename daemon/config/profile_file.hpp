@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace contourd {
 
@@ -13,6 +14,9 @@ namespace contourd {
 [[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& file);
 // The absolute path that the text means in a file of that folder.
 [[nodiscard]] std::filesystem::path resolved(const std::filesystem::path& folder, const std::string& text);
+
+// The names of all profiles in the folder, hidden files aside, in order. Throws std::system_error.
+[[nodiscard]] std::vector<std::string> profiles_in(const std::filesystem::path& folder);
 
 // Nothing when there is no such profile. The name may come from anywhere: it can never lead out of the
 // folder.

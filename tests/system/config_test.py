@@ -9,7 +9,7 @@ import subprocess
 import time
 
 from harness import (
-    BAD_CONFIG, BAD_USAGE, CONTOURD, DEADLINE_S, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, OK, REALTIME, SLOWNESS, SOURCE, Client,
+    BAD_CONFIG, BAD_USAGE, CANNOT_CREATE, CONTOURD, DEADLINE_S, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, OK, REALTIME, SLOWNESS, SOURCE, Client,
     Daemon, FolderTest, binary_stl, box, main, merge, run, source_json, wait_until,
 )  # fmt: skip
 
@@ -72,6 +72,67 @@ class CheckConfig(ConfigTest):
         self.assertEqual((result.returncode, good), (OK, f"{path}: good"))
         self.assertTrue(warning.startswith(f"{path}: warning: /z_axis/emergency_stop: "), warning)
         self.assertIn("a broken wire is silent", warning)
+
+    def warnings(self, path):
+        """What is doubted, without the file's name; it is good all the same."""
+        result = self.check(path)
+        *warnings, good = result.stdout.decode().splitlines()
+        self.assertEqual((result.returncode, good), (OK, f"{path}: good"))
+        for warning in warnings:
+            self.assertIn(": warning: ", warning)
+        return [warning.partition(": warning: ")[2] for warning in warnings]
+
+    def test_figures_that_are_hardly_meant_are_warnings(self):
+        self.assertEqual(self.warnings(self.config({})), [])
+        self.resin({**source_json("resins", "standard.json"), "exposure_ms": 3})
+        (warning,) = self.warnings(self.config({}))
+        self.assertRegex(warning, r"^/exposure_ms: 3(\.0)? ms .*usual$")
+        display = {"width_px": 1080, "height_px": 1920}
+        exchanged, exposure = self.warnings(self.config({"display": display}))
+        self.assertIn("exchanged", exchanged)
+        self.assertTrue(exposure.startswith("/exposure_ms: "), exposure)
+
+    def test_profiles_that_only_tickets_name_are_looked_at_as_well(self):
+        self.resin({**source_json("resins", "standard.json"), "exposure_ms": 3}, "quick")
+        self.resin({**source_json("resins", "standard.json"), "lift_mm": "high"}, "broken")
+        broken, quick = self.warnings(self.config({}))
+        self.assertTrue(broken.startswith("/lift_mm: "), broken)
+        self.assertTrue(quick.startswith("/exposure_ms: "), quick)
+
+    def test_a_socket_s_path_that_is_taken_by_something_else_is_an_error(self):
+        self.write("file.sock", b"")
+        os.mkdir(self.path("folder.sock"))
+        os.symlink("control.sock", self.path("link.sock"))
+        for name in ("file.sock", "folder.sock", "link.sock"):
+            self.refuses(self.config({"control_socket": name}), "/control_socket", name, "no socket")
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind(self.path("control.sock"))
+            self.assertEqual(self.check(self.config({})).returncode, OK)
+
+    def test_a_result_that_does_not_arrive_is_an_error(self):
+        path = self.config({})
+        for arguments in (["--check-config", path], ["--print-states"], ["--config", path, "--check-hardware"], ["--help"],
+                          ["--version"]):  # fmt: skip
+            with self.subTest(arguments), open("/dev/full", "wb") as full:
+                result = run(CONTOURD, *arguments, stdout=full)
+                self.assertEqual(result.returncode, CANNOT_CREATE, result)
+                self.assert_one_line(result.stderr, "No space left")
+        closed = subprocess.run(["sh", "-c", f"exec {CONTOURD} --print-states >&-"], stderr=subprocess.PIPE, check=False)
+        self.assertEqual(closed.returncode, CANNOT_CREATE, closed)
+
+    def test_what_is_told_has_nothing_in_it_that_a_terminal_obeys(self):
+        odd = "\x1b[31m\x9b2J\u202e\u2066\u2028\x07\r\n"
+        path = self.config({odd: odd, "resin": odd, "name": odd * 100, "control_socket": odd, "hardware": odd})
+        os.rename(path, self.path(f"{odd}.json"))
+        for arguments in (["--check-config", self.path(f"{odd}.json")], ["--config", self.path(f"{odd}.json")],
+                          ["--check-config", self.path(odd)], [f"--{odd}"], ["--pace", odd],
+                          ["--config", self.path(f"{odd}.json"), "--light-off"]):  # fmt: skip
+            with self.subTest(arguments):
+                result = run(CONTOURD, *arguments)
+                told = (result.stdout + result.stderr).decode("utf-8")
+                self.assertNotEqual(result.returncode, OK)
+                for char in "\x1b\x9b\u202e\u2066\u2028\x07\r":
+                    self.assertNotIn(char, told)
 
     def test_checking_makes_nothing(self):
         self.check(self.config({}))

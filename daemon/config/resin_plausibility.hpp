@@ -1,0 +1,18 @@
+// What a resin's profile allows, and is hardly meant: seconds for milliseconds, a speed a minute for one a
+// second. Pure functions, thread-safe.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "daemon/config/config_error.hpp"
+#include "daemon/config/resin_profile.hpp"
+
+namespace contourd {
+
+// `file` is the profile's. REQUIRES: irradiance > 0.
+[[nodiscard]] std::vector<Violation> doubts_about(const ResinProfile& resin,
+                                                  const std::filesystem::path& file,
+                                                  double irradiance_mw_cm2);
+
+}  // namespace contourd
