@@ -50,7 +50,10 @@ IncomingWatch::IncomingWatch(const SpoolFolders& folders, const CopiedOriginals&
       make_folders_(std::move(make_folders)),
       loop_(loop),
       disk_(disk),
-      observer_(observer) {}
+      observer_(observer),
+      passed_over_(loop, {.one = [this](const std::string& file,
+                                        Oddity oddity) { observer_.passed_over(file, oddity); },
+                          .more = [this](std::size_t files) { observer_.more_passed_over(files); }}) {}
 
 void IncomingWatch::open() {
   inotify_ = FileDescriptor(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
@@ -195,6 +198,7 @@ void IncomingWatch::take_event(const inotify_event& event) {
   const std::string file = event.len > 0 ? event.name : "";
   if ((event.mask & (IN_DELETE | IN_MOVED_FROM)) == 0) return consider(file, Look::Event);
   looks_.erase(file);
+  passed_over_.forget(file);
   seen_to_be_gone(file);
 }
 
@@ -218,6 +222,7 @@ std::vector<std::string> IncomingWatch::names_in_folder() const {
 void IncomingWatch::consider_all() {
   disk_.run([this] { return names_in_folder(); },
             [this](const std::vector<std::string>& names) {
+              passed_over_.forget_all_but({names.begin(), names.end()});
               // What is not there any more may have gone without a word.
               std::set<std::string> others = arrived_;
               others.insert(originals_.begin(), originals_.end());
@@ -265,7 +270,12 @@ IncomingWatch::Seen IncomingWatch::look_at(const std::string& file) const noexce
   Seen seen;
   try {
     seen.upload = upload_state(folders_, file);
-    if (seen.upload.is_there) seen.taken = copied_.contains(folders_.files_of(SpoolFolder::Incoming, file));
+    if (seen.upload.is_there) {
+      seen.taken = copied_.contains(folders_.files_of(SpoolFolder::Incoming, file));
+      if (seen.upload.missing == std::vector<std::string>{kPlateTicket}) seen.oddity = Oddity::Folder;
+    } else if (!is_model_name(file)) {
+      seen.oddity = oddity_of(folders_.path(SpoolFolder::Incoming) / file);
+    }
   } catch (const std::exception&) {
     seen.upload.is_there = seen.upload.being_written = true;  // cannot be looked at now: looked at again
   }
@@ -282,6 +292,7 @@ void IncomingWatch::seen_to_be_gone(const std::string& file) {
 
 void IncomingWatch::seen(const std::string& file, Look look, const Seen& seen) {
   const UploadState& upload = seen.upload;
+  note_oddity(file, seen.oddity);
   if (!upload.is_there) return seen_to_be_gone(file);
   if (seen.taken) {
     candidates_.erase(file);
@@ -314,6 +325,26 @@ void IncomingWatch::seen(const std::string& file, Look look, const Seen& seen) {
   look_later(file);
 }
 
+void IncomingWatch::note_oddity(const std::string& file, const std::optional<Oddity>& oddity) {
+  if (oddity) {
+    passed_over_.saw(file, *oddity);
+  } else {
+    passed_over_.forget(file);
+  }
+}
+
+std::vector<std::string> IncomingWatch::arriving(std::size_t most) const {
+  std::vector<std::string> files;
+  const auto take = [&](const auto& each) {
+    for (auto file = each.begin(); file != each.end() && files.size() < most; ++file)
+      files.push_back(file->first);
+  };
+  take(candidates_);
+  take(incomplete_);
+  take(looks_);
+  return files;
+}
+
 void IncomingWatch::look_later(const std::string& file) {
   candidates_.try_emplace(file);
   if (!look_again_timer_) {
@@ -330,7 +361,7 @@ void IncomingWatch::look_again() {
   consider_soon(std::move(files), Look::Timer);
 }
 
-// A folder without plate.json is none of ours, or not yet: nothing is said of it.
+// A folder without plate.json is none of ours, or not yet: see PassedOver.
 void IncomingWatch::note_missing(const std::string& file, const std::vector<std::string>& missing) {
   if (missing.empty()) {
     incomplete_.erase(file);

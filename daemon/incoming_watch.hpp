@@ -12,6 +12,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -19,6 +20,7 @@
 
 #include "daemon/copied_originals.hpp"
 #include "daemon/event_loop.hpp"
+#include "daemon/passed_over.hpp"
 #include "daemon/spool_folders.hpp"
 #include "daemon/upload_state.hpp"
 #include "daemon/worker.hpp"
@@ -41,6 +43,9 @@ class SpoolObserver {
   // The plate incoming/`file` cannot be taken as long as these files are missing, which its plate.json names.
   // Told when it changes.
   virtual void plate_waits(const std::string& file, const std::vector<std::string>& missing) = 0;
+  // incoming/`file` will not be printed as it is; or so many more than were named.
+  virtual void passed_over(const std::string& file, Oddity oddity) = 0;
+  virtual void more_passed_over(std::size_t files) = 0;
   // There is no folder incoming/ that can be watched, `why` says why: nothing arrives until there is.
   virtual void incoming_lost(const std::string& why) = 0;
   // Another folder is there than before, and is watched.
@@ -64,6 +69,10 @@ class IncomingWatch {
   [[nodiscard]] const std::map<std::string, std::vector<std::string>>& incomplete() const {
     return incomplete_;
   }
+  // Models and plates that are not whole yet, or that many of them.
+  [[nodiscard]] std::vector<std::string> arriving(std::size_t most) const;
+  // What else is there and will not be printed as it is.
+  [[nodiscard]] const std::map<std::string, Oddity>& passed_over() const { return passed_over_.files(); }
   // What was taken by copy, or refused there: it may be deleted.
   [[nodiscard]] const std::set<std::string>& originals() const { return originals_; }
   void add_original(const std::string& file) { originals_.insert(file); }
@@ -89,7 +98,8 @@ class IncomingWatch {
 
   struct Seen {
     UploadState upload;
-    bool taken = false;  // by copy: what lies there is not wanted any more
+    bool taken = false;            // by copy: what lies there is not wanted any more
+    std::optional<Oddity> oddity;  // of what will not be printed as it is
   };
 
   enum class Look { Event, Timer };
@@ -119,6 +129,7 @@ class IncomingWatch {
   void consider(const std::string& file, Look look);
   [[nodiscard]] Seen look_at(const std::string& file) const noexcept;
   void seen(const std::string& file, Look look, const Seen& seen);
+  void note_oddity(const std::string& file, const std::optional<Oddity>& oddity);
   void seen_to_be_gone(const std::string& file);
   void look_later(const std::string& file);
   void look_again();
@@ -142,6 +153,7 @@ class IncomingWatch {
   std::map<std::string, int> watch_of_plate_;
   std::map<std::string, Candidate> candidates_;  // not known to be whole yet
   std::map<std::string, std::vector<std::string>> incomplete_;
+  PassedOver passed_over_;
   std::set<std::string> arrived_;  // and told
   std::set<std::string> originals_;
   std::map<std::string, std::uint64_t> looks_;  // under way: the number of the latest at each file

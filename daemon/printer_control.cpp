@@ -172,6 +172,11 @@ PrinterService::Json PrinterService::status() const {
       status["postponed"][job.file] = job.postponed;
   }
   status["postponed_more"] = beyond(postponed, kMostIncomplete);
+  const auto& passed_over = spool_.passed_over();
+  status["passed_over"] = Json::object();
+  for_first(passed_over, kMostIncomplete,
+            [&](const auto& each) { status["passed_over"][each.first] = sentence_for(each.second); });
+  status["passed_over_more"] = beyond(passed_over.size(), kMostIncomplete);
   const auto& originals = spool_.originals();
   status["deletable"] = Json::array();
   for_first(originals, kMostIncomplete,

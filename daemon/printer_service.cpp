@@ -258,6 +258,15 @@ void PrinterService::plate_waits(const std::string& file, const std::vector<std:
             file_fields(file));
 }
 
+void PrinterService::passed_over(const std::string& file, Oddity oddity) {
+  log_.warning("passed-over", fmt::format("{}: is passed over: {}", printable(file), sentence_for(oddity)),
+               file_fields(file));
+}
+
+void PrinterService::more_passed_over(std::size_t files) {
+  log_.warning("passed-over", fmt::format("{} more in incoming are passed over", files));
+}
+
 void PrinterService::incoming_lost(const std::string& why) {
   log_.error("spool",
              fmt::format("nothing arrives until there is an incoming folder again: {}", printable(why)));

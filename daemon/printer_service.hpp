@@ -102,6 +102,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void model_arrived(const std::string& file) override;
   void model_withdrawn(const std::string& file) override;
   void plate_waits(const std::string& file, const std::vector<std::string>& missing) override;
+  void passed_over(const std::string& file, Oddity oddity) override;
+  void more_passed_over(std::size_t files) override;
   void incoming_lost(const std::string& why) override;
   void incoming_replaced() override;
   void state_changed(PrintState state) override;

@@ -61,6 +61,10 @@ class Spool {
   [[nodiscard]] const std::map<std::string, std::vector<std::string>>& incomplete() const {
     return watch_.incomplete();
   }
+  // Models and plates in incoming/ that are not whole yet, or that many of them.
+  [[nodiscard]] std::vector<std::string> arriving(std::size_t most) const { return watch_.arriving(most); }
+  // What else lies in incoming/ and will not be printed as it is.
+  [[nodiscard]] const std::map<std::string, Oddity>& passed_over() const { return watch_.passed_over(); }
   // Reports incoming/`file` again when it is whole.
   void wait_for(const std::string& file) { watch_.wait_for(file); }
 

@@ -98,6 +98,10 @@ void print_status(const Json& status) {
   for (const Json& file : status["deletable"])
     fmt::print("deletable {} in incoming: it had its turn, and cannot be moved\n",
                printable(file.get<std::string>()));
+  for (const auto& [file, why] : status["passed_over"].items())
+    fmt::print("unprinted {} in incoming: {}\n", printable(file), printable(why.get<std::string>()));
+  if (const auto more = status.value("passed_over_more", std::size_t{0}); more > 0)
+    fmt::print("unprinted {} more in incoming\n", more);
   if (status["hindrance"].is_string())
     fmt::print("machine   {}\n", printable(status["hindrance"].get<std::string>()));
   if (status["held"].is_string()) fmt::print("held      {}\n", printable(status["held"].get<std::string>()));

@@ -66,8 +66,9 @@ class Protocol(ControlTest):
         result = self.client.call("status")["result"]
         self.assertEqual(result, {
             "printer": "Simulated printer", "state": "idle", "job": None, "queued": 0, "incomplete": {},
-            "incomplete_more": 0, "postponed": {}, "postponed_more": 0, "deletable": [], "deletable_more": 0,
-            "plate": "clear", "plate_job": None, "hindrance": None, "held": None, "waiting_for": None, "last": None,
+            "incomplete_more": 0, "postponed": {}, "postponed_more": 0, "passed_over": {}, "passed_over_more": 0, "deletable": [],
+            "deletable_more": 0, "plate": "clear", "plate_job": None, "hindrance": None, "held": None, "waiting_for": None,
+            "last": None,
         })  # fmt: skip
 
     def test_an_unknown_method_names_those_there_are(self):

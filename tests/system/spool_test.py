@@ -904,6 +904,68 @@ class Profiles(SpoolTest):
         daemon.stop()
 
 
+class PassedOver(SpoolTest):
+    """What lies in incoming/ and will never be printed."""
+
+    def listed(self, daemon, *names):
+        return wait_until(lambda: (lambda s: s if set(s["passed_over"]) == set(names) else None)(daemon.status()), names)
+
+    def test_what_will_never_print_is_told_once_and_listed_until_it_goes(self):
+        daemon = self.daemon()
+        os.makedirs(daemon.file("incoming"))
+        self.write("spool/incoming/before.obj", b"there before the start")
+        daemon.start()
+        files = {"before.obj": "STL", "part.3mf": "STL", "part.obj": "STL", "sliced.gcode": "sliced", "part.sl1": "sliced", "notes": "NAME.stl"}
+        for name in files:
+            if name != "before.obj":
+                daemon.drop(name, b"something")
+        os.mkdir(daemon.file("incoming", "folder"))
+        self.write("spool/incoming/folder/part.stl", SMALL)
+        os.symlink("part.3mf", daemon.file("incoming", "link"))
+        # Of these, nothing is known to be wrong.
+        for name in ("ticket.json", ".hidden.3mf", "part.stl.part", "other.3mf.crdownload"):
+            daemon.drop(name, b"{}")
+        # Nor of what gets its right name soon.
+        daemon.drop("upload", SMALL)
+        os.rename(daemon.file("incoming", "upload"), daemon.file("incoming", "renamed.stl"))
+        daemon.wait_done("renamed")
+        status = self.listed(daemon, *files, "folder", "link")
+        for name, word in files.items():
+            self.assertIn(word, status["passed_over"][name])
+        self.assertIn("plate.json", status["passed_over"]["folder"])
+        self.assertEqual((status["passed_over_more"], status["queued"]), (0, 0))
+        shown = daemon.ctl("status").stdout.decode()
+        for name in (*files, "folder", "link"):
+            self.assertIn(f"unprinted {name} in incoming: ", shown)
+            self.assertEqual(daemon.log().count(f"{name}: is passed over"), 1)
+        self.assertEqual(len(daemon.names_in("incoming")), 12)
+        # Told once: not when something changes beside it.
+        daemon.drop("good.stl", SMALL)
+        daemon.wait_done("good")
+        for name in (*files, "link"):
+            os.unlink(daemon.file("incoming", name))
+        self.listed(daemon, "folder")
+        self.write("spool/incoming/folder/plate.json", json.dumps({"models": [{"file": "part.stl"}]}))
+        daemon.wait_done("folder")
+        self.listed(daemon)
+        self.assertEqual(daemon.log().count("is passed over"), 8)
+        self.assertNotIn("upload", daemon.log())
+        daemon.stop()
+
+    def test_of_very_many_a_few_are_told_and_the_rest_is_counted(self):
+        daemon = self.daemon().start()
+        for number in range(1000):
+            self.write(f"spool/incoming/{number}\x1b\n.3mf", b"something")
+        status = wait_until(lambda: (lambda s: s if s["passed_over_more"] == 990 else None)(daemon.status()), "all of them")
+        self.assertEqual(len(status["passed_over"]), 10)
+        wait_until(lambda: "more in incoming are passed over" in daemon.log(), "the rest")
+        self.assertLess(daemon.log().count("passed over"), 40)
+        self.assertNotIn(b"\x1b", daemon.ctl("status").stdout)
+        daemon.drop("good.stl", SMALL)
+        daemon.wait_done("good")
+        daemon.stop()
+
+
 class ManyAndLong(SpoolTest):
     def test_a_ticket_of_a_hundred_thousand_mistakes_has_a_short_reason(self):
         daemon = self.daemon().start()
