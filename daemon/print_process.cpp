@@ -92,6 +92,29 @@ void PrintProcess::pause() {
   pause_wanted_ = state_ != PrintState::Paused && state_ != PrintState::Raising && state_ != PrintState::Held;
 }
 
+std::string_view PrintProcess::next_pause() const {
+  switch (state_) {
+    case PrintState::Idle:
+    case PrintState::Halting:
+    case PrintState::Parking:
+    case PrintState::Ending:
+      return "";
+    case PrintState::Raising:
+    case PrintState::Paused:
+    case PrintState::Held:
+      return "now";
+    case PrintState::WarmingUp:
+    case PrintState::Homing:
+      return "before the first layer";
+    default:
+      break;
+  }
+  if (canceled_) return "";
+  if (state_ == PrintState::AwaitingDark && !has_all_light()) return "before the light goes on again";
+  if (!interruption_.empty()) return "when the plate is up";
+  return on_last_layer() ? "" : "after this layer";
+}
+
 void PrintProcess::resume() {
   pause_wanted_ = false;
   resume_wanted_ = state_ == PrintState::Raising;

@@ -120,6 +120,10 @@ class PrintProcess {
 
   [[nodiscard]] PrintState state() const { return state_; }
   [[nodiscard]] bool pause_pending() const { return pause_wanted_; }
+  // When a pause asked for now comes, for its owner: "after this layer". Empty where none does: the print
+  // ends before. REQUIRES: not Idle.
+  [[nodiscard]] std::string_view next_pause() const;
+  [[nodiscard]] bool canceled() const { return canceled_; }
   // From light on's command until the light is confirmed off, or the print ends without that.
   [[nodiscard]] bool light_may_be_on() const { return light_asked_; }
   // What interrupted the print, until it is resumed; empty when nothing did.

@@ -49,7 +49,9 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
            [this] {
              Json files = Json::array();
              for_first(queue_, kMostQueued, [&](const QueuedJob& job) { files.push_back(job.file); });
-             return Json{{"queue", files}, {"more", beyond(queue_.size(), kMostQueued)}};
+             return Json{{"queue", files},
+                         {"more", beyond(queue_.size(), kMostQueued)},
+                         {"arriving", spool_.arriving(kMostQueued)}};
            }},
           {"history",
            [this] {
@@ -63,9 +65,7 @@ std::map<std::string, ControlServer::Method> PrinterService::methods() {
           {"pause",
            [this] {
              require_print("pause");
-             if (process_.on_last_layer()) {
-               throw ControlRefusal("the last layer is under way, the print ends by itself");
-             }
+             if (process_.next_pause().empty()) throw ControlRefusal(why_it_ends());
              process_.pause();
              return status();
            }},
@@ -113,6 +113,14 @@ void PrinterService::require_print(std::string_view what) const {
     throw ControlRefusal(fmt::format("there is no print to {}", what));
 }
 
+std::string PrinterService::why_it_ends() const {
+  if (process_.canceled()) return "the print is being cancelled";
+  const PrintState state = process_.state();
+  if (state == PrintState::Parking) return "all layers are printed, the plate goes up";
+  if (state == PrintState::Ending) return "the print is over";
+  return "the last layer is under way, the print ends by itself";
+}
+
 PrinterService::Json PrinterService::resume_queue() {
   if (const std::string hindrance = machine_.hindrance(); !hindrance.empty()) {
     throw ControlRefusal("the queue cannot go on: " + hindrance);
@@ -125,6 +133,9 @@ PrinterService::Json PrinterService::resume_queue() {
 PrinterService::Json PrinterService::cancel() {
   if (!active_ || finishing()) throw ControlRefusal("there is no print to cancel");
   if (active_->prepared) {
+    const PrintState state = process_.state();
+    const bool over = state == PrintState::Parking || state == PrintState::Ending;
+    if (over && !process_.canceled()) throw ControlRefusal(why_it_ends());
     process_.cancel();
   } else {
     active_->cancel_wanted = true;
@@ -150,6 +161,7 @@ PrinterService::Json PrinterService::job_json() const {
   job["elapsed_s"] = seconds(clock_.now() - active_->started);
   job["time_left_s"] = seconds(process_.time_left());
   job["pause_pending"] = process_.pause_pending();
+  job["pause"] = process_.pause_pending() ? Json(process_.next_pause()) : Json();
   job["interruption"] = process_.interruption().empty() ? Json() : Json(process_.interruption());
   return job;
 }

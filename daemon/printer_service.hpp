@@ -191,6 +191,8 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   Json cancel();
   Json resume_queue();
   void require_print(std::string_view what) const;
+  // REQUIRES: a print that is not idle, and can be neither paused nor, when it is over, cancelled.
+  [[nodiscard]] std::string why_it_ends() const;
   // The print is over, its job not filed yet.
   [[nodiscard]] bool finishing() const;
 

@@ -68,7 +68,7 @@ struct ClientOptions {
 // Sends one request (`method` as on the socket) and prints its answer for a person, or as it came.
 int request(const ClientOptions& options, const std::string& method);
 // Shows the print under way until it ends, or until the job of that name has ended (which may be before the
-// call).
+// call); one that is nowhere for some seconds is told.
 int watch(const ClientOptions& options, const std::optional<std::string>& job);
 
 }  // namespace contourd::ctl

@@ -335,6 +335,37 @@ TEST_CASE(
   CHECK(bench.ends == std::vector{PrintOutcome::Done});
 }
 
+TEST_CASE("When a pause comes is told in every state, and where the print ends before there is none") {
+  const auto told = [](PrintState state) {
+    Bench bench;
+    bring_to(bench, state);
+    return std::string(bench.process.next_pause());
+  };
+  for (const S state : {S::WarmingUp, S::Homing})
+    CHECK(told(state) == "before the first layer");
+  for (const S state : {S::Lowering, S::Settling, S::Showing, S::Igniting, S::Exposing, S::Darkening,
+                        S::Extinguishing, S::Resting, S::Lifting})
+    CHECK(told(state) == "after this layer");
+  for (const S state : {S::Raising, S::Paused, S::Held})
+    CHECK(told(state) == "now");
+  for (const S state : {S::Interrupting, S::Braking})
+    CHECK(told(state) == "when the plate is up");
+  for (const S state : {S::Halting, S::Parking, S::Ending})
+    CHECK(told(state).empty());
+}
+
+TEST_CASE("A print's only layer can be paused before it, not in it") {
+  Bench bench;
+  bench.start(1);
+  REQUIRE(bench.run_to(S::Homing));
+  CHECK(bench.process.next_pause() == "before the first layer");
+  REQUIRE(bench.run_to(S::Exposing));
+  CHECK(bench.process.next_pause().empty());
+  bench.process.interrupt("the lid was opened");
+  CHECK(bench.process.next_pause() == "when the plate is up");
+  REQUIRE(bench.run_to(S::Paused));
+}
+
 TEST_CASE("A resume while the plate still rises for the pause goes on as soon as it is up") {
   Bench bench;
   bring_to(bench, S::Raising);

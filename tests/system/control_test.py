@@ -10,7 +10,7 @@ import time
 
 from harness import (
     BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon,
-    FolderTest, binary_stl, box, contourctl, main, run, wait_until,
+    FolderTest, binary_stl, box, contourctl, main, merge, run, wait_until,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
@@ -24,9 +24,10 @@ class ControlTest(FolderTest):
         self.daemon = Daemon(self, config).start()
         return self.daemon
 
-    def realtime(self, resin=None):
+    def realtime(self, resin=None, config=None):
         """A daemon in real time. By default its print stays in its first exposure; else layers take milliseconds."""
-        self.daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
+        config = merge(json.loads(json.dumps(REALTIME)), config or {})
+        self.daemon = Daemon(self, config, {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
         return self.daemon
 
     def printing(self):
@@ -98,7 +99,7 @@ class Protocol(ControlTest):
     def test_ids_may_be_strings_and_numbers(self):
         for number in (0, -1, 1.5, 2**53, "", "a \u00e4 \u2028", None):
             answer = self.answer(json.dumps({"jsonrpc": "2.0", "method": "queue", "id": number}))
-            self.assertEqual((answer["id"], answer["result"]), (number, {"queue": [], "more": 0}))
+            self.assertEqual((answer["id"], answer["result"]), (number, {"queue": [], "more": 0, "arriving": []}))
 
     def test_an_id_that_is_no_id_is_an_invalid_request(self):
         for number in ({}, [], [1], True, {"a": 1}):
@@ -373,6 +374,46 @@ class Commands(ControlTest):
         self.assertEqual(daemon.status()["state"], "exposing")
         daemon.stop()
 
+    def slow_to_move(self):
+        return self.realtime({"exposure_ms": 1}, {"z_axis": {"travel_speed_mm_s": 4, "homing_speed_mm_s": 4},
+                                                  "simulation": {"start_height_mm": 10}})  # fmt: skip
+
+    def test_a_pause_is_promised_for_when_it_comes(self):
+        daemon = self.slow_to_move()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("homing")
+        job = daemon.rpc("pause")["result"]["job"]
+        self.assertEqual((job["pause_pending"], job["pause"]), (True, "before the first layer"))
+        self.assertIn(b"pause before the first layer", daemon.ctl("status").stdout)
+        paused = daemon.wait_state("paused")
+        self.assertEqual((paused["job"]["layers_done"], paused["job"]["pause"]), (0, None))
+        daemon.rpc("resume")
+        daemon.wait_state("exposing")
+        self.assertEqual(daemon.rpc("pause")["result"]["job"]["pause"], "after this layer")
+        daemon.stop()
+
+    def test_a_print_that_goes_up_for_good_can_be_neither_paused_nor_cancelled(self):
+        daemon = self.slow_to_move()
+        daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 0.1))))  # 2 layers
+        daemon.wait_state("parking")
+        for method in ("pause", "cancel"):
+            self.assertIn("the plate goes up", self.error(method))
+        daemon.wait_done("part")
+        daemon.stop()
+
+    def test_a_print_that_is_being_cancelled_cannot_be_paused(self):
+        daemon = self.slow_to_move()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        daemon.rpc("cancel")
+        daemon.wait_state("parking")
+        self.assertIn("being cancelled", self.error("pause"))
+        self.assertIn("result", daemon.rpc("cancel"))  # it is
+        result = daemon.ctl("pause")
+        self.assertEqual((result.returncode, result.stdout), (FAILED, b""))
+        self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
+        daemon.stop()
+
     def test_a_cancel_in_every_situation_ends_the_print(self):
         daemon = self.printing()
         self.assertIn("result", daemon.rpc("cancel"))
@@ -464,7 +505,7 @@ class Contourctl(ControlTest):
             self.assertIn(word, text)
         self.assertEqual(json.loads(self.ctl("status", "--json"))["result"]["state"], "idle")
         self.assertIn("empty", self.ctl("queue"))
-        self.assertEqual(json.loads(self.ctl("queue", "--json"))["result"], {"queue": [], "more": 0})
+        self.assertEqual(json.loads(self.ctl("queue", "--json"))["result"], {"queue": [], "more": 0, "arriving": []})
         for command in ("pause", "resume", "cancel"):
             self.refused(command, "no print")
         self.ctl("plate-cleared")
@@ -545,6 +586,40 @@ class Contourctl(ControlTest):
         self.assertIn(b"bad: failed", out)
         daemon.stop()
 
+    def test_watch_of_a_job_that_is_nowhere_says_so_and_fails(self):
+        daemon = self.printing()
+        daemon.drop("next.stl", SMALL)
+        names, options = ("nothere", "par", "\x1b[31m\u202e"), ([], ["--json"])
+        for watcher in [self.watch("--job", name, *arguments) for name in names for arguments in options]:
+            out, err = watcher.communicate(timeout=DEADLINE_S)
+            self.assertEqual(watcher.returncode, FAILED)
+            self.assertNotIn(b"%", out)  # no other job's bar
+            self.assert_one_line(err, "there is no job")
+            self.assertNotIn(b"\x1b", err)
+        daemon.stop()
+
+    def test_watch_of_a_job_that_waits_shows_no_other_job_and_notices_when_it_is_taken_away(self):
+        daemon = self.printing()
+        daemon.drop("next.stl", SMALL)
+        os.mkdir(daemon.file("incoming", "plate"))
+        with open(daemon.file("incoming", "plate", "plate.json"), "w", encoding="utf-8") as file:
+            json.dump({"models": [{"file": "later.stl"}]}, file)
+        slow = open(daemon.file("incoming", "slow.stl"), "wb")
+        watchers = {name: self.watch("--job", name) for name in ("next", "plate", "slow.stl")}
+        for name, watcher in watchers.items():
+            name = name.removesuffix(".stl")
+            self.assertIn(f"{name}: waits while part is printed".encode(), watcher.stdout.readline())
+        slow.close()
+        for file in ("next.stl", "slow.stl", "plate/plate.json"):
+            os.unlink(daemon.file("incoming", file))
+        os.rmdir(daemon.file("incoming", "plate"))
+        for watcher in watchers.values():
+            out, err = watcher.communicate(timeout=DEADLINE_S)
+            self.assertEqual(watcher.returncode, FAILED)
+            self.assertNotIn(b"%", out)
+            self.assert_one_line(err, "there is no job")
+        daemon.stop()
+
     def test_watch_with_json_prints_one_message_a_line(self):
         daemon = self.fast()
         watcher = self.watch("--json")
@@ -591,7 +666,8 @@ class Contourctl(ControlTest):
     def watches(self, process):
         # It reads in recv when it has sent its request; until then the test would only see a refused connection.
         with open(f"/proc/{process.pid}/wchan", encoding="ascii") as file:
-            return "unix_stream" in file.read() or process.poll() is not None
+            where = file.read()
+            return "unix_stream" in where or "poll" in where or process.poll() is not None
 
     def test_without_a_daemon_it_says_so(self):
         for socket_path in (self.path("none.sock"), self.write("file", b""), self.folder, self.path("x" * 200)):

@@ -1,0 +1,40 @@
+// A connection of contourctl's to contourd: one JSON message a line. Not thread-safe.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "hw/file_descriptor.hpp"
+
+namespace contourd::ctl {
+
+class DaemonConnection {
+ public:
+  using Json = nlohmann::ordered_json;
+  using Time = std::chrono::steady_clock::time_point;
+
+  // Throws DaemonError when it cannot be made, as the calls below do when it breaks.
+  explicit DaemonConnection(const std::filesystem::path& path);
+
+  void send(const std::string& method, int id);
+  // Blocks.
+  Json receive() { return *receive_until(Time::max()); }
+  // Nothing when none comes until then.
+  std::optional<Json> receive_until(Time time);
+
+ private:
+  // False when the time has come before.
+  bool wait_until(Time time);
+
+  std::string path_;
+  FileDescriptor socket_;
+  std::string received_;
+};
+
+// How long the print of this job in a status takes still.
+[[nodiscard]] std::string time_left(const DaemonConnection::Json& job);
+
+}  // namespace contourd::ctl
