@@ -89,11 +89,11 @@ inline std::uint32_t paint_covered_block_plainly(std::uint32_t* cells, std::uint
 #if defined(__SSE2__)
 
 [[nodiscard]] inline std::uint64_t bits_of(const std::uint8_t* bytes) {
-  const auto sixteen = [bytes](int i) {
-    const __m128i values = _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes + 16 * i));
-    return static_cast<std::uint64_t>(_mm_movemask_epi8(_mm_slli_epi16(values, 7))) << (16 * i);
+  const auto sixteen_from = [bytes](std::size_t first) {
+    const __m128i values = _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes + first));
+    return static_cast<std::uint64_t>(_mm_movemask_epi8(_mm_slli_epi16(values, 7))) << first;
   };
-  return sixteen(0) | sixteen(1) | sixteen(2) | sixteen(3);
+  return sixteen_from(0) | sixteen_from(16) | sixteen_from(32) | sixteen_from(48);
 }
 
 inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
