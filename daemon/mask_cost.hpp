@@ -23,8 +23,8 @@ inline constexpr std::size_t kSampledLayers = 12;
                                                         std::span<const Nanometers> middles);
 
 // Computes the masks of such a sample. Throws JobRefused with the figures when one takes longer than the
-// budget by this thread's processor time: it may have to give way to others. Ends after so many budgets in
-// all, whatever is left of the sample.
+// budget by this thread's processor time: it may have to give way to others. Each is given up after so many
+// budgets by the clock.
 inline constexpr int kSampledBudgets = 4;
 void refuse_costly_masks(ContourEngine& engine, std::span<const Nanometers> thicknesses, Duration budget);
 

@@ -1293,7 +1293,11 @@ class DiskThatTakesNothing(SpoolTest):
         """After a kill in mid-print, twice. Nothing begins, and nothing is forgotten; once the disk is well, all is as ever."""
         daemon = self.printing_daemon()
         daemon.drop("next.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        # Whatever is being read when a daemon is killed is not read again by itself.
+        daemon.drop("bad.stl", b"no model")
+        daemon.wait_refused("bad")
+        for name in ("bad.stl", "bad.reason.txt"):
+            os.unlink(daemon.file("failed", name))
         self.becomes(state)
         for _ in range(2):
             daemon.kill()
