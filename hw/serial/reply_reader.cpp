@@ -111,7 +111,8 @@ std::optional<ReplyReader::Reply> ReplyReader::match(bool line, std::string_view
       const auto repeat = std::ranges::find_if(
           repeats_, [&](const Repeat& one) { return reply.doubtful && fits(*one.command, line, text); });
       if (repeat != repeats_.end()) repeats_.erase(repeat);
-      if (owed->repeated || reply.doubtful) repeats_.push_back({owed->request, owed->command, now + owed->patience});
+      if (owed->repeated || reply.doubtful)
+        repeats_.push_back({owed->request, owed->command, now + owed->patience});
       owed_.erase(owed_.begin(), owed + 1);
       for (Owed& next : owed_)
         next.until = std::max(next.until, now + next.patience);
