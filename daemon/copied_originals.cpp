@@ -4,8 +4,11 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <fstream>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "daemon/durable_file.hpp"
@@ -20,8 +23,20 @@ std::int64_t nanoseconds(const timespec& time) {
 }
 
 std::string identity_of(const struct stat& status) {
-  return fmt::format("{}:{}", status.st_dev, status.st_ino);
+  return std::to_string(status.st_ino);
 }
+
+std::set<std::string> identities_in(const fs::path& folder, std::error_code& code) {
+  std::set<std::string> there;
+  for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code)) {
+    struct stat status {};
+    if (::lstat(entry->path().c_str(), &status) == 0) there.insert(identity_of(status));
+  }
+  return there;
+}
+
+// Before the inode and the mark of what is expected.
+constexpr std::string_view kExpected = "copying ";
 
 std::string content_of(const struct stat& status) {
   return fmt::format(" {}:{}:{}", status.st_ino, status.st_size, nanoseconds(status.st_mtim));
@@ -65,8 +80,15 @@ std::vector<fs::path> parts_of(const JobFiles& job) {
 
 CopiedOriginals::CopiedOriginals(fs::path record) : record_(std::move(record)) {
   std::ifstream file(record_);
-  for (std::string line; std::getline(file, line);)
-    marks_.insert(line);
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with(kExpected)) {
+      marks_.insert(line);
+      continue;
+    }
+    line.erase(0, kExpected.size());
+    const std::size_t space = line.find(' ');
+    if (space != std::string::npos) expected_ = {line.substr(0, space), line.substr(space + 1)};
+  }
 }
 
 bool CopiedOriginals::contains(const JobFiles& job) const {
@@ -79,6 +101,13 @@ bool CopiedOriginals::contains(const JobFiles& job) const {
   return marks_.contains(mark);
 }
 
+void CopiedOriginals::expect(const std::string& mark, const fs::path& copy) {
+  struct stat status {};
+  if (::lstat(copy.c_str(), &status) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot find " + copy.string());
+  change([&](std::set<std::string>& marks) { marks.erase(mark); }, Expected{identity_of(status), mark});
+}
+
 void CopiedOriginals::add(const std::string& mark) {
   change([&](std::set<std::string>& marks) { marks.insert(mark); });
 }
@@ -88,12 +117,8 @@ void CopiedOriginals::remove(const std::string& mark) {
 }
 
 void CopiedOriginals::keep_those_in(const fs::path& incoming) {
-  std::set<std::string> there;
   std::error_code code;
-  for (fs::directory_iterator entry(incoming, code), end; !code && entry != end; entry.increment(code)) {
-    struct stat status {};
-    if (::lstat(entry->path().c_str(), &status) == 0) there.insert(identity_of(status));
-  }
+  const std::set<std::string> there = identities_in(incoming, code);
   if (code) return;
   change([&](std::set<std::string>& marks) {
     std::erase_if(marks,
@@ -101,16 +126,33 @@ void CopiedOriginals::keep_those_in(const fs::path& incoming) {
   });
 }
 
-void CopiedOriginals::change(const std::function<void(std::set<std::string>&)>& change) {
+void CopiedOriginals::settle(const fs::path& printing) {
+  if (!expected_) return;
+  std::error_code ignored;
+  const bool is_there = identities_in(printing, ignored).contains(expected_->copy);
+  const std::string mark = expected_->mark;
+  try {
+    if (is_there) return add(mark);
+    remove(mark);
+  } catch (const std::system_error&) {
+    expected_.reset();
+    if (is_there) marks_.insert(mark);
+  }
+}
+
+void CopiedOriginals::change(const std::function<void(std::set<std::string>&)>& change,
+                             const std::optional<Expected>& expected) {
   const std::lock_guard lock(mutex_);
   std::set<std::string> marks = marks_;
   change(marks);
-  if (marks == marks_) return;
+  if (marks == marks_ && !expected && !expected_) return;
   std::string text;
   for (const std::string& mark : marks)
     text += mark + "\n";
+  if (expected) text += fmt::format("{}{} {}\n", kExpected, expected->copy, expected->mark);
   write_durably(record_, text);
   marks_ = std::move(marks);
+  expected_ = expected;
 }
 
 }  // namespace contourd

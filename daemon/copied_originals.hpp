@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -20,21 +21,35 @@ class CopiedOriginals {
 
   [[nodiscard]] bool contains(const JobFiles& job) const;
   // Throw std::system_error.
+  //
+  // What has this mark is had once more by the folder or file `copy`, which comes to printing/ or goes from
+  // there in one step: until add() or remove(), a process that ends in between leaves it to settle().
+  void expect(const std::string& mark, const std::filesystem::path& copy);
   void add(const std::string& mark);
   void remove(const std::string& mark);
   // Forgets what is not in the folder any more. Throws std::system_error.
   void keep_those_in(const std::filesystem::path& incoming);
+  // An original whose copy lies in printing/ has had its turn, another has not. What the disk does not take
+  // is known to this process.
+  void settle(const std::filesystem::path& printing);
 
  private:
-  void change(const std::function<void(std::set<std::string>&)>& change);
+  // A copy on its way, by its inode.
+  struct Expected {
+    std::string copy, mark;
+  };
+
+  void change(const std::function<void(std::set<std::string>&)>& change,
+              const std::optional<Expected>& expected = std::nullopt);
 
   std::filesystem::path record_;
   mutable std::mutex mutex_;
   std::set<std::string> marks_;
+  std::optional<Expected> expected_;
 };
 
-// What tells a job in incoming/ from every other: device, inode, sizes and times. Renamed, or with other
-// rights, it is the same.
+// What tells a job in incoming/ from every other: inodes, sizes and times. Renamed, or with other rights, it
+// is the same. So it is after a restart of the computer, which may give its disk another number.
 [[nodiscard]] std::string mark_of(const JobFiles& job);
 
 // The files that a job consists of: a model and its ticket, or a plate's ticket and the models that it names.

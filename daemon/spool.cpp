@@ -59,6 +59,7 @@ Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
       disk_(loop) {
   make_folders();
   remove_leftovers();
+  originals_.settle(folder(Folder::Printing));
 }
 
 void Spool::make_folders() {
@@ -216,6 +217,7 @@ Spool::Copy Spool::copy_to_printing(const std::string& file) {
     if (to.ticket) copy.ticket = copies / to.ticket->filename();
     copy_job(from, copy, free_bytes(), stop_copying_);
     forget_end_of_print();
+    originals_.expect(mark, copy.model);
     move_job(copy, to);
     std::error_code ignored;
     fs::remove(copies, ignored);
@@ -242,9 +244,18 @@ Spool::Copy Spool::copy_to_printing(const std::string& file) {
 }
 
 void Spool::take_back(const JobFiles& copy) {
-  originals_.remove(mark_of(files_of(Folder::Incoming, copy.original)));
+  const std::string mark = mark_of(files_of(Folder::Incoming, copy.original));
+  const fs::path copies = folder(Folder::Printing) / kCopies;
+  fs::create_directories(copies);
+  originals_.expect(mark, copy.model);
+  // At once: half of it would be taken for a print.
+  fs::rename(copy.model, copies / copy.model.filename());
+  sync_folder(folder(Folder::Printing));
+  originals_.remove(mark);
   watch_.remove_original(copy.original);
-  remove_job(copy);
+  std::error_code ignored;
+  if (copy.ticket) fs::remove(*copy.ticket, ignored);
+  fs::remove_all(copies, ignored);
 }
 
 void Spool::give_back(const JobFiles& files) {
@@ -303,12 +314,39 @@ void Spool::write_beside(Folder where, const std::string& name, const std::strin
   write_durably(folder(where) / (name + "." + suffix), text);
 }
 
+// A ticket is moved after its model. Where that was cut off it lies in incoming/ still, and is older there
+// than its model is in printing/.
+void Spool::bring_ticket_of(const std::string& file) const {
+  const JobFiles job = files_of(Folder::Printing, file);
+  const std::string ticket = job.name + ".json";
+  const fs::path left = folder(Folder::Incoming) / ticket;
+  std::error_code code;  // where it cannot be moved it stays for its model to be put in again
+  if (job.plate || job.ticket || !folders_.models_of_ticket(ticket).empty()) return;
+  if (change_time(left) < change_time(job.model)) fs::rename(left, folder(Folder::Printing) / ticket, code);
+}
+
+// Where what lies in printing/ and is no job's belongs: a ticket to its model.
+Spool::Folder Spool::folder_of_lost(const std::string& ticket) const {
+  if (!ticket.ends_with(".json")) return Folder::Failed;
+  std::error_code code;
+  const auto lacks_it = [&](const fs::path& model) {
+    return fs::exists(fs::symlink_status(model, code)) &&
+           !fs::exists(fs::symlink_status(model.parent_path() / ticket, code));
+  };
+  for (const fs::path& model : folders_.models_of_ticket(ticket)) {
+    if (lacks_it(model)) return Folder::Incoming;
+  }
+  const bool is_done = lacks_it((folder(Folder::Done) / ticket).replace_extension(".stl"));
+  return is_done ? Folder::Done : Folder::Failed;
+}
+
 std::vector<JobFiles> Spool::interrupted() {
   std::vector<JobFiles> jobs;
   std::vector<fs::path> others;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder(Folder::Printing))) {
     const std::string file = entry.path().filename().string();
     if (is_model_name(file) || folders_.is_plate(Folder::Printing, file)) {
+      bring_ticket_of(file);
       jobs.push_back(files_of(Folder::Printing, file));
     } else {
       others.push_back(entry.path());
@@ -318,11 +356,8 @@ std::vector<JobFiles> Spool::interrupted() {
     const bool belongs_to_job =
         std::any_of(jobs.begin(), jobs.end(), [&](const JobFiles& job) { return job.ticket == other; });
     if (belongs_to_job) continue;
-    const bool claimed_too_early =
-        !folders_.models_of_ticket(other.filename()).empty() &&
-        !fs::exists(fs::symlink_status(folder(Folder::Incoming) / other.filename()));
     std::error_code code;  // where it cannot be moved it waits for the next start
-    fs::rename(other, folder(claimed_too_early ? Folder::Incoming : Folder::Failed) / other.filename(), code);
+    fs::rename(other, folder(folder_of_lost(other.filename())) / other.filename(), code);
   }
   return jobs;
 }

@@ -115,7 +115,8 @@ class Spool {
                     const std::string& text) const;
 
   // Models and plates left in printing/ by a daemon that did not end its print. What else lies there goes to
-  // failed/, or back to incoming/ if it is the ticket of a model there, as far as that is possible.
+  // failed/, or back to incoming/ or on to done/ if it is the ticket of a model there, as far as that is
+  // possible.
   [[nodiscard]] std::vector<JobFiles> interrupted();
 
   // The job whose part is on the plate, or nothing when the plate is clear. Survives restarts.
@@ -145,6 +146,8 @@ class Spool {
   [[nodiscard]] std::optional<std::string> first_line_of(const char* file) const;
   void keep_line(const char* file, const std::optional<std::string>& line) const;
   void forget_end_of_print() const;
+  void bring_ticket_of(const std::string& file) const;
+  [[nodiscard]] Folder folder_of_lost(const std::string& ticket) const;
 
   void move_job(const JobFiles& from, const JobFiles& to) const;
   void move_ticket(const JobFiles& from, const JobFiles& to, bool shared) const;

@@ -94,7 +94,8 @@ JobFiles SpoolFolders::named(SpoolFolder where, const std::string& name, const J
 
 std::string SpoolFolders::unused_name(const std::string& stem) const {
   const auto is_used_in = [this](SpoolFolder where, const std::string& name) {
-    for (const char* suffix : {"", ".stl", ".json", ".report.json", ".reason.txt"}) {
+    // A reason alone is no job: a power cut leaves it without its file, which gets it again.
+    for (const char* suffix : {"", ".stl", ".json", ".report.json"}) {
       if (is_there(path(where) / (name + suffix))) return true;
     }
     return false;

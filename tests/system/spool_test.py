@@ -614,6 +614,34 @@ class Members(SpoolTest):
         wait_until(lambda: self.printer.status()["deletable"] == [], "its word")
         self.printer.stop()
 
+    def cut_off_copy(self):
+        """A printed plate whose copy lies in printing/ again; its inode, and the mark of its original."""
+        self.plate_at_home("plate")
+        self.member("cp -r plate $incoming/")
+        self.printer.wait_done("plate")
+        self.printer.kill()
+        os.rename(self.printer.file("done", "plate"), self.printer.file("printing", "plate"))
+        for name in self.printer.names_in("done"):
+            os.remove(self.printer.file("done", name))
+        with open(self.path("state", "copied-originals"), encoding="utf-8") as file:
+            return os.stat(self.printer.file("printing", "plate")).st_ino, file.read()
+
+    def test_a_power_cut_behind_a_copy_prints_it_no_second_time(self):
+        inode, mark = self.cut_off_copy()
+        self.write("state/copied-originals", f"copying {inode} {mark}")
+        self.printer.start()
+        self.assertEqual(self.printer.names_in("failed"), ["plate", "plate.reason.txt"])
+        self.printer.rpc("resume")
+        self.is_not_printed_again("plate")
+
+    def test_a_power_cut_before_the_copy_is_in_its_place_loses_no_plate(self):
+        inode, mark = self.cut_off_copy()
+        self.write("state/copied-originals", f"copying {inode} {mark}")
+        os.rename(self.printer.file("printing", "plate"), self.path("home", "gone"))
+        self.printer.start()
+        self.printer.wait_done("plate")
+        self.is_not_printed_again("plate")
+
     def test_models_of_any_owner_are_moved(self):
         self.write("home/model.stl", SMALL)
         self.member("cp model.stl $incoming/copied.stl")
@@ -1758,6 +1786,41 @@ class Interruption(SpoolTest):
         end = daemon.watcher.wait_for(lambda m: m.get("method") == "ended", "the end")["params"]["last"]
         if end["outcome"] == "done":
             self.assertEqual(daemon.report(end["job"])["model"]["copies"], 3)
+        daemon.stop()
+
+    def test_a_job_whose_ticket_was_not_claimed_yet_keeps_it(self):
+        # The other way round. A ticket that is younger than the claim is another job's.
+        daemon = self.daemon()
+        for name in ("part", "other"):
+            daemon.drop(name + ".stl", SMALL, {"copies": 3} if name == "part" else None)
+            os.makedirs(daemon.file("printing"), exist_ok=True)
+            os.rename(daemon.file("incoming", name + ".stl"), daemon.file("printing", name + ".stl"))
+        self.write(os.path.relpath(daemon.file("incoming", "other.json"), self.path()), b"{}")
+        daemon.start()
+        self.assertTrue(daemon.has("failed", "part.json"))
+        self.assertFalse(daemon.has("failed", "other.json"))
+        self.assertEqual(daemon.names_in("incoming"), ["other.json"])
+        daemon.stop()
+
+    def test_a_job_whose_ticket_was_not_filed_yet_gets_it(self):
+        daemon = self.daemon()
+        for folder in ("done", "failed"):
+            daemon.drop(folder + ".stl", SMALL, {"copies": 3})
+            os.makedirs(daemon.file(folder), exist_ok=True)
+            os.makedirs(daemon.file("printing"), exist_ok=True)
+            os.rename(daemon.file("incoming", folder + ".stl"), daemon.file(folder, folder + ".stl"))
+            os.rename(daemon.file("incoming", folder + ".json"), daemon.file("printing", folder + ".json"))
+        daemon.start()
+        for folder in ("done", "failed"):
+            self.assertEqual(daemon.names_in(folder), [folder + ".json", folder + ".stl"])
+        daemon.stop()
+
+    def test_a_refused_job_whose_reason_alone_was_written_is_filed_with_it(self):
+        daemon = self.daemon().start()
+        self.write(os.path.relpath(daemon.file("failed", "bad.reason.txt"), self.path()), b"not a usable STL file")
+        daemon.drop("bad.stl", b"no model")
+        daemon.wait_refused("bad")
+        self.assertEqual(daemon.names_in("failed"), ["bad.reason.txt", "bad.stl"])
         daemon.stop()
 
     def test_a_second_daemon_leaves_the_first_ones_print_alone(self):
