@@ -318,7 +318,7 @@ TEST_CASE("A damaged gyroid's masks hardly differ from the intact ones but where
 // At the height of a whole plane of vertices, within what they have moved by, facets are crossed at random; a
 // contour goes on at most at the other end of the next side.
 TEST_CASE("No bridge of a shaken lattice is longer than two of its sides") {
-  constexpr int kCells = 32;
+  constexpr int kCells = 24;
   constexpr double kRadius = 12, kPeriod = 2;
   const Facets whole = models::gyroid_sphere(kRadius, kPeriod, kCells);
   double longest = 0;

@@ -61,7 +61,11 @@ TEST_CASE(
   while (results.size() < 2)
     loop.wait();
   CHECK(results == std::vector{1, 2});
-  CHECK_FALSE(loop.is_readable());
+  // A result may be taken before its thread has said that it is there: a call for nothing follows then, not
+  // more.
+  while (loop.is_readable())
+    loop.wait();
+  CHECK(results.size() == 2);
 }
 
 TEST_CASE("When it goes it waits for the call under way, and hands nothing back") {
