@@ -40,9 +40,7 @@ class Place:
 
 def broken_rules(jobs, cut):
     """A sentence each."""
-    if cut.trouble:
-        return [cut.trouble]
-    broken = []
+    broken = [cut.trouble] if cut.trouble else []
     for job in jobs:
         for item in job.items:
             broken += [f"{job.name}: {sentence}" for sentence in _broken_by(job, item, cut)]

@@ -13,6 +13,17 @@ DISK=/disk
 SPOOL=$DISK/spool
 OUT=/run/out
 
+# within SECONDS WHAT COMMAND...: asks until then by the clock, however slow the machine is.
+within() {
+  end=$(($(date +%s) + $1))
+  what=$2
+  shift 2
+  until "$@"; do
+    [ "$(date +%s)" -lt $end ] || fail "waited in vain for $what"
+    sleep 0.1
+  done
+}
+
 # --- the daemon and its owner
 
 # As the unit runs it, with what it keeps on the disk as well: start_daemon CONFIGURATION
@@ -21,7 +32,7 @@ start_daemon() {
   setpriv --reuid contourd --regid contourd --clear-groups --inh-caps +lease --ambient-caps +lease \
     env STATE_DIRECTORY=$DISK/state contourd --config "/etc/contourd/$1.json" 2>>$OUT/daemon.log &
   DAEMON=$!
-  (wait_for 60 "the daemon to be ready" test -S /run/contourd/control.sock)
+  (within 60 "the daemon to be ready" test -S /run/contourd/control.sock)
 }
 
 stop_daemon() {
@@ -72,7 +83,7 @@ give() {
 
 # ended JOB OUTCOME [NAME]: under that name, where the daemon had to find one.
 ended() {
-  wait_for 120 "the end of $1" has_told "${3:-$1}" "$2"
+  within 120 "the end of $1" has_told "${3:-$1}" "$2"
   case $2 in done) mark "done:$1" ;; *) mark "failed:$1" ;; esac
 }
 
@@ -84,8 +95,8 @@ prints() {
 # Its first light was on; then it waits.
 begins() {
   give "$1"
-  wait_for 60 "the print of $1" pauses
-  wait_for 60 "the first light of $1" occupies_plate "$1"
+  within 60 "the print of $1" pauses
+  within 60 "the first light of $1" occupies_plate "$1"
   mark "begun:$1"
 }
 
@@ -120,8 +131,8 @@ in_a_queue() {
   ended broken-plate failed
   contourctl cancel >/dev/null
   ended cancelled cancelled
-  wait_for 120 "the twins" has_told twin "done"
-  wait_for 120 "the twins" has_told twin-2 "done"
+  within 120 "the twins" has_told twin "done"
+  within 120 "the twins" has_told twin-2 "done"
   mark done:twins
   ended queued "done"
 }
@@ -214,7 +225,7 @@ cut_power() {
   start_daemon printer >$OUT/trouble
   contourctl status --json >$OUT/status
   ! grep -q '"held":"' $OUT/status || contourctl resume >/dev/null
-  (wait_for 60 "the queue to be empty" at_rest) >>$OUT/trouble
+  (within 60 "the queue to be empty" at_rest) >>$OUT/trouble || cat $OUT/status.now >>$OUT/trouble
   stop_daemon
   echo $? >$OUT/exit_code
   keep_state after
