@@ -71,7 +71,8 @@ void wait_for_file(const char* path, bool writes) {
 }
 
 mode_t mode_of(int flags, va_list more) {
-  return (flags & O_CREAT) != 0 ? va_arg(more, mode_t) : 0;
+  const bool makes_file = (flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE;
+  return makes_file ? va_arg(more, mode_t) : 0;
 }
 
 }  // namespace
