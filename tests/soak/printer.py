@@ -1,0 +1,238 @@
+"""The printer that is soaked: a contourd that is started, disturbed and killed again and again. As root, it has a user of its
+own and its folders have the rights that they have on a printer; hostile programs run as a member of its group."""
+
+import contextlib
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unicodedata
+
+from harness import BIN, NIMBLE_AXIS, NIMBLE_RESIN, SANITIZED, SOURCE, Daemon, merge
+from process_figures import Waits, memory_mb
+
+GROUP, SERVICE, MEMBER = 64000, 64001, 64002  # nobody else's
+AS_ROOT = os.geteuid() == 0
+HERE = os.path.dirname(os.path.abspath(__file__))
+DISK_MB = 200
+
+# A machine whose jobs take seconds in real time, and a display whose masks are soon written.
+MACHINE = {
+    "z_axis": {**NIMBLE_AXIS, "travel_mm": 12}, "projector": {"warm_up_s": 0}, "display": {"width_px": 480, "height_px": 270},
+    "simulation": {"start_height_mm": 0}, "memory_limit_mb": 300,
+}  # fmt: skip
+RESIN = {**NIMBLE_RESIN, "exposure_ms": 20, "bottom_exposure_ms": 50}
+
+
+class Folder:
+    """What the harness's daemon asks of a test: a folder, and what to do in the end."""
+
+    def __init__(self, path, on_exit):
+        self.folder, self.addCleanup = path, on_exit.callback
+        os.mkdir(path)
+
+
+def new_daemon(folder):
+    daemon = Daemon(folder, MACHINE, RESIN, masks=True)
+    daemon.write_resin("growing", {**RESIN, "growth_um": 60, "elephant_foot_um": 40, "elephant_foot_height_um": 200})
+    return daemon
+
+
+def small_disk(path, on_exit):
+    """A disk of its own for the spool, which can be full; why not, where that is not possible."""
+    os.mkdir(path)
+    if not AS_ROOT:
+        return "only root can mount a disk that is full at times"
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={DISK_MB}m", "soak", path], capture_output=True, check=False)
+    if mounted.returncode != 0:
+        return f"no disk can be mounted that is full at times: {mounted.stderr.decode().strip()}"
+    on_exit.callback(subprocess.run, ["umount", "-l", path], check=False)
+    return None
+
+
+class Printer:
+    def __init__(self, folder, on_exit):
+        self.folder = os.path.join(folder, "printer")
+        self.daemon = new_daemon(Folder(self.folder, on_exit))
+        self.disk = os.path.join(self.folder, "disk")
+        self.without_full_disk = small_disk(self.disk, on_exit)
+        self.daemon.spool = os.path.join(self.disk, "spool")
+        self.slow = self.daemon.put_on_slow_disk()
+        self.give_back = os.path.join(self.folder, "give-back")
+        self.daemon.config["spool_folder"] = self.daemon.spool
+        self.plain = json.dumps(self.daemon.config)
+        self.state, self.home = os.path.join(self.disk, "state"), os.path.join(self.disk, "home")
+        self.lives = 0
+        self.hostile = []
+        self.waits = Waits()
+        on_exit.callback(self.waits.close)
+        on_exit.callback(self.stop_hostile)
+        self._make_folders()
+
+    def _make_folders(self):
+        daemon = self.daemon
+        os.mkdir(self.state)
+        os.mkdir(self.home)
+        for name in ("run", "secrets", "masks"):
+            os.mkdir(self.path(name))
+        with open(os.path.join(SOURCE, "systemd", "contourd.tmpfiles"), encoding="utf-8") as file:
+            folders = [line.split() for line in file if line.startswith("d ")]
+        for _, path, mode, *_ in folders:
+            path = path.replace("/var/spool/contourd", daemon.spool)
+            os.mkdir(path)
+            if AS_ROOT:
+                os.chown(path, SERVICE, GROUP)
+            os.chmod(path, int(mode, 8))
+        daemon.config["control_socket"] = daemon.socket_path = self.path("run", "control.sock")
+        self.plain = json.dumps(daemon.config)
+        if not AS_ROOT:
+            return
+        os.chown(self.home, MEMBER, MEMBER)
+        for path in (self.state, self.path("run"), self.path("masks")):
+            os.chown(path, SERVICE, GROUP)
+        for path in (self.folder, self.path("slow")):
+            os.chmod(path, 0o777)  # the harness's notify socket; what a slow disk says
+        daemon.rights = {"user": SERVICE, "group": GROUP, "extra_groups": [], "umask": 0o002}
+
+    def path(self, *parts):
+        return os.path.join(self.folder, *parts)
+
+    # --- a life, from a start to an end
+
+    def start(self, changes, slow_disk):
+        self.lives += 1
+        daemon = self.daemon
+        daemon.config = merge(json.loads(self.plain), changes)
+        daemon.write_config()
+        daemon.environment = {"STATE_DIRECTORY": self.state}
+        if not SANITIZED:  # AddressSanitizer wants to be loaded first
+            libraries = ["give-back", *(["slow-disk"] if slow_disk else [])]
+            daemon.environment["LD_PRELOAD"] = " ".join(os.path.join(BIN, f"lib{name}.so") for name in libraries)
+            daemon.environment |= {"SLOW_DISK": self.slow, "GIVE_BACK": self.give_back}
+        daemon.log_path = self.path(f"contourd-{self.lives}.log")
+        daemon.start()
+        daemon.watcher.close()
+        self.client = daemon.client()
+        self.waits.watch(daemon.process.pid)
+
+    @property
+    def pid(self):
+        return self.daemon.process.pid
+
+    def memory_held_mb(self):
+        """What is freed counts no more."""
+        with open(self.give_back, "wb"):
+            time.sleep(0.3)  # twice as long as the daemon's library takes, and more
+        os.unlink(self.give_back)
+        return memory_mb(self.pid)
+
+    def status(self):
+        """With how long the answer took, in s."""
+        asked = time.monotonic()
+        self.client.seen.clear()
+        result = self.call("status")["result"]
+        return result, time.monotonic() - asked
+
+    def call(self, method):
+        """Root's connection stays; that of a flood's own user may have to be made again."""
+        while True:
+            try:
+                return self.client.call(method)
+            except (OSError, AssertionError) as error:
+                if AS_ROOT or "in vain" in str(error) or not self.daemon.alive():
+                    raise AssertionError(f"{method} has no answer: {error}; contourd ended with {self.daemon.process.poll()}") from None
+                self.client = self.daemon.client()
+
+    def freeze(self, seconds):
+        self.daemon.process.send_signal(signal.SIGSTOP)
+        time.sleep(seconds)
+        self.daemon.process.send_signal(signal.SIGCONT)
+        self.waits.stopped_for(seconds)
+
+    def log_trouble(self):
+        """What is wrong with this life's log: a terminal would do something with it, or it is beyond measure."""
+        with open(self.daemon.log_path, "rb") as file:
+            for line in file:
+                try:
+                    text = line.decode("utf-8").rstrip("\n")
+                except UnicodeDecodeError:
+                    return f"the log has a line that is no UTF-8: {line[:200]!r}"
+                if any(does_something(char) for char in text):
+                    return f"the log has a line that cannot be printed: {line[:200]!r}"
+                if text.startswith("break"):  # the second half of a hostile name
+                    return f"a file's name has broken a line of the log: {line[:200]!r}"
+                if len(line) > 20000:
+                    return f"the log has a line of {len(line)} bytes: {line[:200]!r}"
+        return None
+
+    def busiest_turns(self):
+        """What the log says of turns that were too long: {job: (ms, ms of computing)}."""
+        found = re.compile(r"(\S+): .* kept the event loop busy for ([\d.]+) ms, of which ([\d.]+) ms were computing")
+        with open(self.daemon.log_path, encoding="utf-8", errors="replace") as file:
+            return {m[1]: (float(m[2]), float(m[3])) for m in map(found.search, file) if m}
+
+    def forget_old_logs(self):
+        old = self.path(f"contourd-{self.lives - 5}.log")
+        if os.path.exists(old):
+            os.unlink(old)
+
+    # --- others
+
+    def start_hostile(self, seed):
+        incoming = self.daemon.file("incoming")
+        for script, *arguments in (("hostile_files.py", incoming, self.home, self.path("secrets")),
+                                   ("hostile_clients.py", self.daemon.socket_path)):  # fmt: skip
+            rights = f"{MEMBER},{GROUP}" if AS_ROOT else ""
+            with open(self.path(script[:-3] + ".log"), "ab") as log:
+                self.hostile.append(subprocess.Popen(
+                    [sys.executable, "-B", os.path.join(HERE, script), rights, str(seed), *arguments],
+                    stdin=subprocess.DEVNULL, stdout=log, stderr=log, cwd=self.home))
+
+    def stop_hostile(self):
+        for process in self.hostile:
+            process.kill()
+            process.wait()
+        self.hostile = []
+
+    def hostile_that_died(self):
+        return next((process for process in self.hostile if process.poll() is not None), None)
+
+    def remove_hostile_files(self, folder):
+        """As an owner does who finds them: all that is called bad."""
+        for name in os.listdir(self.daemon.file(folder)):
+            if name.startswith(("bad", ".contourd-")) or folder == "incoming" and name.startswith("."):
+                remove(self.daemon.file(folder, name))
+
+    def fill_disk(self, full):
+        path = os.path.join(self.disk, "fill")
+        if not full:
+            os.unlink(path)
+            return
+        with open(path, "wb") as file:
+            size = 0
+            for block in (1 << 20, 1 << 12):  # others write meanwhile
+                with contextlib.suppress(OSError):
+                    while True:
+                        os.posix_fallocate(file.fileno(), size, block)
+                        size += block
+
+
+def does_something(char):
+    """To a terminal, or to how the rest of the line looks: controls, line ends, and what turns the direction."""
+    return unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") or unicodedata.bidirectional(char) in (
+        "LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")  # fmt: skip
+
+
+def remove(path):
+    if os.path.isdir(path) and not os.path.islink(path):
+        os.chmod(path, 0o700)
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        try:
+            os.unlink(path)
+        except FileNotFoundError:
+            pass
