@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "daemon/config/json_document.hpp"
+#include "daemon/config/printable.hpp"
 #include "daemon/copied_originals.hpp"
 #include "daemon/durable_file.hpp"
 
@@ -23,7 +24,7 @@ FileDescriptor open_part(const fs::path& path) {
   try {
     return open_regular_file(path, Links::Refuse);
   } catch (const UnreadableFile& error) {
-    throw JobUnreadable(fmt::format("cannot read {}: {}", path.string(), error.what()));
+    throw JobUnreadable(fmt::format("cannot read {}: {}", printable(path.string()), error.what()));
   }
 }
 

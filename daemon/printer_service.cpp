@@ -585,10 +585,11 @@ void PrinterService::start_print() {
   try {
     active_->masks = machine_.begin_job(name);
   } catch (const std::system_error& error) {
-    log_.error("refused", fmt::format("{}: {}", printable(name), printable(error.what())), job_fields(name));
-    file_job(active_->files, Spool::Folder::Failed, std::string(error.what()) + "\n");
+    const std::string reason = printable(error.what());
+    log_.error("refused", fmt::format("{}: {}", printable(name), reason), job_fields(name));
+    file_job(active_->files, Spool::Folder::Failed, reason + "\n");
     active_.reset();
-    ended(name, "failed", error.what());
+    ended(name, "failed", reason);
     return pump_soon();
   }
   active_->started = clock_.now();

@@ -668,6 +668,14 @@ class Members(SpoolTest):
         self.assertIn("folder", self.printer.wait_refused("folder"))
         self.is_not_printed_again("closed", "folder.stl")
 
+    def test_the_name_of_what_may_not_be_read_does_nothing_to_a_terminal(self):
+        self.plate_at_home("closed")
+        self.member('chmod 0 closed/part.stl; mv closed "$incoming/line\nbreak"')
+        reason = self.printer.wait_refused("line\nbreak")
+        self.assertIn("Permission denied", reason)
+        self.assertEqual(reason.count("\n"), 1, reason)
+        self.printer.stop()
+
     def test_a_bad_plate_is_refused_while_another_job_waits(self):
         # Checked in the queue, behind a plate that is not clear.
         self.printer.stop()
@@ -767,6 +775,33 @@ class OddNames(SpoolTest):
                     self.assert_harmless(daemon.read(folder, name), name)
         daemon.drop("pause.stl", b"no model")
         daemon.wait_ended("pause")
+        daemon.stop()
+
+    @unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
+    def test_an_odd_name_in_what_the_kernel_said_no_to_is_harmless_too(self):
+        daemon = self.daemon()
+        slow = daemon.put_on_slow_disk()
+        daemon.start()
+        for odd in self.ODD:
+            os.symlink("nowhere", daemon.file("incoming", f"link{odd}.stl"))
+            daemon.wait_ended(f"link{odd}")
+            self.assert_harmless(daemon.read("failed", f"link{odd}.reason.txt"), "reason")
+        open(os.path.join(slow, "full"), "wb").close()
+        for odd in self.ODD:
+            daemon.drop(f"bad{odd}.stl", b"no model")
+            daemon.wait_ended(f"bad{odd}")
+        self.assert_harmless(daemon.log(), "log")
+        daemon.stop()
+
+    def test_an_odd_name_of_a_job_that_the_machine_cannot_begin_is_harmless_too(self):
+        daemon = self.daemon(masks=True)
+        self.write("masks", b"no folder")
+        daemon.start()
+        for odd in self.ODD:
+            daemon.drop(f"good{odd}.stl", SMALL)
+            self.assertEqual(daemon.wait_ended(f"good{odd}")["outcome"], "failed")
+            self.assert_harmless(daemon.read("failed", f"good{odd}.reason.txt"), "reason")
+        self.assert_harmless(daemon.log(), "log")
         daemon.stop()
 
 
