@@ -277,11 +277,20 @@ void PrinterService::incoming_replaced() {
 }
 
 void PrinterService::model_withdrawn(const std::string& file) {
-  // What is refused is taken away by the spool itself.
-  const auto is_gone = [&](const QueuedJob& job) {
-    return job.file == file && job.check != QueuedJob::Check::Refused;
-  };
-  if (std::erase_if(queue_, is_gone) == 0) return;
+  const auto job =
+      std::find_if(queue_.begin(), queue_.end(), [&](const QueuedJob& q) { return q.file == file; });
+  if (job == queue_.end()) return;
+  if (job->check == QueuedJob::Check::Refused) {
+    // Most likely the spool took it: rejected() knows.
+    job->withdrawn = true;
+    return;
+  }
+  remove_withdrawn(job);
+}
+
+void PrinterService::remove_withdrawn(std::deque<QueuedJob>::iterator job) {
+  const std::string file = job->file;
+  queue_.erase(job);
   log_.info("withdrawn", fmt::format("{}: taken away by the owner", printable(file)), file_fields(file));
   pump();
 }
@@ -531,7 +540,9 @@ void PrinterService::rejected(const std::string& file, const std::string& reason
   });
   if (rejection == Spool::Rejection::Unfinished) {
     // It comes back when it is whole, and is checked then.
-    if (job != queue_.end()) job->check = QueuedJob::Check::Passed;
+    if (job == queue_.end()) return pump();
+    if (job->withdrawn) return remove_withdrawn(job);
+    job->check = QueuedJob::Check::Passed;
     return pump();
   }
   if (job != queue_.end()) queue_.erase(job);

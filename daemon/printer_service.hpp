@@ -59,6 +59,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
       Postponed,  // there is no room for it in memory beside what is there now
       Refused,    // on its way to failed/
     } check = Check::Wanted;
+    bool withdrawn = false;   // on its way to failed/ it went, by the owner's hand or by the spool's
     std::string postponed{};  // why, already told; empty when it was not
     bool waited = false;      // for another print, or for the plate
     std::string trouble;      // why it could not be claimed, already told
@@ -153,6 +154,7 @@ class PrinterService final : private SpoolObserver, private PrintObserver {
   void postpone(QueuedJob& job, const std::string& why);
   // Those have their check again for which there was no room: some memory may be free by now.
   void check_postponed();
+  void remove_withdrawn(std::deque<QueuedJob>::iterator job);
   void reject(QueuedJob& job, const std::string& reason);
   void rejected(const std::string& file, const std::string& reason, Spool::Rejection rejection,
                 const std::string& trouble);

@@ -572,7 +572,7 @@ class Members(SpoolTest):
 
     def is_not_printed_again(self, *jobs):
         """Nor refused again: not now, not after a restart."""
-        self.assertEqual(self.printer.status()["deletable"], list(jobs))
+        wait_until(lambda: self.printer.status()["deletable"] == list(jobs), "its word")
         self.printer.stop()
         self.printer.start()
         self.printer.drop("another.stl", SMALL)
@@ -1208,6 +1208,26 @@ class SlowDisk(SpoolTest):
         self.assertNotIn("taken away", daemon.log())
         daemon.stop()
 
+    def test_what_is_taken_away_while_it_is_refused_leaves_the_queue(self):
+        daemon = self.daemon(WAITS)
+        slow = daemon.put_on_slow_disk()
+        daemon.environment["STATE_DIRECTORY"] = self.path("state")  # where another disk answers
+        daemon.start()
+        daemon.drop("first.stl", SMALL)
+        daemon.wait_done("first")
+        open(os.path.join(slow, "writes"), "wb").close()
+        daemon.drop("bad.stl", b"no model")
+        wait_until(lambda: os.path.exists(os.path.join(slow, "waiting")), "the reason that waits for the disk")
+        os.rename(daemon.file("incoming", "bad.stl"), self.path("bad.stl"))
+        for _ in range(2):
+            daemon.status()  # by its answer it has seen the events
+        self.assertEqual(daemon.status()["queued"], 1)
+        os.unlink(os.path.join(slow, "writes"))
+        wait_until(lambda: daemon.status()["queued"] == 0, "an empty queue", 10)
+        self.assertIn("bad.stl: taken away by the owner", daemon.log())
+        self.assertFalse(daemon.has("failed", "bad.reason.txt"))
+        daemon.stop()
+
     def arrives(self, name):
         daemon, slow = self.printing_on_slow_disk()
         open(os.path.join(slow, "reads"), "wb").close()
@@ -1709,6 +1729,9 @@ class Interruption(SpoolTest):
         daemon = self.printing_daemon()
         daemon.drop("next.stl", SMALL)
         wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        # Read one after the other. What is being read when the daemon is killed is not read again.
+        daemon.drop("last.stl", b"no model")
+        daemon.wait_refused("last")
         end(daemon)
         for _ in range(2):
             daemon.start()
