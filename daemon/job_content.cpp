@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/mesh_soundness.hpp"
+#include "core/repair/mesh_soundness.hpp"
 #include "daemon/config/printable.hpp"
 
 namespace contourd {

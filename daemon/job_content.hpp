@@ -7,9 +7,10 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "core/contour_engine.hpp"
+#include "core/engine/contour_engine.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/job_memory.hpp"
 #include "daemon/memory_room.hpp"
@@ -42,8 +43,11 @@ class JobContent {
   void require_room_to_mend(std::span<const Facet> facets);
   void require_room_for_masks(std::span<const PlateModel> models, bool moved) const;
 
-  // Of a file, once it is read; its facets are elsewhere when they have been taken.
-  [[nodiscard]] const StlModel& stl(std::size_t file) const { return read_[file]; }
+  [[nodiscard]] std::string_view format(std::size_t file) const { return files_[file].outline().format; }
+  // Of a file, once it is read.
+  [[nodiscard]] const std::vector<std::string>& warnings(std::size_t file) const {
+    return read_[file].warnings;
+  }
   // What the model is made of. To be called in the models' order, for those that are made.
   [[nodiscard]] std::vector<Facet> take_facets(std::size_t model);
 
@@ -53,7 +57,7 @@ class JobContent {
   std::vector<NamedModel> models_;
   std::vector<ModelFile> files_;
   std::vector<FileToRead> to_read_;  // of each
-  std::vector<StlModel> read_;       // by file
+  std::vector<Model> read_;          // by file
   std::uint64_t needed_ = 0;
   std::uint64_t mending_ = 0;  // that may be needed beside it
   MemoryRoom room_;

@@ -11,8 +11,9 @@
 namespace contourd {
 namespace {
 
-// Bytes a facet. Text's facets are collected in memory that is doubled whenever it is full.
-constexpr std::uint64_t kRead = sizeof(Facet), kReadText = 2 * sizeof(Facet);
+// Bytes a facet. Facets whose number is not known are collected in memory that is doubled whenever it is
+// full.
+constexpr std::uint64_t kRead = sizeof(Facet), kReadGrowing = 2 * sizeof(Facet);
 // With its entry in the height index.
 constexpr std::uint64_t kIndexed = sizeof(Facet) + sizeof(HeightIndex::Candidate);
 // Beside that while a closed mesh is inspected: 12 for the numbers of its corners and 36 for its edges
@@ -70,7 +71,7 @@ std::string facets_text(std::span<const FileToRead> files) {
   bool known = true;
   for (const FileToRead& file : files) {
     facets += file.outline.most_facets;
-    known = known && file.outline.format == StlFormat::Binary;
+    known = known && file.outline.exact;
   }
   return fmt::format("{} {}{} facets", files.size() > 1 ? "the models hold" : "the model holds",
                      known ? "" : "up to ", facets);
@@ -82,9 +83,9 @@ std::uint64_t memory_to_prepare(std::span<const FileToRead> files, const Display
   std::uint64_t read = 0, most_while_reading = 0, indexed = 0, most_inspected = 0;
   for (const FileToRead& file : files) {
     const std::uint64_t facets = file.outline.most_facets;
-    const bool text = file.outline.format == StlFormat::Ascii;
-    most_while_reading = std::max(most_while_reading,
-                                  read + file.outline.buffered_bytes + facets * (text ? kReadText : kRead));
+    most_while_reading =
+        std::max(most_while_reading,
+                 read + file.outline.buffered_bytes + facets * (file.outline.exact ? kRead : kReadGrowing));
     read += facets * kRead;
     // The last of a file's models takes its facets over.
     indexed += facets * kIndexed * file.models;

@@ -6,15 +6,15 @@
 #include <span>
 #include <string_view>
 
-#include "core/contour_engine.hpp"
-#include "core/stl_reader.hpp"
+#include "core/engine/contour_engine.hpp"
+#include "core/formats/model_reader.hpp"
 #include "daemon/memory_room.hpp"
 #include "daemon/plate_arrangement.hpp"
 
 namespace contourd {
 
 struct FileToRead {
-  StlOutline outline;
+  ModelOutline outline;
   std::size_t models = 1;  // that are made of it: turned or scaled in so many ways
 };
 

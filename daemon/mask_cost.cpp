@@ -6,7 +6,7 @@
 #include <chrono>
 #include <ctime>
 
-#include "core/layers.hpp"
+#include "core/layers/layers.hpp"
 #include "daemon/plate_arrangement.hpp"
 
 namespace contourd {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/mesh_repair.hpp"
+#include "core/repair/mesh_repair.hpp"
 
 namespace contourd {
 

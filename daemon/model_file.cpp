@@ -20,7 +20,7 @@ auto ModelFile::refusing(Work work) const {
     return work();
   } catch (const UnreadableFile& error) {
     throw JobRefused(fmt::format("cannot read {}: {}", printable(path_.string()), error.what()));
-  } catch (const StlError& error) {
+  } catch (const ModelError& error) {
     throw JobRefused(fmt::format("{}not a usable STL file: {}", prefix_, error.what()));
   } catch (const std::bad_alloc&) {
     throw JobRefused(prefix_ + "the model does not fit into this machine's memory");
@@ -31,14 +31,14 @@ ModelFile::ModelFile(std::filesystem::path path, const std::string& name, Links 
     : path_(std::move(path)), prefix_(name.empty() ? "" : name + ": ") {
   refusing([&] {
     open(links);
-    outline_ = outline_of_stl(file_.get(), bytes_, path_);
+    outline_ = outline_of_model(file_.get(), bytes_, path_);
     return 0;
   });
 }
 
-StlModel ModelFile::read() {
+Model ModelFile::read() {
   return refusing([this] {
-    StlModel model = read_stl_file(file_.get(), bytes_, path_);
+    Model model = read_model_file(file_.get(), bytes_, path_);
     file_.reset();
     if (model.facets.empty()) throw JobRefused(prefix_ + "the STL file holds no facets");
     return model;

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "core/stl_reader.hpp"
+#include "core/formats/model_reader.hpp"
 #include "daemon/config/regular_file.hpp"
 
 namespace contourd {
@@ -19,9 +19,9 @@ class ModelFile {
   // Throws JobRefused.
   ModelFile(std::filesystem::path path, const std::string& name, Links links);
 
-  [[nodiscard]] const StlOutline& outline() const { return outline_; }
+  [[nodiscard]] const ModelOutline& outline() const { return outline_; }
   // As long as it was when it was opened. To be called once; blocks. Throws JobRefused.
-  [[nodiscard]] StlModel read();
+  [[nodiscard]] Model read();
 
  private:
   struct CloseFile {
@@ -36,7 +36,7 @@ class ModelFile {
   std::string prefix_;
   std::unique_ptr<std::FILE, CloseFile> file_;
   std::uint64_t bytes_ = 0;
-  StlOutline outline_;
+  ModelOutline outline_;
 };
 
 }  // namespace contourd

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "core/plate_collision.hpp"
-#include "core/plate_packing.hpp"
+#include "core/plate/plate_collision.hpp"
+#include "core/plate/plate_packing.hpp"
 
 namespace contourd {
 namespace {

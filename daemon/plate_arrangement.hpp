@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/height_index.hpp"
-#include "core/pixel_map.hpp"
+#include "core/mask/pixel_map.hpp"
+#include "core/model/height_index.hpp"
 #include "daemon/config/job_ticket.hpp"
 
 namespace contourd {

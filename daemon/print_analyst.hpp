@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/print_analysis.hpp"
+#include "core/analysis/print_analysis.hpp"
 #include "daemon/worker.hpp"
 
 namespace contourd {

@@ -8,7 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/preview.hpp"
+#include "core/image/preview.hpp"
 #include "daemon/readable.hpp"
 #include "hw/png_file.hpp"
 

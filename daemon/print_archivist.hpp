@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/contour_engine.hpp"
+#include "core/engine/contour_engine.hpp"
 #include "daemon/print_report.hpp"
 #include "daemon/spool.hpp"
 #include "daemon/worker.hpp"

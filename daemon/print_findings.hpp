@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/print_analysis.hpp"
+#include "core/analysis/print_analysis.hpp"
 
 namespace contourd {
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <variant>
 
-#include "core/crack_survey.hpp"
-#include "core/placement.hpp"
+#include "core/contour/crack_survey.hpp"
+#include "core/model/placement.hpp"
 #include "daemon/config/printable.hpp"
 #include "daemon/job_content.hpp"
 #include "daemon/mask_cost.hpp"
@@ -80,7 +80,7 @@ ModelSummary make_model(JobContent& content, std::size_t number, const BuildVolu
   const auto& [ticket, name, file, made_as] = content.models()[number];
   ModelSummary figures;
   figures.file = ticket.file;
-  figures.format = content.stl(file).format;
+  figures.format = content.format(file);
   figures.rotation_deg = ticket.rotation;
   figures.up = ticket.up;
   std::vector<Facet> facets = content.take_facets(number);
@@ -274,7 +274,7 @@ void look_at_models(const JobContent& content, const ContourEngine& engine, JobS
     }
     const std::string prefix = summary.plate ? name + ": " : "";
     if (content.is_first_of_file(i)) {
-      for (const std::string& warning : content.stl(file).warnings)
+      for (const std::string& warning : content.warnings(file))
         summary.warnings.push_back(prefix + warning);
     }
     inspect(engine.models()[i], prefix, summary.models[i], summary.warnings);

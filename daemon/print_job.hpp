@@ -6,13 +6,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "core/adaptive_layers.hpp"
-#include "core/mesh_repair.hpp"
-#include "core/mesh_report.hpp"
-#include "core/print_analysis.hpp"
-#include "core/stl_reader.hpp"
+#include "core/analysis/print_analysis.hpp"
+#include "core/layers/adaptive_layers.hpp"
+#include "core/model/mesh_report.hpp"
+#include "core/repair/mesh_repair.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/job_files.hpp"
@@ -24,9 +24,9 @@ namespace contourd {
 
 // One of its models.
 struct ModelSummary {
-  std::string file;  // in the plate's folder; empty for a job of one model
-  StlFormat format = StlFormat::Binary;
-  MeshReport mesh;  // as placed and mended
+  std::string file;         // in the plate's folder; empty for a job of one model
+  std::string_view format;  // its name
+  MeshReport mesh;          // as placed and mended
   MeshRepairs repairs;
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as placed
   Scale scale;                                         // the resin's shrinkage not included

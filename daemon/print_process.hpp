@@ -11,8 +11,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/contour_engine.hpp"
-#include "core/print_layers.hpp"
+#include "core/engine/contour_engine.hpp"
+#include "core/layers/print_layers.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/print_states.hpp"
 #include "hw/machine.hpp"

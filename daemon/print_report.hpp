@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/print_analysis.hpp"
+#include "core/analysis/print_analysis.hpp"
 #include "daemon/event_loop.hpp"
 #include "daemon/print_job.hpp"
 

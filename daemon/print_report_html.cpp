@@ -32,7 +32,7 @@ std::string model_rows(const ModelSummary& model) {
   if (!model.file.empty()) rows += row("File", model.file);
   rows += row("Size",
               fmt::format("{:.2f} x {:.2f} x {:.2f} mm", model.size_x_mm, model.size_y_mm, model.size_z_mm));
-  rows += row("Model", fmt::format("{} facets, {}, {}", model.mesh.facets, name_of(model.format),
+  rows += row("Model", fmt::format("{} facets, {}, {}", model.mesh.facets, model.format,
                                    model.mesh.watertight ? "watertight" : "not watertight"));
   if (model.centers.size() != 1) rows += row("Copies", std::to_string(model.centers.size()));
   const Scale& scale = model.scale;

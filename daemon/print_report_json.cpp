@@ -29,7 +29,7 @@ Json model_json(const ModelSummary& model) {
   const MeshReport& mesh = model.mesh;
   Json json;
   if (!model.file.empty()) json["file"] = model.file;
-  json["format"] = name_of(model.format);
+  json["format"] = model.format;
   json["facets"] = mesh.facets;
   json["size_mm"] = {model.size_x_mm, model.size_y_mm, model.size_z_mm};
   json["scale"] = scale_json(model.scale);

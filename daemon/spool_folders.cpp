@@ -7,6 +7,8 @@
 #include <system_error>
 #include <utility>
 
+#include "core/formats/model_reader.hpp"
+
 namespace contourd {
 namespace {
 
@@ -47,10 +49,7 @@ std::string job_name_of(const std::string& file) {
 }
 
 bool is_model_name(const std::string& file) {
-  std::string extension = fs::path(file).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return extension == ".stl" && !file.starts_with('.');
+  return has_model_extension(file) && !file.starts_with('.');
 }
 
 SpoolFolders::SpoolFolders(fs::path root) : root_(std::move(root)) {}

@@ -5,7 +5,7 @@
 #include <functional>
 #include <optional>
 
-#include "core/mask.hpp"
+#include "core/mask/mask.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
 #include "hw/clock.hpp"
 #include "hw/motion_curve.hpp"
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/mask.hpp"
-#include "core/mask_png.hpp"
+#include "core/image/mask_png.hpp"
+#include "core/mask/mask.hpp"
 
 namespace contourd {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
 
 namespace contourd {
 

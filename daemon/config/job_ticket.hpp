@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/placement.hpp"
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
+#include "core/model/placement.hpp"
 #include "daemon/config/regular_file.hpp"
 
 namespace contourd {

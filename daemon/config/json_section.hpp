@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
 #include "daemon/config/json_document.hpp"
 #include "hw/clock.hpp"
 

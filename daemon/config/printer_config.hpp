@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/exposure_correction.hpp"
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
+#include "core/mask/exposure_correction.hpp"
 #include "daemon/config/config_error.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "hw/real_machine_config.hpp"

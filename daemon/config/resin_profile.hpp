@@ -9,10 +9,10 @@
 #include <variant>
 #include <vector>
 
-#include "core/compensation.hpp"
-#include "core/placement.hpp"
-#include "core/print_analysis.hpp"
-#include "core/units.hpp"
+#include "core/analysis/print_analysis.hpp"
+#include "core/engine/compensation.hpp"
+#include "core/geometry/units.hpp"
+#include "core/model/placement.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {

@@ -7,9 +7,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/contour_engine.hpp"
-#include "core/print_analysis.hpp"
-#include "core/print_layers.hpp"
+#include "core/analysis/print_analysis.hpp"
+#include "core/engine/contour_engine.hpp"
+#include "core/layers/print_layers.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/analyze_page.hpp"
 #include "daemon/ctl/commands.hpp"
@@ -44,7 +44,7 @@ struct Subject {
 // In the middle of a display, without a printer.
 Subject subject_alone(const AnalyzeOptions& options) {
   Subject subject;
-  StlModel model = read_model(options.model);
+  Model model = read_model(options.model);
   subject.model.warnings = std::move(model.warnings);
   HeightIndex index(std::move(model.facets));
   if (index.turned_outwards()) subject.model.warnings.emplace_back(kTurnedOutwardsWarning);
@@ -78,9 +78,9 @@ Subject subject_of_printer(const AnalyzeOptions& options) {
       return prepare_job(files, read_settings(files, printer), printer);
     } catch (const ProfileTrouble& trouble) {
       if (trouble.fault() == ProfileTrouble::Fault::Profile) throw;
-      throw StlError(options.model.string() + ": " + trouble.what());
+      throw ModelError(options.model.string() + ": " + trouble.what());
     } catch (const JobRefused& refusal) {
-      throw StlError(options.model.string() + ": " + refusal.what());
+      throw ModelError(options.model.string() + ": " + refusal.what());
     }
   }();
   Subject subject;

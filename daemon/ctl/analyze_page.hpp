@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/layer_statistics.hpp"
-#include "core/print_analysis.hpp"
+#include "core/analysis/print_analysis.hpp"
+#include "core/layers/layer_statistics.hpp"
 #include "daemon/ctl/contour_stack.hpp"
 #include "hw/clock.hpp"
 

@@ -7,17 +7,17 @@
 #include <optional>
 #include <string>
 
-#include "core/adaptive_layers.hpp"
-#include "core/contour_engine.hpp"
-#include "core/stl_reader.hpp"
+#include "core/engine/contour_engine.hpp"
+#include "core/formats/model_reader.hpp"
+#include "core/layers/adaptive_layers.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd::ctl {
 
-// read_stl_file(), with the file's name in front of what is wrong with it; what needs more memory than there
-// is is not read. Throws as that does.
-[[nodiscard]] StlModel read_model(const std::filesystem::path& path);
+// read_model_file(), with the file's name in front of what is wrong with it; what needs more memory than
+// there is is not read. Throws as that does.
+[[nodiscard]] Model read_model(const std::filesystem::path& path);
 
 struct InspectOptions {
   std::filesystem::path model;

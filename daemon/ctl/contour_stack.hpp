@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/contour_engine.hpp"
+#include "core/engine/contour_engine.hpp"
 
 namespace contourd::ctl {
 

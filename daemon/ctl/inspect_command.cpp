@@ -2,11 +2,12 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
-#include "core/height_index.hpp"
-#include "core/mesh_report.hpp"
-#include "core/stl_reader.hpp"
+#include "core/formats/model_reader.hpp"
+#include "core/model/height_index.hpp"
+#include "core/model/mesh_report.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/mesh_repair_text.hpp"
@@ -17,10 +18,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const StlModel& model, const MeshReport& report, const MeshRepairs& repairs) {
+Json to_json(const Model& model, std::string_view format, const MeshReport& report,
+             const MeshRepairs& repairs) {
   const Bounds& b = report.bounds;
   Json json;
-  json["format"] = name_of(model.format);
+  json["format"] = format;
   json["facets"] = report.facets;
   json["bounds_mm"] = nullptr;
   if (!b.empty()) {
@@ -40,9 +42,9 @@ Json to_json(const StlModel& model, const MeshReport& report, const MeshRepairs&
   return json;
 }
 
-void print(const StlModel& model, const MeshReport& report) {
+void print(const Model& model, std::string_view format, const MeshReport& report) {
   const Bounds& b = report.bounds;
-  fmt::print("format       {}\nfacets       {}\n", name_of(model.format), report.facets);
+  fmt::print("format       {}\nfacets       {}\n", format, report.facets);
   if (!b.empty()) {
     fmt::print("size         {:.6g} x {:.6g} x {:.6g} mm\n", b.size_x(), b.size_y(), b.size_z());
     fmt::print("bounds       x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g} mm\n", b.min_x,
@@ -61,15 +63,17 @@ void print(const StlModel& model, const MeshReport& report) {
 }  // namespace
 
 int inspect(const InspectOptions& options) {
-  StlModel model = read_model(options.model);
+  Model model = read_model(options.model);
+  const std::string_view format = outline_of_model(options.model).format;
   const MeshReport report = inspect_mesh(model.facets);
   if (report.inside_out) model.warnings.emplace_back(kTurnedOutwardsWarning);
   const MeshRepairs repairs = HeightIndex(std::move(model.facets)).repairs();
   if (repairs != MeshRepairs{}) model.warnings.push_back(repair_warning(repairs));
   if (options.json) {
-    fmt::print("{}\n", to_json(model, report, repairs).dump(2, ' ', true, Json::error_handler_t::replace));
+    fmt::print("{}\n",
+               to_json(model, format, report, repairs).dump(2, ' ', true, Json::error_handler_t::replace));
   } else {
-    print(model, report);
+    print(model, format, report);
   }
   return kOk;
 }

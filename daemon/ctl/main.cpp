@@ -11,8 +11,8 @@
 #include <optional>
 #include <system_error>
 
-#include "core/layers.hpp"
-#include "core/stl_reader.hpp"
+#include "core/formats/model_reader.hpp"
+#include "core/layers/layers.hpp"
 #include "daemon/config/config_error.hpp"
 #include "daemon/control_defaults.hpp"
 #include "daemon/ctl/commands.hpp"
@@ -333,7 +333,7 @@ int main(int argc, char** argv) {
     return contourd::print_whole([&] { return CommandLine().run(argc, argv); });
   } catch (const UsageError& error) {
     return complain(contourd::kBadUsage, error.what());
-  } catch (const contourd::StlError& error) {
+  } catch (const contourd::ModelError& error) {
     return complain(kBadData, error.what());
   } catch (const contourd::TooManyLayers& error) {
     return complain(kBadData, error.what());

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "core/contour_engine.hpp"
-#include "core/layer_cracks.hpp"
-#include "core/mask_png.hpp"
+#include "core/contour/layer_cracks.hpp"
+#include "core/engine/contour_engine.hpp"
+#include "core/image/mask_png.hpp"
 
 namespace contourd::ctl {
 

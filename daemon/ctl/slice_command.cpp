@@ -7,11 +7,11 @@
 #include <system_error>
 #include <utility>
 
-#include "core/contour_engine.hpp"
-#include "core/filled_area.hpp"
-#include "core/layer_statistics.hpp"
-#include "core/print_layers.hpp"
-#include "core/stl_reader.hpp"
+#include "core/contour/filled_area.hpp"
+#include "core/engine/contour_engine.hpp"
+#include "core/formats/model_reader.hpp"
+#include "core/layers/layer_statistics.hpp"
+#include "core/layers/print_layers.hpp"
 #include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/layer_folder.hpp"
@@ -202,8 +202,8 @@ void report_measurements(const SliceOptions& options, std::size_t facets, const 
 int slice_layers(const SliceOptions& options, const std::shared_ptr<const HeightIndex>& model) {
   const std::vector<Nanometers> layers = layer_middles(options, model);
   if (layers.empty()) {
-    throw StlError(fmt::format("{}: the model is {:.6g} mm high, too thin for a layer",
-                               options.model.string(), model->bounds().size_z()));
+    throw ModelError(fmt::format("{}: the model is {:.6g} mm high, too thin for a layer",
+                                 options.model.string(), model->bounds().size_z()));
   }
   const Earlier earlier = options.force ? Earlier::Replace : Earlier::Refuse;
   if (options.masks) open_layer_folder(*options.masks, ".png", earlier);

@@ -6,9 +6,9 @@
 #include <span>
 #include <string_view>
 
-#include "core/contour_loops.hpp"
-#include "core/layer_statistics.hpp"
-#include "core/pixel_map.hpp"
+#include "core/contour/contour_loops.hpp"
+#include "core/layers/layer_statistics.hpp"
+#include "core/mask/pixel_map.hpp"
 
 namespace contourd::ctl {
 

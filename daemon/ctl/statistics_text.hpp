@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/layer_statistics.hpp"
+#include "core/layers/layer_statistics.hpp"
 
 namespace contourd::ctl {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
 #include "hw/drm/pixel_format.hpp"
 
 namespace contourd {

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/mask.hpp"
+#include "core/mask/mask.hpp"
 #include "hw/drm/pixel_format.hpp"
 
 namespace contourd {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mask.hpp"
+#include "core/mask/mask.hpp"
 #include "hw/clock.hpp"
 #include "hw/drm/card.hpp"
 #include "hw/drm/crtc.hpp"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
 #include "hw/clock.hpp"
 #include "hw/gpio/gpio_line_config.hpp"
 

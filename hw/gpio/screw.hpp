@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
 
 namespace contourd {
 

@@ -4,7 +4,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "core/stl_reader.hpp"
+#include "core/formats/model_reader.hpp"
 #include "tests/models/models.hpp"
 
 namespace contourd::bench {
@@ -51,7 +51,7 @@ std::filesystem::path Models::ascii_gyroid() const {
 
 ContourEngine fitted_engine(const std::filesystem::path& model, Pixels width, Pixels height) {
   const DisplayGeometry display{width, height};
-  HeightIndex index(read_stl_file(model).facets);
+  HeightIndex index(read_model_file(model).facets);
   const PixelMap map = PixelMap::fit(display, index.bounds());
   return ContourEngine(std::move(index), EngineSettings{display, AntiAliasing::On}, {map});
 }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/contour_engine.hpp"
+#include "core/engine/contour_engine.hpp"
 #include "tests/bench/report.hpp"
 
 namespace contourd::bench {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "core/layers.hpp"
-#include "core/stl_reader.hpp"
+#include "core/formats/model_reader.hpp"
+#include "core/layers/layers.hpp"
 #include "tests/bench/bench.hpp"
 #include "tests/bench/peers.hpp"
 #include "tests/bench/stopwatch.hpp"
@@ -52,7 +52,7 @@ Totals link_all(const HeightIndex& model, bool quick) {
 Peer run_baseline(const std::filesystem::path& file, bool quick) {
   Times times;
   time_once(times, [&] {
-    const StlModel model = read_stl_file(file);
+    const Model model = read_model_file(file);
     ThesisSlicer slicer(model.facets, 1920, 1080);
     for (const double z : layer_heights(bounds_of(model.facets), quick))
       (void)slicer.contours_at(static_cast<float>(z));
@@ -66,10 +66,10 @@ std::vector<Row> rows_of(const Bench& bench, const Subject& subject) {
   if (!file) return skipped_rows(ids, subject.file);
   Totals totals;
   const Times whole = time_runs(bench.runs(9), [&] {
-    const HeightIndex model(read_stl_file(*file).facets);
+    const HeightIndex model(read_model_file(*file).facets);
     totals = link_all(model, bench.quick);
   });
-  const HeightIndex model(read_stl_file(*file).facets);
+  const HeightIndex model(read_model_file(*file).facets);
   const Times linking = time_runs(bench.runs(9), [&] { totals = link_all(model, bench.quick); });
 
   Row row{ids[0], fmt::format("{}, file to linked contours of {} layers", subject.name, totals.layers), "s"};

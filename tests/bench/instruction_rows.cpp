@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "core/layers.hpp"
-#include "core/stl_reader.hpp"
+#include "core/formats/model_reader.hpp"
+#include "core/layers/layers.hpp"
 #include "hw/gpio/step_engine.hpp"
 #include "hw/gpio/step_planner.hpp"
 #include "tests/bench/bench.hpp"
@@ -43,14 +43,14 @@ Work at_planes(const ContourEngine& engine, Function&& at_height) {
 Work load(const std::filesystem::path& model) {
   double facets = 0;
   contourd_measured_call([&] {
-    const HeightIndex index(read_stl_file(model).facets);
+    const HeightIndex index(read_model_file(model).facets);
     facets = static_cast<double>(index.facets().size());
   });
   return {1, facets};
 }
 
 Work read(const std::filesystem::path& model) {
-  contourd_measured_call([&] { (void)read_stl_file(model); });
+  contourd_measured_call([&] { (void)read_model_file(model); });
   return {1, static_cast<double>(std::filesystem::file_size(model))};
 }
 

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "core/stl_reader.hpp"
+#include "core/formats/model_reader.hpp"
 #include "tests/bench/bench.hpp"
 #include "tests/bench/peers.hpp"
 #include "tests/bench/process.hpp"
@@ -30,9 +30,9 @@ Row first_mask_row(const Bench& bench) {
   std::size_t facets = 0;
   Times whole, reading, indexing, mask;
   const auto load = [&] {
-    StlModel model;
+    Model model;
     HeightIndex index;
-    time_once(reading, [&] { model = read_stl_file(file); });
+    time_once(reading, [&] { model = read_model_file(file); });
     facets = model.facets.size();
     time_once(indexing, [&] { index = HeightIndex(std::move(model.facets)); });
     time_once(mask, [&] { first_mask(std::move(index)); });
@@ -59,7 +59,7 @@ Row first_mask_row(const Bench& bench) {
 
 Row ascii_row(const Bench& bench) {
   const std::filesystem::path file = bench.models.ascii_gyroid();
-  const Times times = time_runs(bench.runs(7), [&] { (void)read_stl_file(file); });
+  const Times times = time_runs(bench.runs(7), [&] { (void)read_model_file(file); });
   Row row{"ascii", fmt::format("reading ASCII ({:.0f} MB)", megabytes(file)), "MB/s"};
   row.figure = megabytes(file) / best(times.wall_s);
   row.cpu = megabytes(file) / best(times.cpu_s);
@@ -79,7 +79,7 @@ Row memory_row(const std::string& id, const std::string& name, const std::filesy
 }  // namespace
 
 void print_memory_of_first_mask(const std::filesystem::path& model) {
-  first_mask(HeightIndex(read_stl_file(model).facets));
+  first_mask(HeightIndex(read_model_file(model).facets));
   fmt::print("{}\n", peak_memory_bytes());
 }
 

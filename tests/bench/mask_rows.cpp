@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "core/stl_reader.hpp"
+#include "core/formats/model_reader.hpp"
 #include "tests/bench/bench.hpp"
 #include "tests/bench/stopwatch.hpp"
 #include "tests/bench/thesis_baseline.hpp"

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/pixel_map.hpp"
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
+#include "core/mask/pixel_map.hpp"
 #include "tests/bench/report.hpp"
 
 namespace contourd::bench {

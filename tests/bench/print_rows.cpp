@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "core/layers.hpp"
-#include "core/stl_reader.hpp"
+#include "core/formats/model_reader.hpp"
+#include "core/layers/layers.hpp"
 #include "tests/bench/bench.hpp"
 #include "tests/bench/peers.hpp"
 #include "tests/bench/process.hpp"
@@ -19,7 +19,7 @@ const DisplayGeometry kDisplay{Pixels{1920}, Pixels{1080}, Micrometers{kPitchUm}
 Row masks_in_memory(const Bench& bench, const std::filesystem::path& file) {
   std::int32_t masks = 0;
   const Times times = time_runs(bench.runs(5), [&] {
-    HeightIndex model(read_stl_file(file).facets);
+    HeightIndex model(read_model_file(file).facets);
     const PixelMap map = PixelMap::true_scale(kDisplay, model.bounds().center());
     const LayerStack layers = layers_for(Millimeters{model.bounds().size_z()}, kLayer);
     ContourEngine engine(std::move(model), EngineSettings{kDisplay, AntiAliasing::On}, {map});

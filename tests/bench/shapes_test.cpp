@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/contour_loops.hpp"
-#include "core/filled_area.hpp"
-#include "core/slicer.hpp"
+#include "core/contour/contour_loops.hpp"
+#include "core/contour/filled_area.hpp"
+#include "core/contour/slicer.hpp"
 #include "tests/catch.hpp"
 
 using namespace contourd;

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/facet.hpp"
+#include "core/geometry/facet.hpp"
 
 namespace contourd::bench {
 

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/contour_engine.hpp"
+#include "core/engine/contour_engine.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "core/contour_loops.hpp"
-#include "tests/core/random_shapes.hpp"
+#include "core/contour/contour_loops.hpp"
+#include "tests/random_shapes.hpp"
 
 namespace contourd::testing {
 

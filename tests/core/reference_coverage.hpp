@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/pixel_map.hpp"
+#include "core/mask/pixel_map.hpp"
 
 namespace contourd::testing {
 

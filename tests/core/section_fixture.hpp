@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/contour_loops.hpp"
-#include "core/height_index.hpp"
-#include "core/slicer.hpp"
+#include "core/contour/contour_loops.hpp"
+#include "core/contour/slicer.hpp"
+#include "core/model/height_index.hpp"
 #include "tests/models/models.hpp"
 
 namespace contourd::testing {

@@ -14,7 +14,7 @@ namespace {
 constexpr DisplayGeometry kDisplay{Pixels{1920}, Pixels{1080}, Micrometers{50}};
 
 FileToRead binary(std::uint64_t facets, std::size_t models = 1) {
-  return {{StlFormat::Binary, facets, 0}, models};
+  return {{.most_facets = facets, .exact = true}, models};
 }
 
 std::uint64_t memory_of(const std::vector<FileToRead>& files) {
@@ -48,7 +48,7 @@ TEST_CASE("A file that many models are alike of takes no more than one, and turn
 
 TEST_CASE("A text is in memory as a whole while it is read") {
   constexpr std::uint64_t bytes = 10'000'000'000;
-  CHECK(memory_of({FileToRead{{StlFormat::Ascii, 1, bytes}}}) >= bytes);
+  CHECK(memory_of({FileToRead{{.most_facets = 1, .buffered_bytes = bytes}}}) >= bytes);
 }
 
 TEST_CASE("A larger display takes more memory") {
@@ -76,7 +76,7 @@ TEST_CASE("What sections take goes by the height that crosses most facets") {
 }
 
 TEST_CASE("What is too large now and what is too large for ever are told apart, both with their figures") {
-  const std::vector<FileToRead> files{binary(1'300'000), {{StlFormat::Ascii, 20, 1500}, 1}};
+  const std::vector<FileToRead> files{binary(1'300'000), {{.most_facets = 20, .buffered_bytes = 1500}, 1}};
   const MemoryRoom room{.bytes = 200'000'000, .reason = "it is so", .held = 300'000'000};
   const JobTooLarge now(files, "", 450'000'000, room);
   CHECK(now.fits_alone());

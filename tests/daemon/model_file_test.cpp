@@ -43,7 +43,7 @@ TEST_CASE("A model that grew since it was looked at is read no further than it w
   models::write_binary_stl(path, kCube);
   ModelFile grown(path, "", Links::Refuse);
   fs::resize_file(path, fs::file_size(path) + 50'000'000);
-  const StlModel model = grown.read();
+  const Model model = grown.read();
   CHECK(model.facets.size() == 12);
   CHECK(model.warnings.empty());
 }

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/contour_engine.hpp"
+#include "core/engine/contour_engine.hpp"
 #include "tests/models/models.hpp"
 
 namespace contourd::fuzz {

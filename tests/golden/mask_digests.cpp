@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "core/contour_engine.hpp"
-#include "core/mesh_report.hpp"
-#include "core/placement.hpp"
-#include "core/print_layers.hpp"
-#include "core/sine_cosine.hpp"
-#include "core/stl_reader.hpp"
+#include "core/engine/contour_engine.hpp"
+#include "core/formats/model_reader.hpp"
+#include "core/layers/print_layers.hpp"
+#include "core/model/mesh_report.hpp"
+#include "core/model/placement.hpp"
+#include "core/model/sine_cosine.hpp"
 #include "tests/models/damage.hpp"
 
 namespace contourd {
@@ -195,9 +195,9 @@ void print_adaptive_layers(const std::string& name, const models::Facets& facets
 
 // A model as a file's bytes, read back: the reader is part of what must agree.
 models::Facets read_back(const models::Facets& facets, bool ascii) {
-  if (!ascii) return read_stl(models::to_binary_stl(facets)).facets;
+  if (!ascii) return read_model(models::to_binary_stl(facets)).facets;
   const std::string text = models::to_ascii_stl(facets);
-  return read_stl(std::as_bytes(std::span(text))).facets;
+  return read_model(std::as_bytes(std::span(text))).facets;
 }
 
 void print_subject(const Subject& subject, const Orientation& orientation, const char* turn, bool ascii) {

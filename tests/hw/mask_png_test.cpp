@@ -1,4 +1,4 @@
-#include "core/mask_png.hpp"
+#include "core/image/mask_png.hpp"
 
 #include <zlib.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "tests/catch.hpp"
-#include "tests/core/random_shapes.hpp"
+#include "tests/random_shapes.hpp"
 
 // Here and not beside core's tests, which link no library that could read the pictures.
 

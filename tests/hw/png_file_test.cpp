@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "tests/catch.hpp"
-#include "tests/core/random_shapes.hpp"
+#include "tests/random_shapes.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace contourd;

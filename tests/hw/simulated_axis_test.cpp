@@ -8,7 +8,7 @@
 
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
-#include "tests/core/random_shapes.hpp"
+#include "tests/random_shapes.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/sine_cosine.hpp"
+#include "core/model/sine_cosine.hpp"
 
 namespace contourd::models {
 namespace {

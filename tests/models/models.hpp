@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/facet.hpp"
+#include "core/geometry/facet.hpp"
 
 namespace contourd::models {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/contour_engine.hpp"
+#include "core/engine/contour_engine.hpp"
 #include "tests/reference/scan_lines.hpp"
 
 namespace contourd::reference {

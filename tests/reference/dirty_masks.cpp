@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh_report.hpp"
-#include "core/placement.hpp"
-#include "core/stl_reader.hpp"
+#include "core/formats/model_reader.hpp"
+#include "core/model/mesh_report.hpp"
+#include "core/model/placement.hpp"
 #include "tests/models/damage.hpp"
 #include "tests/reference/dirty_layers.hpp"
 #include "tests/reference/dirty_parts.hpp"
@@ -40,7 +40,7 @@ bool check(const Part& part) {
 
 // To the display's size. A file that is not watertight has no clean model.
 bool check_file(const char* path) {
-  models::Facets facets = read_stl_file(path).facets;
+  models::Facets facets = read_model_file(path).facets;
   if (!inspect_mesh(facets).watertight) {
     std::printf("       %s is not watertight\n", path);
     return true;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
 #include "hw/clock.hpp"
 #include "tests/rig/projector_model.hpp"
 

@@ -440,7 +440,14 @@ class Daemon:
         if code != 0:
             raise AssertionError(f"contourd ended with {code}:\n{self.log()}")
 
-    def kill(self):
+    @property
+    def state_folder(self):
+        return self.environment.get("STATE_DIRECTORY", self.spool + ".state")
+
+    def kill(self, while_reading=False):
+        """What is being read then is not read again by itself (daemon/reading_record.hpp): waits for its end, unless told."""
+        if not while_reading:
+            wait_until(lambda: not os.path.exists(os.path.join(self.state_folder, "reading")), "the end of a reading")
         self.process.kill()
         self.process.wait(DEADLINE_S)
         self._close_clients()

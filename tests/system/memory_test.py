@@ -213,7 +213,7 @@ class EndedInReading(MemoryTest):
         daemon = self.reading_daemon(beside_a_print=True)
         daemon.drop("third.stl", SMALL)
         wait_until(lambda: daemon.status()["queued"] == 2, "both in the queue")
-        daemon.kill()
+        daemon.kill(while_reading=True)
         self.start_again(daemon)
         daemon.wait_refused("second")
         self.assert_refused(daemon, "second")
@@ -233,7 +233,7 @@ class EndedInReading(MemoryTest):
         daemon = self.reading_daemon(beside_a_print=False)
         wait_until(lambda: daemon.names_in("printing"), "its claim")
         for _ in range(2):
-            daemon.kill()
+            daemon.kill(while_reading=True)
             if os.path.exists(self.gate):
                 self.start_again(daemon)
                 self.assert_refused(daemon, "second")

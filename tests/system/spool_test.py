@@ -1729,9 +1729,6 @@ class Interruption(SpoolTest):
         daemon = self.printing_daemon()
         daemon.drop("next.stl", SMALL)
         wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
-        # Read one after the other. What is being read when the daemon is killed is not read again.
-        daemon.drop("last.stl", b"no model")
-        daemon.wait_refused("last")
         end(daemon)
         for _ in range(2):
             daemon.start()

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/catch.hpp"
-#include "tests/core/random_shapes.hpp"
+#include "tests/random_shapes.hpp"
 
 using namespace contourd;
 

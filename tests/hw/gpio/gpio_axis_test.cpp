@@ -6,8 +6,8 @@
 
 #include "hw/hardware_error.hpp"
 #include "tests/catch.hpp"
-#include "tests/core/random_shapes.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/random_shapes.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;

@@ -1,0 +1,210 @@
+#include "core/contour/contour_offset.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace contourd {
+namespace {
+
+// Corners nearer than this are one: short sides would be in the way of each other when they are moved.
+constexpr double kNoLength = ContourOffset::kChordError.count();
+
+// Cosine of the turn up to which a corner is mitered: it moves by 2.6 times the distance there.
+constexpr double kSharpest = -0.7;
+
+Point moved_by(Point point, double factor, Point vector) {
+  return {point.x + factor * vector.x, point.y + factor * vector.y};
+}
+
+// Whether moving a loop inwards leaves nothing of what it encloses: each point has a chord through it along
+// any direction, and none is longer than the loop's extent that way. Fine loops smaller than the distance
+// would cross themselves everywhere.
+bool vanishes(std::span<const Point> points, double distance) {
+  constexpr double kCos = 0.92387953251128674, kSin = 0.38268343236508977, kHalf = 0.70710678118654752;
+  constexpr std::array<Point, 8> kDirections{{{1, 0},
+                                              {kCos, kSin},
+                                              {kHalf, kHalf},
+                                              {kSin, kCos},
+                                              {0, 1},
+                                              {-kSin, kCos},
+                                              {-kHalf, kHalf},
+                                              {-kCos, kSin}}};
+  for (const Point& direction : kDirections) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Point& point : points) {
+      const double at = point.x * direction.x + point.y * direction.y;
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+    if (high - low <= 2 * distance) return true;
+  }
+  return false;
+}
+
+// Positive when it runs counter-clockwise.
+double twice_the_area(std::span<const Point> points) {
+  // Around its first point, where large coordinates cost no digits.
+  const Point origin = points.front();
+  double sum = 0;
+  Point last = points.back();
+  for (const Point& point : points) {
+    sum += (last.x - origin.x) * (point.y - origin.y) - (point.x - origin.x) * (last.y - origin.y);
+    last = point;
+  }
+  return sum;
+}
+
+// To the right of a direction: outwards, since solids lie on the left.
+Point outward(Point direction) {
+  return {direction.y, -direction.x};
+}
+
+// Far from the origin a float's step is more than a file's decimals. One stray facet at the end of the world
+// must not close what is open.
+double closing_for(const Contours& contours) {
+  constexpr double kStep = 1.0 / (1 << 23);  // of a float, in parts of it
+  constexpr double kMost = 5 * ContourOffset::kClosing.count();
+  double reach = 0;
+  for (const Point& point : contours.points)
+    reach = std::max({reach, std::fabs(point.x), std::fabs(point.y)});
+  return std::clamp(2 * kStep * reach, ContourOffset::kClosing.count(), kMost);
+}
+
+double length_of(Point vector) {
+  return std::sqrt(vector.x * vector.x + vector.y * vector.y);
+}
+
+}  // namespace
+
+bool ContourOffset::offset(const Contours& contours, Millimeters distance, Contours& moved,
+                           MaskBudget& budget) {
+  const double by = distance.count();
+  if (by < 0) {
+    const double closing = closing_for(contours);
+    return close_gaps(contours, closing, budget) && move(closed_, by - closing, Join::Round, moved, budget);
+  }
+  Contours& outline = by == 0 ? moved : outline_;
+  if (!union_.unite(contours, FillRule::NonZero, ContourUnion::kDoubleRounding, outline, budget))
+    return false;
+  return by == 0 || move(outline_, by, Join::Round, moved, budget);
+}
+
+void ContourOffset::offset(const Contours& contours, Millimeters distance, Contours& moved) {
+  MaskBudget unlimited;
+  if (!offset(contours, distance, moved, unlimited))
+    throw std::length_error("the contours cross each other too often");
+}
+
+bool ContourOffset::close_gaps(const Contours& contours, double closing, MaskBudget& budget) {
+  if (!move(contours, closing, Join::Mitered, closed_, budget)) return false;
+  if (!union_.winds_negatively()) return true;
+  // Something is wound the wrong way. The outline has it turned.
+  return union_.unite(contours, FillRule::NonZero, ContourUnion::kDoubleRounding, outline_, budget) &&
+         move(outline_, closing, Join::Mitered, closed_, budget);
+}
+
+bool ContourOffset::move(const Contours& contours, double distance, Join join, Contours& moved,
+                         MaskBudget& budget) {
+  distance_ = distance;
+  join_ = join;
+  raw_.points.clear();
+  raw_.loops.clear();
+  for (const ContourLoop& loop : contours.loops) {
+    move_loop(contours.points_of(loop));
+    if (!budget.spend(loop.point_count) || !budget.can_hold(raw_.points.size())) return false;
+  }
+  return union_.unite(raw_, FillRule::Positive, ContourUnion::kDoubleRounding, moved, budget);
+}
+
+void ContourOffset::move_loop(std::span<const Point> points) {
+  const auto far_apart = [](Point a, Point b) { return length_of({b.x - a.x, b.y - a.y}) > kNoLength; };
+  corners_.clear();
+  for (const Point& point : points) {
+    if (corners_.empty() || far_apart(corners_.back(), point)) corners_.push_back(point);
+  }
+  while (corners_.size() > 1 && !far_apart(corners_.back(), corners_.front()))
+    corners_.pop_back();
+  if (corners_.size() < 3) return;
+  const bool inwards = (twice_the_area(corners_) > 0) == (distance_ < 0);
+  if (inwards && vanishes(corners_, std::fabs(distance_))) return;
+  const auto first = static_cast<std::uint32_t>(raw_.points.size());
+  Corner corner{corners_.back(), {}, {}, 0, 0};
+  const auto turn_to = [&corner](Point next) {
+    const Point side{next.x - corner.at.x, next.y - corner.at.y};
+    corner.into = corner.out_of;
+    corner.into_length = corner.out_of_length;
+    corner.out_of_length = length_of(side);
+    corner.out_of = {side.x / corner.out_of_length, side.y / corner.out_of_length};
+  };
+  turn_to(corners_.front());
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    corner.at = corners_[i];
+    turn_to(corners_[i + 1 < corners_.size() ? i + 1 : 0]);
+    move_corner(corner);
+  }
+  raw_.loops.push_back({first, static_cast<std::uint32_t>(raw_.points.size()) - first});
+}
+
+void ContourOffset::move_corner(const Corner& corner) {
+  const Point& a = corner.into;
+  const Point& b = corner.out_of;
+  const double turn = a.x * b.y - a.y * b.x;  // sine of the angle, positive to the left
+  const double straight = a.x * b.x + a.y * b.y;
+  const Point from = outward(a), to = outward(b);
+  if (turn * distance_ > 0 || (turn == 0 && straight < 0)) {
+    if (join_ == Join::Mitered && straight > kSharpest) {
+      add(moved_by(corner.at, distance_ / (1 + straight), {from.x + to.x, from.y + to.y}));
+      return;
+    }
+    const double side = distance_ < 0 ? -1 : 1;
+    add_arc(corner.at, {side * from.x, side * from.y}, {side * to.x, side * to.y}, a);
+    return;
+  }
+  // The moved sides cross after being shortened by distance * tan(angle / 2). What that leaves out had been
+  // passed over by both; no point is left out at all corners of a loop while each takes no more than half.
+  const double shortened = 2 * std::fabs(distance_ * turn);
+  if (straight > -1 && shortened <= corner.into_length * (1 + straight) &&
+      shortened <= corner.out_of_length * (1 + straight)) {
+    add(moved_by(corner.at, distance_ / (1 + straight), {from.x + to.x, from.y + to.y}));
+    return;
+  }
+  add(moved_by(corner.at, distance_, from));
+  add(corner.at);
+  add(moved_by(corner.at, distance_, to));
+}
+
+// From one unit vector to another; `between` lies between them where they are opposite.
+void ContourOffset::add_arc(Point center, Point from, Point to, Point between) {
+  // Halved until the chord is near enough: each halving quarters its distance. A half turn at 1 mm takes six.
+  constexpr int kMostHalvings = 10;
+  struct Arc {
+    Point to;
+    int halvings;
+  };
+  Arc ahead[kMostHalvings + 1];
+  int depth = 0;
+  ahead[0] = {to, 0};
+  const double radius = std::fabs(distance_);
+  add(moved_by(center, radius, from));
+  while (depth >= 0) {
+    const Arc& arc = ahead[depth];
+    const Point sum{from.x + arc.to.x, from.y + arc.to.y};
+    const double cosine = length_of(sum) / 2;  // of half the angle
+    if (radius * (1 - cosine) <= kChordError.count() || arc.halvings == kMostHalvings) {
+      from = arc.to;
+      add(moved_by(center, radius, from));
+      --depth;
+      continue;
+    }
+    constexpr double kOpposite = 1e-6;
+    const Point middle = cosine > kOpposite ? Point{sum.x / (2 * cosine), sum.y / (2 * cosine)} : between;
+    const int halvings = arc.halvings + 1;
+    ahead[depth].halvings = halvings;
+    ahead[++depth] = {middle, halvings};
+  }
+}
+
+}  // namespace contourd

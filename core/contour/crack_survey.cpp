@@ -1,0 +1,30 @@
+#include "core/contour/crack_survey.hpp"
+
+#include "core/contour/contour_loops.hpp"
+#include "core/contour/slicer.hpp"
+
+namespace contourd {
+
+CrackSurvey survey_cracks(const HeightIndex& model, std::span<const Nanometers> heights,
+                          Millimeters tolerance) {
+  CrackSurvey survey;
+  Section section;
+  ContourLinker linker;
+  Contours contours;
+  std::int32_t layer = 0;
+  for (const Nanometers height : heights) {
+    slice_at(model, model.bounds().min_z + to_millimeters(height).count(), section);
+    if (!section.balanced) {
+      linker.link(section.segments, tolerance, contours);
+      survey.cracks += contours.cracks;
+      if (contours.cracks.has_guesses()) {
+        ++survey.open_layers;
+        if (!survey.first_open) survey.first_open = layer;
+      }
+    }
+    ++layer;
+  }
+  return survey;
+}
+
+}  // namespace contourd

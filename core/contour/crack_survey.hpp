@@ -1,0 +1,27 @@
+// Finds the layers of a cracked model whose contours cannot be closed without a guess (open or turned
+// chains), before anything is printed. Makes no masks, and links only the sections that do not close by
+// themselves. Thread-safe (no shared state).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/contour/layer_cracks.hpp"
+#include "core/geometry/units.hpp"
+#include "core/model/height_index.hpp"
+
+namespace contourd {
+
+struct CrackSurvey {
+  std::int32_t open_layers = 0;            // with at least one open or turned chain
+  std::optional<std::int32_t> first_open;  // the first of them, counted from 0
+  LayerCracks cracks;                      // of all layers together
+};
+
+// `heights`: where the layers are cut, above the model's lowest point. Ends up to `tolerance` apart count as
+// meeting.
+[[nodiscard]] CrackSurvey survey_cracks(const HeightIndex& model, std::span<const Nanometers> heights,
+                                        Millimeters tolerance);
+
+}  // namespace contourd

@@ -1,0 +1,367 @@
+#include "core/contour/open_chain_joiner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+namespace contourd {
+namespace {
+
+constexpr std::uint32_t kFree = 0xFFFFFFFF;
+
+// The last round reaches 2^12 times the tolerance: 20 cm at a pixel of 50 um.
+constexpr int kRounds = 13;
+
+// Beyond this many ends left over after that, each chain is closed on itself: weighing all pairs costs the
+// square of it.
+constexpr std::size_t kMostEndsToPair = 1024;
+
+// Of the starts in a row of cells around an end so many are weighed; so many in one search, and so many in
+// all of a section's: a soup of facets must not take seconds.
+constexpr int kMostNeighbors = 400;
+constexpr int kMostSearchLooks = 1'000'000;
+constexpr int kMostLooks = 8'000'000;
+
+// Once ends see more starts than this on average, those with a partner look no farther for another; an end
+// finds the starts that are free at any distance, when there are no more than these.
+constexpr int kMostLooksAnEnd = 100;
+constexpr std::size_t kMostFreeStarts = 64;
+
+// Joining two starts or two ends means that one of the chains runs against its facets' winding: only where
+// nothing four times as far fits in the right direction (up to eight times, as the rounds' reaches lie).
+constexpr double kTurnedFactor = 1.0 / 4;
+
+// A segment is alone when nothing eight times as far as its length is left to meet.
+constexpr double kAloneFactor = 8;
+
+// What a search for the nearest free end counts as in a budget.
+constexpr std::size_t kStepsOfASearch = 16;
+
+bool is_start(std::uint32_t end) {
+  return end % 2 == 0;
+}
+
+}  // namespace
+
+void OpenChainJoiner::reset(Millimeters tolerance) {
+  tolerance_mm_ = tolerance.count();
+  ends_.clear();
+  weights_.clear();
+}
+
+void OpenChainJoiner::add(Point start, Point end, std::uint32_t weight) {
+  ends_.push_back(start);
+  ends_.push_back(end);
+  weights_.push_back(weight);
+}
+
+const JoinedChains& OpenChainJoiner::join(MaskBudget& budget) {
+  partner_.assign(ends_.size(), kFree);
+  seen_in_.assign(ends_.size(), 0);
+  came_from_.assign(ends_.size(), kFree);
+  looked_at_in_.assign(ends_.size(), 0);
+  looking_ = 0;
+  cost_to_.assign(ends_.size(), 0);
+  potential_.assign(ends_.size(), 0);
+  searches_ = 0;
+  looks_ = 0;
+  starts_.clear();
+  for (std::uint32_t chain = 0; chain < weights_.size(); ++chain)
+    starts_.push_back(2 * chain);
+  find_free_ends();
+  double reach = std::max(tolerance_mm_, 1e-9);
+  change_reach_ = reach;
+  join_turned_runs(reach, budget);
+  find_free_ends();
+  for (int round = 0; round < kRounds && !free_.empty() && !budget.overrun(); ++round, reach *= 2)
+    join_within(reach, budget);
+  if (!free_.empty()) join_what_is_left();
+  collect_loops();
+  report();
+  return joined_;
+}
+
+double OpenChainJoiner::gap_between(std::uint32_t a, std::uint32_t b) const {
+  // Not std::hypot, which differs between C libraries. Coordinates are floats' size: squares do not overflow.
+  const double dx = ends_[a].x - ends_[b].x, dy = ends_[a].y - ends_[b].y;
+  return std::sqrt(dx * dx + dy * dy);
+}
+
+// What a join is weighed by. A single segment closed on itself encloses nothing, and is missing elsewhere:
+// only when nothing else is near.
+double OpenChainJoiner::cost_of(std::uint32_t end, std::uint32_t start) const {
+  const bool single_segment = start == (end ^ 1U) && weights_[end / 2] <= 2;
+  return gap_between(end, start) * (single_segment ? kAloneFactor : 1.0);
+}
+
+void OpenChainJoiner::join_ends(std::uint32_t a, std::uint32_t b) {
+  partner_[a] = b;
+  partner_[b] = a;
+}
+
+void OpenChainJoiner::find_free_ends() {
+  free_.clear();
+  for (std::uint32_t end = 0; end < ends_.size(); ++end) {
+    if (partner_[end] == kFree) free_.push_back(end);
+  }
+}
+
+void OpenChainJoiner::join_within(double reach, MaskBudget& budget) {
+  join_cheapest(reach, budget);
+  find_free_ends();
+  if (free_.empty()) return;
+  join_turned_runs(reach, budget);
+  find_free_ends();
+  join_turned_chains(reach * kTurnedFactor, budget);
+  find_free_ends();
+}
+
+// Pairs ends and starts so that the sum of all joins' costs is the least, where an end that stays free costs
+// the reach: successive shortest ways with potentials (the Hungarian method, on the pairs within the reach).
+// What the rounds before have found is the least for their reach, and so are their potentials: joins wider
+// than that were not worth a look.
+void OpenChainJoiner::join_cheapest(double reach, MaskBudget& budget) {
+  nearby_.sort(ends_, starts_, change_reach_);
+  free_starts_.clear();
+  for (const std::uint32_t end : free_) {
+    if (is_start(end)) free_starts_.push_back(end);
+  }
+  const int looks_before = looks_;
+  int ends_looked_from = 0;
+  for (const std::uint32_t end : free_) {
+    if (is_start(end)) continue;
+    const int looks_up_to_here = looks_;
+    pair_anew(end, reach);
+    if (!budget.spend(static_cast<std::size_t>(looks_ - looks_up_to_here))) return;
+    ends_looked_from += 1 + static_cast<int>(settled_.size());
+  }
+  if (looks_ - looks_before < kMostLooksAnEnd * ends_looked_from) change_reach_ = reach * 2;
+}
+
+// Finds the cheapest way to join this end: to a free start, or to one whose end changes to another, and so
+// on, or stays free.
+void OpenChainJoiner::pair_anew(std::uint32_t end, double reach) {
+  ++searches_;
+  queue_.clear();
+  settled_.clear();
+  const int most_looks = std::min(looks_ + kMostSearchLooks, kMostLooks);
+  double least = reach - potential_[end];
+  std::uint32_t last = kFree;  // the start where the way ends
+  look_from(end, 0, least);
+  while (!queue_.empty() && looks_ < most_looks) {
+    std::pop_heap(queue_.begin(), queue_.end(), dearer);
+    const Step step = queue_.back();
+    queue_.pop_back();
+    if (step.cost >= least) break;
+    if (step.cost > cost_to_[step.start]) continue;
+    const std::uint32_t from = partner_[step.start];
+    if (from == kFree) {
+      least = step.cost;
+      last = step.start;
+      break;
+    }
+    settled_.push_back(step.start);
+    const double leaving_free = step.cost + reach - potential_[from];
+    if (leaving_free < least) {
+      least = leaving_free;
+      last = step.start;
+    }
+    look_from(from, step.cost, least);
+  }
+  if (looks_ >= most_looks) return;
+  potential_[end] += least;
+  for (const std::uint32_t start : settled_) {
+    const double less = least - cost_to_[start];
+    if (less <= 0) continue;
+    potential_[start] -= less;
+    potential_[partner_[start]] += less;
+  }
+  if (last != kFree) take_way_to(last);
+}
+
+void OpenChainJoiner::look_from(std::uint32_t end, double cost_up_to, double least) {
+  ++looking_;
+  const auto look_at = [&](std::uint32_t start) {
+    if (looked_at_in_[start] == looking_) return;
+    looked_at_in_[start] = looking_;
+    ++looks_;
+    if (partner_[start] != kFree && is_start(partner_[start])) return;
+    // Not below zero by a rounding: no way may become cheaper after it has been gone.
+    const double more = cost_of(end, start) - potential_[end] - potential_[start];
+    const double cost = cost_up_to + std::max(more, 0.0);
+    if (cost >= least || (seen_in_[start] == searches_ && cost >= cost_to_[start])) return;
+    seen_in_[start] = searches_;
+    cost_to_[start] = cost;
+    came_from_[start] = end;
+    queue_.push_back({cost, start});
+    std::push_heap(queue_.begin(), queue_.end(), dearer);
+  };
+  nearby_.visit_near(ends_[end], kMostNeighbors, [&look_at](std::uint32_t start) {
+    look_at(start);
+    return true;
+  });
+  if (free_starts_.size() > kMostFreeStarts) return;
+  for (const std::uint32_t start : free_starts_) {
+    if (partner_[start] == kFree) look_at(start);
+  }
+}
+
+void OpenChainJoiner::take_way_to(std::uint32_t start) {
+  if (partner_[start] != kFree) partner_[partner_[start]] = kFree;
+  while (start != kFree) {
+    const std::uint32_t end = came_from_[start];
+    const std::uint32_t given_up = partner_[end];
+    join_ends(end, start);
+    start = given_up;
+  }
+}
+
+// A run of chains whose start lies in the very same point as another start, and whose end in that of another
+// end, is turned, or what it meets is: joining both bridges nothing. Of a ring of turned and right chains,
+// join_turned_chains could leave two starts here and two ends on the other side of the part.
+void OpenChainJoiner::join_turned_runs(double reach, MaskBudget& budget) {
+  nearby_.sort(ends_, free_, reach);
+  far_end_.resize(ends_.size());
+  for (const std::uint32_t end : free_)
+    far_end_[end] = far_end_of(end);
+  for (const std::uint32_t start : free_) {
+    if (!is_start(start) || partner_[start] != kFree) continue;
+    if (!budget.spend(kStepsOfASearch)) return;
+    const std::uint32_t other = free_end_like(start, 0);
+    if (other == kFree) continue;
+    for (const std::uint32_t turned : {start, other}) {
+      const std::uint32_t far = far_end_[turned];
+      // As many starts as ends, or some would find no partner.
+      const std::uint32_t met = is_start(far) ? kFree : free_end_like(far, 0);
+      if (met == kFree) continue;
+      join_runs(start, other);
+      join_runs(far, met);
+      break;
+    }
+  }
+}
+
+void OpenChainJoiner::join_runs(std::uint32_t a, std::uint32_t b) {
+  join_ends(a, b);
+  const std::uint32_t far_a = far_end_[a], far_b = far_end_[b];
+  far_end_[far_a] = far_b;
+  far_end_[far_b] = far_a;
+}
+
+// A chain of turned facets has a start where a start is, and an end where an end is: both at once, or it is
+// not one. Chains that have been joined are not taken for one: the other ends that their two ends would take
+// may lie far from each other, and would be missing there.
+void OpenChainJoiner::join_turned_chains(double reach, MaskBudget& budget) {
+  nearby_.sort(ends_, free_, reach);
+  for (const std::uint32_t start : free_) {
+    if (!is_start(start) || partner_[start] != kFree) continue;
+    if (!budget.spend(kStepsOfASearch)) return;
+    const std::uint32_t other = free_end_like(start, reach);
+    if (other == kFree) continue;
+    for (const std::uint32_t turned : {start, other}) {
+      const std::uint32_t far = turned ^ 1U;
+      const std::uint32_t met = partner_[far] != kFree ? kFree : free_end_like(far, reach);
+      if (met == kFree) continue;
+      join_ends(start, other);
+      join_ends(far, met);
+      break;
+    }
+  }
+}
+
+// The nearest other free end of the same kind within the reach.
+std::uint32_t OpenChainJoiner::free_end_like(std::uint32_t end, double reach) const {
+  std::uint32_t nearest = kFree;
+  double least = reach;
+  nearby_.visit_near(ends_[end], kMostNeighbors, [&](std::uint32_t other) {
+    const bool fits = other != end && is_start(other) == is_start(end) && partner_[other] == kFree;
+    if (!fits) return true;
+    const double gap = gap_between(end, other);
+    if (gap < least || (gap == least && nearest == kFree)) {
+      least = gap;
+      nearest = other;
+    }
+    return true;
+  });
+  return nearest;
+}
+
+// The free end at the other side of the chain that joins have made.
+std::uint32_t OpenChainJoiner::far_end_of(std::uint32_t end) const {
+  std::uint32_t far = end ^ 1U;
+  while (partner_[far] != kFree)
+    far = partner_[far] ^ 1U;
+  return far;
+}
+
+void OpenChainJoiner::join_what_is_left() {
+  pairs_.clear();
+  if (free_.size() <= kMostEndsToPair) {
+    for (const std::uint32_t end : free_) {
+      for (const std::uint32_t start : free_) {
+        if (!is_start(end) && is_start(start)) pairs_.push_back({gap_between(end, start), end, start});
+      }
+    }
+  } else {
+    for (const std::uint32_t end : free_) {
+      const std::uint32_t far = far_end_of(end);
+      if (end < far) pairs_.push_back({gap_between(end, far), end, far});
+    }
+  }
+  make_pairs();
+}
+
+void OpenChainJoiner::make_pairs() {
+  std::sort(pairs_.begin(), pairs_.end(), [](const Pair& a, const Pair& b) {
+    return std::tie(a.cost, a.a, a.b) < std::tie(b.cost, b.a, b.b);
+  });
+  for (const Pair& pair : pairs_) {
+    if (partner_[pair.a] == kFree && partner_[pair.b] == kFree) join_ends(pair.a, pair.b);
+  }
+}
+
+void OpenChainJoiner::collect_loops() {
+  joined_.links.clear();
+  joined_.loops.clear();
+  heaviest_first_.resize(weights_.size());
+  std::iota(heaviest_first_.begin(), heaviest_first_.end(), 0U);
+  std::sort(heaviest_first_.begin(), heaviest_first_.end(), [this](std::uint32_t a, std::uint32_t b) {
+    return weights_[a] != weights_[b] ? weights_[a] > weights_[b] : a < b;
+  });
+  done_.assign(weights_.size(), false);
+  for (const std::uint32_t first : heaviest_first_) {
+    if (done_[first]) continue;
+    JoinedChains::Loop loop{static_cast<std::uint32_t>(joined_.links.size()), 0, false};
+    std::uint32_t entered_at = 2 * first;  // by its start: not reversed
+    do {
+      const std::uint32_t chain = entered_at / 2;
+      const std::uint32_t left_at = entered_at ^ 1U;
+      done_[chain] = true;
+      joined_.links.push_back({chain, entered_at % 2 == 1});
+      loop.repaired = loop.repaired || gap_between(left_at, partner_[left_at]) > tolerance_mm_;
+      ++loop.count;
+      entered_at = partner_[left_at];
+    } while (entered_at != 2 * first);
+    joined_.loops.push_back(loop);
+  }
+}
+
+void OpenChainJoiner::report() {
+  LayerCracks& cracks = joined_.cracks;
+  cracks = LayerCracks{};
+  for (std::uint32_t end = 0; end < ends_.size(); ++end) {
+    if (partner_[end] < end) continue;
+    const double gap = gap_between(end, partner_[end]);
+    if (gap > tolerance_mm_) {
+      ++cracks.open_chains;
+    } else if (gap > 0.0) {
+      ++cracks.gaps_closed;
+    }
+    cracks.widest_gap = std::max(cracks.widest_gap, Millimeters{gap});
+  }
+  for (const JoinedChains::Link& link : joined_.links)
+    cracks.turned_chains += link.reversed ? 1 : 0;
+}
+
+}  // namespace contourd

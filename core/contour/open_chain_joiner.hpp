@@ -1,0 +1,113 @@
+// Closes what a cracked model leaves open: joins the ends of open chains until every chain is part of a
+// closed loop. Ends within the tolerance meet; what is left after that is closed all the same, as a guess.
+//
+// What turned facets leave apart, starts in one point and ends in another, is joined first: there is no gap.
+//
+// The reach doubles from round to round, beginning with the tolerance. In each round ends and starts are
+// paired so that all gaps together are the least (the assignment problem), where an end that stays free
+// counts as a gap of the reach. Pairs that are only the nearest would push the next one on, along a whole
+// contour, until two ends are left on opposite sides of the part. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/contour/layer_cracks.hpp"
+#include "core/contour/nearby_ends.hpp"
+#include "core/geometry/facet.hpp"
+#include "core/geometry/mask_budget.hpp"
+#include "core/geometry/units.hpp"
+
+namespace contourd {
+
+struct JoinedChains {
+  struct Link {
+    std::uint32_t chain;  // in the order of OpenChainJoiner::add
+    bool reversed;        // to be walked from its end to its start (a turned facet)
+  };
+  struct Loop {
+    std::uint32_t first, count;  // in `links`
+    bool repaired;               // at least one of its joins is wider than the tolerance
+  };
+  std::vector<Link> links;
+  std::vector<Loop> loops;
+  LayerCracks cracks;
+};
+
+// Keeps its working memory between calls: allocates only while the chains grow in number.
+class OpenChainJoiner {
+ public:
+  // Forgets all chains.
+  void reset(Millimeters tolerance);
+
+  // `weight`: how many points the chain has; among chains that disagree about a loop's direction, the
+  // heaviest decides.
+  void add(Point start, Point end, std::uint32_t weight);
+
+  // Valid until the next reset().
+  // Once the budget is overrun, what is not joined yet is closed on itself.
+  [[nodiscard]] const JoinedChains& join(MaskBudget& budget);
+
+ private:
+  // End 2i is chain i's start, 2i + 1 its end.
+  struct Pair {
+    double cost;
+    std::uint32_t a, b;
+  };
+
+  // Where a search may go on, and what the way up to there costs, less potentials.
+  struct Step {
+    double cost;
+    std::uint32_t start;
+  };
+
+  [[nodiscard]] static bool dearer(const Step& a, const Step& b) {
+    return a.cost != b.cost ? a.cost > b.cost : a.start > b.start;
+  }
+  [[nodiscard]] double gap_between(std::uint32_t a, std::uint32_t b) const;
+  [[nodiscard]] double cost_of(std::uint32_t end, std::uint32_t start) const;
+  void join_ends(std::uint32_t a, std::uint32_t b);
+  void find_free_ends();
+  void join_within(double reach, MaskBudget& budget);
+  void join_cheapest(double reach, MaskBudget& budget);
+  void pair_anew(std::uint32_t end, double reach);
+  void look_from(std::uint32_t end, double cost_up_to, double least);
+  void take_way_to(std::uint32_t start);
+  void join_turned_runs(double reach, MaskBudget& budget);
+  void join_turned_chains(double reach, MaskBudget& budget);
+  void join_runs(std::uint32_t a, std::uint32_t b);
+  [[nodiscard]] std::uint32_t free_end_like(std::uint32_t end, double reach) const;
+  [[nodiscard]] std::uint32_t far_end_of(std::uint32_t end) const;
+  void join_what_is_left();
+  void make_pairs();
+  void collect_loops();
+  void report();
+
+  double tolerance_mm_ = 0;
+  std::vector<Point> ends_;
+  std::vector<std::uint32_t> weights_;
+  std::vector<std::uint32_t> partner_;  // by end
+  std::vector<std::uint32_t> free_;     // ends without a partner
+  std::vector<std::uint32_t> far_end_;  // by free end: the one at the other side of its joined chains
+  std::vector<std::uint32_t> starts_;   // of all chains
+  NearbyEnds nearby_;
+  std::vector<Pair> pairs_;
+  std::vector<std::uint32_t> seen_in_;       // by start: the search that came to it last
+  std::vector<std::uint32_t> came_from_;     // by start: the end that it was reached from
+  std::vector<std::uint32_t> looked_at_in_;  // by start: the look around that came to it last
+  std::uint32_t looking_ = 0;
+  std::vector<double> cost_to_;         // by start: on that way
+  std::vector<double> potential_;       // by end: 0 or more of ends, 0 or less of starts
+  std::vector<std::uint32_t> settled_;  // starts that a search has passed
+  std::vector<std::uint32_t> free_starts_;
+  double change_reach_ = 0;  // of ends that have a partner
+  std::vector<Step> queue_;  // a heap
+  std::uint32_t searches_ = 0;
+  int looks_ = 0;                              // at ends, by all searches of a join()
+  std::vector<std::uint32_t> heaviest_first_;  // chains
+  std::vector<bool> done_;                     // by chain
+  JoinedChains joined_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,14 @@
+// One facet's cut. A value.
+#pragma once
+
+#include "core/geometry/facet.hpp"
+
+namespace contourd {
+
+// Directed so that the model's inside is on the left (seen from above).
+struct Segment {
+  Point from, to;
+  bool operator==(const Segment&) const = default;
+};
+
+}  // namespace contourd

@@ -1,0 +1,125 @@
+#include "core/formats/model_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <system_error>
+
+#include "core/formats/stl_ascii.hpp"
+#include "core/formats/stl_binary.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr std::array kFormats{&kBinaryStl, &kAsciiStl};
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+std::system_error cannot_read(const std::filesystem::path& path, std::error_code code) {
+  return std::system_error(code, "cannot read " + path.string());
+}
+
+// A code says why, but what() is the sentence alone: "Invalid argument" after it would tell nothing.
+class NotARegularFile : public std::system_error {
+ public:
+  explicit NotARegularFile(const std::filesystem::path& path)
+      : std::system_error(std::make_error_code(std::errc::invalid_argument)),
+        sentence_("cannot read " + path.string() + ": it is not a regular file") {}
+  [[nodiscard]] const char* what() const noexcept override { return sentence_.what(); }
+
+ private:
+  std::runtime_error sentence_;  // its copies cannot fail
+};
+
+void read_exactly(std::FILE* file, std::span<std::byte> into, const std::filesystem::path& path) {
+  errno = 0;
+  if (std::fread(into.data(), 1, into.size(), file) == into.size()) return;
+  throw cannot_read(path, errno != 0 ? std::error_code(errno, std::generic_category())
+                                     : std::make_error_code(std::errc::io_error));
+}
+
+const ModelFormat& format_of(const FileStart& start) {
+  if (start.file_bytes == 0) throw ModelError("the file is empty");
+  return **std::ranges::max_element(kFormats, {},
+                                    [&](const ModelFormat* format) { return format->likeness(start); });
+}
+
+// The file is at its beginning again then.
+std::vector<std::byte> read_start(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
+  std::vector<std::byte> start(std::min<std::uint64_t>(bytes, kSniffBytes));
+  read_exactly(file, start, path);
+  std::rewind(file);
+  return start;
+}
+
+File open_regular(const std::filesystem::path& path) {
+  std::error_code code;
+  // Asked before opening: opening a FIFO would wait for a writer.
+  const std::filesystem::file_status status = std::filesystem::status(path, code);
+  if (code && status.type() != std::filesystem::file_type::not_found) throw cannot_read(path, code);
+  if (!std::filesystem::exists(status)) {
+    throw cannot_read(path, std::make_error_code(std::errc::no_such_file_or_directory));
+  }
+  if (std::filesystem::is_directory(status)) {
+    throw cannot_read(path, std::make_error_code(std::errc::is_a_directory));
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    throw NotARegularFile(path);
+  }
+  File file(std::fopen(path.c_str(), "rb"));
+  if (!file) throw cannot_read(path, std::error_code(errno, std::generic_category()));
+  return file;
+}
+
+}  // namespace
+
+bool has_model_extension(std::string_view file_name) {
+  std::string extension = std::filesystem::path(file_name).extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return std::ranges::any_of(kFormats,
+                             [&](const ModelFormat* format) { return format->extension == extension; });
+}
+
+ModelOutline outline_of_model(const std::filesystem::path& path) {
+  const File file = open_regular(path);
+  return outline_of_model(file.get(), std::filesystem::file_size(path), path);
+}
+
+ModelOutline outline_of_model(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
+  const std::vector<std::byte> start = read_start(file, bytes, path);
+  const ModelFormat& format = format_of({bytes, start});
+  ModelOutline outline = format.outline({bytes, start});
+  outline.format = format.name;
+  return outline;
+}
+
+Model read_model_file(const std::filesystem::path& path) {
+  const File file = open_regular(path);
+  return read_model_file(file.get(), std::filesystem::file_size(path), path);
+}
+
+Model read_model_file(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
+  const std::vector<std::byte> start = read_start(file, bytes, path);
+  return format_of({bytes, start}).read({bytes, start}, [&](std::span<std::byte> into) {
+    read_exactly(file, into, path);
+  });
+}
+
+Model read_model(std::span<const std::byte> bytes) {
+  const FileStart start{bytes.size(), bytes.first(std::min(bytes.size(), kSniffBytes))};
+  std::span<const std::byte> rest = bytes;
+  return format_of(start).read(start, [&rest](std::span<std::byte> into) {
+    std::memcpy(into.data(), rest.data(), into.size());
+    rest = rest.subspan(into.size());
+  });
+}
+
+}  // namespace contourd

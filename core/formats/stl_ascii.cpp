@@ -1,0 +1,239 @@
+#include "core/formats/stl_ascii.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace contourd {
+namespace {
+
+// A keyword of the file quoted in an error is cut to this many characters.
+constexpr std::size_t kQuoteLimit = 24;
+
+// Words that mean nothing are skipped up to this many in a row.
+constexpr int kMostIgnoredWords = 16;
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // of UTF-8
+
+// Words that a facet cannot do without, and white space behind each.
+constexpr std::string_view kShortestFacet =
+    "facet outer loop vertex 0 0 0 vertex 0 0 0 vertex 0 0 0 endloop endfacet ";
+
+bool is_space(char c) {
+  return c == ' ' || (c >= '\t' && c <= '\r');
+}
+bool is_line_end(char c) {
+  return c == '\n' || c == '\r';
+}
+
+// Splits the text into words; knows the line for error messages. Comments (from a word that
+// begins with # to the line's end) are blank.
+class Words {
+ public:
+  explicit Words(std::string_view text) : text_(text) {}
+
+  // The next word; empty at the end of the text.
+  std::string_view next() {
+    skip_blank();
+    const std::size_t start = at_;
+    while (at_ < text_.size() && !is_space(text_[at_]))
+      ++at_;
+    return text_.substr(start, at_ - start);
+  }
+
+  void skip_line() {
+    while (at_ < text_.size() && !is_line_end(text_[at_]))
+      ++at_;
+  }
+
+  // Counted only when asked: most files have no error. A line ends with LF, CR LF or CR alone.
+  [[nodiscard]] std::size_t line() const {
+    std::size_t lines = 1;
+    for (std::size_t i = 0; i < at_ && i < text_.size(); ++i) {
+      const bool carriage_return_alone = text_[i] == '\r' && (i + 1 >= text_.size() || text_[i + 1] != '\n');
+      if (text_[i] == '\n' || carriage_return_alone) ++lines;
+    }
+    return lines;
+  }
+
+ private:
+  void skip_blank() {
+    while (at_ < text_.size()) {
+      if (text_[at_] == '#') {
+        skip_line();
+      } else if (is_space(text_[at_])) {
+        ++at_;
+      } else {
+        return;
+      }
+    }
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+};
+
+bool same_word(std::string_view word, std::string_view lower_case) {
+  if (word.size() != lower_case.size()) return false;
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    const char c = word[i];
+    if ((c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c) != lower_case[i]) return false;
+  }
+  return true;
+}
+
+// What the file has, made fit to print: cut short, and without control characters or invalid UTF-8.
+std::string quoted(std::string_view word) {
+  if (word.empty()) return "the end of the file";
+  std::string text = "\"";
+  for (const char c : word.substr(0, kQuoteLimit))
+    text += c > ' ' && c < '\x7F' ? c : '?';
+  return text + (word.size() > kQuoteLimit ? "...\"" : "\"");
+}
+
+class AsciiReader {
+ public:
+  explicit AsciiReader(std::string_view text) : words_(text) {}
+
+  Model read() {
+    std::string_view word;
+    bool is_stl = false;
+    while (!(word = words_.next()).empty()) {
+      is_stl = true;
+      if (same_word(word, "facet")) {
+        read_facet();
+      } else if (same_word(word, "solid")) {
+        in_solid_ = true;
+        words_.skip_line();  // its name, which may hold any word
+      } else if (same_word(word, "endsolid")) {
+        in_solid_ = false;
+        words_.skip_line();
+      } else if (text_behind_facet_ > 0) {
+        --text_behind_facet_;
+      } else {
+        refuse("expected \"facet\" or \"endsolid\", found " + quoted(word));
+      }
+    }
+    if (!is_stl) throw ModelError("not an STL file: it holds nothing but comments");
+    if (in_solid_ && model_.facets.empty())
+      refuse("the file ends after \"solid\", without a facet or an \"endsolid\"");
+    if (in_solid_) model_.warnings.emplace_back("the file has no \"endsolid\" at its end");
+    return std::move(model_);
+  }
+
+ private:
+  void read_facet() {
+    skip_to("outer");
+    expect("loop");
+    Facet facet{};
+    for (Vertex& vertex : facet.vertices) {
+      expect("vertex");
+      vertex = {read_coordinate(), read_coordinate(), read_coordinate()};
+    }
+    expect("endloop");
+    skip_to("endfacet");  // some writers put text behind the end words
+    text_behind_facet_ = kMostIgnoredWords;
+    model_.facets.push_back(facet);
+  }
+
+  // Skips words that mean nothing: a normal (never trusted, so nothing, garbage or NaN may stand there), or
+  // text behind an end word.
+  void skip_to(std::string_view lower_case) {
+    for (int i = 0; i < kMostIgnoredWords; ++i) {
+      const std::string_view word = words_.next();
+      if (same_word(word, lower_case)) return;
+      if (word.empty())
+        refuse("the file is cut short inside a facet: expected \"" + std::string(lower_case) + "\"");
+    }
+    refuse("found no \"" + std::string(lower_case) + "\" in a facet");
+  }
+
+  void expect(std::string_view lower_case) {
+    const std::string_view word = words_.next();
+    if (same_word(word, lower_case)) return;
+    const std::string expected = "expected \"" + std::string(lower_case) + "\", found " + quoted(word);
+    if (word.empty()) refuse("the file is cut short inside a facet: " + expected);
+    refuse(expected);
+  }
+
+  float read_coordinate() {
+    const std::string_view word = words_.next();
+    if (word.empty()) refuse("the file is cut short inside a facet: expected a coordinate");
+    const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
+    const std::string_view number = plus ? word.substr(1) : word;
+    float value = 0;
+    const auto [end, code] = std::from_chars(number.data(), number.data() + number.size(), value);
+    if (code == std::errc::result_out_of_range && end == number.data() + number.size()) {
+      return out_of_float_range(word, number);
+    }
+    if (code != std::errc() || end != number.data() + number.size()) {
+      refuse("a coordinate is not a number: " + quoted(word));
+    }
+    if (!std::isfinite(value)) refuse("a coordinate is not a finite number: " + quoted(word));
+    return value;
+  }
+
+  // Too small is zero; too large is refused.
+  float out_of_float_range(std::string_view word, std::string_view number) {
+    double wide = 0;
+    const bool beyond_double =
+        std::from_chars(number.data(), number.data() + number.size(), wide).ec != std::errc();
+    const bool negative_exponent =
+        number.find_first_of("eE") != std::string_view::npos && number[number.find_first_of("eE") + 1] == '-';
+    const bool tiny = beyond_double ? negative_exponent : std::fabs(wide) < 1.0;
+    if (!tiny) refuse("a coordinate is too large for STL: " + quoted(word));
+    return static_cast<float>(wide);
+  }
+
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw ModelError("line " + std::to_string(words_.line()) + ": " + why);
+  }
+
+  Words words_;
+  Model model_;
+  bool in_solid_ = false;
+  int text_behind_facet_ = 0;  // words still allowed there
+};
+
+bool starts_with_ignoring_case(std::string_view text, std::string_view lower_case_word) {
+  return same_word(text.substr(0, lower_case_word.size()), lower_case_word);
+}
+
+std::string_view as_text(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// Text never holds a NUL; STL text begins with `solid`, or with a comment, or (no solid line) with a facet.
+Likeness likeness(const FileStart& start) {
+  std::string_view text = as_text(start.bytes);
+  if (text.find('\0') != std::string_view::npos) return Likeness::None;
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  while (!text.empty() && is_space(text.front()))
+    text.remove_prefix(1);
+  const bool begins_so = starts_with_ignoring_case(text, "solid") ||
+                         starts_with_ignoring_case(text, "facet") || text.starts_with('#');
+  return begins_so ? Likeness::Likely : Likeness::None;
+}
+
+ModelOutline outline(const FileStart& start) {
+  // White space behind the last facet may be missing.
+  return {.most_facets = (start.file_bytes + 1) / kShortestFacet.size(), .buffered_bytes = start.file_bytes};
+}
+
+Model read_file(const FileStart& start, const ReadBytes& read) {
+  std::vector<std::byte> all(start.file_bytes);
+  read(all);
+  std::string_view text = as_text(all);
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  return AsciiReader(text).read();
+}
+
+}  // namespace
+
+constinit const ModelFormat kAsciiStl{"ascii", ".stl", likeness, outline, read_file};
+
+}  // namespace contourd

@@ -1,0 +1,11 @@
+// Binary STL: 80 bytes of anything, the facet count, then 50 bytes a facet.
+#pragma once
+
+#include "core/formats/model_format.hpp"
+
+namespace contourd {
+
+// It is one for certain when its size is what its facet count says, whatever else it looks like.
+extern const ModelFormat kBinaryStl;
+
+}  // namespace contourd

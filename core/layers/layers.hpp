@@ -1,0 +1,68 @@
+// Uniform layers of a model: how many, and where each is cut. Values; thread-safe.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/geometry/units.hpp"
+
+namespace contourd {
+
+// Layers of one thickness, counted from 0 at the bottom.
+struct LayerStack {
+  Nanometers thickness{};
+  std::int32_t count = 0;
+
+  // Each layer is cut at its middle. Above the model's lowest point.
+  [[nodiscard]] Nanometers middle_of(std::int32_t layer) const {
+    return Nanometers{thickness.count() * layer + thickness.count() / 2};
+  }
+};
+
+// The most layers of a print: 10 m of the thinnest, a thousand times what printers print. Lists of them, with
+// what is known of each, stay below a gigabyte, and counting them takes seconds.
+inline constexpr std::int32_t kMostLayers = 10'000'000;
+// The thickest layer, so that a print's height is a number of nanometres.
+inline constexpr Nanometers kThickestLayer{1'000'000'000};
+static_assert(kThickestLayer.count() <= std::numeric_limits<std::int64_t>::max() / kMostLayers);
+
+// A model has more layers than kMostLayers. what() is a sentence with the figures.
+class TooManyLayers : public std::runtime_error {
+ public:
+  // More than can be told.
+  TooManyLayers()
+      : std::runtime_error("the model has more than " + std::to_string(kMostLayers) + " layers") {}
+  explicit TooManyLayers(std::int64_t layers)
+      : std::runtime_error("the model has " + std::to_string(layers) + " layers, at most " +
+                           std::to_string(kMostLayers) + " can be printed") {}
+};
+
+// As many layers as it takes to reach the model's top; a rest below a hundredth of a layer is rounding noise
+// of the file's coordinates, not a layer. Throws TooManyLayers. REQUIRES: 0 < thickness <= kThickestLayer.
+[[nodiscard]] inline LayerStack layers_for(Millimeters model_height, Nanometers thickness) {
+  constexpr double kRoundingNoise = 0.01;
+  constexpr double kLargestExactCount = 1LL << 53;
+  const double layers = std::ceil(model_height.count() / to_millimeters(thickness).count() - kRoundingNoise);
+  if (!(layers <= kLargestExactCount)) throw TooManyLayers();
+  if (layers > kMostLayers) throw TooManyLayers(static_cast<std::int64_t>(layers));
+  return LayerStack{thickness, static_cast<std::int32_t>(std::fmax(layers, 0.0))};
+}
+
+// Where layers of these thicknesses, stacked from the plate up, are cut: each at its middle.
+[[nodiscard]] inline std::vector<Nanometers> middles_of(std::span<const Nanometers> thicknesses) {
+  std::vector<Nanometers> middles;
+  middles.reserve(thicknesses.size());
+  Nanometers bottom{};
+  for (const Nanometers thickness : thicknesses) {
+    middles.push_back(bottom + thickness / 2);
+    bottom += thickness;
+  }
+  return middles;
+}
+
+}  // namespace contourd

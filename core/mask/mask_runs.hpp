@@ -1,0 +1,51 @@
+// The lit pixels of a mask as horizontal runs, row by row: what islands and areas are found from. Keeps its
+// memory between calls: allocates only while masks grow. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/mask/mask.hpp"
+
+namespace contourd {
+
+// Lit pixels [first, end) of one row, dark or the display's edge on both sides.
+struct PixelRun {
+  std::int32_t row, first, end;
+  std::uint32_t grey;  // sum of its grey values; at most 16384 * 255
+};
+
+class MaskRuns {
+ public:
+  // Replaces what it held by the runs of this mask.
+  void extract(const Mask& mask);
+  // The same of the pixels that are at least so bright. REQUIRES: `lit` holds this mask's lit pixels.
+  void extract_bright(const Mask& mask, const MaskRuns& lit, std::uint8_t least_grey);
+
+  // From the top row down, each row from left to right.
+  [[nodiscard]] std::span<const PixelRun> runs() const { return runs_; }
+  // Those of one row. REQUIRES: 0 <= row < height of the mask; an extract().
+  [[nodiscard]] std::span<const PixelRun> in_row(std::int32_t row) const {
+    const auto i = static_cast<std::size_t>(row);
+    return std::span(runs_).subspan(row_starts_[i], row_starts_[i + 1] - row_starts_[i]);
+  }
+  // Index in runs() of a row's first run.
+  [[nodiscard]] std::uint32_t first_in_row(std::int32_t row) const {
+    return row_starts_[static_cast<std::size_t>(row)];
+  }
+  [[nodiscard]] std::int32_t rows() const { return static_cast<std::int32_t>(row_starts_.size()) - 1; }
+  // Sum of all grey values: 255 times the exposed area in pixels.
+  [[nodiscard]] std::uint64_t grey_sum() const { return grey_sum_; }
+
+ private:
+  void extract_row(std::int32_t row, std::span<const std::uint8_t> pixels);
+  void extract_bright_from(const PixelRun& run, std::span<const std::uint8_t> pixels,
+                           std::uint8_t least_grey);
+
+  std::vector<PixelRun> runs_;
+  std::vector<std::uint32_t> row_starts_;
+  std::uint64_t grey_sum_ = 0;
+};
+
+}  // namespace contourd

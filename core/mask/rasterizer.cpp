@@ -1,0 +1,372 @@
+#include "core/mask/rasterizer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "core/geometry/double_pair.hpp"
+#include "core/mask/exact_side.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr std::int32_t kOne = CoverageBand::kOne;
+constexpr int kOneBits = CoverageBand::kOneBits;
+constexpr std::uint32_t kNone = 0xFFFFFFFF;
+
+// The least width for which steepness is told apart, in columns: keeps it a number for upright sides.
+constexpr double kLeastWidth = 1e-6;
+
+std::int32_t rounded(double positive) {
+  return static_cast<std::int32_t>(positive + 0.5);
+}
+
+// A column in whole units. Where a side begins and ends is known to some 1e-12 only, once it has been worked
+// off: what rounds up begins a little above one half, since halves and other binary fractions are common.
+std::int32_t column_in_units(double column) {
+  constexpr double kOffHalf = 1.0 / 600;
+  return rounded(std::max(0.0, column * kOne - kOffHalf));
+}
+
+// To the nearest whole number, halves to the even one, so that what two sides with opposite directions add is
+// opposite too. REQUIRES: within the range of the result. The sum has no bits below one; its last 32 are the
+// number's.
+std::int32_t rounded_evenly(double number) {
+  constexpr double kBitsBelowOne = 6755399441055744.0;  // 1.5 * 2^52
+  return static_cast<std::int32_t>(
+      static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(number + kBitsBelowOne)));
+}
+
+// Without a branch, for what cannot be foreseen.
+std::uint32_t chosen(bool first, std::uint32_t if_first, std::uint32_t if_not) {
+  return if_not ^ ((if_first ^ if_not) & (0U - static_cast<std::uint32_t>(first)));
+}
+
+// By their bits, which are ordered as positive numbers are; those of a negative one are above them all. It
+// may be false for -0.
+bool is_between_0_and(double positive_limit, double number) {
+  return std::bit_cast<std::uint64_t>(number) <= std::bit_cast<std::uint64_t>(positive_limit);
+}
+
+// A point of the side at the given x, or y, held between its ends.
+double y_at(const PixelPoint& from, const PixelPoint& to, double x) {
+  const double y = from.y + (x - from.x) * ((to.y - from.y) / (to.x - from.x));
+  return std::clamp(y, std::min(from.y, to.y), std::max(from.y, to.y));
+}
+double x_at(const PixelPoint& from, const PixelPoint& to, double y) {
+  const double x = from.x + (y - from.y) * ((to.x - from.x) / (to.y - from.y));
+  return std::clamp(x, std::min(from.x, to.x), std::max(from.x, to.x));
+}
+
+// A piece of a side within one row, between two of its columns.
+struct Piece {
+  double left, right;
+  std::int32_t cover;     // units of its height; negative when the side runs upwards
+  double half_steepness;  // units of height for each column, halved, with the sign of the cover
+};
+
+// What lies right of the piece has its cover. Of a pixel that it crosses the part right of it counts: the
+// mean of what the piece has passed at the pixel's left and right edge, or where it begins or ends within the
+// pixel, a triangle.
+void add_long_piece(const CoverageBand::Row& row, const Piece& piece) {
+  auto column = static_cast<std::int32_t>(piece.left);
+  const auto last = static_cast<std::int32_t>(piece.right);
+  const double in_first = column + 1.0 - piece.left;
+  const double in_last = piece.right - last;
+  std::int32_t winding = rounded_evenly(piece.half_steepness * in_first * in_first);
+  row.add(static_cast<std::size_t>(column), winding);
+  while (++column < last) {
+    const std::int32_t next = rounded_evenly(2 * piece.half_steepness * (column + 0.5 - piece.left));
+    row.add(static_cast<std::size_t>(column), next - winding);
+    winding = next;
+  }
+  const std::int32_t in_the_last = rounded_evenly(piece.cover - piece.half_steepness * in_last * in_last);
+  row.add(static_cast<std::size_t>(last), in_the_last - winding, piece.cover - in_the_last, 0);
+}
+
+void add_piece(const CoverageBand::Row& row, const Piece& piece) {
+  const auto column = static_cast<std::int32_t>(piece.left);
+  const double edge = column + 1.0;
+  const double beyond = piece.right - edge;
+  if (beyond > 1.0) return add_long_piece(row, piece);
+  // One pixel or two, without a branch, since which it is cannot be foreseen. Its middle tells what lies
+  // right of it up to the first pixel's edge; what is beyond that, a triangle, counts less than nothing
+  // there.
+  const double cover = piece.cover;
+  const double in_second = 0.5 * (beyond + std::fabs(beyond));  // 0 when it is negative
+  const double triangle = piece.half_steepness * in_second * in_second;
+  const std::int32_t first = rounded_evenly(cover * (edge - 0.5 * (piece.left + piece.right)) + triangle);
+  const std::int32_t both = rounded_evenly(cover - triangle);
+  row.add(static_cast<std::size_t>(column), first, both - first, piece.cover - both);
+}
+
+}  // namespace
+
+Rasterizer::Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing)
+    : mask_(width, height),
+      width_(width.count()),
+      height_(height.count()),
+      anti_aliasing_(anti_aliasing),
+      band_(width_),
+      band_bits_(std::countr_zero(static_cast<std::uint32_t>(band_.rows()))) {
+  first_side_.assign(static_cast<std::size_t>((height_ - 1) >> band_bits_) + 1, kNone);
+  band_lit_.assign(first_side_.size(), 0);
+  dark_.assign(band_.chunks() * static_cast<std::size_t>(height_), ~std::uint64_t{0});
+  full_.assign(dark_.size(), 0);
+}
+
+inline void Rasterizer::add_covered(PixelPoint from, PixelPoint to) {
+  const double width = width_;
+  const double height = height_;
+  if (is_between_0_and(width, from.x) && is_between_0_and(height, from.y) && is_between_0_and(width, to.x) &&
+      is_between_0_and(height, to.y)) {
+    add_covered_within(from, to);
+  } else if (std::max(from.y, to.y) > 0.0 && std::min(from.y, to.y) < height) {
+    add_cut(from, to);
+  }
+}
+
+// Cuts a side at the display's edges. What lies left of it changes all pixels of the row alike, as if it were
+// on the edge; what lies right of it, above or below changes none.
+void Rasterizer::add_cut(PixelPoint from, PixelPoint to) {
+  const double width = width_;
+  const double height = height_;
+  const auto held = [height](PixelPoint p, PixelPoint from_there) {
+    const double y = std::clamp(p.y, 0.0, height);
+    return y == p.y ? p : PixelPoint{x_at(p, from_there, y), y};
+  };
+  const PixelPoint start = held(from, to);
+  const PixelPoint end = held(to, from);
+  const auto point_at = [&](double x, PixelPoint otherwise) {
+    return (start.x < x) == (end.x < x) ? otherwise : PixelPoint{x, y_at(start, end, x)};
+  };
+  const auto within = [width](PixelPoint p) { return PixelPoint{std::clamp(p.x, 0.0, width), p.y}; };
+  const PixelPoint entry = within(point_at(start.x < end.x ? 0.0 : width, start));
+  const PixelPoint exit = within(point_at(start.x < end.x ? width : 0.0, end));
+  const std::array corners{within(start), entry, exit, within(end)};
+  for (std::size_t i = 1; i < corners.size(); ++i)
+    add_covered_within(corners[i - 1], corners[i]);
+}
+
+// REQUIRES: both ends on the display or its edges.
+[[gnu::always_inline]] inline void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to) {
+  // Heights in whole units: where two sides meet they are rounded alike, so what one side leaves the other
+  // takes up.
+  const std::int32_t from_y = rounded(from.y * kOne);
+  const std::int32_t to_y = rounded(to.y * kOne);
+  if (from_y == to_y) {
+    return add_level(from_y, from.x, to.x);
+  }
+  // Numbers are chosen, not branches: which way a side runs cannot be foreseen.
+  const auto down = static_cast<std::size_t>(from_y < to_y);
+  const std::int32_t top_y = std::min(from_y, to_y);
+  const double top_x = std::array{to.x, from.x}[down];
+  const double height = to_y - from_y;
+  const double width = to.x - from.x;
+  const auto number = static_cast<std::uint32_t>(covered_sides_.size());
+  covered_sides_.push_back({top_x, width / std::fabs(height),
+                            0.5 * height / std::max(kLeastWidth, std::fabs(width)), top_y,
+                            std::max(from_y, to_y), static_cast<std::int32_t>(2 * down) - 1,
+                            std::exchange(first_side_at(top_y >> kOneBits), number), top_y});
+}
+
+void Rasterizer::add_level(std::int32_t y, double from_x, double to_x) {
+  level_sides_.push_back({y, from_x, to_x});
+}
+
+void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
+  std::int32_t sign = 1;
+  if (to.y < from.y) {
+    sign = -1;
+    std::swap(from, to);
+  }
+  // Rows whose centre line y lies in [from.y, to.y).
+  const double height = height_;
+  const auto first_row = static_cast<std::int32_t>(std::ceil(std::clamp(from.y - 0.5, 0.0, height)));
+  const auto end_row = static_cast<std::int32_t>(std::ceil(std::clamp(to.y - 0.5, 0.0, height)));
+  if (first_row == end_row) return;
+  std::uint32_t& first = first_side_at(first_row);
+  center_sides_.push_back({from, to, (to.x - from.x) / (to.y - from.y), first_row, end_row, sign, first});
+  first = static_cast<std::uint32_t>(center_sides_.size() - 1);
+}
+
+void Rasterizer::add_side(PixelPoint from, PixelPoint to) {
+  if (anti_aliasing_ == AntiAliasing::On) {
+    add_covered(from, to);
+  } else {
+    add_centers(from, to);
+  }
+}
+
+void Rasterizer::add_segments(std::span<const Segment> segments, const PixelMap& map) {
+  const PixelMap in_registers = map;
+  if (map.turns_round()) {
+    for (const Segment& segment : segments)
+      add_side(in_registers.to_pixels(segment.to), in_registers.to_pixels(segment.from));
+    return;
+  }
+  for (const Segment& segment : segments)
+    add_side(in_registers.to_pixels(segment.from), in_registers.to_pixels(segment.to));
+}
+
+void Rasterizer::add_loops(const Contours& contours, const PixelMap& map) {
+  const bool turned = map.turns_round();
+  for (const ContourLoop& loop : contours.loops) {
+    const std::span<const Point> points = contours.points_of(loop);
+    PixelPoint last = map.to_pixels(points.back());
+    for (const Point& point : points) {
+      const PixelPoint next = map.to_pixels(point);
+      if (turned) {
+        add_side(next, last);
+      } else {
+        add_side(last, next);
+      }
+      last = next;
+    }
+  }
+}
+
+void Rasterizer::clear() {
+  covered_sides_.clear();
+  level_sides_.clear();
+  center_sides_.clear();
+  std::ranges::fill(first_side_, kNone);
+}
+
+const Mask& Rasterizer::paint() {
+  MaskBudget unlimited;
+  if (!paint(unlimited)) throw std::length_error("the contours cross each other too often");
+  return mask_;
+}
+
+bool Rasterizer::paint(MaskBudget& budget) {
+  Painted painted = Painted::Overrun;
+  if (budget.can_hold(covered_sides_.size()) && budget.spend(covered_sides_.size())) {
+    painted = paint_bands(budget, Overlaps::Searched);
+    if (painted == Painted::ToAnOverlap)
+      painted = unite_sides(budget) ? paint_bands(budget, Overlaps::Gone) : Painted::Overrun;
+  }
+  clear();
+  return painted == Painted::All;
+}
+
+Rasterizer::Painted Rasterizer::paint_bands(MaskBudget& budget, Overlaps overlaps) {
+  for (std::int32_t first_row = 0; first_row < height_; first_row += band_.rows()) {
+    std::uint8_t& lit = band_lit_[static_cast<std::size_t>(first_row >> band_bits_)];
+    const bool has_sides = first_side_at(first_row) != kNone;
+    if (!has_sides && lit == 0) continue;
+    lit = has_sides;
+    if (!budget.look_at_the_clock()) return Painted::Overrun;
+    if (!paint_band(first_row) && overlaps == Overlaps::Searched) return Painted::ToAnOverlap;
+  }
+  return Painted::All;
+}
+
+// False when polygons overlap there.
+bool Rasterizer::paint_band(std::int32_t first_row) {
+  const std::int32_t end_row = std::min(first_row + band_.rows(), height_);
+  if (anti_aliasing_ == AntiAliasing::Off) {
+    work_off_center_sides(first_row, end_row);
+    for (std::int32_t row = first_row; row < end_row; ++row)
+      band_.paint(row - first_row, mask_.row(row), blocks_of(row));
+    return true;
+  }
+  work_off_covered_sides(first_row, end_row);
+  bool sound = true;
+  for (std::int32_t row = first_row; row < end_row; ++row)
+    sound &= band_.paint_covered(row - first_row, mask_.row(row), blocks_of(row));
+  return sound;
+}
+
+// The sides as they were added become the outline of what they wind around. Where two of those still overlap,
+// by a crossing's rounding, nothing more can be done.
+bool Rasterizer::unite_sides(MaskBudget& budget) {
+  arranged_.reset(1);
+  for (const CoveredSide& side : covered_sides_)
+    arrange(side);
+  for (const LevelSide& side : level_sides_)
+    arranged_.add({column_in_units(side.from_x), side.y}, {column_in_units(side.to_x), side.y}, 0);
+  clear();
+  if (!arranged_.arrange(budget)) return false;
+  const auto to_pixels = [](ArrangedSides::GridPoint p) {
+    return PixelPoint{static_cast<double>(p.x) / kOne, static_cast<double>(p.y) / kOne};
+  };
+  for (const ArrangedSides::Side& side : arranged_.sides()) {
+    const bool filled_left = side.winding_left != 0, filled_right = side.winding_left != side.turn;
+    if (side.turn == 0 || filled_left == filled_right) continue;
+    const PixelPoint low = to_pixels(side.low), high = to_pixels(side.high);
+    add_side(filled_right ? low : high, filled_right ? high : low);
+  }
+  return true;
+}
+
+// However far it has been worked off.
+void Rasterizer::arrange(const CoveredSide& side) {
+  const auto point_at = [&side](std::int32_t y) {
+    const double x = side.x + side.slope * (side.sign * (y - side.y));
+    return ArrangedSides::GridPoint{column_in_units(x), y};
+  };
+  const ArrangedSides::GridPoint top = point_at(side.top_y), bottom = point_at(side.end_y);
+  arranged_.add(side.sign > 0 ? top : bottom, side.sign > 0 ? bottom : top, 0);
+}
+
+RowBlocks Rasterizer::blocks_of(std::int32_t row) {
+  const std::size_t chunks = band_.chunks(), at = static_cast<std::size_t>(row) * chunks;
+  return {std::span(dark_).subspan(at, chunks), std::span(full_).subspan(at, chunks)};
+}
+
+// Adds the band's part of all sides that reach into it; what is left of a side goes to the next band's list.
+void Rasterizer::work_off_covered_sides(std::int32_t first_row, std::int32_t end_row) {
+  const std::int32_t band_end_y = end_row << kOneBits;
+  // A row at a time, of whichever side: how many rows a side has cannot be foreseen.
+  for (std::uint32_t i = std::exchange(first_side_at(first_row), kNone); i != kNone;) {
+    CoveredSide& side = covered_sides_[i];
+    const std::uint32_t next = side.next;
+    const std::int32_t next_y = std::min((side.y | (kOne - 1)) + 1, side.end_y);
+    const std::int32_t cover = (next_y - side.y) * side.sign;
+    const double next_x = side.x + side.slope * cover;
+    add_piece(band_.row((side.y >> kOneBits) - first_row),
+              {std::min(side.x, next_x), std::max(side.x, next_x), cover, side.half_steepness});
+    side.x = next_x;
+    side.y = next_y;
+    if (next_y == band_end_y && next_y != side.end_y) [[unlikely]] {
+      side.next = std::exchange(first_side_at(end_row), i);
+      i = next;
+    } else {
+      i = chosen(next_y == side.end_y, next, i);
+    }
+  }
+}
+
+// The same, without anti-aliasing.
+void Rasterizer::work_off_center_sides(std::int32_t first_row, std::int32_t end_row) {
+  for (std::uint32_t i = std::exchange(first_side_at(first_row), kNone); i != kNone;) {
+    CenterSide& side = center_sides_[i];
+    const std::uint32_t next = side.next;
+    for (; side.row < std::min(side.end_row, end_row); ++side.row) {
+      const double column = std::max(first_column(side), 0.0);
+      if (column >= width_) continue;
+      band_.row(side.row - first_row).add(static_cast<std::size_t>(column), side.sign * kOne);
+    }
+    if (side.row != side.end_row) side.next = std::exchange(first_side_at(end_row), i);
+    i = next;
+  }
+}
+
+// The first column whose centre is not left of the side in its present row.
+double Rasterizer::first_column(const CenterSide& side) {
+  const double center_y = side.row + 0.5;
+  const double x = side.from.x + (center_y - side.from.y) * side.slope;
+  // How far x may be off by the roundings of what it is made from.
+  const double rounding = 4e-15 * (1.0 + std::fabs(side.from.x) + std::fabs(side.to.x));
+  const double nearest = std::floor(x);
+  // Where x is so near to a centre that it might lie on either side, the side itself is asked; one whose
+  // rounding is a pixel's size ends too far away for that to mean anything.
+  if (std::fabs(x - 0.5 - nearest) > rounding || rounding > 0.25) return std::ceil(x - 0.5);
+  return side_of(side.from, side.to, {nearest + 0.5, center_y}) <= 0 ? nearest : nearest + 1;
+}
+
+}  // namespace contourd

@@ -1,0 +1,118 @@
+// Fills polygons into a mask with exact area coverage (grey) or by pixel centres.
+//
+// Every side adds what it changes in the winding number to the pixels that it passes (see CoverageBand). The
+// sums are whole numbers and a side's two ends are rounded alike wherever they meet, so closed polygons
+// cancel exactly at the end of each row: no residue can spill, and every machine computes the same bytes. The
+// display is worked off in bands of rows; only rows and blocks that hold something, or held something before,
+// are written.
+//
+// A pixel's mean winding number is its coverage where the winding number is 0 or 1 only. When a pixel tells
+// that it is not (polygons overlap, or one is wound the wrong way), all sides are cut where they meet, and
+// those that are no outline of the non-zero set are left out. Where everything that overlaps is thinner than
+// a pixel, in the whole mask, nothing may tell: the parts add up there, to at most 1.
+//
+// Not thread-safe; allocates only while the number of sides grows.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/contour/contour_loops.hpp"
+#include "core/contour/slicer.hpp"
+#include "core/geometry/arranged_sides.hpp"
+#include "core/geometry/mask_budget.hpp"
+#include "core/mask/coverage_band.hpp"
+#include "core/mask/mask.hpp"
+#include "core/mask/pixel_map.hpp"
+
+namespace contourd {
+
+enum class AntiAliasing {
+  On,   // grey: the covered part of the pixel
+  Off,  // 255 where the pixel's centre is inside, else 0 (the thesis's way). A centre on a side is inside
+        // when the solid lies right of it, or below it on a level side.
+};
+
+class Rasterizer {
+ public:
+  // Throws std::invalid_argument unless both sides are 1 to 16384 pixels.
+  Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing);
+
+  // Adds a directed side. Sides must form closed polygons by the time of paint(), in whatever order they
+  // come. They may lie outside the display, at any finite distance. What lies right of a side that runs
+  // towards higher y is inside.
+  void add_side(PixelPoint from, PixelPoint to);
+  void add_segments(std::span<const Segment> segments, const PixelMap& map);
+  void add_loops(const Contours& contours, const PixelMap& map);
+
+  // Paints all polygons added since the last call, over the former picture. False when the budget was
+  // overrun: mask() is of no use until the next call.
+  [[nodiscard]] bool paint(MaskBudget& budget);
+  // The same with as much time as it takes. Valid until the next call. Throws std::length_error for more
+  // sides than a budget holds.
+  const Mask& paint();
+  // Forgets all polygons added since the last paint().
+  void clear();
+  // The last one painted; dark before that.
+  [[nodiscard]] const Mask& mask() const { return mask_; }
+
+ private:
+  // What of a side is still to be worked off, from the top down.
+  struct CoveredSide {
+    double x;               // column at y
+    double slope;           // columns for each unit of height; turned when it runs upwards
+    double half_steepness;  // units of height for each column, halved; negative when it runs upwards
+    std::int32_t y, end_y;  // rows, in units of 1 / CoverageBand::kOne
+    std::int32_t sign;      // +1 when it runs downwards
+    std::uint32_t next;     // in the band's list
+    std::int32_t top_y;     // where all of it begins
+  };
+  // A side that changes no row's winding numbers, but ends other polygons' insides there.
+  struct LevelSide {
+    std::int32_t y;  // in the same units
+    double from_x, to_x;
+  };
+  struct CenterSide {
+    PixelPoint from, to;        // downwards
+    double slope;               // columns for each row
+    std::int32_t row, end_row;  // whose centre lines it crosses
+    std::int32_t sign;
+    std::uint32_t next;
+  };
+
+  enum class Overlaps { Searched, Gone };
+  enum class Painted { All, ToAnOverlap, Overrun };
+
+  void add_covered(PixelPoint from, PixelPoint to);
+  void add_cut(PixelPoint from, PixelPoint to);
+  void add_covered_within(PixelPoint from, PixelPoint to);
+  void add_level(std::int32_t y, double from_x, double to_x);
+  void add_centers(PixelPoint from, PixelPoint to);
+  [[nodiscard]] static double first_column(const CenterSide& side);
+  [[nodiscard]] Painted paint_bands(MaskBudget& budget, Overlaps overlaps);
+  [[nodiscard]] bool paint_band(std::int32_t first_row);
+  [[nodiscard]] bool unite_sides(MaskBudget& budget);
+  void arrange(const CoveredSide& side);
+  [[nodiscard]] RowBlocks blocks_of(std::int32_t row);
+  void work_off_covered_sides(std::int32_t first_row, std::int32_t end_row);
+  void work_off_center_sides(std::int32_t first_row, std::int32_t end_row);
+  [[nodiscard]] std::uint32_t& first_side_at(std::int32_t row) {
+    return first_side_[static_cast<std::size_t>(row >> band_bits_)];
+  }
+
+  Mask mask_;
+  std::int32_t width_, height_;
+  AntiAliasing anti_aliasing_;
+  CoverageBand band_;
+  int band_bits_;                           // 2^band_bits_ rows a band
+  std::vector<CoveredSide> covered_sides_;  // with anti-aliasing
+  std::vector<LevelSide> level_sides_;      // the same
+  std::vector<CenterSide> center_sides_;    // without
+  std::vector<std::uint32_t> first_side_;   // by band: the side's number
+  std::vector<std::uint8_t> band_lit_;      // by band: whether mask_ holds any light there
+  std::vector<std::uint64_t> dark_, full_;  // what mask_ holds, see RowBlocks
+  ArrangedSides arranged_;                  // of polygons that overlap
+};
+
+}  // namespace contourd

@@ -1,0 +1,84 @@
+#include "core/model/mesh_report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <vector>
+
+#include "core/geometry/vertex_numbers.hpp"
+#include "core/model/enclosed_volume.hpp"
+
+namespace contourd {
+namespace {
+
+double twice_area(const Facet& facet) {
+  const auto [a, b, c] = facet.vertices;
+  const double ux = static_cast<double>(b.x) - a.x, uy = static_cast<double>(b.y) - a.y;
+  const double uz = static_cast<double>(b.z) - a.z, vx = static_cast<double>(c.x) - a.x;
+  const double vy = static_cast<double>(c.y) - a.y, vz = static_cast<double>(c.z) - a.z;
+  return std::hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
+}
+
+struct Edge {
+  std::uint32_t low, high;  // vertex numbers
+  std::int32_t direction;   // +1 from low to high
+};
+
+void count_edges(const std::vector<Corners>& corners, MeshReport& report) {
+  std::vector<Edge> edges;
+  edges.reserve(corners.size() * 3);
+  for (const Corners& c : corners) {
+    if (is_degenerate(c)) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t from = c[i], to = c[(i + 1) % 3];
+      edges.push_back(from < to ? Edge{from, to, 1} : Edge{to, from, -1});
+    }
+  }
+  std::sort(edges.begin(), edges.end(),
+            [](const Edge& a, const Edge& b) { return std::tie(a.low, a.high) < std::tie(b.low, b.high); });
+  report.watertight = !edges.empty();
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i;
+    std::int32_t balance = 0;
+    for (; end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high; ++end) {
+      balance += edges[end].direction;
+    }
+    const std::size_t facets = end - i;
+    report.open_edges += facets == 1;
+    report.non_manifold_edges += facets > 2;
+    report.flipped_edges += facets == 2 && balance != 0;
+    report.watertight = report.watertight && facets % 2 == 0 && balance == 0;
+    i = end;
+  }
+}
+
+void count_duplicates(std::vector<Corners> corners, MeshReport& report) {
+  std::erase_if(corners, is_degenerate);
+  for (Corners& c : corners)
+    std::sort(c.begin(), c.end());
+  std::sort(corners.begin(), corners.end());
+  const auto unique_end = std::unique(corners.begin(), corners.end());
+  report.duplicate_facets = static_cast<std::uint64_t>(corners.end() - unique_end);
+}
+
+}  // namespace
+
+MeshReport inspect_mesh(std::span<const Facet> facets) {
+  MeshReport report;
+  report.facets = facets.size();
+  report.bounds = bounds_of(facets);
+  const EnclosedVolume volume = enclosed_volume(facets, report.bounds);
+  report.volume_mm3 = volume.mm3;
+  report.inside_out = volume.inside_out();
+  report.zero_area_facets = static_cast<std::uint64_t>(std::count_if(
+      facets.begin(), facets.end(), [](const Facet& facet) { return twice_area(facet) == 0.0; }));
+  const std::vector<Corners> corners = number_vertices(facets);
+  report.degenerate_facets =
+      static_cast<std::uint64_t>(std::count_if(corners.begin(), corners.end(), is_degenerate));
+  count_edges(corners, report);
+  count_duplicates(corners, report);
+  return report;
+}
+
+}  // namespace contourd

@@ -1,0 +1,32 @@
+// What is right and wrong with a model's mesh. Thread-safe (no shared state).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/geometry/facet.hpp"
+
+namespace contourd {
+
+// Two vertices are the same when their coordinates are equal, bit for bit (-0 and 0 alike). Edge figures
+// leave out degenerate facets.
+struct MeshReport {
+  std::uint64_t facets = 0;
+  Bounds bounds;
+  double volume_mm3 = 0;                 // signed: negative when the facets face inwards
+  bool inside_out = false;               // so that a print turns them
+  std::uint64_t degenerate_facets = 0;   // two equal vertices
+  std::uint64_t zero_area_facets = 0;    // degenerate ones included
+  std::uint64_t duplicate_facets = 0;    // facets over the same three vertices as an earlier one
+  std::uint64_t open_edges = 0;          // edges of one facet only
+  std::uint64_t non_manifold_edges = 0;  // edges of more than two facets
+  std::uint64_t flipped_edges = 0;       // edges of two facets that are wound against each other
+  // Every edge is shared by an even number of facets, half of them in each direction; and there is at least
+  // one facet.
+  bool watertight = false;
+};
+
+// Takes time and memory in proportion to the number of facets (about 100 bytes each).
+[[nodiscard]] MeshReport inspect_mesh(std::span<const Facet> facets);
+
+}  // namespace contourd

@@ -1,0 +1,23 @@
+// A model, whatever file it came from.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/geometry/facet.hpp"
+
+namespace contourd {
+
+struct Model {
+  std::vector<Facet> facets;          // in millimetres; all coordinates are finite
+  std::vector<std::string> warnings;  // oddities that do not change the shape, one sentence each
+};
+
+// The data is not a usable model. what() is one sentence: what, where (byte or line), why.
+class ModelError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace contourd

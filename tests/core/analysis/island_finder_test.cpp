@@ -1,0 +1,184 @@
+#include "core/analysis/island_finder.hpp"
+
+#include <algorithm>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/random_shapes.hpp"
+
+using namespace contourd;
+using testing::draw;
+
+namespace {
+
+// Rows of text: '.' is dark, a digit d has the grey value 25 d + 30, '#' is fully lit.
+Mask mask_of(const std::vector<std::string>& rows) {
+  Mask mask(Pixels{static_cast<std::int32_t>(rows[0].size())},
+            Pixels{static_cast<std::int32_t>(rows.size())});
+  for (std::size_t y = 0; y < rows.size(); ++y) {
+    for (std::size_t x = 0; x < rows[y].size(); ++x) {
+      const char c = rows[y][x];
+      mask.row(static_cast<std::int32_t>(y))[x] = static_cast<std::uint8_t>(c == '.'   ? 0
+                                                                            : c == '#' ? 255
+                                                                                       : 25 * (c - '0') + 30);
+    }
+  }
+  return mask;
+}
+
+IslandFinder::Layer runs_of(const Mask& mask, std::uint8_t least_grey) {
+  IslandFinder::Layer layer;
+  layer.lit.extract(mask);
+  layer.bright.extract_bright(mask, layer.lit, least_grey);
+  return layer;
+}
+
+std::vector<MaskIsland> islands_of(const Mask& layer, const Mask& beneath, std::uint8_t least_grey,
+                                   std::int64_t contact_pixels) {
+  IslandFinder finder;
+  const auto found = finder.find(runs_of(layer, least_grey), runs_of(beneath, least_grey), contact_pixels);
+  return {found.begin(), found.end()};
+}
+
+// Whatever lies beneath carries.
+std::vector<MaskIsland> islands_of(const Mask& layer, const Mask& beneath) {
+  return islands_of(layer, beneath, 1, 1);
+}
+
+// The definition itself: flood every group, pixel by pixel. Each island as (left, top, right, bottom, pixels,
+// grey), sorted.
+using Figures =
+    std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int64_t, std::uint64_t>;
+
+class Flood {
+ public:
+  Flood(const Mask& layer, const Mask& beneath)
+      : layer_(layer), beneath_(beneath), seen_(layer.pixels().size()) {}
+
+  std::vector<Figures> islands() {
+    std::vector<Figures> found;
+    for (std::int32_t y = 0; y < layer_.height().count(); ++y) {
+      for (std::int32_t x = 0; x < layer_.width().count(); ++x) {
+        held_ = false;
+        group_ = {x, y, x + 1, y + 1, 0, 0};
+        flood(x, y);
+        if (std::get<4>(group_) > 0 && !held_) found.push_back(group_);
+      }
+    }
+    std::ranges::sort(found);
+    return found;
+  }
+
+ private:
+  void flood(std::int32_t x, std::int32_t y) {
+    if (x < 0 || y < 0 || x >= layer_.width().count() || y >= layer_.height().count()) return;
+    const auto column = static_cast<std::size_t>(x);
+    const std::size_t i = static_cast<std::size_t>(y) * layer_.row(0).size() + column;
+    if (seen_[i] || layer_.row(y)[column] == 0) return;
+    seen_[i] = true;
+    held_ = held_ || beneath_.row(y)[column] != 0;
+    auto& [left, top, right, bottom, pixels, grey] = group_;
+    left = std::min(left, x);
+    right = std::max(right, x + 1);
+    bottom = std::max(bottom, y + 1);
+    ++pixels;
+    grey += layer_.row(y)[column];
+    for (std::int32_t dy = -1; dy <= 1; ++dy) {
+      for (std::int32_t dx = -1; dx <= 1; ++dx)
+        flood(x + dx, y + dy);
+    }
+  }
+
+  const Mask& layer_;
+  const Mask& beneath_;
+  std::vector<bool> seen_;
+  bool held_ = false;
+  Figures group_{};
+};
+
+Mask draw_mask(Pixels width, Pixels height, std::int64_t lit_of_ten) {
+  Mask mask(width, height);
+  for (std::int32_t y = 0; y < height.count(); ++y) {
+    for (std::uint8_t& grey : mask.row(y))
+      grey = static_cast<std::uint8_t>(draw(1, 10) <= lit_of_ten ? draw(1, 255) : 0);
+  }
+  return mask;
+}
+
+}  // namespace
+
+TEST_CASE("A group with one pixel over a lit one is held and one beside it is not") {
+  const Mask beneath = mask_of({".......", "..#....", "......."});
+  CHECK(islands_of(mask_of({".......", "###....", "#......"}), beneath).empty());
+  // Neighbours of the lit pixel, but not over it.
+  const auto islands = islands_of(mask_of({".......", "...##..", "......."}), beneath);
+  REQUIRE(islands.size() == 1);
+  CHECK(islands[0].pixels == 2);
+}
+
+TEST_CASE("An island has its middle, its box, its pixels and its grey") {
+  const auto islands = islands_of(mask_of({"......", "..##..", "..1#..", "......"}),
+                                  mask_of({"#.....", "......", "......", "......"}));
+  REQUIRE(islands.size() == 1);
+  const MaskIsland& island = islands[0];
+  CHECK(island.center.x == 3.0);
+  CHECK(island.center.y == 2.0);
+  CHECK(std::tuple(island.left, island.top, island.right, island.bottom) == std::tuple(2, 1, 4, 3));
+  CHECK(island.pixels == 4);
+  CHECK(island.grey == 3 * 255 + 55);
+}
+
+TEST_CASE("Pixels that touch by a corner are one group") {
+  const Mask dark = mask_of({"....", "....", "...."});
+  CHECK(islands_of(mask_of({"#..#", ".##.", "...."}), dark).size() == 1);
+  CHECK(islands_of(mask_of({"#..#", "....", ".##."}), dark).size() == 3);
+}
+
+TEST_CASE("Arms that meet further down are one group and its box holds all of it") {
+  const auto islands = islands_of(mask_of({"#.#.#", "#.#.#", ".#.#.", "....."}), Mask(Pixels{5}, Pixels{4}));
+  REQUIRE(islands.size() == 1);
+  CHECK(std::tuple(islands[0].left, islands[0].top, islands[0].right, islands[0].bottom) ==
+        std::tuple(0, 0, 5, 3));
+}
+
+TEST_CASE("The islands found are those of a flood fill") {
+  CHECK(rc::check([] {
+    const Pixels width{static_cast<std::int32_t>(draw(1, 40))},
+        height{static_cast<std::int32_t>(draw(1, 20))};
+    const Mask layer = draw_mask(width, height, draw(0, 9)), beneath = draw_mask(width, height, draw(0, 3));
+    std::vector<Figures> found;
+    for (const MaskIsland& i : islands_of(layer, beneath))
+      found.emplace_back(i.left, i.top, i.right, i.bottom, i.pixels, i.grey);
+    std::ranges::sort(found);
+    RC_ASSERT(found == Flood(layer, beneath).islands());
+  }));
+}
+
+TEST_CASE("What rests on a faint pixel only is an island") {
+  const Mask layer = mask_of({"........", ".######.", ".######.", "........"});
+  const Mask faint = mask_of({"........", ".000000.", ".000000.", "........"});  // grey 30
+  CHECK(islands_of(layer, faint, 64, 4).size() == 1);
+  CHECK(islands_of(layer, faint, 30, 4).empty());
+  const Mask one = mask_of({"........", "......1.", "........", "........"});
+  CHECK(islands_of(layer, one, 1, 1).empty());
+  CHECK(islands_of(layer, one, 64, 1).size() == 1);
+}
+
+TEST_CASE("What rests on a corner only is an island") {
+  const Mask layer = mask_of({"........", ".######.", ".######.", "........"});
+  const Mask corner = mask_of({"##......", "##......", "........", "........"});
+  CHECK(islands_of(layer, corner, 64, 4).size() == 1);
+  CHECK(islands_of(layer, corner, 64, 1).empty());
+  const Mask edge = mask_of({"........", "##......", "##......", "........"});
+  CHECK(islands_of(layer, edge, 64, 2).empty());
+}
+
+TEST_CASE("A thin pin stands on itself") {
+  for (const char* const row : {"...#....", "..9#1...", "...2....", "..##...."}) {
+    CAPTURE(row);
+    const Mask pin = mask_of({"........", row, "........"});
+    CHECK(islands_of(pin, pin, 64, 4).empty());
+  }
+}

@@ -1,0 +1,268 @@
+#include "core/analysis/print_analysis.hpp"
+#include "core/layers/print_layers.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/model/mesh_report.hpp"
+#include "tests/catch.hpp"
+#include "tests/core/section_fixture.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+using testing::inverted;
+using testing::together;
+
+namespace {
+
+constexpr Nanometers kLayer{500'000};
+const DisplayGeometry kDisplay{Pixels{480}, Pixels{440}, Micrometers{50.0}};
+
+// The model's plate centre is its point (0, 0).
+ContourEngine engine_for(models::Facets facets, const DisplayGeometry& display = kDisplay) {
+  return ContourEngine(HeightIndex(std::move(facets)), EngineSettings{display, AntiAliasing::On},
+                       {PixelMap::true_scale(display, {0, 0})});
+}
+
+PrintFindings analyze(const models::Facets& facets, Nanometers thickness = kLayer,
+                      const DisplayGeometry& display = kDisplay) {
+  const LayerStack layers = layers_for(Millimeters{bounds_of(facets).size_z()}, thickness);
+  ContourEngine engine = engine_for(facets, display);
+  return analyze_print(engine, display, PrintLayers(layers).all(), [](std::int32_t) { return 0s; }).value();
+}
+
+bool near(double a, double b, double tolerance) {
+  return std::fabs(a - b) <= tolerance;
+}
+
+// Sums of whole grey values over 255, scaled.
+constexpr double kRounding = 1e-9;
+
+models::Facets ball(float x, float y, float z, double radius, int cells = 32) {
+  models::Facets facets = models::sphere(radius, cells);
+  models::translate(facets, x, y, z);
+  return facets;
+}
+
+Facet facet(Vertex a, Vertex b, Vertex c) {
+  return {{a, b, c}};
+}
+
+// A pyramid of four sides on its tip, from (0, 0, 0) up to a square of side 2 * half at z = height.
+models::Facets inverted_pyramid(float half, float height) {
+  const Vertex tip{0, 0, 0}, a{-half, -half, height}, b{half, -half, height}, c{half, half, height},
+      d{-half, half, height};
+  return {facet(tip, b, a), facet(tip, c, b), facet(tip, d, c),
+          facet(tip, a, d), facet(a, b, c),   facet(a, c, d)};
+}
+
+}  // namespace
+
+TEST_CASE("A box is its volume and its area and nothing else") {
+  const PrintFindings found = analyze(models::box({-5, -4, 0}, {5, 4, 10}));
+  CHECK(found.layers() == 20);
+  CHECK(near(found.volume_mm3, 800, 800 * 1e-12));
+  CHECK(near(found.resin_ml(), 0.8, 1e-12));
+  for (const double area : found.area_mm2)
+    CHECK(near(area, 80, kRounding));
+  CHECK(near(found.largest_area_mm2, 80, kRounding));
+  CHECK(found.largest_area_layer == 0);
+  CHECK(found.empty_layers.empty());
+  CHECK(found.island_count == 0);
+  CHECK(found.cracked_layers.empty());
+}
+
+TEST_CASE("An inverted pyramid is largest at its top and stands on its tip") {
+  const PrintFindings found = analyze(inverted_pyramid(8, 10));
+  CHECK(found.layers() == 20);
+  CHECK(found.island_count == 0);
+  CHECK(found.largest_area_layer == 19);
+  // The middle of the last layer: 0.25 mm below the top. A side of a hundred pixels or more in which every
+  // edge pixel is rounded to 1/255.
+  const double side = 16 * 9.75 / 10;
+  CHECK(near(found.largest_area_mm2, side * side, 0.01));
+}
+
+TEST_CASE("The middle of a bridge is no island and what hangs from it is one") {
+  const models::Facets bridge =
+      together(together(models::box({-8, -2, 0}, {-6, 2, 8}), models::box({6, -2, 0}, {8, 2, 8})),
+               models::box({-8, -2, 8}, {8, 2, 10}));
+  CHECK(analyze(bridge).island_count == 0);
+  const PrintFindings hung = analyze(together(bridge, models::box({-1, -0.5, 5}, {2, 0.5, 8})));
+  REQUIRE(hung.islands.size() == 1);
+  CHECK(hung.island_count == 1);
+  CHECK(hung.islands[0].layer == 10);
+  CHECK(near(hung.islands[0].area_mm2, 3, kRounding));
+  CHECK(near(hung.islands[0].plate_mm.x, 0.5, kRounding));
+  CHECK(near(hung.islands[0].plate_mm.y, 0, kRounding));
+  CHECK(near(hung.islands[0].pixel.x, 250, kRounding));
+  CHECK(near(hung.islands[0].pixel.y, 220, kRounding));
+}
+
+TEST_CASE("An island is where it is on the plate whatever the mirrors") {
+  const models::Facets model =
+      together(models::box({-8, -8, 0}, {-6, -6, 8}), models::box({4, 5, 4}, {6, 7, 8}));
+  for (const bool mirror_x : {false, true}) {
+    for (const bool mirror_y : {false, true}) {
+      DisplayGeometry display = kDisplay;
+      display.mirror_x = mirror_x;
+      display.mirror_y = mirror_y;
+      const PrintFindings found = analyze(model, kLayer, display);
+      REQUIRE(found.islands.size() == 1);
+      CHECK(near(found.islands[0].plate_mm.x, 5, kRounding));
+      CHECK(near(found.islands[0].plate_mm.y, 6, kRounding));
+      CHECK((found.islands[0].pixel.x < 240) == mirror_x);
+    }
+  }
+}
+
+TEST_CASE("Of two towers that both stand on the plate none is an island") {
+  CHECK(analyze(together(models::box({-8, 0, 0}, {-5, 3, 9}), models::box({5, 0, 0}, {8, 3, 5})))
+            .island_count == 0);
+}
+
+TEST_CASE("A floating ball is one island where it begins") {
+  const PrintFindings found = analyze(together(models::box({-8, -8, 0}, {8, 8, 1}), ball(3, -2, 6, 3)));
+  REQUIRE(found.islands.size() == 1);
+  // The ball begins at 3 mm, 4 layers of which are dark above the slab's two.
+  CHECK(found.islands[0].layer == 6);
+  // The marched ball's lowest point is a vertex of a grid of 0.2 mm.
+  CHECK(near(found.islands[0].plate_mm.x, 3, 0.2));
+  CHECK(near(found.islands[0].plate_mm.y, -2, 0.2));
+  CHECK(found.empty_layers == std::vector<std::int32_t>{2, 3, 4, 5});
+}
+
+TEST_CASE("Dark layers at the end of a print are empty ones") {
+  // The engine knows no more than the model; the stack goes on above it.
+  ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
+  const auto found =
+      analyze_print(engine, kDisplay, std::vector(10, kLayer), [](std::int32_t) { return 1s; });
+  REQUIRE(found);
+  CHECK(found->layers() == 10);
+  CHECK(found->empty_layers == std::vector<std::int32_t>{4, 5, 6, 7, 8, 9});
+  CHECK(found->layer_time == 10s);
+}
+
+TEST_CASE("A last layer that is cut above the model is no empty one") {
+  const PrintFindings found = analyze(models::box({0, 0, 0}, {2, 2, 2.1F}));
+  CHECK(found.layers() == 5);
+  CHECK(found.area_mm2.back() == 0);
+  CHECK(found.empty_layers.empty());
+}
+
+TEST_CASE("Of a print without any light every layer is empty") {
+  CHECK(analyze(models::box({0, 0, 0}, {2, 2, 0.1F})).empty_layers == std::vector<std::int32_t>{0});
+  // Thinner than what a pixel can show.
+  CHECK(analyze(models::box({0, 0, 0}, {2, 1e-5F, 1})).empty_layers == std::vector<std::int32_t>{0, 1});
+}
+
+TEST_CASE("A dark layer at the very bottom leaves all above it hanging") {
+  PrintAnalysis analysis(kDisplay);
+  Mask mask(kDisplay.width, kDisplay.height);
+  analysis.add_layer(mask, {kLayer, 0s, {}});
+  mask.row(10)[10] = 255;
+  analysis.add_layer(mask, {kLayer, 0s, {}});
+  CHECK(analysis.findings().empty_layers == std::vector<std::int32_t>{0});
+  CHECK(analysis.findings().island_count == 1);
+}
+
+TEST_CASE("A hollow ball has the resin of its wall and one island inside when something lies in it") {
+  const models::Facets shell = together(ball(0, 0, 0, 8, 48), inverted(ball(0, 0, 0, 6, 48)));
+  const PrintFindings found = analyze(shell, Nanometers{100'000});
+  CHECK(found.island_count == 0);
+  // Layers of 0.1 mm cut at their middles: the error of the midpoint rule on pi (r^2 - z^2) is
+  // pi h^3 / 12 a layer, 0.04 mm3 in all; and of the grey values' rounding, 1/510 of the edge pixels' area.
+  const double mesh_volume = inspect_mesh(shell).volume_mm3;
+  CHECK(near(found.volume_mm3, mesh_volume, 0.5));
+  CHECK(near(found.volume_mm3, 4 * std::numbers::pi / 3 * (512 - 216), 15));  // facets cut corners
+  const PrintFindings filled = analyze(together(shell, ball(0, 0, 0, 2)), Nanometers{100'000});
+  REQUIRE(filled.islands.size() == 1);
+  CHECK(filled.islands[0].layer == 60);
+}
+
+TEST_CASE("A gyroid's resin is its mesh's volume") {
+  models::Facets facets = models::gyroid_sphere(9, 6, 48);
+  const PrintFindings found = analyze(facets, Nanometers{50'000});
+  const double mesh_volume = inspect_mesh(facets).volume_mm3;
+  // Grey values are rounded to 1/255 without bias, layers are thin against the gyroid's walls of a
+  // millimetre.
+  CHECK(near(found.volume_mm3, mesh_volume, 1e-3 * mesh_volume));
+  CHECK(found.layers() == static_cast<std::int32_t>(found.area_mm2.size()));
+}
+
+TEST_CASE("What the threshold leaves dark is neither area nor island nor support") {
+  // A pin that covers a quarter of a pixel holds a plate 1 mm above another.
+  const models::Facets facets =
+      together(together(models::box({-2, -2, 0}, {2, 2, 1}), models::box({0, 0, 1}, {0.025F, 0.025F, 2})),
+               models::box({-2, -2, 2}, {2, 2, 3}));
+  const CarryingSupport anything{.least_grey = 1, .contact_area_mm2 = 0};
+  const auto found_with = [&](const ToneCurve& tone, const CarryingSupport& support) {
+    ContourEngine engine(HeightIndex(facets),
+                         EngineSettings{kDisplay, AntiAliasing::On, Compensation{}, tone, std::nullopt},
+                         {PixelMap::true_scale(kDisplay, {0, 0})});
+    return analyze_print(engine, kDisplay, std::vector(6, kLayer), [](std::int32_t) { return 0s; }, {},
+                         {support, {}})
+        .value();
+  };
+  const PrintFindings all = found_with({}, anything), bright = found_with({2.2, 64}, anything),
+                      cut = found_with({2.2, 65}, anything);
+  CHECK(all.empty_layers.empty());
+  CHECK(all.island_count == 0);
+  // Nor does the pin carry the plate, unless anything does.
+  CHECK(found_with({}, {}).island_count == 1);
+  // 64 of 255 is what a quarter of a pixel is.
+  CHECK(bright.area_mm2 == all.area_mm2);
+  CHECK(cut.area_mm2[2] == 0);
+  CHECK(cut.area_mm2[4] == all.area_mm2[4]);
+  CHECK(cut.empty_layers == std::vector<std::int32_t>{2, 3});
+  CHECK(cut.island_count == 1);
+}
+
+TEST_CASE("Cracks are summed and told by layer") {
+  models::Facets box = models::box({0, 0, 0}, {2, 2, 2});
+  box.pop_back();
+  const PrintFindings found = analyze(together(box, models::box({4, 4, 0}, {6, 6, 4})));
+  CHECK(found.layers() == 8);
+  CHECK(found.cracks.open_chains == found.cracked_layers.size());
+  REQUIRE(found.cracked_layers.size() == 4);
+  CHECK(found.cracked_layers[3].layer == 3);
+  CHECK(found.cracks.widest_gap > Millimeters{1});
+}
+
+TEST_CASE("The time is that of all layers together") {
+  ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
+  const auto found = analyze_print(engine, kDisplay, std::vector(4, kLayer),
+                                   [](std::int32_t layer) { return 2s + 100ms * layer; });
+  REQUIRE(found);
+  CHECK(found->layer_time == 8600ms);
+}
+
+TEST_CASE("Islands beyond the most that are kept are still counted") {
+  const DisplayGeometry display{Pixels{200}, Pixels{200}};
+  PrintAnalysis analysis(display);
+  Mask mask(display.width, display.height);
+  analysis.add_layer(mask, {kLayer, 0s, {}});
+  for (std::int32_t y = 0; y < 200; y += 2) {
+    for (std::size_t x = 0; x < 200; x += 2)
+      mask.row(y)[x] = 255;
+  }
+  analysis.add_layer(mask, {kLayer, 0s, {}});
+  CHECK(analysis.findings().island_count == 10'000);
+  CHECK(analysis.findings().islands.size() == PrintFindings::kMostIslands);
+}
+
+TEST_CASE("An analysis that is told to stop gives nothing") {
+  ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
+  std::stop_source source;
+  std::int32_t asked = 0;
+  const auto found = analyze_print(
+      engine, kDisplay, std::vector(4, kLayer),
+      [&](std::int32_t) {
+        if (++asked == 2) source.request_stop();
+        return 1s;
+      },
+      source.get_token());
+  CHECK(!found);
+  CHECK(asked == 2);
+}

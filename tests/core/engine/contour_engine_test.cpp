@@ -1,0 +1,483 @@
+#include "core/engine/contour_engine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/core/random_contours.hpp"
+#include "tests/core/section_fixture.hpp"
+#include "tests/random_shapes.hpp"
+
+using namespace contourd;
+using testing::inverted;
+using testing::together;
+
+namespace {
+
+const DisplayGeometry kDisplay{Pixels{480}, Pixels{440}, Micrometers{50.0}};
+
+ContourEngine engine_for(models::Facets facets, AntiAliasing anti_aliasing = AntiAliasing::On,
+                         Point center = {10, 10}) {
+  return ContourEngine(HeightIndex(std::move(facets)), {kDisplay, anti_aliasing, {}, {}, {}},
+                       {PixelMap::true_scale(kDisplay, center)});
+}
+
+Mask mask_of(const models::Facets& facets, Nanometers height, AntiAliasing anti_aliasing = AntiAliasing::On) {
+  return engine_for(facets, anti_aliasing).mask_at(height);
+}
+
+// The lit area in square millimetres.
+double area(const Mask& mask) {
+  return mask.lit_area() * 0.05 * 0.05;
+}
+
+bool near(double a, double b, double tolerance) {
+  return std::fabs(a - b) <= tolerance;
+}
+
+// Sums of whole grey values over 255, scaled.
+constexpr double kRoundingMm2 = 1e-9;
+
+// A slab of 20 x 20 x 5 mm with a post of 10 x 10 x 5 mm upon it.
+models::Facets slab_and_post() {
+  return together(models::box({0, 0, 0}, {20, 20, 5}), models::box({5, 5, 5}, {15, 15, 10}));
+}
+
+models::Facets ball() {
+  models::Facets facets = models::sphere(8, 16);
+  models::translate(facets, 10, 10, 0);
+  return facets;
+}
+
+}  // namespace
+
+TEST_CASE("A mask is the section just above its height") {
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    ContourEngine engine = engine_for(slab_and_post(), mode);
+    CHECK(engine.mask_at(Nanometers{-1}).lit_pixels() == 0);
+    CHECK(near(area(engine.mask_at(Nanometers{0})), 400, kRoundingMm2));
+    CHECK(near(area(engine.mask_at(Nanometers{4'999'999})), 400, kRoundingMm2));
+    CHECK(near(area(engine.mask_at(Nanometers{5'000'000})), 100, kRoundingMm2));
+    CHECK(near(area(engine.mask_at(Nanometers{9'999'999})), 100, kRoundingMm2));
+    CHECK(engine.mask_at(Nanometers{10'000'000}).lit_pixels() == 0);
+  }
+}
+
+TEST_CASE("A roof's cavity opens and closes at its flat faces") {
+  ContourEngine engine = engine_for(
+      together(models::box({0, 0, 0}, {20, 20, 20}), inverted(models::box({5, 5, 5}, {15, 15, 15}))));
+  CHECK(near(area(engine.mask_at(Nanometers{4'999'999})), 400, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{5'000'000})), 300, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{14'999'999})), 300, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{15'000'000})), 400, kRoundingMm2));
+}
+
+TEST_CASE("Solids that overlap or share a wall are lit once and without a dark line") {
+  const Nanometers middle{5'000'000};
+  const auto overlapping =
+      together(models::box({0, 0, 0}, {10, 10, 10}), models::box({5, 5, 0}, {15, 15, 10}));
+  CHECK(near(area(mask_of(overlapping, middle)), 175, kRoundingMm2));
+  const auto sharing = together(models::box({0, 0, 0}, {10, 10, 10}), models::box({10, 0, 0}, {20, 10, 10}));
+  CHECK(near(area(mask_of(sharing, middle)), 200, kRoundingMm2));
+  const auto stacked = together(models::box({0, 0, 0}, {10, 10, 5}), models::box({0, 0, 5}, {10, 10, 10}));
+  CHECK(near(area(mask_of(stacked, middle)), 100, kRoundingMm2));
+}
+
+TEST_CASE("Heights count from the model's lowest point wherever that is") {
+  models::Facets low = slab_and_post();
+  models::translate(low, 0, 0, -64);
+  ContourEngine engine = engine_for(low);
+  CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), 400, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{6'000'000})), 100, kRoundingMm2));
+  CHECK(near(area(engine.mask_at_z(Millimeters{-60})), 400, kRoundingMm2));
+  CHECK(near(area(engine.mask_at_z(Millimeters{-58})), 100, kRoundingMm2));
+  CHECK(engine.mask_at_z(Millimeters{1}).lit_pixels() == 0);
+}
+
+TEST_CASE("A mask has the display's size") {
+  ContourEngine engine = engine_for(slab_and_post());
+  CHECK(engine.mask_at(Nanometers{1}).width() == kDisplay.width);
+  CHECK(engine.mask_at(Nanometers{1}).height() == kDisplay.height);
+  CHECK(engine.join_tolerance() == Millimeters{0.05});
+}
+
+TEST_CASE("A display without pixels or with too many is refused") {
+  const auto engine = [](int width, int height) {
+    return ContourEngine(HeightIndex(), {.display = {Pixels{width}, Pixels{height}}}, {});
+  };
+  CHECK_THROWS_AS(engine(0, 100), std::invalid_argument);
+  CHECK_THROWS_AS(engine(100, 16385), std::invalid_argument);
+}
+
+TEST_CASE("Every copy of a model is lit at its own place") {
+  const HeightIndex post(models::box({0, 0, 0}, {2, 2, 5}));
+  const PixelMap left = PixelMap::true_scale(kDisplay, {6, 1}),
+                 right = PixelMap::true_scale(kDisplay, {-4, 1});
+  const auto mask_with = [&](const std::vector<PixelMap>& copies) {
+    return Mask(ContourEngine(post, {.display = kDisplay}, copies).mask_at(Nanometers{1}));
+  };
+  const Mask both = mask_with({left, right}), one = mask_with({left}), other = mask_with({right});
+  CHECK(both.lit_area() == 2 * 40.0 * 40.0);
+  for (std::size_t i = 0; i < both.pixels().size(); ++i) {
+    if (both.pixels()[i] != one.pixels()[i] + other.pixels()[i]) FAIL("pixel " << i);
+  }
+  CHECK(mask_with({}).lit_pixels() == 0);
+}
+
+TEST_CASE("The copies of a cracked model are lit alike") {
+  models::Facets box = models::box({0, 0, 0}, {2, 2, 5});
+  box.pop_back();
+  const HeightIndex model(box);
+  ContourEngine engine(model, {.display = kDisplay},
+                       {PixelMap::true_scale(kDisplay, {6, 1}), PixelMap::true_scale(kDisplay, {-4, 1})});
+  CHECK(engine.mask_at(Nanometers{1'000'000}).lit_area() == 2 * 40.0 * 40.0);
+}
+
+TEST_CASE("Two models on a plate are lit together and each stands on it") {
+  const auto low = std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {2, 2, 5}));
+  const auto sunk = std::make_shared<const HeightIndex>(models::box({0, 0, -90}, {2, 2, -88}));
+  ContourEngine engine(
+      {{low, {PixelMap::true_scale(kDisplay, {6, 1})}}, {sunk, {PixelMap::true_scale(kDisplay, {-4, 1})}}},
+      {kDisplay, AntiAliasing::On});
+  CHECK(engine.mask_at(Nanometers{1'000'000}).lit_area() == 2 * 40.0 * 40.0);
+  CHECK(engine.intersecting_facets() == 16);
+  CHECK(engine.mask_at(Nanometers{3'000'000}).lit_area() == 40.0 * 40.0);
+}
+
+TEST_CASE("A layer says what was bridged to close it and an intact one that nothing was") {
+  models::Facets box = models::box({0, 0, 0}, {2, 2, 5});
+  ContourEngine intact = engine_for(box);
+  box.pop_back();
+  ContourEngine engine = engine_for(box);
+  (void)intact.mask_at(Nanometers{1'000'000});
+  CHECK(intact.cracks() == LayerCracks{});
+  (void)engine.mask_at(Nanometers{1'000'000});
+  const LayerCracks of_mask = engine.cracks();
+  CHECK(of_mask.open_chains == 1);
+  CHECK(of_mask.gaps_closed == 0);
+  CHECK(of_mask.widest_gap.count() > 0.05);
+  (void)engine.contours_at(Nanometers{1'000'000});
+  CHECK(engine.cracks() == of_mask);
+  // Above the model: what was found below is no longer told.
+  (void)engine.mask_at(Nanometers{9'000'000});
+  CHECK(engine.cracks() == LayerCracks{});
+}
+
+TEST_CASE("A missing or turned or doubled facet changes no pixel where its gap is a straight line") {
+  const models::Facets whole = ball();
+  CHECK(rc::check([&] {
+    const auto chosen =
+        static_cast<std::size_t>(testing::draw(0, static_cast<std::int64_t>(whole.size()) - 1));
+    const Bounds bounds = bounds_of(std::span(whole).subspan(chosen, 1));
+    const Millimeters z{(bounds.min_z + bounds.max_z) / 2};
+    const auto mask_at = [z](const models::Facets& facets) { return Mask(engine_for(facets).mask_at_z(z)); };
+    const Mask intact = mask_at(whole);
+    RC_ASSERT(intact.lit_pixels() > 0);
+    models::Facets missing = whole;
+    missing.erase(missing.begin() + static_cast<std::ptrdiff_t>(chosen));
+    RC_ASSERT(mask_at(missing) == intact);
+    models::Facets turned = whole;
+    std::swap(turned[chosen].vertices[0], turned[chosen].vertices[1]);
+    RC_ASSERT(mask_at(turned) == intact);
+    models::Facets doubled = whole;
+    doubled.push_back(whole[chosen]);
+    RC_ASSERT(mask_at(doubled) == intact);
+  }));
+}
+
+TEST_CASE("A cracked model's mask differs from the intact one only near the crack") {
+  const models::Facets whole = ball();
+  CHECK(rc::check([&] {
+    const auto chosen =
+        static_cast<std::size_t>(testing::draw(0, static_cast<std::int64_t>(whole.size()) - 1));
+    models::Facets cracked = whole;
+    // A crack of 10 um, a fifth of a pixel.
+    for (Vertex& v : cracked[chosen].vertices)
+      v.x += 0.01F;
+    const Bounds bounds = bounds_of(std::span(cracked).subspan(chosen, 1));
+    const Millimeters z{(bounds.min_z + bounds.max_z) / 2};
+    const Mask intact = engine_for(whole).mask_at_z(z);
+    const Mask mask = engine_for(cracked).mask_at_z(z);
+    // The facet's box on the display and a pixel around it.
+    const PixelMap map = PixelMap::true_scale(kDisplay, {10, 10});
+    const PixelPoint upper_left = map.to_pixels({bounds.min_x, bounds.max_y});
+    const PixelPoint lower_right = map.to_pixels({bounds.max_x, bounds.min_y});
+    int worst_near = 0, worst_elsewhere = 0;
+    for (std::int32_t row = 0; row < mask.height().count(); ++row) {
+      const auto pixels = mask.row(row), intact_pixels = intact.row(row);
+      for (std::int32_t column = 0; column < mask.width().count(); ++column) {
+        const auto at = static_cast<std::size_t>(column);
+        const bool near_crack = row + 1 >= upper_left.y - 1 && row <= lower_right.y + 1 &&
+                                column + 1 >= upper_left.x - 1 && column <= lower_right.x + 1;
+        int& worst = near_crack ? worst_near : worst_elsewhere;
+        worst = std::max(worst, std::abs(pixels[at] - intact_pixels[at]));
+      }
+    }
+    RC_ASSERT(worst_elsewhere == 0);
+    // A fifth of a pixel's width, and 1.5 levels for the roundings of both masks.
+    RC_ASSERT(worst_near <= 0.2 * 255 + 1.5);
+  }));
+}
+
+TEST_CASE("The same height gives the same bytes whatever came before") {
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    for (const bool broken : {false, true}) {
+      models::Facets facets = models::gyroid_sphere(9, 6, 20);
+      models::translate(facets, 10, 10, 0);
+      if (broken) facets.erase(facets.begin() + 5, facets.begin() + 50);
+      ContourEngine engine = engine_for(facets, mode);
+      std::vector<Mask> first;
+      for (std::int64_t um = 0; um < 18'000; um += 900)
+        first.push_back(engine.mask_at(Nanometers{um * 1000}));
+      CHECK(std::ranges::count_if(first, [](const Mask& mask) { return mask.lit_pixels() > 0; }) > 15);
+      (void)engine.contours_at(Nanometers{5'000'000});
+      for (std::size_t i = first.size(); i-- > 0;) {
+        const Nanometers height{static_cast<std::int64_t>(i) * 900'000};
+        CHECK(engine.mask_at(height) == first[i]);
+        CHECK(engine.mask_at(height) == first[i]);
+        CHECK(engine_for(facets, mode).mask_at(height) == first[i]);
+      }
+    }
+  }
+}
+
+TEST_CASE("The order of the facets in the file does not matter") {
+  CHECK(rc::check([] {
+    models::Facets facets = ball();
+    const Nanometers height{testing::draw(0, 16'000'000)};
+    const Mask mask = mask_of(facets, height);
+    std::ranges::rotate(facets, facets.begin() + testing::draw(0, static_cast<std::int64_t>(facets.size())));
+    std::ranges::reverse(facets);
+    RC_ASSERT(mask_of(facets, height) == mask);
+  }));
+}
+
+TEST_CASE("A section's contours are in the model's coordinates and count its facets") {
+  ContourEngine engine = engine_for(slab_and_post());
+  const Contours& contours = engine.contours_at(Nanometers{6'000'000});
+  REQUIRE(contours.loops.size() == 1);
+  CHECK(engine.intersecting_facets() == 8);
+  for (const Point& p : contours.points) {
+    CHECK((p.x == 5 || p.x == 15 || p.y == 5 || p.y == 15));
+  }
+  (void)engine.mask_at(Nanometers{20'000'000});
+  CHECK(engine.intersecting_facets() == 0);
+}
+
+TEST_CASE("A model without facets is dark") {
+  ContourEngine engine = engine_for({});
+  CHECK(engine.mask_at(Nanometers{0}).lit_pixels() == 0);
+  CHECK(engine.mask_at_z(Millimeters{0}).lit_pixels() == 0);
+  CHECK(engine.contours_at(Nanometers{0}).loops.empty());
+}
+
+TEST_CASE("An engine knows its model") {
+  const ContourEngine engine = engine_for(slab_and_post());
+  CHECK(engine.model().facets().size() == 24);
+  CHECK(engine.model().bounds().max_z == 10);
+}
+
+namespace {
+
+std::shared_ptr<const HeightIndex> shared_index(models::Facets facets) {
+  return std::make_shared<const HeightIndex>(std::move(facets));
+}
+
+// A slab with a post, and beside it a ball that floats far above 0 in its own coordinates.
+std::vector<PlateModel> slab_and_ball() {
+  models::Facets floating = models::sphere(3, 16);
+  models::translate(floating, 100, 100, 75);
+  return {{shared_index(slab_and_post()), {PixelMap::true_scale(kDisplay, {12, 10})}},
+          {shared_index(floating),
+           {PixelMap::true_scale(kDisplay, {91, 100}), PixelMap::true_scale(kDisplay, {100, 93})}}};
+}
+
+EngineSettings with_compensation(const Compensation& compensation,
+                                 AntiAliasing anti_aliasing = AntiAliasing::On) {
+  return {.display = kDisplay, .anti_aliasing = anti_aliasing, .compensation = compensation};
+}
+
+ContourEngine engine_with(const EngineSettings& settings, models::Facets facets) {
+  return ContourEngine(HeightIndex(std::move(facets)), settings,
+                       {PixelMap::true_scale(settings.display, {10, 10})});
+}
+
+}  // namespace
+
+TEST_CASE("Several models all stand on the plate and their masks unite") {
+  const std::vector<PlateModel> models = slab_and_ball();
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    ContourEngine both(models, {kDisplay, mode});
+    ContourEngine slab({models[0]}, {kDisplay, mode}), balls({models[1]}, {kDisplay, mode});
+    bool overlap_seen = false, second_seen = false;
+    for (std::int64_t um = 0; um < 11'000; um += 250) {
+      const Nanometers height{um * 1000};
+      const Mask& mask = both.mask_at(height);
+      const Mask& first = slab.mask_at(height);
+      const Mask& second = balls.mask_at(height);
+      second_seen = second_seen || second.lit_pixels() > 0;
+      CHECK((second.lit_pixels() > 0) == (um > 0 && um < 6'000));
+      for (std::size_t i = 0; i < mask.pixels().size(); ++i) {
+        const int a = first.pixels()[i], b = second.pixels()[i], united = mask.pixels()[i];
+        overlap_seen = overlap_seen || (a > 0 && b > 0);
+        // Where they overlap they are cut, which rounds a grey value anew.
+        const bool right = a == 0 || b == 0 ? std::abs(united - a - b) <= 1 : united >= std::max(a, b) - 1;
+        if (!right) FAIL("pixel " << i << " at " << um << " um: " << a << ", " << b << ": " << united);
+      }
+    }
+    CHECK(overlap_seen);
+    CHECK(second_seen);
+  }
+}
+
+TEST_CASE("The contours of several models follow each other, each in its own coordinates") {
+  ContourEngine engine(slab_and_ball(), {kDisplay, AntiAliasing::On});
+  CHECK(engine.models().size() == 2);
+  const Contours& both = engine.contours_at(Nanometers{3'000'000});
+  REQUIRE(both.loops.size() == 2);
+  CHECK(both.closed_loops() == 2);
+  for (const Point& point : both.points_of(both.loops[0]))
+    CHECK((point.x <= 20 && point.y <= 20));
+  for (const Point& point : both.points_of(both.loops[1]))
+    CHECK((point.x >= 97 && point.y >= 97));
+  const std::uint32_t facets = engine.intersecting_facets();
+  ContourEngine slab({slab_and_ball()[0]}, {kDisplay, AntiAliasing::On});
+  (void)slab.contours_at(Nanometers{3'000'000});
+  CHECK(slab.intersecting_facets() == 8);
+  CHECK(facets > 8);
+  CHECK(engine.contours_at(Nanometers{6'500'000}).loops.size() == 1);
+}
+
+TEST_CASE("The gaps of several models are counted together") {
+  models::Facets cracked = slab_and_post();
+  cracked.erase(cracked.begin() + 5);
+  const auto model = shared_index(cracked);
+  const PixelMap map = PixelMap::true_scale(kDisplay, {10, 10});
+  const auto chains_at = [&](const std::vector<PlateModel>& models) {
+    std::vector<std::uint32_t> chains;
+    ContourEngine engine(models, {kDisplay, AntiAliasing::On});
+    for (std::int64_t um = 500; um < 10'000; um += 500)
+      chains.push_back(engine.contours_at(Nanometers{um * 1000}).cracks.open_chains);
+    return chains;
+  };
+  const auto one = chains_at({{model, {map}}}), two = chains_at({{model, {map}}, {model, {map}}});
+  CHECK(std::ranges::max(one) > 0);
+  for (std::size_t i = 0; i < one.size(); ++i)
+    CHECK(two[i] == 2 * one[i]);
+}
+
+TEST_CASE("A plate without models is dark") {
+  ContourEngine engine({}, {kDisplay, AntiAliasing::On});
+  CHECK(engine.mask_at(Nanometers{0}).lit_pixels() == 0);
+  CHECK(engine.contours_at(Nanometers{0}).loops.empty());
+}
+
+TEST_CASE("A part grows and shrinks by its compensation on every side") {
+  for (const double um : {-500.0, -130.0, -10.0, 10.0, 130.0, 500.0}) {
+    CAPTURE(um);
+    const double d = um / 1000;
+    ContourEngine engine = engine_with(with_compensation({.growth = Micrometers{um}}), slab_and_post());
+    const auto exact = [d](double side) {
+      return d < 0 ? (side + 2 * d) * (side + 2 * d) : side * side + 4 * side * d + std::numbers::pi * d * d;
+    };
+    // The chords of four quarter circles, and half a level at each of their and the sides' pixels.
+    const double tolerance =
+        4 * d * d * 0.0005 + 2 * std::numbers::pi * std::fabs(d) * 0.0005 + 2000 * 0.5 / 255 * 0.05 * 0.05;
+    CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), exact(20), tolerance));
+    CHECK(near(area(engine.mask_at(Nanometers{6'000'000})), exact(10), tolerance));
+  }
+}
+
+TEST_CASE("The elephant foot is taken off at the plate and nothing above its height") {
+  const Compensation foot{{}, Micrometers{200}, Nanometers{2'000'000}};
+  ContourEngine engine = engine_with(with_compensation(foot), slab_and_post());
+  CHECK(near(area(engine.mask_at(Nanometers{0})), 19.6 * 19.6, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), 19.8 * 19.8, kRoundingMm2));
+  ContourEngine plain = engine_for(slab_and_post());
+  for (const std::int64_t nm : {2'000'000, 3'000'000, 6'000'000})
+    CHECK(engine.mask_at(Nanometers{nm}) == plain.mask_at(Nanometers{nm}));
+}
+
+TEST_CASE("A compensated 1-bit mask holds the pixels whose centres are within the distance of the part") {
+  models::Facets facets = models::gyroid_sphere(9, 6, 24);
+  models::translate(facets, 10, 10, 0);
+  const Nanometers height{7'300'000};
+  const Contours contours = engine_for(facets).contours_at(height);
+  for (const double um : {-180.0, -60.0, 60.0, 180.0}) {
+    CAPTURE(um);
+    ContourEngine engine =
+        engine_with(with_compensation({.growth = Micrometers{um}}, AntiAliasing::Off), facets);
+    const Mask& mask = engine.mask_at(height);
+    std::int64_t lit = 0, wrong = 0;
+    for (std::int32_t row = 0; row < mask.height().count(); row += 3) {
+      for (std::int32_t column = 0; column < mask.width().count(); column += 3) {
+        const Point center{10 + (column + 0.5 - 240) * 0.05, 10 - (row + 0.5 - 220) * 0.05};
+        const double away = testing::distance_to_sides(contours, center) *
+                            (testing::winding_around(contours, center) != 0 ? -1 : 1);
+        // The chords of arcs, and points within 2^-15 mm that are taken for one.
+        if (std::fabs(away - um / 1000) < 0.0006) continue;
+        const bool is_lit = mask.row(row)[static_cast<std::size_t>(column)] != 0;
+        lit += is_lit;
+        wrong += is_lit != (away < um / 1000);
+      }
+    }
+    CHECK(lit > 100);
+    CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("A compensated grey mask's light is the moved contours' area") {
+  models::Facets facets = models::gyroid_sphere(9, 6, 24);
+  models::translate(facets, 10, 10, 0);
+  const Nanometers height{7'300'000};
+  const Contours contours = engine_for(facets).contours_at(height);
+  for (const double um : {-100.0, 100.0}) {
+    Contours moved;
+    ContourOffset().offset(contours, Millimeters{um / 1000}, moved);
+    const double exact = testing::signed_area(moved);
+    ContourEngine engine = engine_with(with_compensation({.growth = Micrometers{um}}), facets);
+    CHECK(near(area(engine.mask_at(height)), exact, exact * 1e-4));
+  }
+}
+
+TEST_CASE("Every copy of a compensated model is lit alike, mirrored or not") {
+  const HeightIndex post(models::box({0, 0, 0}, {2, 2, 5}));
+  DisplayGeometry mirrored = kDisplay;
+  mirrored.mirror_x = true;
+  EngineSettings settings = with_compensation({.growth = Micrometers{100}});
+  const double one = 4 + 8 * 0.1 + std::numbers::pi * 0.01;
+  ContourEngine engine(post, settings,
+                       {PixelMap::true_scale(kDisplay, {6, 1}), PixelMap::true_scale(mirrored, {6, 1})});
+  // Twice the chords of a circle of 0.1 mm, and half a level at 2 x 180 pixels.
+  CHECK(near(area(engine.mask_at(Nanometers{1})), 2 * one, 2 * 0.63 * 0.0005 + 360 * 0.5 / 255 * 0.0025));
+}
+
+TEST_CASE("The lamp's mask, threshold and gamma are applied to the mask and not to its coverage") {
+  EngineSettings settings = with_compensation({});
+  settings.tone = {2.2, 10};
+  settings.lamp.emplace(kDisplay.width, kDisplay.height);
+  for (std::int32_t y = 0; y < kDisplay.height.count(); ++y)
+    std::ranges::fill(settings.lamp->row(y), static_cast<std::uint8_t>(155 + y % 100));
+  ContourEngine engine = engine_with(settings, ball()), plain = engine_for(ball());
+  for (const std::int64_t nm : {8'000'000, 1'000'000}) {
+    const Mask& mask = engine.mask_at(Nanometers{nm});
+    const Mask& coverage = plain.mask_at(Nanometers{nm});
+    CHECK(engine.coverage() == coverage);
+    Mask expected(kDisplay.width, kDisplay.height);
+    ExposureCorrection(settings.tone, settings.lamp).apply(coverage, expected);
+    CHECK(mask == expected);
+    CHECK(mask != coverage);
+    CHECK(plain.coverage() == coverage);
+  }
+}
+
+TEST_CASE("A lamp's mask of another size than the display is refused") {
+  EngineSettings settings = with_compensation({});
+  settings.lamp.emplace(kDisplay.height, kDisplay.width);
+  CHECK_THROWS_AS(engine_with(settings, ball()), std::invalid_argument);
+}

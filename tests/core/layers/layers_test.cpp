@@ -1,0 +1,88 @@
+#include "core/layers/layers.hpp"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/random_shapes.hpp"
+
+using namespace contourd;
+
+namespace {
+
+constexpr Nanometers kFiftyMicrometers{50'000};
+
+std::int32_t count_for(double height_mm, Nanometers thickness) {
+  return layers_for(Millimeters{height_mm}, thickness).count;
+}
+
+}  // namespace
+
+TEST_CASE("A model has as many layers as reach its top") {
+  CHECK(count_for(10.0, kFiftyMicrometers) == 200);
+  CHECK(count_for(10.02, kFiftyMicrometers) == 201);
+  CHECK(count_for(0.001, kFiftyMicrometers) == 1);
+}
+
+TEST_CASE("A rest below a hundredth of a layer is no layer") {
+  CHECK(count_for(10.0 + 0.0004, kFiftyMicrometers) == 200);  // 0.8 hundredths
+  CHECK(count_for(10.0 + 0.0006, kFiftyMicrometers) == 201);  // 1.2 hundredths
+  // 0.1 as a float is 1.5e-9 too large.
+  CHECK(count_for(static_cast<double>(0.1F), Nanometers{100'000}) == 1);
+}
+
+TEST_CASE("A model without height has no layers") {
+  CHECK(count_for(0.0, kFiftyMicrometers) == 0);
+  CHECK(count_for(-1.0, kFiftyMicrometers) == 0);
+}
+
+TEST_CASE("More layers than a print can have are refused with their number, as far as it can be told") {
+  const auto complaint = [](double height_mm) -> std::string {
+    try {
+      (void)layers_for(Millimeters{height_mm}, kFiftyMicrometers);
+    } catch (const TooManyLayers& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string uncounted = "the model has more than 10000000 layers";
+  CHECK(count_for(500'000, kFiftyMicrometers) == 10'000'000);
+  CHECK(complaint(500'000.01) == "the model has 10000001 layers, at most 10000000 can be printed");
+  CHECK(complaint(1e8) == "the model has 2000000000 layers, at most 10000000 can be printed");
+  CHECK(complaint(3e38) == uncounted);
+  CHECK(complaint(1e300) == uncounted);
+  CHECK(complaint(std::numeric_limits<double>::infinity()) == uncounted);
+  CHECK(complaint(std::numeric_limits<double>::quiet_NaN()) == uncounted);
+}
+
+TEST_CASE("Each layer is cut at its middle") {
+  const LayerStack layers{Nanometers{25'000}, 1000};
+  CHECK(layers.middle_of(0) == Nanometers{12'500});
+  CHECK(layers.middle_of(7) == Nanometers{187'500});
+}
+
+TEST_CASE("Layers of any thickness lie on each other, each cut at its middle") {
+  const std::vector<Nanometers> thicknesses{Nanometers{100'000}, Nanometers{30'000}, Nanometers{50'000}};
+  CHECK(middles_of(thicknesses) == std::vector{Nanometers{50'000}, Nanometers{115'000}, Nanometers{155'000}});
+  CHECK(middles_of({}).empty());
+}
+
+TEST_CASE("The highest layer a print can have do not overflow") {
+  const LayerStack layers{Nanometers{1'000'000}, std::numeric_limits<std::int32_t>::max()};
+  CHECK(layers.middle_of(layers.count - 1) == Nanometers{2'147'483'646'500'000});
+}
+
+TEST_CASE("The layers cover the model and none lies above it") {
+  CHECK(rc::check([] {
+    const Nanometers thickness{testing::draw(1'000, 200'000)};
+    const Nanometers height{testing::draw(1, 200'000'000)};
+    const LayerStack layers = layers_for(to_millimeters(height), thickness);
+    // A hundredth of a layer may be left out; 1 nm for the rounding of that hundredth.
+    const std::int64_t noise_nm = thickness.count() / 100 + 1;
+    RC_ASSERT(layers.count >= 0);
+    const Nanometers top = thickness * layers.count;
+    RC_ASSERT(layers.count == 0 || top.count() + noise_nm >= height.count());
+    RC_ASSERT(layers.count == 0 || top - thickness < height);
+  }));
+}

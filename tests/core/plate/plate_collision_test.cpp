@@ -1,0 +1,91 @@
+#include "core/plate/plate_collision.hpp"
+
+#include <cmath>
+
+#include "core/engine/contour_engine.hpp"
+#include "tests/catch.hpp"
+#include "tests/core/section_fixture.hpp"
+#include "tests/models/models.hpp"
+#include "tests/random_shapes.hpp"
+
+using namespace contourd;
+using testing::draw;
+
+namespace {
+
+const DisplayGeometry kDisplay{Pixels{200}, Pixels{160}, Micrometers{100.0}};
+constexpr Nanometers kLayer{100'000};
+
+PlacedModel placed(const models::Facets& facets, Point center) {
+  return {std::make_shared<const HeightIndex>(facets), center};
+}
+
+// 12 x 12 x 5 mm with a hole of 8 x 8 mm.
+models::Facets ring() {
+  return testing::together(models::box({0, 0, 0}, {12, 12, 5}),
+                           testing::inverted(models::box({2, 2, 0}, {10, 10, 5})));
+}
+
+}  // namespace
+
+TEST_CASE("A pin stands in a ring without touching it, and touches it when it is moved or wide") {
+  const models::Facets pin = models::box({50, 50, 50}, {54, 54, 60});
+  CHECK(bounds_overlap(placed(ring(), {1, 1}), placed(pin, {1, 1})));
+  CHECK_FALSE(find_collision(placed(ring(), {1, 1}), placed(pin, {1, 1}), kDisplay, kLayer));
+  // 2 mm to the right it touches the ring's wall; another pixel, and it stands in it.
+  CHECK_FALSE(find_collision(placed(ring(), {1, 1}), placed(pin, {3, 1}), kDisplay, kLayer));
+  const auto collision = find_collision(placed(ring(), {1, 1}), placed(pin, {3.1, 1}), kDisplay, kLayer);
+  REQUIRE(collision);
+  CHECK(collision->height == kLayer / 2);
+  CHECK(std::fabs(collision->place.x - 5.05) < 1e-9);
+  CHECK(std::fabs(collision->place.y - 2.95) < 1e-9);
+}
+
+TEST_CASE("Models that meet high above the plate collide at that height") {
+  const models::Facets mushroom =
+      testing::together(models::box({4, 4, 0}, {6, 6, 3}), models::box({0, 0, 3}, {10, 10, 4}));
+  const models::Facets low = models::box({0, 0, 0}, {3, 3, 2.9F}),
+                       high = models::box({0, 0, 0}, {3, 3, 3.3F});
+  CHECK_FALSE(find_collision(placed(mushroom, {0, 0}), placed(low, {-3, 3}), kDisplay, kLayer));
+  const auto collision = find_collision(placed(mushroom, {0, 0}), placed(high, {-3, 3}), kDisplay, kLayer);
+  REQUIRE(collision);
+  CHECK(collision->height == Nanometers{3'050'000});
+  CHECK(std::fabs(collision->place.x + 4.45) < 1e-9);
+  CHECK(std::fabs(collision->place.y - 4.45) < 1e-9);
+}
+
+TEST_CASE("Boxes that share a wall do not collide") {
+  const models::Facets cube = models::box({0, 0, 0}, {3, 3, 3});
+  CHECK_FALSE(bounds_overlap(placed(cube, {-1.5, 0}), placed(cube, {1.5, 0})));
+  CHECK_FALSE(find_collision(placed(cube, {-1.5, 0}), placed(cube, {1.5, 0}), kDisplay, kLayer));
+  CHECK_FALSE(find_collision(placed(cube, {-30, 0}), placed(cube, {30, 0}), kDisplay, kLayer));
+}
+
+TEST_CASE("A collision is what the masks of both alone say, wherever they stand") {
+  const models::Facets ball = models::sphere(3, 24), post = models::box({0, 0, 0}, {2.5F, 1.5F, 7});
+  CHECK(rc::check([&] {
+    const auto place = [] { return Point{testing::draw_real(-11, 11), testing::draw_real(-9, 9)}; };
+    const PlacedModel a = placed(ball, place()), b = placed(post, place());
+    const auto engine_for = [](const PlacedModel& model) {
+      const Point middle = model.model->bounds().center();
+      return ContourEngine(
+          {PlateModel{
+              model.model,
+              {PixelMap::true_scale(kDisplay, {middle.x - model.center.x, middle.y - model.center.y})}}},
+          EngineSettings{kDisplay, AntiAliasing::On});
+    };
+    ContourEngine one = engine_for(a), other = engine_for(b);
+    std::int64_t lowest_um = -1;
+    for (std::int64_t um = 50; um < 6'000 && lowest_um < 0; um += 100) {
+      const Nanometers height{um * 1000};
+      const auto lit = one.mask_at(height).pixels(), lit_too = other.mask_at(height).pixels();
+      for (std::size_t i = 0; i < lit.size(); ++i) {
+        if (lit[i] != 0 && lit_too[i] != 0) lowest_um = um;
+      }
+    }
+    const auto collision = find_collision(a, b, kDisplay, kLayer);
+    // Parts beside each other within one pixel are left alone.
+    RC_ASSERT(collision.has_value() == (lowest_um >= 0 && bounds_overlap(a, b)));
+    if (collision) RC_ASSERT(collision->height == Nanometers{lowest_um * 1000});
+  }));
+}

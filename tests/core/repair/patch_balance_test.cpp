@@ -1,0 +1,89 @@
+#include "core/repair/patch_balance.hpp"
+
+#include <cstdlib>
+#include <utility>
+
+#include "tests/catch.hpp"
+#include "tests/core/section_fixture.hpp"
+#include "tests/models/damage.hpp"
+
+using namespace contourd;
+using models::Facets;
+using testing::inverted;
+using testing::together;
+
+namespace {
+
+Facets box() {
+  return models::box({0, 0, 0}, {4, 4, 4});
+}
+
+// By how many sides the patches miss balance at all junctions together.
+int imbalance(const FacetPatches& mesh, const std::vector<std::int32_t>& windings) {
+  std::vector<int> residuals(mesh.junctions, 0);
+  for (const JunctionPart& part : mesh.junction_parts)
+    residuals[part.junction] += part.sides * windings[part.patch];
+  int sum = 0;
+  for (const int residual : residuals)
+    sum += std::abs(residual);
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("Solids that do not meet are groups of their own, and undoubted") {
+  const FacetPatches mesh = patches_of(together(box(), models::box({9, 0, 0}, {12, 3, 3})));
+  const PatchGroups groups = balance_patches(mesh);
+  REQUIRE(groups.groups.size() == 2);
+  CHECK(groups.windings == std::vector<std::int32_t>{1, 1});
+  for (const PatchGroups::Group& group : groups.groups) {
+    CHECK_FALSE(group.in_doubt);
+    CHECK_FALSE(group.double_sided);
+  }
+}
+
+TEST_CASE("Most of a patch's facets say how it is turned") {
+  Facets facets = inverted(box());
+  std::swap(facets[3].vertices[0], facets[3].vertices[1]);
+  const FacetPatches mesh = patches_of(facets);
+  const PatchGroups groups = balance_patches(mesh);
+  REQUIRE(groups.groups.size() == 1);
+  CHECK(groups.groups[0].in_doubt);
+  // As the first facet is turned, which is one of the many.
+  CHECK(groups.windings[0] == 1);
+}
+
+TEST_CASE("A solid that is there in both directions is known as such and counts once") {
+  const FacetPatches mesh = patches_of(together(box(), inverted(box())));
+  const PatchGroups groups = balance_patches(mesh);
+  REQUIRE(groups.groups.size() == 1);
+  CHECK(groups.groups[0].double_sided);
+  CHECK(std::abs(groups.windings[0]) == 1);
+}
+
+TEST_CASE("A solid that is there twice counts twice") {
+  const PatchGroups groups = balance_patches(patches_of(together(box(), box())));
+  CHECK(groups.windings == std::vector<std::int32_t>{2});
+  CHECK_FALSE(groups.groups[0].in_doubt);
+}
+
+TEST_CASE("Turned patches are turned back until all junctions are balanced") {
+  // A row of boxes wall to wall, with a few facets turned.
+  Facets clean;
+  for (int i = 0; i < 5; ++i) {
+    const float x = 4 * static_cast<float>(i);
+    clean = together(clean, models::box({x, 0, 0}, {x + 4, 4, 4}));
+  }
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Facets facets = clean;
+    models::Dice dice(seed);
+    for (int i = 0; i < 3; ++i) {
+      Facet& facet = facets[dice.below(facets.size())];
+      std::swap(facet.vertices[0], facet.vertices[1]);
+    }
+    const FacetPatches mesh = patches_of(facets);
+    REQUIRE(mesh.junctions > 0);
+    CAPTURE(seed);
+    CHECK(imbalance(mesh, balance_patches(mesh).windings) == 0);
+  }
+}
