@@ -1,0 +1,223 @@
+#!/usr/bin/env python3
+"""docs/control-api.md against the program: methods, fields, types, states, notifications, error codes, examples; both ways."""
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+from harness import (
+    CONTOURD, DEADLINE_S, ENDLESS, NIMBLE_RESIN, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, box, main, merge, run,
+)  # fmt: skip
+
+PAGE = (pathlib.Path(SOURCE) / "docs/control-api.md").read_text(encoding="utf-8")
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
+# An exception that no request brings about.
+INTERNAL_ERROR = -32603
+
+
+def section(title, page=PAGE):
+    """What stands between this heading and the next of its level or above."""
+    level = title.split(" ")[0]
+    found = re.search(rf"^{re.escape(title)}\n(.*?)(?=^#{{1,{len(level)}}} |\Z)", page, re.MULTILINE | re.DOTALL)
+    assert found, f"there is no heading {title!r}"
+    return found[1]
+
+
+def rows(title):
+    """The cells of the section's table, the first without its backticks."""
+    lines = [line.strip("|").split("|") for line in section(title).splitlines() if line.startswith("| ")]
+    assert len(lines) > 1, f"{title!r} has no table"
+    return [[cells[0].strip().strip("`"), *(cell.strip() for cell in cells[1:])] for cells in lines[1:]]
+
+
+def messages(text):
+    """Every line of the section's JSON blocks."""
+    return [json.loads(line) for block in re.findall(r"^```json\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+            for line in block.splitlines()]  # fmt: skip
+
+
+METHODS = re.findall(r"^### `(\w+)`$", section("## Methods"), re.MULTILINE)
+REPLIES = {name: re.search(r"Reply:\s+(?:a\s+\[(\w+)\]|`(\w+)`)", section(f"### `{name}`")) for name in METHODS}
+NOTIFICATIONS = [name for name, _ in rows("## Notifications")]
+STATUS, JOB, ANALYSIS = rows("### A status"), rows("### A job"), rows("### An analysis")
+ENDED_JOB = rows("### An ended job")
+TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history")}
+STATES = {name for name, _ in rows("### States")}
+CODES = {int(code) for code, _ in rows("## Errors")}
+TYPES = {"text": str, "number": (int, float), "object": dict, "list": list, "true": bool, "false": bool, "null": type(None)}
+
+
+def is_of_type(value, described):
+    types = [TYPES[word] for word in described.split(" or ")]
+    if isinstance(value, bool):
+        return bool in types
+    return any(isinstance(value, each) for each in types)
+
+
+class ControlApiTest(FolderTest):
+    def fast(self):
+        return Daemon(self).start()
+
+    def printing(self, simulation=None):
+        """A daemon whose print stays in its first exposure."""
+        config = merge(json.loads(json.dumps(REALTIME)), {"simulation": simulation or {}})
+        daemon = Daemon(self, config, {**NIMBLE_RESIN, **ENDLESS}).start()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        return daemon
+
+    def assert_fields(self, value, table, without=()):
+        expected = [name for name, *_ in table if name not in without]
+        self.assertEqual(list(value), expected)
+        for name, described, _ in table:
+            if name not in without:
+                self.assertTrue(is_of_type(value[name], described), f"{name}: {value[name]!r} is not {described}")
+
+    def assert_status(self, status):
+        self.assert_fields(status, STATUS)
+        self.assertIn(status["state"], STATES)
+        if status["job"] is not None:
+            # "from here on only while it prints"
+            names = [name for name, *_ in JOB]
+            first = next(i for i, (_, _, meaning) in enumerate(JOB) if "only while it prints" in meaning)
+            prints = status["state"] not in ("preparing", "finishing")
+            self.assert_fields(status["job"], JOB, () if prints else names[first:])
+            if status["job"]["analysis"] is not None:
+                self.assert_fields(status["job"]["analysis"], ANALYSIS)
+        if status["last"] is not None:
+            self.assert_fields(status["last"], ENDED_JOB, ["analysis"])
+
+    def assert_reply(self, method, result):
+        reply = REPLIES[method]
+        self.assertIsNotNone(reply, f"{method} has no reply")
+        if reply[2]:
+            return self.assertEqual(result, json.loads(reply[2]))
+        if reply[1] == "status":
+            return self.assert_status(result)
+        self.assert_fields(result, TABLES[reply[1]])
+
+    def test_the_methods_are_the_programs(self):
+        message = self.fast().rpc("no such method")["error"]["message"]
+        self.assertEqual(sorted(METHODS), sorted(message.split("there are ")[1].split(", ")))
+
+    def test_every_method_takes_the_parameters_that_are_told(self):
+        client = self.fast().client()
+        for method in METHODS:
+            with self.subTest(method):
+                told = re.search(r"Parameters:\s+([^.]*)\.", section(f"### `{method}`"))
+                self.assertIsNotNone(told)
+                self.assertEqual(told[1], "none")
+                client.send(json.dumps({"jsonrpc": "2.0", "method": method, "params": {"a": 1}, "id": method}).encode() + b"\n")
+                answer = client.wait_for(lambda m, method=method: m.get("id") == method, method)
+                self.assertEqual(answer["error"]["code"], -32602)
+
+    def test_every_methods_reply_has_the_fields_that_are_told(self):
+        daemon = self.printing()
+        answers = {}
+        for method in ("watch", "status", "queue", "history", "pause", "resume", "cancel"):
+            answers[method] = daemon.client().call(method)
+        self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
+        answers["plate_cleared"] = daemon.rpc("plate_cleared")
+        self.assertEqual(sorted(answers), sorted(METHODS))
+        for method, answer in answers.items():
+            with self.subTest(method):
+                self.assertIn("result", answer)
+                self.assert_reply(method, answer["result"])
+
+    def test_a_job_has_the_fields_that_are_told_in_each_of_its_states(self):
+        daemon = self.fast()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+        told = [message["params"] for message in daemon.watcher.seen if message.get("method") in NOTIFICATIONS]
+        self.assertIn("finishing", [status["state"] for status in told])
+        self.assertIn("resting", [status["state"] for status in told])
+        for status in told:
+            with self.subTest(status["state"]):
+                if "printer" in status:  # the harness' own word of what ended before has but the job
+                    self.assert_status(status)
+        for job in daemon.rpc("history")["result"]["ended"]:
+            self.assert_fields(job, ENDED_JOB)
+            self.assert_fields(job["analysis"], ANALYSIS)
+
+    def test_the_notifications_are_the_programs(self):
+        daemon = self.printing({"lid_opened_after_light_s": 0.05, "lid_open_s": 0.05})
+        daemon.watcher.wait_for(lambda m: m.get("method") == "machine", "the lid")
+        daemon.wait_state("paused")
+        daemon.rpc("cancel")
+        daemon.wait_ended("part")
+        daemon.write_resin("standard", NIMBLE_RESIN)
+        daemon.rpc("plate_cleared")
+        daemon.drop("thin.stl", binary_stl(box((0, 0, 0), (10, 5, 0.05))))
+        daemon.wait_ended("thin")
+        told = [message for message in daemon.watcher.seen if "id" not in message]
+        self.assertEqual({message["method"] for message in told}, set(NOTIFICATIONS))
+        for message in told:
+            self.assertEqual(list(message), ["jsonrpc", "method", "params"])
+            self.assert_status(message["params"])
+
+    def test_no_notification_in_the_sources_is_left_out(self):
+        sources = "".join(path.read_text() for path in (pathlib.Path(SOURCE) / "daemon").rglob("*.cpp"))
+        in_sources = set(re.findall(r'\bnotify\w*\(\s*"(\w+)"', sources))
+        self.assertTrue(in_sources)
+        self.assertEqual(in_sources - set(NOTIFICATIONS), set())
+
+    def test_the_states_are_the_programs(self):
+        drawn = run(CONTOURD, "--print-states").stdout.decode()
+        states = {end for ends in re.findall(r'^  "([^"]+)" -> "([^"]+)"', drawn, re.MULTILINE) for end in ends}
+        self.assertEqual(STATES, (states - {"any state"}) | {"preparing", "finishing"})
+
+    def test_the_error_codes_are_the_programs(self):
+        client = self.fast().client()
+        codes = {INTERNAL_ERROR}
+        for line in ("{", "1", '{"jsonrpc":"2.0","method":"fly","id":1}', '{"jsonrpc":"2.0","method":"pause","id":1}',
+                     '{"jsonrpc":"2.0","method":"status","params":[1],"id":1}'):  # fmt: skip
+            client.send(line.encode() + b"\n")
+            codes.add(client.next()["error"]["code"])
+        self.assertEqual(codes, CODES)
+
+    def test_the_limits_are_the_programs(self):
+        limits = {limit: is_ for limit, is_, _ in rows("## How to talk")}
+        bytes_, in_batch = (int(limits[name].split()[0]) for name in ("a message", "a batch"))
+        client = self.fast().client()
+
+        def answer(line):
+            client.send(line + b"\n")
+            return client.next()
+
+        fits = b'{"jsonrpc":"2.0","method":"queue","id":1}'
+        self.assertIn("result", answer(fits.ljust(bytes_)))
+        self.assertIn(str(bytes_), answer(b" " * (2 * bytes_))["error"]["message"])
+        self.assertEqual(len(answer(b"[" + b",".join([b"1"] * in_batch) + b"]")), in_batch)
+        self.assertIn(f"1 to {in_batch}", answer(b"[" + b",".join([b"1"] * (in_batch + 1)) + b"]")["error"]["message"])
+
+    def test_every_example_is_what_the_program_says(self):
+        """Up to what lies in the spool and what a user calls things: the shape, and errors to the letter."""
+        daemon = self.fast()
+        for title in ("## Errors", *(f"### `{method}`" for method in METHODS)):
+            with self.subTest(title):
+                request, reply = messages(section(title))
+                client = daemon.client()
+                client.send(json.dumps(request).encode() + b"\n")
+                answer = client.next()
+                if "error" in reply:
+                    self.assertEqual(answer, reply)
+                else:
+                    self.assertEqual((list(answer), answer["id"]), (list(reply), reply["id"]))
+                    self.assert_reply(request["method"], reply["result"])
+        (ended,) = messages(section("## Notifications"))
+        self.assertIn(ended["method"], NOTIFICATIONS)
+        self.assert_status(ended["params"])
+
+    def test_the_example_in_python_runs(self):
+        daemon = self.fast()
+        (program,) = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+        ended = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=DEADLINE_S, check=False,
+                               env={**os.environ, "CONTOURD_SOCKET": daemon.socket_path})  # fmt: skip
+        self.assertEqual((ended.returncode, ended.stdout), (0, b"idle\n"), ended.stderr)
+
+
+if __name__ == "__main__":
+    main()
