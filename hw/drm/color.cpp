@@ -106,7 +106,7 @@ std::optional<std::string> range_doubt(const std::string& connector_name, const 
   return output + " has no \"" + kRange +
          "\" to set: if its driver chooses the limited range for this mode, black shines at 16 of 255, 6 % "
          "of "
-         "the light (the README's \"Limited range\")";
+         "the light (docs/printer-setup.md, \"Limited range\")";
 }
 
 std::vector<std::string> settle_color(const Card& card, std::uint32_t crtc_id, const Connector& connector,

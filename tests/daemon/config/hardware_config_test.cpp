@@ -44,7 +44,7 @@ Complaints complaints_with(const std::string& pointer, const json& value) {
   return printer.complaints();
 }
 
-TEST_CASE("the shipped profile of a real machine loads, with the pins that the README shows") {
+TEST_CASE("the shipped profile of a real machine loads, with the pins that docs/printer-setup.md shows") {
   const PrinterConfig config =
       load_printer_config(std::filesystem::path(CONTOURD_CONFIG_DIR) / "raspberry-pi.json");
   REQUIRE(config.real);

@@ -1,0 +1,161 @@
+#!/usr/bin/env python3
+"""README.md, CONTRIBUTING.md and docs/: what they point at is there, what they name is in the code, and they are installed."""
+
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(os.environ["CONTOURD_SOURCE"])
+BIN = pathlib.Path(os.environ["CONTOURD_BIN"])
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+# Where sources lie. What is made by a build or by a run is not there to be looked for.
+ROOMS = ("core", "hw", "daemon", "config", "tests", "docs", "systemd", ".ci", ".readme")
+MOST_WORDS = 900
+
+
+def without_code(text):
+    text = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+    text = re.sub(r"(?:^\n)(?:^    .*\n)+", "\n", text, flags=re.MULTILINE)
+    return re.sub(r"`[^`\n]*`", "", text)
+
+
+def links(page):
+    return re.findall(r"\[[^\]]*\]\(([^)\s]+)\)", without_code(page.read_text(encoding="utf-8")))
+
+
+def anchors(page):
+    """As GitHub makes them of headings."""
+    for heading in re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"),
+                                                   flags=re.MULTILINE | re.DOTALL), re.MULTILINE):  # fmt: skip
+        yield re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def code_spans(page):
+    return re.findall(r"`([^`\n]+)`", re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL))
+
+
+def command_lines(page):
+    """What is indented or fenced as a command, a pipe's or list's parts apart, without what stands behind #."""
+    text = page.read_text(encoding="utf-8")
+    lines = re.findall(r"^    (.*)$", text, re.MULTILINE)
+    for block in re.findall(r"^```sh\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        lines += block.splitlines()
+    for line in [*lines, *code_spans(page)]:
+        yield from (part.strip() for part in re.split(r"&&|\|\||[|;]", line.split(" #")[0]))
+
+
+def table_rows(page):
+    """Rows of all tables, with their columns' names."""
+    names = None
+    for line in page.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("|"):
+            names = None
+            continue
+        cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip("|"))]
+        if names is None:
+            names = cells
+        elif not set(line) <= set("|-: "):
+            yield dict(zip(names, cells, strict=True))
+
+
+def relative_links_that_lead_nowhere(pages, root):
+    for page in pages:
+        for link in links(page):
+            if re.match(r"[a-z]+:", link):
+                continue
+            path, _, anchor = link.partition("#")
+            target = (page.parent / path).resolve() if path else page.resolve()
+            if not target.exists() or not target.is_relative_to(root.resolve()):
+                yield f"{page.name}: {link}"
+            elif anchor and anchor not in anchors(target):
+                yield f"{page.name}: {link}: no such heading"
+
+
+class DocsTest(unittest.TestCase):
+    def test_every_link_leads_somewhere(self):
+        self.assertGreater(sum(len(links(page)) for page in PAGES), 30)
+        self.assertEqual(list(relative_links_that_lead_nowhere(PAGES, ROOT)), [])
+
+    def test_every_page_can_be_reached_from_the_readme(self):
+        reached, new = set(), {ROOT / "README.md"}
+        while new:
+            reached |= new
+            targets = {(page.parent / link.split("#")[0]).resolve() for page in new for link in links(page)}
+            new = {page for page in PAGES if page.resolve() in targets} - reached
+        self.assertEqual(set(PAGES) - reached, set())
+
+    def test_the_readme_is_read_in_five_minutes(self):
+        self.assertLessEqual(len((ROOT / "README.md").read_text(encoding="utf-8").split()), MOST_WORDS)
+
+    def test_every_source_that_is_named_is_there(self):
+        named = 0
+        for page in PAGES:
+            for span in code_spans(page):
+                for path in re.findall(rf"(?<![\w/.-])(?:{'|'.join(map(re.escape, ROOMS))})/[\w.*/-]*", span):
+                    named += 1
+                    self.assertTrue(list(ROOT.glob(path.rstrip("/."))), f"{page.name}: {path}")
+        self.assertGreater(named, 100)
+
+    def test_every_symbol_of_a_table_is_in_its_file(self):
+        checked = 0
+        for page in PAGES:
+            for row in table_rows(page):
+                if "file" not in row or "symbol" not in row:
+                    continue
+                with self.subTest(page=page.name, row=row):
+                    files = re.findall(r"`([^`]+)`", row["file"])
+                    symbols = re.findall(r"`([^`]+)`", row["symbol"])
+                    self.assertTrue(files and symbols)
+                    code = "".join((ROOT / file).read_text(encoding="utf-8") for file in files)
+                    for symbol in symbols:
+                        checked += 1
+                        self.assertRegex(code, rf"\b{re.escape(symbol)}\b")
+        self.assertGreater(checked, 60)
+
+    def test_every_option_of_our_programs_that_is_named_is_there(self):
+        checked = 0
+        for page in PAGES:
+            for line in command_lines(page):
+                words = line.split()
+                while words and (words[0] in ("sudo", "nice") or re.fullmatch(r"\w+=\S*", words[0])):
+                    words.pop(0)
+                name = os.path.basename(words[0]) if words else ""
+                if name not in ("contourd", "contourctl", "contourd-bench", "print-rig"):
+                    continue
+                command = [BIN / name, *(words[1:2] if name == "contourctl" and words[1:2] else []), "--help"]
+                given = [word.split("=")[0] for word in words[1:] if word.startswith("--")]
+                with self.subTest(page=page.name, line=line):
+                    told = subprocess.run(command, capture_output=True, timeout=60, check=False)
+                    self.assertEqual(told.returncode, 0, told.stderr)
+                    if name == "contourctl" and words[1:2] and not words[1].startswith("-"):
+                        self.assertRegex(told.stdout.decode(), rf"Usage: \S+ {re.escape(words[1])} ")
+                    for option in given:
+                        checked += 1
+                        self.assertRegex(told.stdout.decode(), rf"(?<![\w-]){re.escape(option)}(?![\w-])")
+        self.assertGreater(checked, 10)
+
+    def test_every_heading_that_a_source_refers_to_is_there(self):
+        """Sources that send their reader to a page and, in quotes behind a comma, to its heading."""
+        for path in subprocess.run(["git", "-C", ROOT, "ls-files", "-z"], capture_output=True, check=True).stdout.decode().split("\0"):
+            if not path.endswith((".cpp", ".hpp", ".py", ".json", ".md", ".service")):
+                continue
+            for page, heading in re.findall(r'((?:docs/[\w-]+|README|CONTRIBUTING)\.md), \\?"([^"\\]+)\\?"',
+                                            (ROOT / path).read_text(encoding="utf-8", errors="replace")):  # fmt: skip
+                self.assertRegex((ROOT / page).read_text(encoding="utf-8"), rf"(?m)^#+ {re.escape(heading)}$", path)
+
+    def test_what_is_installed_has_all_that_it_links_to(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run(["cmake", "--install", BIN.parent, "--prefix", "/usr", "--component", "docs"], check=True,
+                           capture_output=True, env={**os.environ, "DESTDIR": folder})  # fmt: skip
+            root = pathlib.Path(folder, "usr/share/doc/contourd")
+            pages = [root / page.relative_to(ROOT) for page in PAGES]
+            for page in pages:
+                self.assertTrue(page.is_file(), page)
+            self.assertEqual(list(relative_links_that_lead_nowhere(pages, root)), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
