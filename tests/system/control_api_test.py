@@ -109,10 +109,14 @@ class ControlApiTest(FolderTest):
             with self.subTest(method):
                 told = re.search(r"Parameters:\s+([^.]*)\.", section(f"### `{method}`"))
                 self.assertIsNotNone(told)
-                self.assertEqual(told[1], "none")
-                client.send(json.dumps({"jsonrpc": "2.0", "method": method, "params": {"a": 1}, "id": method}).encode() + b"\n")
-                answer = client.wait_for(lambda m, method=method: m.get("id") == method, method)
-                self.assertEqual(answer["error"]["code"], -32602)
+                names = re.findall(r"`(\w+)`", told[1])
+                self.assertEqual(told[1] == "none", not names)
+                client.send(json.dumps({"jsonrpc": "2.0", "method": method, "params": {"no": 1}, "id": method}).encode() + b"\n")
+                error = client.wait_for(lambda m, method=method: m.get("id") == method, method)["error"]
+                self.assertEqual(error["code"], -32602)
+                # A method that has parameters names them.
+                _, _, there_are = error["message"].partition("there are ")
+                self.assertEqual(sorted(names), sorted(there_are.split(", ")) if there_are else [], error["message"])
 
     def test_every_methods_reply_has_the_fields_that_are_told(self):
         daemon = self.printing()
