@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "daemon/config/printable.hpp"
+#include "daemon/config/utf_8.hpp"
 
 namespace contourd {
 namespace {
@@ -15,14 +16,10 @@ constexpr std::size_t longest_quote = 60;
 constexpr std::size_t most_lines = 30;
 constexpr std::size_t longest_pointer = 200;
 
-// Cut at `bytes`, never within a character, with dots for the rest.
+// Cut at `bytes`, with dots for the rest.
 std::string cut(std::string_view text, std::size_t bytes) {
-  std::string shown(text.substr(0, bytes));
-  if (shown.size() == text.size()) return shown;
-  const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) == 0x80U; };
-  for (std::size_t end = shown.size(); end > 0 && continues(text[end]); --end)
-    shown.resize(end - 1);
-  return shown + "...";
+  const std::string_view shown = cut_utf_8(text, bytes);
+  return std::string(shown) + (shown.size() == text.size() ? "" : "...");
 }
 
 // "FILE: severity/pointer: message"

@@ -8,16 +8,14 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/config/utf_8.hpp"
+
 namespace contourd {
 namespace {
 
 constexpr std::size_t deepest_nesting = 64;
 // Also what a regular expression of a schema may have to chew: libstdc++ recurses once a character.
 constexpr std::size_t longest_text_bytes = 1024;
-
-bool is_continuation(char c) {
-  return (static_cast<unsigned char>(c) & 0xc0U) == 0x80U;
-}
 
 bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
@@ -30,34 +28,8 @@ std::string place(std::string_view text, std::size_t offset) {
   const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
   const std::string_view in_line = before.substr(line_start);
   const auto column =
-      1 + std::count_if(in_line.begin(), in_line.end(), [](char c) { return !is_continuation(c); });
+      1 + std::count_if(in_line.begin(), in_line.end(), [](char c) { return !continues_character(c); });
   return "line " + std::to_string(line) + ", column " + std::to_string(column);
-}
-
-// Length of the well-formed UTF-8 character at the text's start (Unicode, table 3-7); 0 if it is none.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned lead = byte(0);
-  if (lead < 0x80) return 1;
-  if (lead < 0xc2 || lead > 0xf4) return 0;
-  const std::size_t length = lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
-  if (text.size() < length) return 0;
-  const unsigned low = lead == 0xe0 ? 0xa0U : lead == 0xf0 ? 0x90U : 0x80U;
-  const unsigned high = lead == 0xed ? 0x9fU : lead == 0xf4 ? 0x8fU : 0xbfU;
-  if (byte(1) < low || byte(1) > high) return 0;
-  for (std::size_t i = 2; i < length; ++i) {
-    if (!is_continuation(text[i])) return 0;
-  }
-  return length;
-}
-
-std::optional<std::size_t> first_invalid_utf8(std::string_view text) {
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = utf8_length(text.substr(at));
-    if (length == 0) return at;
-    at += length;
-  }
-  return std::nullopt;
 }
 
 // The run of characters around `offset` that could be one word or number; one character if it is none.
@@ -186,7 +158,7 @@ bool SyntaxCheck::parse_error(std::size_t position, const std::string& token,
 }  // namespace
 
 std::vector<Violation> check_json_syntax(std::string_view text, const std::string& file) {
-  if (const auto offset = first_invalid_utf8(text)) {
+  if (const auto offset = first_invalid_utf_8(text)) {
     throw ConfigError({{file, "", place(text, *offset) + ": this is not UTF-8 text"}});
   }
   SyntaxCheck check(text, file);

@@ -4,6 +4,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "daemon/config/utf_8.hpp"
+
 namespace contourd {
 namespace {
 
@@ -38,31 +40,14 @@ std::string valid_utf_8(std::string_view text) {
   return nlohmann::json::parse(quoted).get<std::string>();
 }
 
-// The bytes of the character that begins with this one, in valid UTF-8.
-std::size_t length_of(char first) {
-  const auto byte = static_cast<unsigned char>(first);
-  return byte < 0x80 ? 1 : byte < 0xE0 ? 2 : byte < 0xF0 ? 3 : 4;
-}
-
-char32_t character(std::string_view bytes) {
-  const auto byte = [&](std::size_t at) {
-    return static_cast<char32_t>(static_cast<unsigned char>(bytes[at]));
-  };
-  constexpr std::array<char32_t, 5> payload{0, 0x7F, 0x1F, 0x0F, 0x07};
-  char32_t value = byte(0) & payload[bytes.size()];
-  for (std::size_t i = 1; i < bytes.size(); ++i)
-    value = value << 6U | (byte(i) & 0x3FU);
-  return value;
-}
-
 std::string cleaned(std::string_view text, bool keep_lines) {
   if (std::ranges::all_of(text, is_plain)) return std::string(text);
   const std::string valid = valid_utf_8(text);
   std::string clean;
-  for (std::size_t at = 0; at < valid.size();) {
-    const std::string_view bytes = std::string_view(valid).substr(at, length_of(valid[at]));
-    at += bytes.size();
-    const bool stays = !is_unprintable(character(bytes)) || (keep_lines && bytes == "\n");
+  for (std::string_view rest = valid; !rest.empty();) {
+    const std::string_view bytes = rest.substr(0, utf_8_length(rest));
+    rest.remove_prefix(bytes.size());
+    const bool stays = !is_unprintable(code_point(bytes)) || (keep_lines && bytes == "\n");
     clean += stays ? bytes : "?";
   }
   return clean;
@@ -71,13 +56,9 @@ std::string cleaned(std::string_view text, bool keep_lines) {
 }  // namespace
 
 std::string shortened(std::string_view text, std::size_t bytes) {
-  if (text.size() <= bytes) return std::string(text);
-  const auto continues = [&](std::size_t at) {
-    return (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80;
-  };
-  while (bytes > 0 && continues(bytes))
-    --bytes;
-  return std::string(text.substr(0, bytes)) + "... (" + std::to_string(text.size() - bytes) + " bytes more)";
+  const std::string_view shown = cut_utf_8(text, bytes);
+  if (shown.size() == text.size()) return std::string(text);
+  return std::string(shown) + "... (" + std::to_string(text.size() - shown.size()) + " bytes more)";
 }
 
 std::string printable(std::string_view text) {
