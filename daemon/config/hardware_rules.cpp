@@ -41,11 +41,8 @@ void require(JsonDocument& printer, const std::string& section, const std::strin
   const std::string pointer = section + "/" + key;
   // A section that is none is wrong enough.
   if (!printer.value().at(Pointer(section)).is_object() || has(printer, pointer)) return;
-  const Pointer rules("/properties" + section + "/properties/" + key + "/description");
-  auto description = printer_schema().value().at(rules).get<std::string>();
-  while (description.ends_with('.'))
-    description.pop_back();
-  printer.add_violation(pointer, "this key is missing, and \"hardware\" is \"real\": " + description);
+  printer.add_violation(pointer, "this key is missing, and \"hardware\" is \"real\": " +
+                                     printer_schema().at(Pointer(pointer)).description_here());
 }
 
 void check_what_is_needed(JsonDocument& printer) {
