@@ -3,15 +3,9 @@
 #include <cmath>
 #include <utility>
 
+#include "hw/homing_distances.hpp"
+
 namespace contourd {
-namespace {
-
-// Homing backs off this far before the slow second pass (Klipper's and Prusa's mSLA profiles use 2 to 5 mm).
-constexpr Nanometers kBackOff{5'000'000};
-// A switch that has not triggered after the travel and this much more never will.
-constexpr Nanometers kOvertravel{5'000'000};
-
-}  // namespace
 
 SimulatedAxis::SimulatedAxis(Clock& clock, const SimulatedAxisConfig& config)
     : clock_(clock), config_(config), true_height_(config.start_height) {}

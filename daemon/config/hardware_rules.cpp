@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <ratio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -119,9 +121,8 @@ void check_speeds(JsonDocument& printer) {
   const auto pulse_us = printer.sound_number("/z_axis/pulse_width_us");
   if (!microsteps || !pulse_us) return;
   const double rate = *top * *microsteps;
-  // A step is a pulse and a pause as long, and behind a late one comes the next after three quarters of its
-  // time.
-  const double most = std::min(kMostStepsPerSecond, 0.75 * 1e6 / (2 * *pulse_us));
+  const std::chrono::duration<double, std::micro> pulse_width(*pulse_us);
+  const double most = std::min(kMostStepsPerSecond, most_steps_per_second(pulse_width));
   if (rate <= most) return;
   printer.add_violation(
       "/z_axis/top_speed_mm_s",

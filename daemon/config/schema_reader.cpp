@@ -131,9 +131,9 @@ struct Keyword {
 };
 
 // What says nothing about what fits.
-constexpr std::array<std::string_view, 3> annotations{"$comment", "examples", "title"};
+constexpr std::array<std::string_view, 3> kAnnotations{"$comment", "examples", "title"};
 
-constexpr std::array<Keyword, 20> keywords{{
+constexpr std::array<Keyword, 20> kKeywords{{
     {"$schema",
      [](SchemaReader&, SchemaNode&, const json& value, const Place& place) {
        const std::string& draft = text_at(value, place);
@@ -204,9 +204,9 @@ constexpr std::array<Keyword, 20> keywords{{
 
 void read_keyword(SchemaReader& reader, SchemaNode& node, const std::string& name, const json& value,
                   const Place& place) {
-  if (std::ranges::count(annotations, name) > 0) return;
-  const auto keyword = std::ranges::find(keywords, name, &Keyword::name);
-  if (keyword == keywords.end()) reject(place, "the keyword " + in_quotes(name) + " is not known");
+  if (std::ranges::count(kAnnotations, name) > 0) return;
+  const auto keyword = std::ranges::find(kKeywords, name, &Keyword::name);
+  if (keyword == kKeywords.end()) reject(place, "the keyword " + in_quotes(name) + " is not known");
   keyword->read(reader, node, value, place);
 }
 

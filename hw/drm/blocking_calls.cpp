@@ -1,24 +1,9 @@
 #include "hw/drm/blocking_calls.hpp"
 
-#include <sys/eventfd.h>
-
-#include <cerrno>
-#include <system_error>
-
 namespace contourd {
-namespace {
-
-FileDescriptor made_eventfd() {
-  FileDescriptor fd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!fd.valid()) throw std::system_error(errno, std::generic_category(), "making an eventfd");
-  return fd;
-}
-
-}  // namespace
 
 BlockingCalls::BlockingCalls(DescriptorWatcher& watcher)
-    : event_(made_eventfd()),
-      watch_(watcher.when_readable(event_.get(), [this] { deliver(); })),
+    : watch_(watcher.when_readable(event_.descriptor(), [this] { deliver(); })),
       thread_([this](const std::stop_token& stop) { work(stop); }) {}
 
 BlockingCalls::~BlockingCalls() = default;
@@ -47,13 +32,11 @@ void BlockingCalls::post(std::function<void()> result) {
     const std::lock_guard lock(mutex_);
     results_.push_back(std::move(result));
   }
-  // Can only fail when the counter is full, and then the loop is awake already.
-  (void)::eventfd_write(event_.get(), 1);
+  event_.signal();
 }
 
 void BlockingCalls::deliver() {
-  eventfd_t posts = 0;
-  (void)::eventfd_read(event_.get(), &posts);
+  event_.clear();
   std::vector<std::function<void()>> results;
   {
     const std::lock_guard lock(mutex_);

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "hw/descriptor_watcher.hpp"
-#include "hw/file_descriptor.hpp"
+#include "hw/event_descriptor.hpp"
 
 namespace contourd {
 
@@ -43,7 +43,7 @@ class BlockingCalls {
   void work(const std::stop_token& stop);
   void deliver();
 
-  FileDescriptor event_;
+  EventDescriptor event_;
   std::mutex mutex_;
   std::condition_variable_any ready_;
   std::deque<std::function<void()>> calls_;

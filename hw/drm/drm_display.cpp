@@ -1,6 +1,5 @@
 #include "hw/drm/drm_display.hpp"
 
-#include <sys/eventfd.h>
 #include <sys/timerfd.h>
 #include <time.h>
 #include <unistd.h>
@@ -19,16 +18,11 @@
 #include "hw/drm/master_holder.hpp"
 #include "hw/drm/output.hpp"
 #include "hw/drm/uevent_socket.hpp"
+#include "hw/event_descriptor.hpp"
 #include "hw/hardware_error.hpp"
 
 namespace contourd {
 namespace {
-
-FileDescriptor made_eventfd() {
-  FileDescriptor fd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!fd.valid()) throw std::system_error(errno, std::generic_category(), "making an eventfd");
-  return fd;
-}
 
 FileDescriptor made_timerfd() {
   FileDescriptor fd(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
@@ -46,10 +40,9 @@ class DrmDisplay::Implementation {
   Implementation(DescriptorWatcher& watcher, const DrmDisplayConfig& config)
       : watcher_(watcher),
         config_(config),
-        wake_(made_eventfd()),
         look_(made_timerfd()),
         uevent_watch_(watcher.when_readable(uevents_.fd(), [this] { displays_changed(); })),
-        wake_watch_(watcher.when_readable(wake_.get(), [this] { deny_waiting(); })),
+        wake_watch_(watcher.when_readable(wake_.descriptor(), [this] { deny_waiting(); })),
         look_watch_(watcher.when_readable(look_.get(), [this] { look_after_card(); })),
         calls_(watcher) {
     OutputSearch search = find_output(config_);
@@ -291,15 +284,14 @@ class DrmDisplay::Implementation {
   // For a show() or black() that must not call back from within itself.
   void deny_later() {
     denied_ = true;
-    ::eventfd_write(wake_.get(), 1);
+    wake_.signal();
   }
   void lose_later(int error) {
     failed_show_ = error;
-    ::eventfd_write(wake_.get(), 1);
+    wake_.signal();
   }
   void deny_waiting() {
-    eventfd_t count = 0;
-    ::eventfd_read(wake_.get(), &count);
+    wake_.clear();
     const int error = std::exchange(failed_show_, 0);
     if (error != 0 && !problem_) return lose_to(error);
     // Also when the display has come back since.
@@ -322,7 +314,7 @@ class DrmDisplay::Implementation {
   std::size_t bytes_written_ = 0;
 
   UeventSocket uevents_;
-  FileDescriptor wake_;
+  EventDescriptor wake_;
   FileDescriptor look_;  // a timer's, that runs while a mask is on the screen or a flip waits
   bool looking_ = false;
   bool mask_is_up_ = false;

@@ -15,10 +15,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "hw/event_descriptor.hpp"
 #include "hw/gpio/debounce.hpp"
 #include "hw/gpio/digital_line.hpp"
 #include "hw/gpio/encoder_edges.hpp"
-#include "hw/gpio/event_descriptor.hpp"
 #include "hw/gpio/light_cutoff.hpp"
 #include "hw/gpio/safety_contact.hpp"
 #include "hw/gpio/step_engine.hpp"

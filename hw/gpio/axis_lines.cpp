@@ -23,9 +23,7 @@ std::optional<std::string> contradiction(const GpioAxisConfig& config) {
                   config.top_speed.count(), rate, kMostStepsPerSecond);
     return words;
   }
-  const double pulses_s = 2 * std::chrono::duration<double>(config.pulse_width).count();
-  // Three quarters: as short as an interval becomes behind a late step.
-  const double most = 0.75 / pulses_s;
+  const double most = most_steps_per_second(config.pulse_width);
   if (rate <= most) return std::nullopt;
   std::snprintf(
       words, sizeof words,

@@ -48,6 +48,12 @@ struct EncoderConfig {
 // second.
 inline constexpr double kMostStepsPerSecond = 20'000;
 
+// As many as pulses of this width, and pauses as long, leave room for: an interval becomes as short as three
+// quarters behind a late step.
+[[nodiscard]] constexpr double most_steps_per_second(std::chrono::duration<double> pulse_width) {
+  return 0.75 / (2 * pulse_width.count());
+}
+
 struct GpioAxisConfig {
   Nanometers travel{160'000'000};  // highest height of a move
   double microsteps_per_mm = 800.0;

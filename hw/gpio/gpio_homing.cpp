@@ -1,14 +1,11 @@
 #include <utility>
 
 #include "hw/gpio/gpio_axis.hpp"
+#include "hw/homing_distances.hpp"
 
 namespace contourd {
 namespace {
 
-// Homing backs off this far before the slow second pass (Klipper's and Prusa's mSLA profiles use 2 to 5 mm).
-constexpr Nanometers kBackOff{5'000'000};
-// A switch that has not triggered after the way and this much more never will.
-constexpr Nanometers kOvertravel{5'000'000};
 // After the debouncing, until its result has come across.
 constexpr Duration kAcross{std::chrono::milliseconds{2}};
 

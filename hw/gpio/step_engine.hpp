@@ -32,8 +32,8 @@
 #include <limits>
 #include <optional>
 
+#include "hw/event_descriptor.hpp"
 #include "hw/gpio/digital_line.hpp"
-#include "hw/gpio/event_descriptor.hpp"
 #include "hw/gpio/step_history.hpp"
 #include "hw/gpio/step_planner.hpp"
 #include "hw/z_axis.hpp"

@@ -23,6 +23,15 @@ ODD_NAMES = [
 ]  # fmt: skip
 
 
+class Linking(unittest.TestCase):
+    def test_contourctl_needs_no_library_that_only_the_daemon_uses(self):
+        found = subprocess.run(["readelf", "--dynamic", "--wide", CONTOURCTL], capture_output=True, text=True, check=True)
+        needed = [line for line in found.stdout.splitlines() if "(NEEDED)" in line]
+        self.assertTrue([line for line in needed if "libpng" in line], found.stdout)
+        for library in ("libsystemd", "libdrm", "libgpiod", "libserialport"):
+            self.assertEqual([line for line in needed if library in line], [])
+
+
 class Inspect(FolderTest):
     def inspect(self, path):
         result = contourctl("inspect", "--json", "--", path)

@@ -1,4 +1,4 @@
-#include "hw/gpio/event_descriptor.hpp"
+#include "hw/event_descriptor.hpp"
 
 #include <poll.h>
 #include <sys/eventfd.h>
