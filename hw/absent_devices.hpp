@@ -35,6 +35,7 @@ class AbsentAxis final : public ZAxis {
   [[nodiscard]] Duration move_duration(Nanometers, MillimetersPerSecond) const override {
     return Duration{0};
   }
+  [[nodiscard]] LateSteps late_steps() const override { return {}; }
 
  private:
   Clock& clock_;
@@ -101,6 +102,8 @@ class AbsentLightLine final : public LightLine {
   void on() override { throw HardwareError("there is no light line"); }
   void off() noexcept override {}
   [[nodiscard]] std::string refusal() const override { return refusal_; }
+  [[nodiscard]] std::optional<TimePoint> cut_at() const override { return std::nullopt; }
+  [[nodiscard]] std::optional<TimePoint> cut_by() const override { return std::nullopt; }
 
  private:
   std::string refusal_;

@@ -29,9 +29,9 @@ class LightLine {
   // Why the line is not off though it should be, in a sentence; empty when it is off, or is meant to be on.
   [[nodiscard]] virtual std::string refusal() const = 0;
   // When it was put off for people's safety, not before, and is kept off; nothing when it is not.
-  [[nodiscard]] virtual std::optional<TimePoint> cut_at() const { return std::nullopt; }
+  [[nodiscard]] virtual std::optional<TimePoint> cut_at() const = 0;
   // By when it was off then; nothing when nobody knows.
-  [[nodiscard]] virtual std::optional<TimePoint> cut_by() const { return std::nullopt; }
+  [[nodiscard]] virtual std::optional<TimePoint> cut_by() const = 0;
 };
 
 }  // namespace contourd

@@ -20,6 +20,7 @@ class SimulatedAxis final : public ZAxis {
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override;
   [[nodiscard]] Nanometers travel() const override { return config_.travel; }
   [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
+  [[nodiscard]] LateSteps late_steps() const override { return {}; }
 
  private:
   struct Move {

@@ -74,7 +74,7 @@ class ZAxis {
   [[nodiscard]] virtual Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const = 0;
 
   // Of all moves since the axis was opened; none where no motor has to be stepped.
-  [[nodiscard]] virtual LateSteps late_steps() const { return {}; }
+  [[nodiscard]] virtual LateSteps late_steps() const = 0;
 };
 
 }  // namespace contourd

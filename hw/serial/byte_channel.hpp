@@ -36,7 +36,7 @@ class ByteChannel {
   virtual void write_and_wait(std::string_view bytes, Duration pause) noexcept = 0;
 
   // The device's, for another process that is to send something; -1 when it has none.
-  [[nodiscard]] virtual int descriptor() const noexcept { return -1; }
+  [[nodiscard]] virtual int descriptor() const noexcept = 0;
 };
 
 }  // namespace contourd

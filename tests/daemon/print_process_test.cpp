@@ -684,6 +684,7 @@ class DeafAxis final : public ZAxis {
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint) const override { return height(); }
   [[nodiscard]] Nanometers travel() const override { return Nanometers{160'000'000}; }
   [[nodiscard]] Duration move_duration(Nanometers, MillimetersPerSecond) const override { return 10s; }
+  [[nodiscard]] LateSteps late_steps() const override { return {}; }
 
   bool aborted = false;
 

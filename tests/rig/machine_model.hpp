@@ -128,6 +128,7 @@ class MachineModel final : public Machine {
     [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
       return now().move_duration(distance, speed);
     }
+    [[nodiscard]] LateSteps late_steps() const override { return now().late_steps(); }
 
    private:
     [[nodiscard]] GpioAxis& now() const { return *machine_.plant.axis; }

@@ -124,6 +124,7 @@ class LineEnd final : public ByteChannel {
   void write_and_wait(std::string_view bytes, Duration) noexcept override {
     if (plugged_ && !bytes.empty()) model_.receive(std::string(bytes));
   }
+  [[nodiscard]] int descriptor() const noexcept override { return -1; }
 
   // From the loop.
   void bring(const std::string& bytes) {

@@ -55,6 +55,7 @@ class ScriptedChannel final : public ByteChannel {
   void write_and_wait(std::string_view bytes, Duration) noexcept override {
     if (!bytes.empty()) last_words.emplace_back(bytes);
   }
+  [[nodiscard]] int descriptor() const noexcept override { return -1; }
   std::vector<std::string> last_words;  // on the way out
 
  private:
