@@ -43,7 +43,8 @@ template <typename MoveDuration>
                                       const MoveDuration& move_duration) requires
     std::is_invocable_r_v<Duration, MoveDuration, Nanometers, MillimetersPerSecond> {
   return plan.exposure(layer, plan.expected_layers[static_cast<std::size_t>(layer)]) + plan.settle +
-         plan.rest + move_duration(plan.lift, plan.lift_speed) + move_duration(plan.lift, plan.retract_speed);
+         plan.rest + move_duration(plan.lift, plan.lift_speed) +
+         move_duration(-plan.lift, plan.retract_speed);
 }
 
 // What really happened to one layer.

@@ -20,6 +20,7 @@
 #include "daemon/print_findings.hpp"
 #include "daemon/print_job.hpp"
 #include "daemon/readable.hpp"
+#include "hw/gpio/axis_motion.hpp"
 #include "hw/motion_profile.hpp"
 
 namespace contourd::ctl {
@@ -86,6 +87,7 @@ Subject subject_of_printer(const AnalyzeOptions& options) {
   Subject subject;
   const PrintPlan& plan = job.plan;
   const auto move = [&printer](Nanometers distance, MillimetersPerSecond speed) {
+    if (printer.real) return move_duration(printer.real->axis, distance, speed);
     return MotionProfile(distance, speed, printer.simulated.axis.acceleration).duration();
   };
   for (std::size_t layer = 0; layer < plan.expected_layers.size(); ++layer)

@@ -1,10 +1,10 @@
 #include "hw/gpio/gpio_axis.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
 
+#include "hw/gpio/axis_motion.hpp"
 #include "hw/gpio/axis_words.hpp"
 #include "hw/hardware_error.hpp"
 
@@ -84,14 +84,6 @@ void GpioAxis::when_ready(std::function<void()> call) {
   after(config_.enable_settle, std::move(call));
 }
 
-MotionLimits GpioAxis::limits(MillimetersPerSecond speed) const {
-  const double per_mm = config_.microsteps_per_mm;
-  MotionLimits limits{std::min(speed, config_.top_speed).count() * per_mm,
-                      config_.acceleration.count() * per_mm};
-  if (config_.jerk_mm_s3) limits.jerk = *config_.jerk_mm_s3 * per_mm;
-  return limits;
-}
-
 void GpioAxis::run(Way way, std::int64_t steps, MillimetersPerSecond speed, std::function<void()> then) {
   then_ = std::move(then);
   run_ = {way, engine_.position() + steps, speed};
@@ -113,7 +105,7 @@ void GpioAxis::run_on() {
   engine_.forget_halt();
   set_rules(run_.way, steps * towards_switch() > 0);
   // Without an encoder, a position that was known is lost with the motor's step.
-  engine_.start({steps, limits(run_.speed), pull_in(), position_known_ && !config_.encoder});
+  engine_.start({steps, motion_limits(config_, run_.speed), pull_in(), position_known_ && !config_.encoder});
 }
 
 // A rule that is broken already halts at once.
@@ -304,16 +296,6 @@ std::optional<Nanometers> GpioAxis::height_at(TimePoint time) const {
 std::string GpioAxis::where() const {
   if (!position_known_) return "";
   return " at " + millimeters(to_millimeters(*height()).count());
-}
-
-Duration GpioAxis::move_duration(Nanometers distance, MillimetersPerSecond speed) const {
-  const std::int64_t steps = screw_.nearest_step(distance);
-  const auto taken = [this, speed](std::int64_t way) {
-    return StepPlanner(std::abs(way), limits(speed)).duration();
-  };
-  const Duration rest = config_.encoder ? kRest : Duration{0};
-  if (steps >= 0 || screw_.backlash() == 0) return taken(steps) + rest;
-  return taken(steps - screw_.backlash()) + taken(screw_.backlash()) + rest;
 }
 
 }  // namespace contourd

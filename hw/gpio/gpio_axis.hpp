@@ -21,6 +21,7 @@
 
 #include "hw/descriptor_watcher.hpp"
 #include "hw/gpio/axis_inputs.hpp"
+#include "hw/gpio/axis_motion.hpp"
 #include "hw/gpio/axis_threads.hpp"
 #include "hw/gpio/encoder_plausibility.hpp"
 #include "hw/gpio/gpio_axis_config.hpp"
@@ -68,7 +69,9 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] std::optional<Nanometers> height() const override;
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override;
   [[nodiscard]] Nanometers travel() const override { return config_.travel; }
-  [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
+  [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
+    return contourd::move_duration(config_, distance, speed);
+  }
 
   // `call` runs for every disturbance from now on: for the first edge of the emergency stop, the motor
   // slowing down already, and when that lasts, with the motor still; for an open lid; for either when it is
@@ -89,9 +92,6 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] LateSteps late_steps() const override { return engine_.late_steps(); }
   // Edges of the encoder that were missed or made up by noise.
   [[nodiscard]] std::uint64_t illegal_encoder_edges() const { return inputs_.illegal_encoder_edges(); }
-
-  // The encoder is looked at this long after the motor has come to rest.
-  static constexpr Duration kRest{std::chrono::milliseconds{20}};
 
  private:
   enum class Way { Move, Seek, BackOff };
@@ -166,7 +166,6 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] std::string difference() const;
 
   [[nodiscard]] Screw::Rest now_at() const { return screw_.moved(rest_, engine_.position()); }
-  [[nodiscard]] MotionLimits limits(MillimetersPerSecond speed) const;
   [[nodiscard]] double pull_in() const;
   [[nodiscard]] std::string stall_words() const;
   [[nodiscard]] std::int64_t towards_switch() const { return config_.homes_upwards ? 1 : -1; }

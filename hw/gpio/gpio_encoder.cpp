@@ -61,7 +61,7 @@ void GpioAxis::follow() {
 // That the plate is where the steps say, or what is to be done about it.
 void GpioAxis::verify(std::int64_t plate, MillimetersPerSecond speed, std::function<void()> then) {
   if (!config_.encoder) return then();
-  after(kRest, [this, plate, speed, then = std::move(then)] {
+  after(kEncoderRest, [this, plate, speed, then = std::move(then)] {
     if (const auto doubt = encoder_doubt()) return fail({HomingResult::NoMovement, *doubt});
     if (!moving()) return;  // who was told has aborted it
     const double off_mm = encoder_off_mm();

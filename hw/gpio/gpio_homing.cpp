@@ -70,7 +70,7 @@ void GpioAxis::take_position(TimePoint edge) {
   const std::int64_t play = config_.homes_upwards ? 0 : screw_.backlash();
   engine_.set_position(screw_.nearest_step(config_.switch_height) - play + beyond);
   rest_ = {engine_.position(), play};
-  after(config_.encoder ? kRest : Duration{0}, [this] {
+  after(config_.encoder ? kEncoderRest : Duration{0}, [this] {
     agree();
     position_known_ = true;
     approach(screw_.nearest_step(config_.switch_height), config_.homing_speed,

@@ -117,6 +117,23 @@ class WithPrinter(AnalyzeTest):
         least = resin["exposure_ms"] + resin["settle_ms"] + resin["rest_ms"]
         self.assertGreater(found["layer_time_s"], found["layers"] * least / 1000)
 
+    def test_the_time_on_a_real_printer_is_that_of_its_axis(self):
+        real = source_json("raspberry-pi.json")
+        real["resins_folder"], real["projectors_folder"] = (os.path.join(SOURCE, "config", name) for name in ("resins", "projectors"))
+        resin = source_json("resins", "standard.json")
+
+        def layer_time(**of_axis):
+            config = self.write("printer.json", json.dumps({**real, "z_axis": {**real["z_axis"], **of_axis}}).encode())
+            return self.analyze(binary_stl(box((0, 0, 0), (5, 5, 1))), "--printer", config)["layer_time_s"]
+
+        layers, plain, jerk = 20, layer_time(), 500.0
+        # A trapezoid that reaches its full speed takes d/v + v/a, an S-curve that reaches its full acceleration a/jerk more.
+        acceleration = real["z_axis"]["acceleration_mm_s2"]
+        self.assertAlmostEqual(layer_time(jerk_mm_s3=jerk) - plain, layers * 2 * acceleration / jerk, delta=0.001)
+        # On the way down 1 mm further, and back up at the same speed.
+        further = 2 / resin["retract_speed_mm_s"] + resin["retract_speed_mm_s"] / acceleration
+        self.assertAlmostEqual(layer_time(backlash_um=1000) - plain, layers * further, delta=0.001)
+
     def test_a_model_that_the_printer_cannot_print_is_bad_data(self):
         path = self.write("large.stl", binary_stl(cube(100)))
         result = contourctl("analyze", path, "--printer", self.CONFIG)

@@ -1,0 +1,31 @@
+#include "hw/gpio/axis_motion.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+
+#include "hw/gpio/screw.hpp"
+#include "hw/gpio/step_planner.hpp"
+
+namespace contourd {
+
+MotionLimits motion_limits(const GpioAxisConfig& config, MillimetersPerSecond speed) {
+  const double per_mm = config.microsteps_per_mm;
+  MotionLimits limits{std::min(speed, config.top_speed).count() * per_mm,
+                      config.acceleration.count() * per_mm};
+  if (config.jerk_mm_s3) limits.jerk = *config.jerk_mm_s3 * per_mm;
+  return limits;
+}
+
+Duration move_duration(const GpioAxisConfig& config, Nanometers distance, MillimetersPerSecond speed) {
+  const Screw screw(config.microsteps_per_mm, config.backlash);
+  const std::int64_t steps = screw.nearest_step(distance);
+  const auto taken = [limits = motion_limits(config, speed)](std::int64_t way) {
+    return StepPlanner(std::abs(way), limits).duration();
+  };
+  const Duration rest = config.encoder ? kEncoderRest : Duration{0};
+  if (steps >= 0 || screw.backlash() == 0) return taken(steps) + rest;
+  return taken(steps - screw.backlash()) + taken(screw.backlash()) + rest;
+}
+
+}  // namespace contourd
