@@ -278,7 +278,8 @@ int start(int argc, char** argv) {
   app.add_option("--pace", pace, "Overrides the configuration's simulation.pace")
       ->check(CLI::IsMember({"realtime", "fast"}));
   CLI::Option* const draw =
-      app.add_flag("--print-states", print_states, "Print the print process as a Graphviz graph, and exit");
+      app.add_flag("--print-states", print_states,
+                   "Print the print process and a projector's states as a Graphviz graph, and exit");
   check->excludes(look, dark, draw);
   look->excludes(dark, draw);
   dark->excludes(draw);

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "hw/serial/projector_light_states.hpp"
+#include "hw/serial/projector_power_states.hpp"
+
 namespace contourd {
 namespace {
 
@@ -313,6 +316,8 @@ std::string draw_print_states() {
     graph += fmt::format("  \"{}\" -> \"{}\" [label=\"{}\"];\n",
                          t.on == E::Failed ? "any state" : name_of(t.from), name_of(t.to), label);
   }
+  graph += draw_table("projector power", projector_power_transitions());
+  graph += draw_table("projector light", projector_light_transitions());
   return graph + "}\n";
 }
 

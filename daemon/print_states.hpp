@@ -101,7 +101,8 @@ struct PrintTransition {
 [[nodiscard]] std::string_view name_of(PrintEvent event);
 [[nodiscard]] std::string_view name_of(PrintEffect effect);
 
-// The table as a Graphviz graph; the rows for Failed, which are alike, drawn as one.
+// The table as a Graphviz graph; the rows for Failed, which are alike, drawn as one. Beside it those of a
+// serial projector's power and light.
 [[nodiscard]] std::string draw_print_states();
 
 }  // namespace contourd

@@ -12,7 +12,10 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
-SERIAL = "hw/serial/serial_projector.cpp"
+EXCHANGE = "hw/serial/command_exchange.cpp"
+LIGHT = "hw/serial/projector_light.cpp"
+LIGHT_STATES = "hw/serial/projector_light_states.cpp"
+POWER_STATES = "hw/serial/projector_power_states.cpp"
 READER = "hw/serial/reply_reader.cpp"
 PROCESS = "daemon/print_process.cpp"
 STATES = "daemon/print_states.cpp"
@@ -21,8 +24,8 @@ ENGINE = "hw/gpio/step_engine.cpp"
 
 # Name, file, what stands there once, what stands there instead; the latter two as often as it takes.
 MUTATIONS = [
-    ("a lost reply is answered by a second light on", SERIAL,
-     "const bool once = current_->command == light_on_command() && current_->sent > 0;", "const bool once = false;"),
+    ("a lost reply is answered by a second light on", LIGHT, "                 .retries = 0});",
+     "                 .retries = table_.retries});"),
     ("light counts from the reply to light on", "hw/projector.hpp",
      "off_latest.value_or(now) - on_earliest", "off_latest.value_or(now) - on_latest.value_or(on_earliest)"),
     ("the exposure begins when light on is answered", PROCESS,
@@ -31,15 +34,19 @@ MUTATIONS = [
     ("nobody waits for darkness", PROCESS,
      "  machine_.projector().when_dark([this] { is_dark(); });",
      "  wait_ = clock_.call_after(Duration{0}, [this] { is_dark(); });"),
-    ("a late or doubled reply to light on makes dark", SERIAL, "((dark_waits || off_waits) && heard.reply->doubtful)",
+    ("a late or doubled reply to light on makes dark", EXCHANGE, "(doubt != Doubt::Counts && heard.reply->doubtful)",
      "false"),
-    ("any reply makes dark", SERIAL, "  const bool own = current_ && heard.reply->request == current_->id;",
+    ("any reply makes dark", EXCHANGE, "  const bool own = current_ && heard.reply->request == current_->id;",
      "  const bool own = current_.has_value();"),
-    ("light off is sent once", SERIAL, "void SerialProjector::keep_trying() {\n  try_later();",
-     "void SerialProjector::keep_trying() {"),
-    ("power off is sent once", SERIAL, "  if (power_off_waits_) power_off_later();", "  power_off_waits_ = false;"),
-    ("a projector that warms up is off because it says so", SERIAL,
-     "    if (light_may_be_on_ && clock_.now() < warm_at_) {", "    if (false) {"),
+    ("light off is sent once", LIGHT_STATES,
+     "S::Overdue, F::RetryLater, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed",
+     "S::Overdue, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed"),
+    ("a light on that failed is taken for off", LIGHT_STATES,
+     "row(S::TurningOn, E::LightOnFailed, S::TurningOff, F::SendLightOff, F::TellUnlit)",
+     "row(S::TurningOn, E::LightOnFailed, S::Dark, F::TellUnlit)"),
+    ("power off is sent once", POWER_STATES, "S::TurningOff, F::PowerOffAgain, F::AskWhetherOff", "S::Unknown"),
+    ("a projector that warms up is off because it says so", LIGHT,
+     "  if (may_be_on() && clock_.now() < wiring_.warm_at()) return Event::SaysTooEarly;\n", ""),
     ("a reply is owed by its own time alone", READER,
      "  const auto kept = std::ranges::find_if(owed_, [now](const Owed& owed) { return owed.until >= now; });\n"
      "  owed_.erase(owed_.begin(), kept);",

@@ -814,6 +814,42 @@ TEST_CASE("power on right after power off waits until the lamp has cooled down")
   CHECK(bench.channel.sent[1].at - off < 61s);  // power off was confirmed a few replies after it was asked
 }
 
+TEST_CASE("power on right after power off waits for the cool-down too where a projector cannot be asked") {
+  ProjectorTable table = text_table();
+  table.power.reset();
+  Bench bench(table);
+  bench.power_on();
+  bench.projector.power_off();
+  bench.pass(50ms);
+  const TimePoint off_at = bench.clock.now();
+  bench.start_power_on();
+  bench.wait_for_answer();
+  CHECK(bench.answer == ProjectorReply::Ok);
+  CHECK(bench.is_on);
+  const auto on = std::ranges::find(bench.channel.sent, "~0000 1\r", &ScriptedChannel::Sent::message);
+  REQUIRE(on != bench.channel.sent.end());
+  CHECK(on->at - off_at >= 60s);
+  CHECK(on->at - off_at < 61s);  // a gap and a reply
+}
+
+TEST_CASE("a power off that waits behind a question is sent when light off drops that") {
+  ProjectorTable table = text_table();
+  table.light_on.reset();
+  table.light_off.reset();
+  Bench bench(table);
+  bench.power_on();
+  bench.fall_silent();
+  bench.projector.power_off();
+  bench.pass(8s);  // three tries of a second; 5 s later it is told again
+  REQUIRE(bench.is_on);
+  bench.projector.ask_status([](const ProjectorStatus&) {});
+  bench.pass(500ms);
+  bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
+  bench.projector.light_off();
+  bench.pass(2s);
+  CHECK_FALSE(bench.is_on);
+}
+
 TEST_CASE("a projector that still cools down from before the program ran is turned on again and again") {
   Bench bench;
   bench.deaf_until = bench.clock.now() + 50s;
