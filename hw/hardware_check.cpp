@@ -6,6 +6,7 @@
 
 #include "hw/drm/drm_display.hpp"
 #include "hw/gpio/gpio_axis.hpp"
+#include "hw/open_projector.hpp"
 
 namespace contourd {
 
@@ -114,15 +115,14 @@ void HardwareCheck::check_display() {
 void HardwareCheck::check_projector() {
   const SerialProjectorConfig& projector = *config_.projector;
   try {
-    port_ = std::make_unique<SerialPort>(projector.port, projector.table.baud, watcher_);
+    projector_ = open_projector(projector, clock_, watcher_);
   } catch (const std::exception& error) {
     report("projector", false, error.what());
     end_ = clock_.call_after(Duration{0}, [this] { done_(); });
     return;
   }
-  projector_ = std::make_unique<SerialProjector>(*port_, clock_, projector.table);
   projector_->ask_status([this](const ProjectorStatus& status) {
-    const std::string place = config_.projector->table.name + " at " + config_.projector->port;
+    const std::string place = projector_->description();
     std::string answer;
     if (status.powered) answer += *status.powered ? ", on" : ", off";
     if (status.lamp_hours) answer += ", lamp " + std::to_string(*status.lamp_hours) + " h";

@@ -10,9 +10,8 @@
 #include "hw/descriptor_watcher.hpp"
 #include "hw/gpio/gpio_lines.hpp"
 #include "hw/gpio/wake_ups.hpp"
+#include "hw/projector.hpp"
 #include "hw/real_machine_config.hpp"
-#include "hw/serial/serial_port.hpp"
-#include "hw/serial/serial_projector.hpp"
 
 namespace contourd {
 
@@ -58,8 +57,7 @@ class HardwareCheck {
   Found found_;
   std::function<void()> done_;
   std::map<std::pair<std::string, unsigned>, std::string> users_;  // of lines: chip and number, device
-  std::unique_ptr<SerialPort> port_;
-  std::unique_ptr<SerialProjector> projector_;
+  std::unique_ptr<Projector> projector_;
   std::unique_ptr<Timer> end_;
 };
 

@@ -3,6 +3,8 @@
 #include <exception>
 #include <utility>
 
+#include "hw/open_projector.hpp"
+
 namespace contourd {
 namespace {
 
@@ -19,12 +21,11 @@ void LightOff::run(Done done) {
   if (!config_.projector || !config_.projector->table.light_off) return end();
   const SerialProjectorConfig& wanted = *config_.projector;
   try {
-    port_ = std::make_unique<SerialPort>(wanted.port, wanted.table.baud, watcher_);
+    projector_ = open_projector(wanted, clock_, watcher_);
   } catch (const std::exception& error) {
     problems_.emplace_back(error.what());
     return end();
   }
-  projector_ = std::make_unique<SerialProjector>(*port_, clock_, wanted.table);
   if (!config_.left_dark) projector_->may_warm_up();
   patience_ = clock_.call_after(kPatience, [this] { give_up(); });
   tell_projector();

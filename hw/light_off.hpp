@@ -10,9 +10,8 @@
 #include "hw/clock.hpp"
 #include "hw/descriptor_watcher.hpp"
 #include "hw/gpio/gpio_light_line.hpp"
+#include "hw/projector.hpp"
 #include "hw/real_machine_config.hpp"
-#include "hw/serial/serial_port.hpp"
-#include "hw/serial/serial_projector.hpp"
 
 namespace contourd {
 
@@ -42,8 +41,7 @@ class LightOff {
   Done done_;
   std::vector<std::string> problems_;
   std::unique_ptr<GpioLightLine> line_;
-  std::unique_ptr<SerialPort> port_;
-  std::unique_ptr<SerialProjector> projector_;
+  std::unique_ptr<Projector> projector_;
   std::unique_ptr<Timer> again_, patience_;
   std::unique_ptr<Timer> end_;
 };

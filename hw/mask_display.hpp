@@ -7,18 +7,15 @@
 
 #include "core/mask/mask.hpp"
 #include "hw/clock.hpp"
+#include "hw/device.hpp"
+#include "hw/watchdog/device_paths.hpp"
 
 namespace contourd {
 
-class MaskDisplay {
+class MaskDisplay : public Device {
  public:
   // When the picture really was on the screen (vblank time), or nothing when the display was lost.
   using Presented = std::function<void(std::optional<TimePoint>)>;
-
-  MaskDisplay() = default;
-  MaskDisplay(const MaskDisplay&) = delete;
-  MaskDisplay& operator=(const MaskDisplay&) = delete;
-  virtual ~MaskDisplay() = default;
 
   [[nodiscard]] virtual Pixels width() const = 0;
   [[nodiscard]] virtual Pixels height() const = 0;
@@ -36,6 +33,12 @@ class MaskDisplay {
   // Black from the next refresh on, whatever else was asked; a waiting `done` is dropped. The way out of
   // everything.
   virtual void black_now() noexcept = 0;
+
+  // Begins to look whether a display that is not ready is back; it is told as a recovery. Does not block.
+  virtual void look_again() = 0;
+
+  // For another process: what makes the screen black. Nothing while there is no such thing.
+  [[nodiscard]] virtual LightDisplayPath black_path() const = 0;
 };
 
 }  // namespace contourd

@@ -9,6 +9,8 @@
 #include <string_view>
 
 #include "hw/clock.hpp"
+#include "hw/device.hpp"
+#include "hw/watchdog/device_paths.hpp"
 
 namespace contourd {
 
@@ -46,14 +48,9 @@ struct LightSpan {
   }
 };
 
-class Projector {
+class Projector : public Device {
  public:
   using Done = std::function<void(ProjectorReply)>;
-
-  Projector() = default;
-  Projector(const Projector&) = delete;
-  Projector& operator=(const Projector&) = delete;
-  virtual ~Projector() = default;
 
   // Power on, then wait until the lamp is warm. The light stays off: Ok says that this is confirmed. Returns
   // at once; may take minutes.
@@ -95,6 +92,21 @@ class Projector {
   // Why the light may be on though it is to be off, in a sentence; empty when it is off as far as anybody can
   // tell. To be asked when no light is wanted.
   [[nodiscard]] virtual std::string doubt() const = 0;
+
+  // For one that a process which has died may have left on.
+  //
+  // It may have been turned on a moment ago: until its warm-up would be over, it is not believed when it says
+  // that it is off. REQUIRES: nothing was asked for before.
+  virtual void may_warm_up() = 0;
+  // Light off, and whether it is: Ok when that is confirmed, or it is not even on; else, when it was tried
+  // often enough, what came of it (see last_problem()). REQUIRES: nothing was asked for before.
+  virtual void confirm_dark(Done done) = 0;
+  // Power off where it says that it is on, or does so while it may warm up, or when it answers at last. A
+  // power_on() that comes first is left alone.
+  virtual void power_off_if_on() = 0;
+
+  // For another process: what turns the light off. Nothing where only this one can, or it has no light.
+  [[nodiscard]] virtual LightSerialPath light_off_path() const = 0;
 };
 
 }  // namespace contourd

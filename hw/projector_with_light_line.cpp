@@ -105,6 +105,19 @@ void LightLineProjector::ask_status(StatusDone done) {
   answer_after(Duration{0}, [done = std::move(done)] { done({}); });
 }
 
+void LightLineProjector::confirm_dark(Done done) {
+  light_off();
+  problem_ = line_.refusal();
+  answer_after(Duration{0}, [done = std::move(done), dark = problem_.empty()] {
+    done(dark ? ProjectorReply::Ok : ProjectorReply::Refused);
+  });
+}
+
+std::vector<std::string> LightLineProjector::why_not_ready() const {
+  if (line_.refusal().empty()) return {};
+  return {"the light may be on: " + line_.refusal()};
+}
+
 ProjectorWithLightLine::ProjectorWithLightLine(Projector& projector, LightLine& line, Clock& clock)
     : projector_(projector), behind_line_(line, clock, Duration{0}) {}
 
@@ -162,6 +175,21 @@ std::string ProjectorWithLightLine::last_problem() const {
 std::string ProjectorWithLightLine::doubt() const {
   const std::string line = behind_line_.doubt();
   return line.empty() ? projector_.doubt() : line;
+}
+
+void ProjectorWithLightLine::confirm_dark(Done done) {
+  behind_line_.light_off();
+  const std::string line = behind_line_.doubt();
+  projector_.confirm_dark([dark = line.empty(), done = std::move(done)](ProjectorReply reply) {
+    done(reply == ProjectorReply::Ok && !dark ? ProjectorReply::Refused : reply);
+  });
+}
+
+std::vector<std::string> ProjectorWithLightLine::why_not_ready() const {
+  std::vector<std::string> sentences = behind_line_.why_not_ready();
+  for (std::string& sentence : projector_.why_not_ready())
+    sentences.push_back(std::move(sentence));
+  return sentences;
 }
 
 }  // namespace contourd

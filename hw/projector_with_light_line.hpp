@@ -5,6 +5,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "hw/clock.hpp"
 #include "hw/light_line.hpp"
@@ -29,6 +31,16 @@ class LightLineProjector final : public Projector {
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }
   [[nodiscard]] std::string doubt() const override { return line_.refusal(); }
+  // Nobody has to wait for a line, and it tells by itself what happens to it.
+  void may_warm_up() override {}
+  void confirm_dark(Done done) override;
+  void power_off_if_on() override {}
+  [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
+  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  [[nodiscard]] bool lost() const override { return false; }
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override;
+  [[nodiscard]] std::string description() const override { return "a light line"; }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
 
  private:
   void answer_after(Duration delay, std::function<void()> answer);
@@ -66,6 +78,17 @@ class ProjectorWithLightLine final : public Projector {
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override;
   [[nodiscard]] std::string doubt() const override;
+  void may_warm_up() override { projector_.may_warm_up(); }
+  void confirm_dark(Done done) override;
+  void power_off_if_on() override { projector_.power_off_if_on(); }
+  [[nodiscard]] LightSerialPath light_off_path() const override { return projector_.light_off_path(); }
+  void on_disturbance(std::function<void(const Disturbance&)> call) override {
+    projector_.on_disturbance(std::move(call));
+  }
+  [[nodiscard]] bool lost() const override { return projector_.lost(); }
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override;
+  [[nodiscard]] std::string description() const override { return projector_.description(); }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return projector_.warnings(); }
 
  private:
   Projector& projector_;

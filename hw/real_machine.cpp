@@ -1,8 +1,12 @@
 #include "hw/real_machine.hpp"
 
 #include <exception>
+#include <initializer_list>
 #include <utility>
 
+#include "hw/drm/drm_display.hpp"
+#include "hw/gpio/gpio_axis.hpp"
+#include "hw/open_projector.hpp"
 #include "hw/projector_with_light_line.hpp"
 
 namespace contourd {
@@ -29,17 +33,7 @@ void add(std::string& sentences, const std::string& sentence) {
 
 RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog,
                          const RealMachineConfig& config)
-    : RealMachine(
-          clock, watcher, watchdog, config,
-          {.axis = [&clock, &watcher,
-                    axis = config.axis] { return std::make_unique<GpioAxis>(clock, watcher, axis); },
-           .light = [&clock,
-                     light = config.light] { return std::make_unique<GpioLightLine>(light.value(), clock); },
-           .port =
-               [&watcher, projector = config.projector] {
-                 const SerialProjectorConfig& wanted = projector.value();
-                 return std::make_unique<SerialPort>(wanted.port, wanted.table.baud, watcher);
-               }}) {}
+    : RealMachine(clock, watcher, watchdog, config, Openers{}) {}
 
 RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog,
                          RealMachineConfig config, Openers openers)
@@ -52,6 +46,7 @@ RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog
       no_display_(clock, config_.display.width, config_.display.height),
       no_axis_(clock, config_.axis.travel),
       watched_(no_projector_, watchdog, [this] { offer_light_paths(); }) {
+  add_openers();
   open_missing();
   watchdog_.on_trouble(
       [this](const std::string& what) { tell({.kind = Disturbance::Kind::Interruption, .what = what}); });
@@ -61,6 +56,17 @@ RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog
           .warnings = {problem}});
   });
   if (missing_.any() || display_lost()) search_after(kSearchInterval);
+}
+
+void RealMachine::add_openers() {
+  if (!openers_.axis)
+    openers_.axis = [this] { return std::make_unique<GpioAxis>(clock_, watcher_, config_.axis); };
+  if (!openers_.light)
+    openers_.light = [this] { return std::make_unique<GpioLightLine>(config_.light.value(), clock_); };
+  if (!openers_.projector)
+    openers_.projector = [this] { return open_projector(config_.projector.value(), clock_, watcher_); };
+  if (!openers_.display)
+    openers_.display = [this] { return std::make_unique<DrmDisplay>(watcher_, config_.display); };
 }
 
 RealMachine::~RealMachine() {
@@ -74,21 +80,20 @@ std::vector<RealMachine::Found> RealMachine::open_missing() {
   const auto tell_owner = [this](const Disturbance& disturbance) { tell(disturbance); };
   const bool light_came = config_.light && open_light();
   if (light_came) found.push_back({light_words(), {}});
-  const bool projector_came = config_.projector && open_projector();
-  if (projector_came) found.push_back({projector_words(), {}});
+  const bool projector_came = config_.projector && find_projector();
+  if (projector_came) found.push_back({"projector: " + projector_->description(), projector_->warnings()});
   combine_projector();
   projector().light_off();
-  if (projector_came) serial_->power_off_if_on();
-  if (open(display_, missing_.display,
-           [&] { return std::make_unique<DrmDisplay>(watcher_, config_.display); })) {
+  if (projector_came) projector_->power_off_if_on();
+  if (open(display_, missing_.display, openers_.display)) {
     display_->on_disturbance(tell_owner);
-    if (!display_->problem()) found.push_back({"display: " + display_->description(), display_->warnings()});
+    if (!display_lost()) found.push_back({"display: " + display_->description(), display_->warnings()});
   }
   if (axis_ && axis_->lost()) axis_.reset();
   const bool axis_came = open(axis_, missing_.axis, openers_.axis);
   if (axis_came) {
     axis_->on_disturbance(tell_owner);
-    found.push_back({axis_words(), axis_->refusals()});
+    found.push_back({"axis: " + axis_->description(), axis_->warnings()});
   }
   if (axis_ && (light_came || axis_came)) axis_->set_light_cutoff(light_.get());
   offer_light_paths();
@@ -117,45 +122,37 @@ bool RealMachine::open_light() {
   return true;
 }
 
-bool RealMachine::open_projector() {
-  if (serial_ && !serial_->lost()) return false;
-  const SerialProjectorConfig& wanted = *config_.projector;
+bool RealMachine::find_projector() {
+  if (projector_ && !projector_->lost()) return false;
   watched_.watch(no_projector_);
   combined_.reset();
-  serial_.reset();
-  port_.reset();
-  if (!open(port_, missing_.projector, openers_.port)) return false;
-  serial_ = std::make_unique<SerialProjector>(*port_, clock_, wanted.table, wanted.brightness);
-  serial_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
-  serial_->may_warm_up();
+  projector_.reset();
+  if (!open(projector_, missing_.projector, openers_.projector)) return false;
+  projector_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
+  projector_->may_warm_up();
   return true;
 }
 
 void RealMachine::combine_projector() {
   // A line before a projector that is not there lets no light through; of one that is not there itself its
   // projector does not know.
-  if (!combined_ && config_.light && serial_) {
+  if (!combined_ && config_.light && projector_) {
     LightLine& line = light_ ? static_cast<LightLine&>(*light_) : no_light_;
-    combined_ = std::make_unique<ProjectorWithLightLine>(*serial_, line, clock_);
+    combined_ = std::make_unique<ProjectorWithLightLine>(*projector_, line, clock_);
   } else if (!combined_ && light_ && !config_.projector) {
     combined_ = std::make_unique<LightLineProjector>(*light_, clock_, config_.warm_up);
   }
   if (combined_)
     watched_.watch(*combined_);
-  else if (serial_)
-    watched_.watch(*serial_);
+  else if (projector_)
+    watched_.watch(*projector_);
 }
 
 // Every time before light on: the display may have another mode by then. What is lost is given back: it could
 // not be opened again.
 void RealMachine::offer_light_paths() {
   watchdog_.set_line(light_ && light_->refusal().empty() ? light_->descriptor() : -1);
-  LightSerialPath serial;
-  if (port_ && serial_ && !serial_->lost() && config_.projector->table.light_off) {
-    const ProjectorTable& table = config_.projector->table;
-    serial = {port_->descriptor(), table.light_off->bytes, table.gap + table.wire_time(*table.light_off)};
-  }
-  watchdog_.set_serial(serial);
+  watchdog_.set_serial(projector_ ? projector_->light_off_path() : LightSerialPath{});
   watchdog_.set_display(display_ ? display_->black_path() : LightDisplayPath{});
 }
 
@@ -180,15 +177,15 @@ void RealMachine::tell(const Disturbance& disturbance) {
 // A device that says that it is lost is missing from now on; it is closed when it is looked for, not from
 // within its own call.
 void RealMachine::note_losses(const std::string& what) {
-  const bool serial_lost = serial_ && serial_->lost() && missing_.projector.empty();
+  const bool projector_lost = projector_ && projector_->lost() && missing_.projector.empty();
   const bool axis_lost = axis_ && axis_->lost() && missing_.axis.empty();
   const bool light_lost = light_ && !light_->refusal().empty() && missing_.light.empty();
   if (light_lost) missing_.light = "the light may be on: " + light_->refusal();
-  if (serial_lost) missing_.projector = what;
+  if (projector_lost) missing_.projector = what;
   offer_light_paths();
   if (axis_lost) missing_.axis = what;
   // Soon: its light may be on, and a serial adapter that comes back gets its old name only once it is closed.
-  if (serial_lost || light_lost) return search_after(kFirstSearch);
+  if (projector_lost || light_lost) return search_after(kFirstSearch);
   if (axis_lost || display_lost()) search_after(kSearchInterval);
 }
 
@@ -211,10 +208,11 @@ std::string RealMachine::hindrance() const {
   for (const std::string* missing : {&missing_.light, &missing_.projector, &missing_.display, &missing_.axis})
     add(sentences, *missing);
   add(sentences, watchdog_.problem());
-  if (serial_ && serial_->dark_overdue()) add(sentences, "the light may be on: " + serial_->doubt());
-  if (display_) add(sentences, display_->problem().value_or(""));
-  for (const std::string& hindrance : axis_ ? axis_->hindrances() : std::vector<std::string>{})
-    add(sentences, hindrance);
+  for (const Device* device :
+       std::initializer_list<const Device*>{projector_.get(), display_.get(), axis_.get()}) {
+    for (const std::string& why : device != nullptr ? device->why_not_ready() : std::vector<std::string>{})
+      add(sentences, why);
+  }
   return sentences;
 }
 
@@ -222,26 +220,20 @@ std::string RealMachine::light_words() const {
   return "light: line " + config_.light->line + " of " + config_.light->chip;
 }
 
-std::string RealMachine::projector_words() const {
-  return "projector: " + config_.projector->table.name + " at " + config_.projector->port;
-}
-
-std::string RealMachine::axis_words() const {
-  return "axis: step line " + config_.axis.step.line + " of " + config_.axis.step.chip;
-}
-
 std::vector<std::string> RealMachine::description() const {
   std::vector<std::string> sentences;
   if (light_) sentences.push_back(light_words());
-  if (serial_) sentences.push_back(projector_words());
-  if (display_ && !display_->problem()) sentences.push_back("display: " + display_->description());
-  if (axis_) sentences.push_back(axis_words());
+  if (projector_) sentences.push_back("projector: " + projector_->description());
+  if (display_ && !display_lost()) sentences.push_back("display: " + display_->description());
+  if (axis_) sentences.push_back("axis: " + axis_->description());
   return sentences;
 }
 
 std::vector<std::string> RealMachine::warnings() const {
   std::vector<std::string> sentences;
-  if (axis_) sentences = axis_->refusals();
+  if (axis_) sentences = axis_->warnings();
+  for (const std::string& warning : projector_ ? projector_->warnings() : std::vector<std::string>{})
+    sentences.push_back(warning);
   for (const std::string& refusal : watchdog_.refusals())
     sentences.push_back(refusal);
   for (std::string& warning : display_ ? display_->warnings() : std::vector<std::string>{})

@@ -1,9 +1,11 @@
-// The machine of real devices: a stepped axis, a display output, and a projector on a serial line or behind a
+// The machine of real devices: a stepped axis, a display output, and a projector of its own kind or behind a
 // light line. Opens what it can; what is not there is looked for every few seconds, and until then stands in
 // the way (hindrance()) without keeping the rest from being safe: the light comes first and goes last.
 //
 // Light off, black and motor still from the construction on and when it goes. A projector that is found on is
 // turned off. Event loop's thread only.
+//
+// It has more members than most: each device, and what stands in for it.
 #pragma once
 
 #include <memory>
@@ -12,13 +14,9 @@
 
 #include "hw/absent_devices.hpp"
 #include "hw/descriptor_watcher.hpp"
-#include "hw/drm/drm_display.hpp"
-#include "hw/gpio/gpio_axis.hpp"
 #include "hw/gpio/gpio_light_line.hpp"
 #include "hw/machine.hpp"
 #include "hw/real_machine_config.hpp"
-#include "hw/serial/serial_port.hpp"
-#include "hw/serial/serial_projector.hpp"
 #include "hw/watchdog/light_watchdog.hpp"
 #include "hw/watchdog/watched_projector.hpp"
 
@@ -30,11 +28,12 @@ class RealMachine final : public Machine {
   // the devices take, a second as a rule. A device that is not there is no error: see hindrance().
   RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog,
               const RealMachineConfig& config);
-  // Other ways to open devices, for a test.
+  // Ways to open devices; without one, that of the configuration.
   struct Openers {
-    std::function<std::unique_ptr<GpioAxis>()> axis;
+    std::function<std::unique_ptr<ZAxis>()> axis = {};
     std::function<std::unique_ptr<GpioLightLine>()> light = {};
-    std::function<std::unique_ptr<ByteChannel>()> port = {};
+    std::function<std::unique_ptr<Projector>()> projector = {};
+    std::function<std::unique_ptr<MaskDisplay>()> display = {};
   };
   RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog, RealMachineConfig config,
               Openers openers);
@@ -71,21 +70,20 @@ class RealMachine final : public Machine {
     std::vector<std::string> warnings;
   };
 
+  void add_openers();
   // What it has found now that was missing before.
   std::vector<Found> open_missing();
   bool open_light();
-  bool open_projector();
+  bool find_projector();
   // To the light watchdog, what the light can be turned off by.
   void offer_light_paths();
   void combine_projector();
-  [[nodiscard]] bool display_lost() const { return display_ && display_->problem(); }
+  [[nodiscard]] bool display_lost() const { return display_ && !display_->why_not_ready().empty(); }
   void search_after(Duration pause);
   void search();
   void tell(const Disturbance& disturbance);
   void note_losses(const std::string& what);
   [[nodiscard]] std::string light_words() const;
-  [[nodiscard]] std::string projector_words() const;
-  [[nodiscard]] std::string axis_words() const;
 
   Clock& clock_;
   DescriptorWatcher& watcher_;
@@ -101,12 +99,11 @@ class RealMachine final : public Machine {
   AbsentDisplay no_display_;
   AbsentAxis no_axis_;
   // Destroyed from the last to the first: light, picture, motor.
-  std::unique_ptr<GpioAxis> axis_;
-  std::unique_ptr<DrmDisplay> display_;
+  std::unique_ptr<ZAxis> axis_;
+  std::unique_ptr<MaskDisplay> display_;
   std::unique_ptr<GpioLightLine> light_;
-  std::unique_ptr<ByteChannel> port_;
-  std::unique_ptr<SerialProjector> serial_;
-  std::unique_ptr<Projector> combined_;  // of the light line, and of the serial projector where there is one
+  std::unique_ptr<Projector> projector_;
+  std::unique_ptr<Projector> combined_;  // of the light line, and of the projector where there is one
   WatchedProjector watched_;
 };
 

@@ -21,6 +21,13 @@ class SimulatedAxis final : public ZAxis {
   [[nodiscard]] Nanometers travel() const override { return config_.travel; }
   [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
   [[nodiscard]] LateSteps late_steps() const override { return {}; }
+  // Nothing happens to it but what the printer tells.
+  void set_light_cutoff(LightCutoff*) noexcept override {}
+  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  [[nodiscard]] bool lost() const override { return false; }
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
+  [[nodiscard]] std::string description() const override { return "simulated"; }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
 
  private:
   struct Move {

@@ -37,12 +37,23 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
     connected_ = connected;
     if (!connected) black_ = true;
   }
-  [[nodiscard]] bool connected() const { return connected_; }
 
   void black_now() noexcept override {
     black_ = true;
     refresh_.reset();
   }
+
+  // The printer tells what happens to it.
+  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  [[nodiscard]] bool lost() const override { return false; }
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override {
+    if (connected_) return {};
+    return {"the display is unplugged"};
+  }
+  [[nodiscard]] std::string description() const override { return "simulated"; }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
+  void look_again() override {}
+  [[nodiscard]] LightDisplayPath black_path() const override { return {}; }
 
   void keep_masks_in(std::optional<std::filesystem::path> folder) {
     folder_ = std::move(folder);
@@ -164,6 +175,22 @@ class SimulatedPrinter::Lamp final : public Projector {
     return is_silent() && span_ ? "the projector has not confirmed that its light is off" : "";
   }
 
+  // It begins switched off.
+  void may_warm_up() override {}
+  void confirm_dark(Done done) override {
+    light_off();
+    reply(
+        config_.reply, [] {}, std::move(done));
+  }
+  void power_off_if_on() override {}
+  [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
+  // The printer tells what happens to it.
+  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  [[nodiscard]] bool lost() const override { return false; }
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
+  [[nodiscard]] std::string description() const override { return "simulated"; }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
+
   [[nodiscard]] bool is_on() const { return light_; }
 
  private:
@@ -234,9 +261,10 @@ void SimulatedPrinter::disturb(Disturbance::Kind kind, const std::string& what, 
 }
 
 std::string SimulatedPrinter::hindrance() const {
-  const std::string lid = lid_open_ ? "the lid is open" : "";
-  if (screen_->connected()) return lid;
-  return lid + (lid.empty() ? "" : "; ") + "the display is unplugged";
+  std::string sentences = lid_open_ ? "the lid is open" : "";
+  for (const std::string& sentence : screen_->why_not_ready())
+    sentences += (sentences.empty() ? "" : "; ") + sentence;
+  return sentences;
 }
 
 void SimulatedPrinter::open_lid() {

@@ -9,6 +9,7 @@
 
 #include "core/geometry/units.hpp"
 #include "hw/clock.hpp"
+#include "hw/device.hpp"
 
 namespace contourd {
 
@@ -38,13 +39,10 @@ struct LateSteps {
   Duration worst{};         // of any step
 };
 
-class ZAxis {
- public:
-  ZAxis() = default;
-  ZAxis(const ZAxis&) = delete;
-  ZAxis& operator=(const ZAxis&) = delete;
-  virtual ~ZAxis() = default;
+class LightCutoff;
 
+class ZAxis : public Device {
+ public:
   // Finds the limit switch in two passes and makes the position known. Returns at once; `done` is called from
   // the event loop. REQUIRES: not moving.
   virtual void home(std::function<void(HomingResult)> done) = 0;
@@ -75,6 +73,10 @@ class ZAxis {
 
   // Of all moves since the axis was opened; none where no motor has to be stepped.
   [[nodiscard]] virtual LateSteps late_steps() const = 0;
+
+  // What is cut for the emergency stop, the lid and inputs that cannot be read, without waiting for the event
+  // loop; null: nothing. It must outlive the axis, or be taken back before it goes.
+  virtual void set_light_cutoff(LightCutoff* cutoff) noexcept = 0;
 };
 
 }  // namespace contourd

@@ -357,8 +357,9 @@ void DrmDisplay::look_again() {
 void DrmDisplay::on_disturbance(std::function<void(const Disturbance&)> call) {
   implementation_->on_disturbance(std::move(call));
 }
-std::optional<std::string> DrmDisplay::problem() const {
-  return implementation_->problem();
+std::vector<std::string> DrmDisplay::why_not_ready() const {
+  if (const auto problem = implementation_->problem()) return {*problem};
+  return {};
 }
 std::vector<std::string> DrmDisplay::warnings() const {
   return implementation_->warnings();

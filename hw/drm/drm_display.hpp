@@ -33,10 +33,10 @@ namespace contourd {
 
 class DrmDisplay final : public MaskDisplay {
  public:
-  // Sets the mode, black. A display that is merely not connected is a lost one: problem() says so. Throws
-  // HardwareError for what waiting does not mend: no such card, connector, mode or format, a card in use, no
-  // permission. The watcher must outlive it. Blocks for some refreshes, and some milliseconds, 300 and more
-  // with some, for each connected display.
+  // Sets the mode, black. A display that is merely not connected is a lost one: why_not_ready() says so.
+  // Throws HardwareError for what waiting does not mend: no such card, connector, mode or format, a card in
+  // use, no permission. The watcher must outlive it. Blocks for some refreshes, and some milliseconds, 300
+  // and more with some, for each connected display.
   DrmDisplay(DescriptorWatcher& watcher, const DrmDisplayConfig& config);
   ~DrmDisplay() override;
 
@@ -55,22 +55,22 @@ class DrmDisplay final : public MaskDisplay {
 
   // `call` runs when the display is lost, before its waiting `done`, and when it has been taken up again;
   // from the event loop.
-  void on_disturbance(std::function<void(const Disturbance&)> call);
+  void on_disturbance(std::function<void(const Disturbance&)> call) override;
 
-  // Begins to look whether a lost display is back; if so on_disturbance()'s `call` runs later. Does not
-  // block. That another program gave the card back the kernel does not say.
-  void look_again();
+  // That another program gave the card back the kernel does not say.
+  void look_again() override;
 
-  // Why nothing can be shown: one sentence. Nothing when all is well.
-  [[nodiscard]] std::optional<std::string> problem() const;
-  // What an owner should know though it works, a sentence each: the text console could not be kept off, the
-  // driver changes what pixels mean.
-  [[nodiscard]] std::vector<std::string> warnings() const;
+  // Never for good: it is taken up again by itself.
+  [[nodiscard]] bool lost() const override { return false; }
+  // Why nothing can be shown: one sentence at most.
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override;
+  // The text console could not be kept off, the driver changes what pixels mean.
+  [[nodiscard]] std::vector<std::string> warnings() const override;
   // "HDMI-A-1 of /dev/dri/card0 (vc4): 1920x1080 at 60.00 Hz, atomic"
-  [[nodiscard]] std::string description() const;
+  [[nodiscard]] std::string description() const override;
 
-  // For another process that shares the card: what makes the screen black. Nothing while the card is gone.
-  [[nodiscard]] LightDisplayPath black_path() const;
+  // Of the card, which is shared. Nothing while it is gone.
+  [[nodiscard]] LightDisplayPath black_path() const override;
 
   // Written into the card's memory by the last show().
   [[nodiscard]] std::size_t bytes_written() const;

@@ -78,17 +78,18 @@ class GpioAxis final : public ZAxis {
   // over; for a switch that closes where it must not, steps that were lost, a line that cannot be set. Before
   // the `done` of a move that it ends. A move that an emergency stop has slowed down goes on when that did
   // not last.
-  void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
-  // What is cut for the emergency stop, the lid and inputs that cannot be read, without waiting for the event
-  // loop; null: nothing. It must outlive the axis, or be taken back before it goes.
-  void set_light_cutoff(LightCutoff* cutoff) noexcept { inputs_.set_light_cutoff(cutoff); }
-  // Why nothing may be lit or moved at this moment, a sentence each: the emergency stop, the lid.
-  [[nodiscard]] std::vector<std::string> hindrances() const;
+  void on_disturbance(std::function<void(const Disturbance&)> call) override { disturbed_ = std::move(call); }
+  void set_light_cutoff(LightCutoff* cutoff) noexcept override { inputs_.set_light_cutoff(cutoff); }
+  // The emergency stop, the lid.
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override;
 
-  // Its chip has gone, or its lines can no longer be relied on: nothing moves any more. For good.
-  [[nodiscard]] bool lost() const { return inputs_.lost() || line_refused_; }
-  // A sentence for each thing that the system refused the threads (priority, locked memory); none as a rule.
-  [[nodiscard]] std::vector<std::string> refusals() const { return threads_->refusals(); }
+  // Its chip has gone, or its lines can no longer be relied on: nothing moves any more.
+  [[nodiscard]] bool lost() const override { return inputs_.lost() || line_refused_; }
+  [[nodiscard]] std::string description() const override {
+    return "step line " + config_.step.line + " of " + config_.step.chip;
+  }
+  // What the system refused the threads: priority, locked memory. None as a rule.
+  [[nodiscard]] std::vector<std::string> warnings() const override { return threads_->refusals(); }
   [[nodiscard]] LateSteps late_steps() const override { return engine_.late_steps(); }
   // Edges of the encoder that were missed or made up by noise.
   [[nodiscard]] std::uint64_t illegal_encoder_edges() const { return inputs_.illegal_encoder_edges(); }

@@ -109,7 +109,7 @@ std::string GpioAxis::loss() const {
          " can no longer be read: their chip has gone, or they change without end";
 }
 
-std::vector<std::string> GpioAxis::hindrances() const {
+std::vector<std::string> GpioAxis::why_not_ready() const {
   std::vector<std::string> sentences;
   const auto add = [&](AxisInput which, const std::string& name, const char* unsafe) {
     if (inputs_.active(which))

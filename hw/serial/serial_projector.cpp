@@ -6,13 +6,20 @@ namespace contourd {
 
 SerialProjector::SerialProjector(ByteChannel& channel, Clock& clock, ProjectorTable table,
                                  std::optional<std::int32_t> brightness)
-    : clock_(clock),
+    : channel_(channel),
+      clock_(clock),
       table_(std::move(table)),
       exchange_(channel, clock, table_, listener()),
       power_(exchange_, clock, table_, brightness_command(brightness), power_wiring()),
       light_(exchange_, clock, table_,
              {.warm_at = [this] { return power_.warm_at(); },
               .report = [this](Disturbance::Kind kind, const std::string& what) { report(kind, what); }}) {}
+
+SerialProjector::SerialProjector(std::unique_ptr<ByteChannel> channel, Clock& clock, ProjectorTable table,
+                                 std::optional<std::int32_t> brightness)
+    : SerialProjector(*channel, clock, std::move(table), brightness) {
+  own_channel_ = std::move(channel);
+}
 
 SerialProjector::~SerialProjector() {
   const bool light = !light_.dark(), power = power_.off_waits();
@@ -117,6 +124,20 @@ void SerialProjector::light_off() noexcept {
 void SerialProjector::confirm_dark(Done done) {
   light_off();
   light_.tell_whether_dark(std::move(done));
+}
+
+LightSerialPath SerialProjector::light_off_path() const {
+  if (lost() || !table_.light_off) return {};
+  return {channel_.descriptor(), table_.light_off->bytes, table_.gap + table_.wire_time(*table_.light_off)};
+}
+
+std::vector<std::string> SerialProjector::why_not_ready() const {
+  if (!light_.overdue()) return {};
+  return {"the light may be on: " + doubt()};
+}
+
+std::string SerialProjector::description() const {
+  return table_.name + " at " + channel_.name();
 }
 
 void SerialProjector::ask_status(StatusDone done) {

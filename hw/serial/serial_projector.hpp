@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hw/clock.hpp"
 #include "hw/machine.hpp"
@@ -31,6 +32,9 @@ class SerialProjector final : public Projector {
   // projector. REQUIRES: a brightness only where the table has one, within its range.
   SerialProjector(ByteChannel& channel, Clock& clock, ProjectorTable table,
                   std::optional<std::int32_t> brightness = {});
+  // With a channel of its own.
+  SerialProjector(std::unique_ptr<ByteChannel> channel, Clock& clock, ProjectorTable table,
+                  std::optional<std::int32_t> brightness = {});
   ~SerialProjector() override;
 
   // Asks first: a projector that is on already is not warmed up again, one that warms up already is waited
@@ -41,29 +45,27 @@ class SerialProjector final : public Projector {
   void when_dark(std::function<void()> call) override { light_.when_dark(std::move(call)); }
   [[nodiscard]] std::optional<LightSpan> last_light() const override { return light_.last(); }
   void power_off() noexcept override { power_.turn_off(); }
-  // It may have been turned on a moment ago, by a process that has died: until its warm-up would be over, it
-  // is not believed when it says that it is off. REQUIRES: nothing was asked for before.
-  void may_warm_up() { power_.may_warm_up(); }
-  // Light off, and whether it is: Ok when the projector confirms it, or says that it is not even on; else,
-  // when the table's retries are over, what came of them (see last_problem()). REQUIRES: the table has a
-  // light off; nothing was asked for before.
-  void confirm_dark(Done done);
-  // Power off where it says that it is on, or does so while it may warm up, or when it answers at last: a
-  // process that has died may have left it so. A power_on() that comes first is left alone.
-  void power_off_if_on() { power_.turn_off_if_on(); }
+  void may_warm_up() override { power_.may_warm_up(); }
+  // REQUIRES: the table has a light off.
+  void confirm_dark(Done done) override;
+  void power_off_if_on() override { power_.turn_off_if_on(); }
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return exchange_.problem(); }
   [[nodiscard]] std::string doubt() const override { return light_.doubt(); }
 
-  // Since light off was given up as unconfirmed and reported, until it is confirmed.
-  [[nodiscard]] bool dark_overdue() const { return light_.overdue(); }
-  // The line is lost, for good: a new channel and a new projector may find it again.
-  [[nodiscard]] bool lost() const { return exchange_.lost(); }
+  // Of the table's light off.
+  [[nodiscard]] LightSerialPath light_off_path() const override;
 
+  // The line is: a new channel and a new projector may find it again.
+  [[nodiscard]] bool lost() const override { return exchange_.lost(); }
+  // Since light off was given up as unconfirmed and reported, until it is confirmed.
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override;
+  [[nodiscard]] std::string description() const override;
+  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
   // The projector does not confirm that the light is off, where it is on or its answers make no sense
   // (Recovery, when it has), or that its lamp is; it is off or silent though it was turned on; it says by
   // itself that something is wrong; or its line is lost.
-  void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
+  void on_disturbance(std::function<void(const Disturbance&)> call) override { disturbed_ = std::move(call); }
 
  private:
   using Answer = CommandExchange::Answer;
@@ -79,6 +81,8 @@ class SerialProjector final : public Projector {
   void make_dark(Done done);
   void ask_lamp_hours(ProjectorStatus status, StatusDone done);
 
+  std::unique_ptr<ByteChannel> own_channel_;  // null where it is somebody else's
+  ByteChannel& channel_;
   Clock& clock_;
   const ProjectorTable table_;
   CommandExchange exchange_;

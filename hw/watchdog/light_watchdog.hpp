@@ -15,21 +15,10 @@
 
 #include "hw/clock.hpp"
 #include "hw/descriptor_watcher.hpp"
+#include "hw/watchdog/device_paths.hpp"
 #include "hw/watchdog/watchdog_message.hpp"
 
 namespace contourd {
-
-// Descriptors stay their owner's; -1 where there is no such device, or no longer.
-struct LightSerialPath {
-  int descriptor = -1;
-  std::string light_off;
-  Duration gap{};  // from one light off to the next: the projector's, and the command's time on the wire
-};
-struct LightDisplayPath {
-  int descriptor = -1;
-  std::uint32_t crtc = 0, connector = 0, black = 0;  // `black` is a framebuffer
-  DisplayModeBytes mode{};
-};
 
 // What the watchdog has done to an exposure.
 struct WatchdogTrip {

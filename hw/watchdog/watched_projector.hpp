@@ -5,6 +5,8 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "hw/projector.hpp"
 #include "hw/watchdog/light_watchdog.hpp"
@@ -32,6 +34,19 @@ class WatchedProjector final : public Projector {
   void ask_status(StatusDone done) override { projector_->ask_status(std::move(done)); }
   [[nodiscard]] std::string last_problem() const override { return projector_->last_problem(); }
   [[nodiscard]] std::string doubt() const override { return projector_->doubt(); }
+  void may_warm_up() override { projector_->may_warm_up(); }
+  void confirm_dark(Done done) override { projector_->confirm_dark(std::move(done)); }
+  void power_off_if_on() override { projector_->power_off_if_on(); }
+  [[nodiscard]] LightSerialPath light_off_path() const override { return projector_->light_off_path(); }
+  void on_disturbance(std::function<void(const Disturbance&)> call) override {
+    projector_->on_disturbance(std::move(call));
+  }
+  [[nodiscard]] bool lost() const override { return projector_->lost(); }
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override {
+    return projector_->why_not_ready();
+  }
+  [[nodiscard]] std::string description() const override { return projector_->description(); }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return projector_->warnings(); }
 
  private:
   void await_darkness();

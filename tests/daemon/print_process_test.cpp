@@ -9,6 +9,7 @@
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
+#include "tests/hw/plain_devices.hpp"
 #include "tests/models/models.hpp"
 
 using namespace contourd;
@@ -670,7 +671,7 @@ TEST_CASE("A projector that falls silent ends the print, with the light off") {
 namespace {
 
 // An axis that homes, and then never answers again.
-class DeafAxis final : public ZAxis {
+class DeafAxis final : public testing::PlainAxis {
  public:
   explicit DeafAxis(Clock& clock) : clock_(clock) {}
   void home(std::function<void(HomingResult)> done) override {

@@ -85,7 +85,7 @@ class Bench final : public Machine, public PrintObserver {
   void on_disturbance(std::function<void(const Disturbance&)>) override {}
   [[nodiscard]] std::string hindrance() const override {
     std::string all;
-    for (const std::string& one : plant.axis->hindrances())
+    for (const std::string& one : plant.axis->why_not_ready())
       all += one;
     return all;
   }

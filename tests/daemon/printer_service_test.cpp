@@ -19,6 +19,7 @@
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/plain_devices.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace contourd;
@@ -63,7 +64,7 @@ endsolid tetrahedron
 constexpr const char* kNoModel = "no model";
 
 // An axis whose motor could not keep its times.
-class LateAxis final : public ZAxis {
+class LateAxis final : public testing::PlainAxis {
  public:
   explicit LateAxis(ZAxis& axis) : axis_(axis) {}
   void home(std::function<void(HomingResult)> done) override { axis_.home(std::move(done)); }

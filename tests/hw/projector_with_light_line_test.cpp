@@ -8,6 +8,7 @@
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/plain_devices.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
@@ -42,7 +43,7 @@ class NotedLine final : public LightLine {
   Log& log_;
 };
 
-class NotedProjector final : public Projector {
+class NotedProjector final : public testing::PlainProjector {
  public:
   explicit NotedProjector(Log& log) : log_(log) {}
   void power_on(Done done) override { note("power on"), done(reply); }
@@ -54,6 +55,14 @@ class NotedProjector final : public Projector {
   void ask_status(StatusDone done) override { done({reply, {}, true, 12}); }
   [[nodiscard]] std::string last_problem() const override { return "the projector's problem"; }
   [[nodiscard]] std::string doubt() const override { return doubtful; }
+  void may_warm_up() override { note("may warm up"); }
+  void confirm_dark(Done done) override { note("confirm dark"), done(reply); }
+  void power_off_if_on() override { note("power off if on"); }
+  [[nodiscard]] bool lost() const override { return true; }
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {"why"}; }
+  [[nodiscard]] std::string description() const override { return "the projector"; }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return {"hot"}; }
+  [[nodiscard]] LightSerialPath light_off_path() const override { return {7, "off", {}}; }
   ProjectorReply reply = ProjectorReply::Ok;
   std::string doubtful;
   std::function<void()> dark;
@@ -246,4 +255,37 @@ TEST_CASE("a light engine that is only a line warms up by time, once, and is dar
     projector.light_on(1s, {.sent = [](TimePoint) {}, .done = [&](ProjectorReply r) { reply = r; }});
   }
   CHECK_FALSE(line.lit);
+}
+
+TEST_CASE("what is asked of a projector behind a line is passed on to it, the line before it") {
+  Bench bench;
+  bench.log.clear();
+  bench.projector.may_warm_up();
+  bench.projector.power_off_if_on();
+  CHECK(bench.log == Log{"may warm up", "power off if on"});
+  CHECK(bench.projector.lost());
+  CHECK(bench.projector.description() == "the projector");
+  CHECK(bench.projector.warnings() == Log{"hot"});
+  CHECK(bench.projector.light_off_path().descriptor == 7);
+  CHECK(bench.projector.why_not_ready() == Log{"why"});
+}
+
+TEST_CASE("a projector behind a line is confirmed dark when both are") {
+  for (const bool stuck : {false, true}) {
+    for (const ProjectorReply inner : {ProjectorReply::Ok, ProjectorReply::NoAnswer}) {
+      CAPTURE(stuck, inner);
+      Bench bench;
+      bench.line.lit = bench.line.stuck = stuck;
+      bench.inner.reply = inner;
+      std::optional<ProjectorReply> reply;
+      bench.log.clear();
+      bench.projector.confirm_dark([&](ProjectorReply r) { reply = r; });
+      while (bench.clock.run_next()) {
+      }
+      CHECK(bench.log == Log{"line off", "confirm dark"});
+      const ProjectorReply line = stuck ? ProjectorReply::Refused : ProjectorReply::Ok;
+      CHECK(reply == (inner == ProjectorReply::Ok ? line : inner));
+      CHECK(bench.projector.why_not_ready().size() == (stuck ? 2 : 1));
+    }
+  }
 }

@@ -7,6 +7,7 @@
 #include "hw/hardware_check.hpp"
 #include "hw/hardware_error.hpp"
 #include "hw/light_off.hpp"
+#include "hw/serial/serial_projector.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
@@ -197,18 +198,21 @@ struct LightBench {
     plant.config.lid = GpioInputConfig{.line = {.chip = "gpiochip0", .line = "5"}};
     config.light = GpioLineConfig{.chip = "gpiochip7", .line = "24"};
     config.projector = std::move(projector);
-    machine = std::make_unique<RealMachine>(
-        plant.clock, plant, watchdog, config,
-        RealMachine::Openers{
-            .axis = [this] { return open_axis(); },
-            .light = [this] { return open_light(); },
-            .port = [this] { return std::make_unique<testing::ScriptedChannel>(plant.clock); }});
+    machine =
+        std::make_unique<RealMachine>(plant.clock, plant, watchdog, config,
+                                      RealMachine::Openers{.axis = [this] { return open_axis(); },
+                                                           .light = [this] { return open_light(); },
+                                                           .projector = [this] { return open_projector(); }});
     machine->on_disturbance([this](const Disturbance& disturbance) { told.push_back(disturbance); });
   }
   std::unique_ptr<GpioAxis> open_axis() {
     if (axis_missing) throw HardwareError("the axis is missing");
     plant.build();
     return std::move(plant.axis);
+  }
+  std::unique_ptr<Projector> open_projector() {
+    return std::make_unique<SerialProjector>(std::make_unique<testing::ScriptedChannel>(plant.clock),
+                                             plant.clock, config.projector->table);
   }
   std::unique_ptr<GpioLightLine> open_light() {
     ++opened;
@@ -465,4 +469,113 @@ TEST_CASE("The light of a process that died is turned off as far as its devices 
   light.projector->table.light_off = ProjectorCommand{};
   CHECK(problems(light).size() == 2);
   CHECK(problems({}).empty());
+}
+
+namespace {
+
+// A light engine on no serial line: it answers at once.
+class OtherProjector final : public Projector {
+ public:
+  explicit OtherProjector(Clock& clock) : clock_(clock) {}
+  void power_on(Done done) override {
+    answer_later([done = std::move(done)] { done(ProjectorReply::Ok); });
+  }
+  void light_on(Duration, LightOn tell) override {
+    lit = true;
+    span_ = LightSpan{clock_.now(), clock_.now(), {}, {}};
+    answer_later([this, tell = std::move(tell)] {
+      tell.sent(span_->on_earliest);
+      tell.done(ProjectorReply::Ok);
+    });
+  }
+  void light_off() noexcept override {
+    ++light_offs;
+    if (stuck) return;
+    lit = false;
+    if (span_) span_->off_earliest = span_->off_latest = clock_.now();
+  }
+  void when_dark(std::function<void()> call) override {
+    if (call && !lit) answer_later(std::move(call));
+  }
+  [[nodiscard]] std::optional<LightSpan> last_light() const override { return span_; }
+  void power_off() noexcept override { light_off(); }
+  void ask_status(StatusDone done) override { done({}); }
+  [[nodiscard]] std::string last_problem() const override { return "the engine is stuck"; }
+  [[nodiscard]] std::string doubt() const override { return lit ? "the engine is lit" : ""; }
+  void may_warm_up() override { asked_after_find.emplace_back("may warm up"); }
+  void confirm_dark(Done done) override { done(lit ? ProjectorReply::Refused : ProjectorReply::Ok); }
+  void power_off_if_on() override { asked_after_find.emplace_back("power off if on"); }
+  [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
+  void on_disturbance(std::function<void(const Disturbance&)> call) override { tell = std::move(call); }
+  [[nodiscard]] bool lost() const override { return is_lost; }
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override {
+    if (!stuck) return {};
+    return {"the light may be on: the engine is stuck"};
+  }
+  [[nodiscard]] std::string description() const override { return "engine at bus 1"; }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return {"the engine is hot"}; }
+
+  bool lit = true, stuck = false, is_lost = false;
+  int light_offs = 0;
+  std::vector<std::string> asked_after_find;
+  std::function<void(const Disturbance&)> tell;
+
+ private:
+  void answer_later(std::function<void()> call) { answer_ = clock_.call_after(Duration{0}, std::move(call)); }
+  Clock& clock_;
+  std::optional<LightSpan> span_;
+  std::unique_ptr<Timer> answer_;
+};
+
+}  // namespace
+
+TEST_CASE("A projector that is on no serial line is made dark, told of, lost and found as any other") {
+  testing::Plant plant{GpioAxisConfig{}};
+  FileDescriptor process;
+  LightWatchdog watchdog = testing::ready_watchdog(plant.clock, plant, process);
+  RealMachineConfig config = nowhere();
+  config.light.reset();
+  OtherProjector* engine = nullptr;
+  int opened = 0;
+  RealMachine machine(plant.clock, plant, watchdog, config, {.projector = [&] {
+                        ++opened;
+                        auto made = std::make_unique<OtherProjector>(plant.clock);
+                        engine = made.get();
+                        return made;
+                      }});
+  std::vector<Disturbance> told;
+  machine.on_disturbance([&](const Disturbance& disturbance) { told.push_back(disturbance); });
+  std::unique_ptr<Timer> again;
+  const std::function<void()> watch = [&] {
+    testing::watch_over_exposure(watchdog, process);
+    again = plant.clock.call_after(LightWatchdog::kBeat, watch);
+  };
+  CHECK_FALSE(engine->lit);
+  CHECK(engine->asked_after_find == std::vector<std::string>{"may warm up", "power off if on"});
+  CHECK(machine.description() == std::vector<std::string>{"projector: engine at bus 1"});
+  CHECK(machine.warnings() == std::vector<std::string>{"the engine is hot"});
+
+  std::optional<ProjectorReply> reply;
+  machine.projector().light_on(std::chrono::seconds{1},
+                               {.sent = [](TimePoint) {}, .done = [&](ProjectorReply r) { reply = r; }});
+  watch();
+  plant.run([&] { return reply.has_value(); });
+  CHECK(reply == ProjectorReply::Ok);
+  CHECK(engine->lit);
+  engine->stuck = true;
+  machine.projector().light_off();
+  CHECK(count(machine.hindrance(), "the light may be on: the engine is stuck") == 1);
+  CHECK_FALSE(machine.projector().doubt().empty());
+
+  engine->is_lost = true;
+  engine->tell({.kind = Disturbance::Kind::Fault, .what = "the engine does not answer"});
+  REQUIRE(told.size() == 1);
+  CHECK(count(machine.hindrance(), "the engine does not answer") == 1);
+  plant.run_for(RealMachine::kFirstSearch + std::chrono::milliseconds{100});
+  CHECK(opened == 2);
+  CHECK_FALSE(engine->lit);
+  CHECK(count(machine.hindrance(), "engine") == 0);
+  REQUIRE(told.size() == 2);
+  CHECK(told[1].what == "found projector: engine at bus 1");
+  CHECK(told[1].warnings == std::vector<std::string>{"the engine is hot"});
 }

@@ -9,11 +9,12 @@
 #include <utility>
 
 #include "hw/mask_display.hpp"
+#include "tests/hw/plain_devices.hpp"
 #include "tests/rig/loop.hpp"
 
 namespace contourd::rig {
 
-class DisplayModel final : public MaskDisplay {
+class DisplayModel final : public testing::PlainDisplay {
  public:
   using Picture = std::optional<int>;  // the mask's number; nothing: black
 

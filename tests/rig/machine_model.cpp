@@ -208,10 +208,10 @@ void MachineModel::tell(const Disturbance& disturbance) {
 std::string MachineModel::hindrance() const {
   if (!no_line_.refusal().empty() || (line_ && !line_->refusal().empty())) return "the light may be on";
   if (serial_ && serial_->lost()) return "the projector is lost";
-  if (serial_ && serial_->dark_overdue()) return "the light may be on";
+  if (serial_ && !serial_->why_not_ready().empty()) return "the light may be on";
   if (!screen.there()) return "the display is unplugged";
   if (plant.axis->lost()) return "the axis is lost";
-  const std::vector<std::string> hindrances = plant.axis->hindrances();
+  const std::vector<std::string> hindrances = plant.axis->why_not_ready();
   return hindrances.empty() ? "" : hindrances.front();
 }
 

@@ -13,6 +13,7 @@
 #include "hw/machine.hpp"
 #include "hw/serial/serial_projector.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/hw/plain_devices.hpp"
 #include "tests/rig/display_model.hpp"
 #include "tests/rig/loop.hpp"
 #include "tests/rig/projector_model.hpp"
@@ -76,7 +77,7 @@ class MachineModel final : public Machine {
 
  private:
   // Whatever stands for the light at the time: it may go and come again.
-  class NotedProjector final : public Projector {
+  class NotedProjector final : public testing::PlainProjector {
    public:
     explicit NotedProjector(MachineModel& machine) : machine_(machine) {}
     void power_on(Done done) override { now().power_on(std::move(done)); }
@@ -99,7 +100,7 @@ class MachineModel final : public Machine {
     [[nodiscard]] Projector& now() const { return machine_.present_projector(); }
     MachineModel& machine_;
   };
-  class NotedAxis final : public ZAxis {
+  class NotedAxis final : public testing::PlainAxis {
    public:
     explicit NotedAxis(MachineModel& machine) : machine_(machine) {}
     void home(std::function<void(HomingResult)> done) override {

@@ -209,7 +209,7 @@ TEST_CASE("An axis knows where it is or knows nothing, whatever is asked of it a
     event.reset();
     // A chattering emergency stop may still be settling.
     const TimePoint settled = monotonic_now() + 5ms;
-    stage.loop.run_until([&] { return axis.hindrances().empty() && monotonic_now() > settled; });
+    stage.loop.run_until([&] { return axis.why_not_ready().empty() && monotonic_now() > settled; });
     if (const auto height = axis.height()) REQUIRE(height->count() == stage.position() * 2'500);
   }
   CHECK(reached > 0);

@@ -122,7 +122,7 @@ TEST_CASE("While an emergency stop is pressed nothing moves; let go, the owner d
   plant.press(AxisInput::EmergencyStop, true);
   plant.run_for(100ms);
   CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Fault});
-  CHECK(plant.axis->hindrances() == Sentences{"the emergency stop is pressed"});
+  CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop is pressed"});
   plant.disturbances.clear();
   CHECK(plant.home() == HomingResult::Fault);
   CHECK(plant.pulses.empty());
@@ -133,7 +133,7 @@ TEST_CASE("While an emergency stop is pressed nothing moves; let go, the owner d
   REQUIRE(kinds(plant) == Kinds{Kind::Recovery});
   CHECK(plant.disturbances[0].what == "the emergency stop was let go (line 5 of gpiochip0)");
   CHECK(plant.disturbances[0].owner_decides);  // the motor does not start for that alone
-  CHECK(plant.axis->hindrances().empty());
+  CHECK(plant.axis->why_not_ready().empty());
   CHECK(plant.home() == HomingResult::Homed);
 }
 
@@ -185,7 +185,7 @@ TEST_CASE("No step begins while it is not known whether the emergency stop is pr
   const Press press(plant, AxisInput::EmergencyStop, 1ms, lasts ? kForGood : Duration{2ms});
   plant.run_for(1ms);
   plant.run_for(100us);  // it has been told
-  CHECK(plant.axis->hindrances() == Sentences{"the emergency stop is pressed"});
+  CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop is pressed"});
   CHECK(plant.move_to(1) == (lasts ? MoveResult::Fault : MoveResult::Reached));
   if (lasts) {
     CHECK(plant.pulses.empty());
@@ -269,7 +269,7 @@ TEST_CASE("A spike while homing whose owner aborts leaves the axis to be homed a
   plant.run_for(1s);
   CHECK_FALSE(answered);
   CHECK_FALSE(plant.axis->moving());
-  CHECK(plant.axis->hindrances().empty());
+  CHECK(plant.axis->why_not_ready().empty());
   CHECK(plant.home() == HomingResult::Homed);
   CHECK(plate_above_switch(plant) == 0);
 }
@@ -291,7 +291,7 @@ TEST_CASE("Moves with spikes on both safety inputs end where they should, and on
     plant.run_for(3s);
     RC_ASSERT(plate_above_switch(plant) == 1'600);
     RC_ASSERT(plant.axis->height() == mm(2));
-    RC_ASSERT(plant.axis->hindrances().empty());
+    RC_ASSERT(plant.axis->why_not_ready().empty());
     RC_ASSERT(plant.disturbances.size() == 2 * spikes.size());
     for (std::size_t i = 0; i < plant.disturbances.size(); ++i)
       RC_ASSERT(plant.disturbances[i].kind == (i % 2 == 0 ? Kind::Interruption : Kind::Recovery));
@@ -316,9 +316,9 @@ TEST_CASE("A spike while nothing moves hinders until it has settled, and is told
   plant.build();
   const Press spike(plant, AxisInput::EmergencyStop, 1ms, 1ms);
   plant.run_for(3ms);
-  CHECK(plant.axis->hindrances() == Sentences{"the emergency stop is pressed"});
+  CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop is pressed"});
   plant.run_for(10ms);
-  CHECK(plant.axis->hindrances().empty());
+  CHECK(plant.axis->why_not_ready().empty());
   CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Recovery});
 }
 
@@ -328,11 +328,11 @@ TEST_CASE("Lid and emergency stop at once are an interruption each, and one faul
   REQUIRE(plant.home() == HomingResult::Homed);
   const Press lid(plant, AxisInput::Lid, 1s, 2s), stop(plant, AxisInput::EmergencyStop, 1s, 2s);
   CHECK(plant.move_to(50) == MoveResult::Fault);
-  CHECK(plant.axis->hindrances() == Sentences{"the emergency stop is pressed", "the lid is open"});
+  CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop is pressed", "the lid is open"});
   plant.run_for(3s);
   CHECK(kinds(plant) ==
         Kinds{Kind::Interruption, Kind::Interruption, Kind::Fault, Kind::Recovery, Kind::Recovery});
-  CHECK(plant.axis->hindrances().empty());
+  CHECK(plant.axis->why_not_ready().empty());
 }
 
 TEST_CASE(
@@ -346,7 +346,7 @@ TEST_CASE(
   REQUIRE(kinds(plant) == Kinds{Kind::Interruption, Kind::Recovery});
   CHECK(plant.disturbances[0].what == "the lid was opened (line 6 of gpiochip0)");
   CHECK(plant.disturbances[1].what == "the lid was closed (line 6 of gpiochip0)");
-  CHECK(plant.axis->hindrances().empty());
+  CHECK(plant.axis->why_not_ready().empty());
 }
 
 TEST_CASE("A safety input that cannot be read is told as such, and stands in the way") {
@@ -357,10 +357,10 @@ TEST_CASE("A safety input that cannot be read is told as such, and stands in the
   plant.run_for(100ms);
   CHECK(kinds(plant) == Kinds{Kind::Interruption});
   CHECK(plant.disturbances[0].what == "the lid cannot be read, which counts as open (line 6 of gpiochip0)");
-  CHECK(plant.axis->hindrances() == Sentences{"the lid cannot be read"});
+  CHECK(plant.axis->why_not_ready() == Sentences{"the lid cannot be read"});
   plant.lines[static_cast<std::size_t>(AxisInput::Lid)]->unreadable = false;
   plant.run_for(100ms);
-  CHECK(plant.axis->hindrances().empty());
+  CHECK(plant.axis->why_not_ready().empty());
   plant.disturbances.clear();
 
   plant.lines[static_cast<std::size_t>(AxisInput::EmergencyStop)]->unreadable = true;
@@ -368,7 +368,7 @@ TEST_CASE("A safety input that cannot be read is told as such, and stands in the
   CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Fault});
   CHECK(plant.disturbances[0].what == "the emergency stop cannot be read (line 5 of gpiochip0)");
   CHECK(plant.disturbances[1].what == "the emergency stop cannot be read (line 5 of gpiochip0)");
-  CHECK(plant.axis->hindrances() == Sentences{"the emergency stop cannot be read"});
+  CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop cannot be read"});
 }
 
 TEST_CASE(

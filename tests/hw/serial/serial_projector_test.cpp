@@ -308,13 +308,13 @@ TEST_CASE(
     CHECK(message == "~0002 1\r");
   CHECK(bench.disturbances.size() == 1);
 
-  CHECK(bench.projector.dark_overdue());
+  CHECK_FALSE(bench.projector.why_not_ready().empty());
   CHECK(bench.projector.doubt().find("did not answer \"light off\"") != std::string::npos);
 
   bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
   bench.pass(2s);
   CHECK_FALSE(bench.light);
-  CHECK_FALSE(bench.projector.dark_overdue());
+  CHECK(bench.projector.why_not_ready().empty());
   CHECK(bench.projector.doubt().empty());
   REQUIRE(bench.disturbances.size() == 2);
   CHECK(bench.disturbances[1].kind == Disturbance::Kind::Recovery);
@@ -339,7 +339,7 @@ TEST_CASE("why the light may be on is still told when another command fails behi
     CHECK_FALSE(bench.projector.doubt().empty());
     CHECK(bench.projector.doubt().find("power off") == std::string::npos);
   }
-  CHECK(bench.projector.dark_overdue());
+  CHECK_FALSE(bench.projector.why_not_ready().empty());
 }
 
 TEST_CASE("a light whose off is not confirmed is not turned on again") {

@@ -6,6 +6,7 @@
 
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/plain_devices.hpp"
 #include "tests/hw/watchdog/ready_watchdog.hpp"
 
 using namespace contourd;
@@ -21,7 +22,7 @@ class NoDescriptors final : public DescriptorWatcher {
 };
 
 // Notes what it is told, and answers when the test lets it.
-class NotedProjector final : public Projector {
+class NotedProjector final : public testing::PlainProjector {
  public:
   void power_on(Done done) override { note("power on"), done(ProjectorReply::Ok); }
   void light_on(Duration, LightOn tell) override { note("light on"), answer = std::move(tell); }

@@ -1,0 +1,45 @@
+// Devices of which a test wants only the work: nothing ever happens to them by themselves. Not thread-safe.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hw/mask_display.hpp"
+#include "hw/projector.hpp"
+#include "hw/z_axis.hpp"
+
+namespace contourd::testing {
+
+template <typename Interface>
+class PlainDevice : public Interface {
+ public:
+  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  [[nodiscard]] bool lost() const override { return false; }
+  [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
+  [[nodiscard]] std::string description() const override { return "plain"; }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
+};
+
+// That nobody has left on.
+class PlainProjector : public PlainDevice<Projector> {
+ public:
+  void may_warm_up() override {}
+  void confirm_dark(Done done) override { done(ProjectorReply::Ok); }
+  void power_off_if_on() override {}
+  [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
+};
+
+class PlainDisplay : public PlainDevice<MaskDisplay> {
+ public:
+  void look_again() override {}
+  [[nodiscard]] LightDisplayPath black_path() const override { return {}; }
+};
+
+class PlainAxis : public PlainDevice<ZAxis> {
+ public:
+  void set_light_cutoff(LightCutoff*) noexcept override {}
+};
+
+}  // namespace contourd::testing
