@@ -360,8 +360,10 @@ class Daemon:
 
     def write_resin(self, name, changes):
         profile = merge(source_json("resins", "standard.json"), changes)
-        with open(os.path.join(self.folder, "resins", name + ".json"), "w", encoding="utf-8") as file:
+        path = os.path.join(self.folder, "resins", name + ".json")
+        with open(path + ".new", "w", encoding="utf-8") as file:
             json.dump(profile, file)
+        os.replace(path + ".new", path)  # the daemon may be reading it
 
     def start(self, *arguments, **environment):
         """Returns when the daemon has said that it is ready."""
