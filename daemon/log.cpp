@@ -182,4 +182,8 @@ void Log::write(LogLevel level, std::string_view event, const std::string& messa
   backlog_->add({level, std::move(text), std::chrono::system_clock::now()});
 }
 
+LogFields job_fields(const std::string& job) {
+  return {{"JOB_ID", printable(job)}};
+}
+
 }  // namespace contourd

@@ -21,6 +21,8 @@ enum class LogLevel { Error = 3, Warning = 4, Info = 6 };
 
 // Journal fields besides the message; names as journald wants them (upper case): JOB_ID, LAYER, Z_NM, EVENT.
 using LogFields = std::vector<std::pair<std::string_view, std::string>>;
+// Those of an entry about a job, whatever its name is made of.
+[[nodiscard]] LogFields job_fields(const std::string& job);
 
 class Log {
  public:

@@ -32,9 +32,6 @@ constexpr const char* kReadingRecord = "reading";
 // How many ended jobs are remembered for whoever asks.
 constexpr std::size_t kLongestHistory = 100;
 
-LogFields job_fields(const std::string& job) {
-  return {{"JOB_ID", printable(job)}};
-}
 LogFields file_fields(const std::string& file) {
   return job_fields(job_name_of(file));
 }
@@ -60,10 +57,6 @@ std::string thickness_of(const LayerSummary& layers) {
   const auto um = [](Nanometers thickness) { return to_millimeters(thickness).count() * 1000; };
   if (!layers.adaptive) return fmt::format("{:g} um", um(layers.thinnest));
   return fmt::format("{:g} to {:g} um", um(layers.thinnest), um(layers.thickest));
-}
-
-double milliseconds(Duration duration) {
-  return std::chrono::duration<double, std::milli>(duration).count();
 }
 
 // "1980.3 to 2011.7 ms", or one figure where both are the same.

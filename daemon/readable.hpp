@@ -1,6 +1,8 @@
 // Values as a person reads them. Thread-safe (no shared state).
 #pragma once
 
+#include <chrono>
+#include <ratio>
 #include <string>
 
 #include "daemon/config/printable.hpp"  // IWYU pragma: export
@@ -10,5 +12,9 @@ namespace contourd {
 
 // "3 h 05 min", "12 min 30 s", "4.2 s".
 [[nodiscard]] std::string readable(Duration duration);
+// For figures that are told in milliseconds.
+[[nodiscard]] inline double milliseconds(Duration duration) {
+  return std::chrono::duration<double, std::milli>(duration).count();
+}
 
 }  // namespace contourd

@@ -19,11 +19,12 @@
 #include "hw/simulated_printer.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
-#include "tests/hw/plain_devices.hpp"
+#include "tests/daemon/late_machine.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
+using contourd::testing::LateMachine;
 namespace fs = std::filesystem;
 
 namespace {
@@ -62,53 +63,6 @@ endsolid tetrahedron
 )";
 
 constexpr const char* kNoModel = "no model";
-
-// An axis whose motor could not keep its times.
-class LateAxis final : public testing::PlainAxis {
- public:
-  explicit LateAxis(ZAxis& axis) : axis_(axis) {}
-  void home(std::function<void(HomingResult)> done) override { axis_.home(std::move(done)); }
-  void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override {
-    axis_.move_to(target, speed, std::move(done));
-  }
-  void stop() override { axis_.stop(); }
-  void abort() noexcept override { axis_.abort(); }
-  [[nodiscard]] bool moving() const override { return axis_.moving(); }
-  [[nodiscard]] std::optional<Nanometers> height() const override { return axis_.height(); }
-  [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override {
-    return axis_.height_at(time);
-  }
-  [[nodiscard]] Nanometers travel() const override { return axis_.travel(); }
-  [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
-    return axis_.move_duration(distance, speed);
-  }
-  [[nodiscard]] LateSteps late_steps() const override { return late; }
-
-  LateSteps late;
-
- private:
-  ZAxis& axis_;
-};
-
-class LateMachine final : public Machine {
- public:
-  explicit LateMachine(SimulatedPrinter& rest) : axis(rest.z_axis()), rest_(rest) {}
-  [[nodiscard]] ZAxis& z_axis() override { return axis; }
-  [[nodiscard]] MaskDisplay& display() override { return rest_.display(); }
-  [[nodiscard]] Projector& projector() override { return rest_.projector(); }
-  void on_disturbance(std::function<void(const Disturbance&)> call) override {
-    disturb = call;
-    rest_.on_disturbance(std::move(call));
-  }
-  [[nodiscard]] std::string hindrance() const override { return rest_.hindrance(); }
-  std::optional<fs::path> begin_job(std::string_view name) override { return rest_.begin_job(name); }
-
-  LateAxis axis;
-  std::function<void(const Disturbance&)> disturb;
-
- private:
-  SimulatedPrinter& rest_;
-};
 
 // A printer in a folder of its own, whose machine a test can lay hands on. Its time goes on as fast as it
 // can.

@@ -1,0 +1,19 @@
+// A job whose turn has come. A value.
+#pragma once
+
+#include <optional>
+
+#include "daemon/job_files.hpp"
+#include "daemon/job_settings.hpp"
+#include "hw/clock.hpp"
+
+namespace contourd {
+
+struct ClaimedJob {
+  JobFiles files;  // in printing/
+  // As they were when its turn came; nothing where its ticket is a reason to refuse it.
+  std::optional<JobSettings> settings;
+  TimePoint turn_came;  // when it arrived, or its waiting ended; CLOCK_MONOTONIC
+};
+
+}  // namespace contourd

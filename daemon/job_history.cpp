@@ -1,0 +1,12 @@
+#include "daemon/job_history.hpp"
+
+#include <utility>
+
+namespace contourd {
+
+void JobHistory::add(EndedJob job) {
+  jobs_.push_back(std::move(job));
+  if (jobs_.size() > kLongest) jobs_.pop_front();
+}
+
+}  // namespace contourd

@@ -1,0 +1,72 @@
+#include "daemon/job_reader.hpp"
+
+#include <cstddef>
+#include <utility>
+
+#include "daemon/durable_file.hpp"
+#include "daemon/job_memory.hpp"
+#include "daemon/readable.hpp"
+#include "daemon/state_folder.hpp"
+
+namespace contourd {
+namespace {
+
+// A model that is read beside a print gives way to the event loop.
+constexpr int kNiceness = 5;
+constexpr std::size_t kLongestReason = 8000;
+// In the state folder: see reading_record.hpp.
+constexpr const char* kReadingRecord = "reading";
+
+}  // namespace
+
+JobReader::JobReader(const PrinterConfig& config, const Spool& spool, EventLoop& loop)
+    : config_(config),
+      spool_(spool),
+      record_(state_folder_path(config.spool_folder) / kReadingRecord),
+      worker_(loop, kNiceness) {}
+
+ReadJob JobReader::read_now(const JobFiles& files, const std::optional<JobSettings>& settings) {
+  if (record_.take_ended(files)) return JobRefusal{std::string(kEndedAProcess)};
+  const ReadingRecord::Reading under_way(record_, files);
+  try {
+    return prepare_job(files, settings ? *settings : read_settings(files, config_), config_);
+  } catch (const JobTooLarge& refusal) {
+    return JobRefusal{refusal_text(refusal.what()), refusal.fits_alone()};
+  } catch (const ProfileTrouble& trouble) {
+    const bool of_profile = trouble.fault() == ProfileTrouble::Fault::Profile;
+    return JobRefusal{refusal_text(trouble.what()), false, of_profile ? trouble.sentence() : ""};
+  } catch (const JobRefused& refusal) {
+    return JobRefusal{refusal_text(refusal.what())};
+  }
+}
+
+void JobReader::read(const JobFiles& files, const std::optional<JobSettings>& settings,
+                     std::function<void(ReadJob)> done) {
+  worker_.run([this, files, settings] { return read_now(files, settings); }, std::move(done));
+}
+
+void JobReader::check(const std::string& file, std::function<void(const std::optional<JobRefusal>&)> done) {
+  worker_.run(
+      [this, file]() -> std::optional<JobRefusal> {
+        ReadJob job = read_now(spool_.files_of(Spool::Folder::Incoming, file), std::nullopt);
+        if (auto* refusal = std::get_if<JobRefusal>(&job)) return std::move(*refusal);
+        return std::nullopt;
+      },
+      std::move(done));
+}
+
+void JobReader::sync(const JobFiles& files) {
+  worker_.run(
+      [files] {
+        sync_contents(files.model);
+        if (files.ticket) sync_contents(*files.ticket);
+        return true;
+      },
+      [](bool) {});
+}
+
+std::string refusal_text(std::string_view why) {
+  return printable_lines(shortened(why, kLongestReason));
+}
+
+}  // namespace contourd

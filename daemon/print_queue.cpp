@@ -1,0 +1,162 @@
+#include "daemon/print_queue.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "daemon/readable.hpp"
+
+namespace contourd {
+namespace {
+
+LogFields file_fields(const std::string& file) {
+  return job_fields(job_name_of(file));
+}
+
+}  // namespace
+
+PrintQueue::Position PrintQueue::find(const std::string& file) {
+  return std::ranges::find(jobs_, file, &WaitingJob::file);
+}
+
+void PrintQueue::arrived(const std::string& file) {
+  const Position queued = find(file);
+  WaitingJob job{.file = file, .arrived = std::chrono::steady_clock::now()};
+  if (queued != jobs_.end()) {
+    job.trouble = std::move(queued->trouble);  // told already
+    *queued = std::move(job);
+  } else {
+    jobs_.push_back(std::move(job));
+    log_.info("queued", fmt::format("{}: arrived, number {} in the queue", printable(file), jobs_.size()),
+              file_fields(file));
+  }
+  calls_.changed();
+}
+
+void PrintQueue::withdrawn(const std::string& file) {
+  const Position job = find(file);
+  if (job == jobs_.end()) return;
+  if (job->check == WaitingJob::Check::Refused) {
+    // Most likely the spool took it: rejected() knows.
+    job->withdrawn = true;
+    return;
+  }
+  remove_withdrawn(job);
+}
+
+void PrintQueue::remove_withdrawn(Position job) {
+  const std::string file = job->file;
+  jobs_.erase(job);
+  tell_withdrawn(log_, file);
+  calls_.changed();
+}
+
+void PrintQueue::check_next() {
+  const Position wanted = std::ranges::find(jobs_, WaitingJob::Check::Wanted, &WaitingJob::check);
+  if (wanted == jobs_.end()) return;
+  wanted->check = WaitingJob::Check::Running;
+  calls_.check(wanted->file, [this, file = wanted->file](const std::optional<JobRefusal>& refusal) {
+    checked(file, refusal);
+  });
+}
+
+void PrintQueue::checked(const std::string& file, const std::optional<JobRefusal>& refusal) {
+  const Position job = find(file);
+  // Gone, or written again meanwhile: what was found out is about another file.
+  if (job != jobs_.end() && job->check == WaitingJob::Check::Running) {
+    if (refusal && refusal->for_now) {
+      postpone(*job, refusal->reason);
+    } else if (refusal && refusal->profile.empty()) {
+      return refuse(*job, refusal->reason);
+    } else {
+      job->check = WaitingJob::Check::Passed;
+      job->postponed.clear();
+      // When its turn comes, the profile is read again.
+      if (refusal)
+        log_.warning("profile", fmt::format("{}: {}", printable(file), printable(refusal->profile)),
+                     file_fields(file));
+    }
+  }
+  calls_.changed();
+}
+
+void PrintQueue::postpone(WaitingJob& job, const std::string& why) {
+  job.check = WaitingJob::Check::Postponed;
+  // Its figures change all the time.
+  if (!std::exchange(job.postponed, why).empty()) return;
+  log_.info("postponed",
+            fmt::format("{}: is read later, as there is no room in memory now: {}", printable(job.file), why),
+            file_fields(job.file));
+}
+
+void PrintQueue::check_postponed() {
+  for (WaitingJob& job : jobs_) {
+    if (job.check == WaitingJob::Check::Postponed) job.check = WaitingJob::Check::Wanted;
+  }
+}
+
+bool PrintQueue::first_may_begin() const {
+  return jobs_.front().check != WaitingJob::Check::Running && rejections_ == 0;
+}
+
+WaitingJob PrintQueue::take_first() {
+  WaitingJob job = std::move(jobs_.front());
+  jobs_.pop_front();
+  return job;
+}
+
+void PrintQueue::refuse_first(const std::string& reason) {
+  refuse(jobs_.front(), reason);
+}
+
+void PrintQueue::refuse(WaitingJob& job, const std::string& reason) {
+  job.check = WaitingJob::Check::Refused;
+  ++rejections_;
+  calls_.reject(job.file, reason + "\n",
+                [this, file = job.file, reason](Spool::Rejection rejection, const std::string& trouble) {
+                  rejected(file, reason, rejection, trouble);
+                });
+}
+
+void PrintQueue::rejected(const std::string& file, const std::string& reason, Spool::Rejection rejection,
+                          const std::string& trouble) {
+  --rejections_;
+  const Position job = std::ranges::find_if(jobs_, [&](const WaitingJob& each) {
+    return each.file == file && each.check == WaitingJob::Check::Refused;
+  });
+  if (rejection == Spool::Rejection::Unfinished) return not_rejected(job);
+  if (job != jobs_.end()) jobs_.erase(job);
+  tell_refused(file, reason, rejection, trouble);
+  calls_.refused(file, reason);
+  calls_.changed();
+}
+
+// It comes back when it is whole, and is checked then.
+void PrintQueue::not_rejected(Position job) {
+  if (job != jobs_.end()) {
+    if (job->withdrawn) return remove_withdrawn(job);
+    job->check = WaitingJob::Check::Passed;
+  }
+  calls_.changed();
+}
+
+void PrintQueue::tell_refused(const std::string& file, const std::string& reason, Spool::Rejection rejection,
+                              const std::string& trouble) const {
+  log_.error("refused", fmt::format("{}: {}", printable(file), reason), file_fields(file));
+  if (rejection == Spool::Rejection::LeftThere)
+    log_.warning(
+        "refused",
+        fmt::format("{}: lies in incoming still, as it cannot be moved; it may be deleted", printable(file)),
+        file_fields(file));
+  if (rejection == Spool::Rejection::Impossible)
+    log_.error("refused",
+               fmt::format("{}: cannot be moved to failed: {}", printable(file), printable(trouble)));
+}
+
+void tell_withdrawn(const Log& log, const std::string& file) {
+  log.info("withdrawn", fmt::format("{}: taken away by the owner", printable(file)), file_fields(file));
+}
+
+}  // namespace contourd

@@ -1,0 +1,100 @@
+// The jobs in incoming/ that wait for their turn, in the order of their arrival. Each is read once while it
+// waits, so that its owner hears of a mistake while still there. Event loop's thread only.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "daemon/job_reader.hpp"
+#include "daemon/job_settings.hpp"
+#include "daemon/log.hpp"
+#include "daemon/spool.hpp"
+#include "hw/clock.hpp"
+
+namespace contourd {
+
+struct WaitingJob {
+  std::string file;  // in incoming/
+  TimePoint arrived;
+  enum class Check {
+    Wanted,
+    Running,
+    Passed,
+    Postponed,  // there is no room for it in memory beside what is there now
+    Refused,    // on its way to failed/
+  } check = Check::Wanted;
+  bool withdrawn = false;   // on its way to failed/ it went, by the owner's hand or by the spool's
+  std::string postponed{};  // why, already told; empty when it was not
+  bool waited = false;      // for another print, or for the plate
+  std::string trouble{};    // why it could not be claimed, already told
+};
+
+class PrintQueue {
+ public:
+  struct Calls {
+    // Reads incoming/`file`, and calls `done` from the loop: see JobReader::check().
+    std::function<void(const std::string& file, std::function<void(const std::optional<JobRefusal>&)> done)>
+        check;
+    // Files it with its reason, and calls `done` from the loop: see Spool::reject().
+    std::function<void(const std::string& file, const std::string& reason, Spool::Rejected done)> reject;
+    // Something in the queue may be due now.
+    std::function<void()> changed;
+    // A job was refused: it is in failed/, or lies where it is for good.
+    std::function<void(const std::string& file, const std::string& reason)> refused;
+  };
+  // The log must outlive the queue.
+  PrintQueue(const Log& log, Calls calls) : log_(log), calls_(std::move(calls)) {}
+
+  // incoming/`file` is whole. Written again, it keeps its place and is checked again.
+  void arrived(const std::string& file);
+  // incoming/`file` is gone.
+  void withdrawn(const std::string& file);
+
+  // Has the first one checked that has not been, if there is one.
+  void check_next();
+  // Those have their check again for which there was no room: some memory may be free by now.
+  void check_postponed();
+
+  [[nodiscard]] bool empty() const { return jobs_.empty(); }
+  // The next one first.
+  [[nodiscard]] const std::deque<WaitingJob>& jobs() const { return jobs_; }
+  // False while the first one's check is being made, or a refused file looks for a name: changed() comes
+  // then. REQUIRES: not empty.
+  [[nodiscard]] bool first_may_begin() const;
+
+  // REQUIRES, these three: not empty.
+  //
+  // It does not begin at once: the time until its first light counts from the end of its wait.
+  void keep_first_waiting() { jobs_.front().waited = true; }
+  [[nodiscard]] WaitingJob take_first();
+  void refuse_first(const std::string& reason);
+
+  void put_first(WaitingJob job) { jobs_.push_front(std::move(job)); }
+  void put_last(WaitingJob job) { jobs_.push_back(std::move(job)); }
+
+ private:
+  using Position = std::deque<WaitingJob>::iterator;
+
+  [[nodiscard]] Position find(const std::string& file);
+  void checked(const std::string& file, const std::optional<JobRefusal>& refusal);
+  void postpone(WaitingJob& job, const std::string& why);
+  void refuse(WaitingJob& job, const std::string& reason);
+  void rejected(const std::string& file, const std::string& reason, Spool::Rejection rejection,
+                const std::string& trouble);
+  void not_rejected(Position job);
+  void tell_refused(const std::string& file, const std::string& reason, Spool::Rejection rejection,
+                    const std::string& trouble) const;
+  void remove_withdrawn(Position job);
+
+  const Log& log_;
+  Calls calls_;
+  std::deque<WaitingJob> jobs_;
+  int rejections_ = 0;  // under way
+};
+
+void tell_withdrawn(const Log& log, const std::string& file);
+
+}  // namespace contourd

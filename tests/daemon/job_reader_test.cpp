@@ -1,0 +1,129 @@
+#include "daemon/job_reader.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/printer_fixture.hpp"
+
+using namespace contourd;
+namespace fs = std::filesystem;
+
+namespace {
+
+class Desk : public testing::PrinterFixture {
+ public:
+  void start() { reader = std::make_unique<JobReader>(config, spool, loop); }
+  // What the check of this file in incoming/ says.
+  std::optional<JobRefusal> check(const std::string& file) {
+    std::optional<JobRefusal> said;
+    bool called = false;
+    reader->check(file, [&](const std::optional<JobRefusal>& refusal) {
+      said = refusal;
+      called = true;
+    });
+    CHECK(run_until([&] { return called; }));
+    return said;
+  }
+
+  std::unique_ptr<JobReader> reader;
+};
+
+class Started : public Desk {
+ public:
+  Started() { start(); }
+};
+
+}  // namespace
+
+TEST_CASE("A job whose turn it is is prepared, and its files stay where they are") {
+  Started desk;
+  desk.put(Spool::Folder::Printing, "part.stl");
+  std::optional<ReadJob> read;
+  desk.reader->read(desk.spool.files_of(Spool::Folder::Printing, "part.stl"), std::nullopt,
+                    [&](ReadJob job) { read = std::move(job); });
+  REQUIRE(desk.run_until([&] { return read.has_value(); }));
+  REQUIRE(std::holds_alternative<PreparedJob>(*read));
+  CHECK(std::get<PreparedJob>(*read).summary.layers.count > 0);
+  CHECK(desk.has("printing/part.stl"));
+}
+
+TEST_CASE("A waiting job with which nothing is wrong is not refused") {
+  Started desk;
+  desk.put(Spool::Folder::Incoming, "part.stl");
+  CHECK_FALSE(desk.check("part.stl"));
+}
+
+TEST_CASE("A waiting job that is no model is refused with what it is not") {
+  Started desk;
+  desk.put_text(Spool::Folder::Incoming, "part.stl", "no model");
+  const auto refusal = desk.check("part.stl");
+  REQUIRE(refusal);
+  CHECK_FALSE(refusal->reason.empty());
+  CHECK_FALSE(refusal->for_now);
+  CHECK(refusal->profile.empty());
+}
+
+TEST_CASE("A job for which there is no room while another has it is refused for now only") {
+  Started desk;
+  desk.put(Spool::Folder::Incoming, "part.stl");
+  desk.config.memory_limit_bytes = 1;
+  const auto refusal = desk.check("part.stl");
+  REQUIRE(refusal);
+  CHECK_FALSE(refusal->reason.empty());
+  CHECK_FALSE(refusal->for_now);  // this process alone takes more than that
+}
+
+TEST_CASE("A profile that cannot be used is told as the profile's matter") {
+  Started desk;
+  desk.put(Spool::Folder::Incoming, "part.stl");
+  desk.config.resin = "none-such";
+  const auto refusal = desk.check("part.stl");
+  REQUIRE(refusal);
+  CHECK(refusal->profile.starts_with("the resin profile "));
+}
+
+TEST_CASE("A ticket that names a profile which there is none of is the job's matter") {
+  Started desk;
+  desk.put(Spool::Folder::Incoming, "part.stl");
+  desk.put_text(Spool::Folder::Incoming, "part.json", R"({"resin": "none-such"})");
+  const auto refusal = desk.check("part.stl");
+  REQUIRE(refusal);
+  CHECK(refusal->profile.empty());
+}
+
+TEST_CASE("What the last process was reading when it ended is not read") {
+  Desk desk;
+  desk.put(Spool::Folder::Incoming, "part.stl");
+  const fs::path record = desk.state() / "reading", kept = desk.folder.path() / "kept";
+  {
+    ReadingRecord dying(record);
+    const ReadingRecord::Reading under_way(dying, desk.spool.files_of(Spool::Folder::Incoming, "part.stl"));
+    fs::copy_file(record, kept);
+  }
+  fs::rename(kept, record);
+  desk.start();
+  const auto refusal = desk.check("part.stl");
+  REQUIRE(refusal);
+  CHECK(refusal->reason == kEndedAProcess);
+}
+
+TEST_CASE("Jobs are read in the order in which they were given") {
+  Started desk;
+  desk.put(Spool::Folder::Incoming, "a.stl");
+  desk.put_text(Spool::Folder::Incoming, "b.stl", "no model");
+  std::vector<std::string> order;
+  for (const std::string file : {"a.stl", "b.stl"})
+    desk.reader->check(file, [&order, file](const auto&) { order.push_back(file); });
+  REQUIRE(desk.run_until([&] { return order.size() == 2; }));
+  CHECK(order == std::vector<std::string>{"a.stl", "b.stl"});
+}
+
+TEST_CASE("The text of a refusal is bounded and fit for a terminal, and keeps its lines") {
+  CHECK(refusal_text("one\ntwo\x1b[2J") == "one\ntwo?[2J");
+  CHECK(refusal_text(std::string(100'000, 'x')).size() < 10'000);
+}

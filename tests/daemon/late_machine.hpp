@@ -1,0 +1,62 @@
+// A simulated printer whose motor could not keep its times, and which a test disturbs. Not thread-safe.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "hw/machine.hpp"
+
+namespace contourd::testing {
+
+class LateAxis final : public ZAxis {
+ public:
+  explicit LateAxis(ZAxis& axis) : axis_(axis) {}
+  void home(std::function<void(HomingResult)> done) override { axis_.home(std::move(done)); }
+  void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override {
+    axis_.move_to(target, speed, std::move(done));
+  }
+  void stop() override { axis_.stop(); }
+  void abort() noexcept override { axis_.abort(); }
+  [[nodiscard]] bool moving() const override { return axis_.moving(); }
+  [[nodiscard]] std::optional<Nanometers> height() const override { return axis_.height(); }
+  [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override {
+    return axis_.height_at(time);
+  }
+  [[nodiscard]] Nanometers travel() const override { return axis_.travel(); }
+  [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
+    return axis_.move_duration(distance, speed);
+  }
+  [[nodiscard]] LateSteps late_steps() const override { return late; }
+
+  LateSteps late;
+
+ private:
+  ZAxis& axis_;
+};
+
+class LateMachine final : public Machine {
+ public:
+  explicit LateMachine(Machine& rest) : axis(rest.z_axis()), rest_(rest) {}
+  [[nodiscard]] ZAxis& z_axis() override { return axis; }
+  [[nodiscard]] MaskDisplay& display() override { return rest_.display(); }
+  [[nodiscard]] Projector& projector() override { return rest_.projector(); }
+  void on_disturbance(std::function<void(const Disturbance&)> call) override {
+    disturb = call;
+    rest_.on_disturbance(std::move(call));
+  }
+  [[nodiscard]] std::string hindrance() const override { return rest_.hindrance(); }
+  std::optional<std::filesystem::path> begin_job(std::string_view name) override {
+    return rest_.begin_job(name);
+  }
+
+  LateAxis axis;
+  std::function<void(const Disturbance&)> disturb;
+
+ private:
+  Machine& rest_;
+};
+
+}  // namespace contourd::testing

@@ -1,0 +1,258 @@
+#include "daemon/print_queue.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/printer_fixture.hpp"
+
+using namespace contourd;
+using Names = std::vector<std::string>;
+using Check = WaitingJob::Check;
+
+namespace {
+
+// A queue whose checks and refusals end when a test says so.
+class Desk {
+ public:
+  struct RunningCheck {
+    std::string file;
+    std::function<void(const std::optional<JobRefusal>&)> done;
+  };
+  struct RunningRejection {
+    std::string file, reason;
+    Spool::Rejected done;
+  };
+
+  void arrive(const Names& files) {
+    for (const std::string& file : files)
+      queue.arrived(file);
+  }
+  // Refused by its check; its files are on their way.
+  void begin_to_refuse(const std::string& reason) {
+    queue.check_next();
+    checks.back().done(JobRefusal{reason});
+  }
+  [[nodiscard]] Names order() const {
+    Names files;
+    for (const WaitingJob& job : queue.jobs())
+      files.push_back(job.file);
+    return files;
+  }
+
+  EventLoop loop;
+  testing::LogText log{loop};
+  std::vector<RunningCheck> checks;
+  std::vector<RunningRejection> rejections;
+  Names told;  // "changed", or "refused FILE: REASON"
+  PrintQueue queue{
+      log.log,
+      {.check =
+           [this](const std::string& file, auto done) {
+             checks.push_back({file, std::move(done)});
+           },
+       .reject =
+           [this](const std::string& file, const std::string& reason, Spool::Rejected done) {
+             rejections.push_back({file, reason, std::move(done)});
+           },
+       .changed = [this] { told.emplace_back("changed"); },
+       .refused = [this](const std::string& file,
+                         const std::string& reason) { told.push_back("refused " + file + ": " + reason); }}};
+};
+
+}  // namespace
+
+TEST_CASE("Jobs wait in the order of their arrival, and the first is the next") {
+  Desk desk;
+  desk.arrive({"b.stl", "a.stl", "c.stl"});
+  CHECK(desk.order() == Names{"b.stl", "a.stl", "c.stl"});
+  CHECK(desk.log.has("info: c.stl: arrived, number 3 in the queue"));
+  CHECK(desk.told == Names{"changed", "changed", "changed"});
+  CHECK(desk.queue.take_first().file == "b.stl");
+  CHECK(desk.order() == Names{"a.stl", "c.stl"});
+}
+
+TEST_CASE("A job that is written again keeps its place, and is checked again") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  desk.queue.check_next();
+  desk.checks[0].done(std::nullopt);
+  REQUIRE(desk.queue.jobs().front().check == Check::Passed);
+  desk.queue.arrived("a.stl");
+  CHECK(desk.order() == Names{"a.stl", "b.stl"});
+  CHECK(desk.queue.jobs().front().check == Check::Wanted);
+  CHECK(desk.log.count("a.stl: arrived") == 1);
+}
+
+TEST_CASE("A job that is written again waits anew, and what was told of it is not told again") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  WaitingJob job = desk.queue.take_first();
+  job.trouble = "it cannot be claimed";
+  job.waited = true;
+  desk.queue.put_first(std::move(job));
+  desk.queue.arrived("a.stl");
+  CHECK(desk.queue.jobs().front().trouble == "it cannot be claimed");
+  CHECK_FALSE(desk.queue.jobs().front().waited);
+}
+
+TEST_CASE("Each job is checked once, one call after the other, the first that was not checked first") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  for (int i = 0; i < 3; ++i)
+    desk.queue.check_next();
+  REQUIRE(desk.checks.size() == 2);
+  CHECK(desk.checks[0].file == "a.stl");
+  CHECK(desk.checks[1].file == "b.stl");
+}
+
+TEST_CASE("What a check finds in a file that was written again meanwhile counts for nothing") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  desk.queue.check_next();
+  desk.queue.arrived("a.stl");
+  desk.checks[0].done(JobRefusal{"no model"});
+  CHECK(desk.rejections.empty());
+  CHECK(desk.queue.jobs().front().check == Check::Wanted);
+}
+
+TEST_CASE("What a check finds in a job that is gone counts for nothing") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  desk.queue.check_next();
+  desk.queue.withdrawn("a.stl");
+  desk.told.clear();
+  desk.checks[0].done(JobRefusal{"no model"});
+  CHECK(desk.rejections.empty());
+  CHECK(desk.told == Names{"changed"});
+}
+
+TEST_CASE("A job that its owner takes away leaves the queue, and another file's going is nothing to it") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  desk.told.clear();
+  desk.queue.withdrawn("c.stl");
+  CHECK(desk.told.empty());
+  desk.queue.withdrawn("a.stl");
+  CHECK(desk.order() == Names{"b.stl"});
+  CHECK(desk.log.has("info: a.stl: taken away by the owner"));
+  CHECK(desk.told == Names{"changed"});
+}
+
+TEST_CASE("A refused job stays until its files are in failed/, then it is told before the queue goes on") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  desk.begin_to_refuse("no model");
+  REQUIRE(desk.rejections.size() == 1);
+  CHECK(desk.rejections[0].reason == "no model\n");
+  CHECK(desk.order() == Names{"a.stl", "b.stl"});
+  CHECK_FALSE(desk.log.has("no model"));
+  desk.told.clear();
+  desk.rejections[0].done(Spool::Rejection::Filed, "");
+  CHECK(desk.order() == Names{"b.stl"});
+  CHECK(desk.told == Names{"refused a.stl: no model", "changed"});
+  CHECK(desk.log.has("error: a.stl: no model"));
+}
+
+TEST_CASE("What the spool takes away as it refuses it was not taken away by its owner") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  desk.begin_to_refuse("no model");
+  desk.queue.withdrawn("a.stl");
+  CHECK(desk.order() == Names{"a.stl"});
+  desk.rejections[0].done(Spool::Rejection::Filed, "");
+  CHECK(desk.order().empty());
+  CHECK_FALSE(desk.log.has("taken away"));
+}
+
+TEST_CASE("What its owner takes away while it is refused leaves the queue") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  desk.begin_to_refuse("no model");
+  desk.queue.withdrawn("a.stl");
+  desk.told.clear();
+  desk.rejections[0].done(Spool::Rejection::Unfinished, "");
+  CHECK(desk.order() == Names{"b.stl"});
+  CHECK(desk.log.has("a.stl: taken away by the owner"));
+  CHECK(desk.told == Names{"changed"});
+}
+
+TEST_CASE("What its owner writes anew while it is refused keeps its place") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  desk.begin_to_refuse("no model");
+  desk.told.clear();
+  desk.rejections[0].done(Spool::Rejection::Unfinished, "");
+  CHECK(desk.order() == Names{"a.stl", "b.stl"});
+  CHECK(desk.told == Names{"changed"});
+  CHECK_FALSE(desk.log.has("no model"));
+}
+
+TEST_CASE("What arrives anew while the old file is refused is a job of its own") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  desk.begin_to_refuse("no model");
+  desk.queue.arrived("a.stl");
+  desk.rejections[0].done(Spool::Rejection::Filed, "");
+  CHECK(desk.order() == Names{"a.stl"});
+  CHECK(desk.queue.first_may_begin());
+}
+
+TEST_CASE("A refused job whose files cannot be moved leaves the queue, and that is told") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  desk.begin_to_refuse("no model");
+  SECTION("they may be deleted") {
+    desk.rejections[0].done(Spool::Rejection::LeftThere, "");
+    CHECK(desk.log.has("warning: a.stl: lies in incoming still, as it cannot be moved; it may be deleted"));
+  }
+  SECTION("nobody knows what becomes of them") {
+    desk.rejections[0].done(Spool::Rejection::Impossible, "no room");
+    CHECK(desk.log.has("error: a.stl: cannot be moved to failed: no room"));
+  }
+  CHECK(desk.order().empty());
+}
+
+TEST_CASE("A job for which there is no room is told once, and read again when there may be") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  for (const char* why : {"it takes 900 MB", "it takes 901 MB"}) {
+    desk.queue.check_next();
+    desk.checks.back().done(JobRefusal{why, true});
+    CHECK(desk.queue.jobs().front().postponed == why);
+    desk.queue.check_next();  // it is not wanted by itself
+    desk.queue.check_postponed();
+  }
+  CHECK(desk.checks.size() == 2);
+  CHECK(desk.log.count("a.stl: is read later") == 1);
+  desk.queue.check_next();
+  desk.checks.back().done(std::nullopt);
+  CHECK(desk.queue.jobs().front().postponed.empty());
+  CHECK(desk.queue.jobs().front().check == Check::Passed);
+}
+
+TEST_CASE("A broken profile is no reason to refuse the job that names it") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  desk.queue.check_next();
+  desk.checks[0].done(JobRefusal{"the profile is broken", false, "standard.json: it is broken"});
+  CHECK(desk.rejections.empty());
+  CHECK(desk.log.has("warning: a.stl: standard.json: it is broken"));
+  CHECK(desk.queue.jobs().front().check == Check::Passed);
+}
+
+TEST_CASE("The first job does not begin while it is being checked, nor while any is being refused") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  CHECK(desk.queue.first_may_begin());
+  desk.queue.check_next();
+  CHECK_FALSE(desk.queue.first_may_begin());
+  desk.checks[0].done(std::nullopt);
+  CHECK(desk.queue.first_may_begin());
+  desk.begin_to_refuse("no model");
+  CHECK(desk.rejections[0].file == "b.stl");
+  CHECK_FALSE(desk.queue.first_may_begin());
+  desk.rejections[0].done(Spool::Rejection::Filed, "");
+  CHECK(desk.queue.first_may_begin());
+}
