@@ -74,6 +74,23 @@ std::optional<ControlServer::Peer> peer_of(int socket) {
   return ControlServer::Peer{credentials.uid, credentials.pid};
 }
 
+// Throws InvalidParameters when they are others than those.
+Json parameters_of(const Json& message, const std::vector<std::string>& known) {
+  if (!message.contains("params") || message["params"].empty()) return Json::object();
+  const std::string method = message["method"].get<std::string>();
+  if (known.empty()) throw InvalidParameters(fmt::format("the method \"{}\" takes no parameters", method));
+  const std::string names = fmt::format("{}", fmt::join(known, ", "));
+  const Json& parameters = message["params"];
+  if (!parameters.is_object())
+    throw InvalidParameters(fmt::format("the method \"{}\" takes its parameters by name: {}", method, names));
+  for (const auto& [name, value] : parameters.items()) {
+    if (std::ranges::find(known, name) == known.end())
+      throw InvalidParameters(
+          fmt::format("the method \"{}\" has no parameter \"{}\"; there are {}", method, name, names));
+  }
+  return parameters;
+}
+
 }  // namespace
 
 // Answers one request a turn of the event loop, and no more than its user has turns: nobody can ask so much
@@ -234,8 +251,7 @@ class ControlServer::Client {
   bool input_ended_ = false;
 };
 
-ControlServer::ControlServer(EventLoop& loop, std::filesystem::path socket,
-                             std::map<std::string, Method> methods)
+ControlServer::ControlServer(EventLoop& loop, std::filesystem::path socket, ControlMethods methods)
     : loop_(loop), path_(std::move(socket)), methods_(std::move(methods)) {
   listen();
   listener_source_ = loop_.on_ready(listener_.get(), EPOLLIN, "the control socket",
@@ -339,16 +355,17 @@ Json ControlServer::call(const Json& message, Client& client) {
       known += ", " + each;
     return failure(kMethodNotFound, fmt::format("no method \"{}\"; there are {}", name, known));
   }
-  if (message.contains("params") && !message["params"].empty()) {
-    return failure(kInvalidParams, fmt::format("the method \"{}\" takes no parameters", name));
-  }
-  if (name == "watch") {
-    client.watching = true;
-    return Json{{"result", true}};
-  }
-  if (called_) called_(name, client.peer);
   try {
-    return Json{{"result", method->second()}};
+    const Json parameters = parameters_of(
+        message, method != methods_.end() ? method->second.parameters : std::vector<std::string>{});
+    if (name == "watch") {
+      client.watching = true;
+      return Json{{"result", true}};
+    }
+    if (called_) called_(name, client.peer);
+    return Json{{"result", method->second.call(parameters)}};
+  } catch (const InvalidParameters& invalid) {
+    return failure(kInvalidParams, invalid.what());
   } catch (const ControlRefusal& refusal) {
     return failure(kRefused, refusal.what());
   } catch (const std::exception& error) {

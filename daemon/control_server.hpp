@@ -11,25 +11,17 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "daemon/control_method.hpp"
 #include "daemon/event_loop.hpp"
 
 namespace contourd {
 
-// A method's refusal: the printer is in no state for it.
-class ControlRefusal : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
 class ControlServer {
  public:
-  using Json = nlohmann::ordered_json;
-  // Returns the result; throws ControlRefusal.
-  using Method = std::function<Json()>;
+  using Json = ControlMethod::Json;
   // Who is at the other end of a connection, as the kernel says.
   struct Peer {
     uid_t user = 0;
@@ -39,7 +31,7 @@ class ControlServer {
   // Listens at once; the socket is readable and writable for owner and group. The socket of a contourd that
   // is no more is replaced. Throws std::runtime_error: the path is too long, taken by something else, or by a
   // running contourd.
-  ControlServer(EventLoop& loop, std::filesystem::path socket, std::map<std::string, Method> methods);
+  ControlServer(EventLoop& loop, std::filesystem::path socket, ControlMethods methods);
   ~ControlServer();
   ControlServer(const ControlServer&) = delete;
   ControlServer& operator=(const ControlServer&) = delete;
@@ -75,7 +67,7 @@ class ControlServer {
 
   EventLoop& loop_;
   std::filesystem::path path_;
-  std::map<std::string, Method> methods_;
+  ControlMethods methods_;
   FileDescriptor listener_;
   std::unique_ptr<EventLoop::IoSource> listener_source_;
   std::map<int, std::unique_ptr<Client>> clients_;

@@ -1,11 +1,13 @@
 #include "daemon/control_server.hpp"
 
+#include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <string_view>
@@ -66,8 +68,35 @@ class Bench {
   EventLoopWatcher watcher_{loop};
   FileDescriptor machine_{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
   std::unique_ptr<DescriptorWatcher::Watch> watch_;
-  ControlServer server_{loop, path_, {{"ask", [this] { return answer(); }}}};
+  ControlServer server_{loop, path_, {{"ask", {[this](const ControlServer::Json&) { return answer(); }}}}};
 };
+
+// What a method gets that takes "height" and "speed", and says about its parameters.
+std::string reply_to(const std::string& parameters) {
+  EventLoop loop;
+  const TemporaryFolder folder;
+  const auto give_back = [](const ControlServer::Json& given) {
+    if (given.contains("height") && given["height"] == 0) throw InvalidParameters("a height is above 0");
+    return given;
+  };
+  const ControlServer server(loop, folder.path() / "control.sock",
+                             {{"move", {give_back, {"height", "speed"}}}});
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  (folder.path() / "control.sock").string().copy(address.sun_path, sizeof address.sun_path - 1);
+  const FileDescriptor client(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  REQUIRE(::connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  const std::string request = R"({"jsonrpc":"2.0","method":"move","params":)" + parameters + ",\"id\":1}\n";
+  REQUIRE(::write(client.get(), request.data(), request.size()) > 0);
+  std::string reply(1000, '\0');
+  const auto answered = loop.on_ready(client.get(), EPOLLIN, "the test", [&](std::uint32_t) {
+    reply.resize(
+        static_cast<std::size_t>(std::max<ssize_t>(::read(client.get(), reply.data(), reply.size()), 0)));
+    loop.stop();
+  });
+  loop.run();
+  return reply;
+}
 
 const std::vector<std::string> kInTurns{"request", "machine", "request", "machine", "request", "machine"};
 
@@ -110,4 +139,23 @@ TEST_CASE(
   bench.loop.run();
   CHECK(turns_without == 1);
   CHECK(bench.order == kInTurns);
+}
+
+TEST_CASE("A method gets the parameters that it takes, or none") {
+  CHECK(reply_to(R"({"height":3,"speed":1})") ==
+        "{\"jsonrpc\":\"2.0\",\"result\":{\"height\":3,\"speed\":1},\"id\":1}\n");
+  for (const char* none : {"{}", "[]", "null"})
+    CHECK(reply_to(none) == "{\"jsonrpc\":\"2.0\",\"result\":{},\"id\":1}\n");
+}
+
+TEST_CASE("Parameters that a method does not take are refused, as what it says is wrong with them") {
+  const auto refusal = [](const std::string& parameters) {
+    const auto reply = ControlServer::Json::parse(reply_to(parameters));
+    CHECK(reply["error"]["code"] == -32602);
+    return reply["error"]["message"].get<std::string>();
+  };
+  CHECK(refusal(R"({"height":3,"depth":1})") ==
+        R"(the method "move" has no parameter "depth"; there are height, speed)");
+  CHECK(refusal("[3]") == R"(the method "move" takes its parameters by name: height, speed)");
+  CHECK(refusal(R"({"height":0})") == "a height is above 0");
 }

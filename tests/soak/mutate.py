@@ -33,12 +33,12 @@ MUTATIONS = [
      "  fs::remove_all(folder(Folder::Printing), ignored);\n  fs::create_directories(folder(Folder::Printing), ignored);"),
     ("a copied plate is not remembered", SPOOL, "      originals_.add(mark);\n", "      (void)mark;\n"),
     ("links are followed", "daemon/config/regular_file.cpp", "kReading | O_NOFOLLOW", "kReading"),
-    ("a file's name goes into the log as it is", "daemon/printer_service.cpp",
-     'fmt::format("{}: arrived, number {} in the queue", printable(file), queue_.size())',
-     'fmt::format("{}: arrived, number {} in the queue", file, queue_.size())'),
-    ("a question takes 80 ms", "daemon/printer_control.cpp", "  std::string_view state = name_of(process_.state());",
+    ("a file's name goes into the log as it is", "daemon/print_queue.cpp",
+     'fmt::format("{}: arrived, number {} in the queue", printable(file), jobs_.size())',
+     'fmt::format("{}: arrived, number {} in the queue", file, jobs_.size())'),
+    ("a question takes 80 ms", "daemon/printer_status.cpp", "  const CurrentJob& job = parts_.job;\n",
      "  const timespec moment{0, 80'000'000};\n  ::nanosleep(&moment, nullptr);\n"
-     "  std::string_view state = name_of(process_.state());"),
+     "  const CurrentJob& job = parts_.job;\n"),
 ]
 
 

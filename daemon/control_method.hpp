@@ -1,0 +1,36 @@
+// What a front (the control socket; others may come) can have the printer do or tell: by name, with
+// parameters and a result, whatever they travel in.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace contourd {
+
+// A method's refusal: the printer is in no state for it.
+class ControlRefusal : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// A parameter is missing, unknown or out of its range.
+class InvalidParameters : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct ControlMethod {
+  using Json = nlohmann::ordered_json;
+
+  // Returns the result; throws ControlRefusal and InvalidParameters. `parameters` is an object.
+  std::function<Json(const Json& parameters)> call;
+  std::vector<std::string> parameters{};  // the names that it may have
+};
+
+using ControlMethods = std::map<std::string, ControlMethod>;
+
+}  // namespace contourd

@@ -1,0 +1,123 @@
+// The job under way, from its claim to its end: has it read, printed and analysed, writes down what happens
+// to it, and has it filed. Event loop's thread only.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "daemon/claimed_job.hpp"
+#include "daemon/job_history.hpp"
+#include "daemon/job_reader.hpp"
+#include "daemon/print_analyst.hpp"
+#include "daemon/print_archivist.hpp"
+#include "daemon/print_log.hpp"
+#include "daemon/print_process.hpp"
+#include "daemon/print_record.hpp"
+#include "daemon/printer_context.hpp"
+#include "daemon/queue_hold.hpp"
+#include "daemon/spool.hpp"
+
+namespace contourd {
+
+// Told what goes on, from inside the print process too, which must not be called back from there.
+class JobObserver {
+ public:
+  JobObserver() = default;
+  JobObserver(const JobObserver&) = delete;
+  JobObserver& operator=(const JobObserver&) = delete;
+  virtual ~JobObserver() = default;
+
+  // Before anything is done about it.
+  virtual void print_state_changed(PrintState state) = 0;
+  // What a client may want to know: "state", "layer" or "analysis".
+  virtual void job_changed(const std::string& what) = 0;
+  // The light, which may have been on up to now, is confirmed off; or the print ends without that.
+  virtual void light_gone() = 0;
+  // A print's memory was given back.
+  virtual void memory_freed() = 0;
+  // There is no job any more; another may begin.
+  virtual void job_ended(EndedJob job) = 0;
+  // What a stop waits for may be over.
+  virtual void may_stop() = 0;
+};
+
+// REQUIRES, where it says "with a job": job() is one.
+class CurrentJob final : private PrintObserver {
+ public:
+  struct State {
+    explicit State(ClaimedJob job) : claimed(std::move(job)) {}
+
+    ClaimedJob claimed;
+    std::optional<PreparedJob> prepared;    // nothing while it is being read; its plan moves to the process
+    std::optional<PrintRecord> record;      // nothing before its print begins
+    std::optional<PrintFindings> findings;  // nothing while the analysis is under way
+    nlohmann::ordered_json analysis;        // these in short; null while there are none
+    std::optional<EndedPrint> over;         // once the print is, until its analysis is too
+    bool cancel_wanted = false;             // cancelled before it could start
+    int readings = 0;                       // that found no room in memory
+  };
+
+  // All must outlive the job.
+  CurrentJob(const PrinterContext& context, Spool& spool, JobReader& reader, QueueHold& hold,
+             JobObserver& observer);
+
+  // REQUIRES: there is none.
+  void begin(ClaimedJob job);
+  // With a job whose print is not over. Cancels its print, or has none begin.
+  void cancel();
+  // Ends a print under way: light off, its files to failed/. A job that is being read does not begin.
+  void stop(const std::string& reason);
+  // With a job that has not begun: back to incoming/.
+  void give_back();
+  // Has the print filed that is over, and whose analysis is not. Does nothing when there is none.
+  void stop_analysis();
+  // The longest turn of the loop with light goes into the report.
+  void add_lit_turn(const EventLoop::Turn& turn);
+
+  // Nothing when there is none.
+  [[nodiscard]] const State* job() const { return job_ ? &*job_ : nullptr; }
+  // With a job.
+  [[nodiscard]] const std::string& name() const { return job_->claimed.files.name; }
+  // Its print is over, it is not filed yet.
+  [[nodiscard]] bool finishing() const;
+  // The archivist is at it.
+  [[nodiscard]] bool is_being_filed() const { return archivist_.busy(); }
+  [[nodiscard]] PrintProcess& print() { return process_; }
+  [[nodiscard]] const PrintProcess& print() const { return process_; }
+
+ private:
+  void state_changed(PrintState state) override;
+  void layer_done(const LayerRecord& layer) override;
+  void interrupted(const std::string& what) override;
+  void light_gone() override;
+  void print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) override;
+
+  void read();
+  // Whether it is read again, as there was no room in memory that there may be soon.
+  [[nodiscard]] bool read_later(const JobRefusal& refusal);
+  void was_read(ReadJob result);
+  // Has it in failed/.
+  void refuse(const std::string& outcome, const std::string& reason);
+  void start_print();
+  void start_analysis();
+  void analyzed(AnalyzedPrint print);
+  [[nodiscard]] PrintReport take_report(PrintOutcome outcome, const std::string& reason);
+  void file();
+  void filed(const FiledPrint& print);
+
+  const PrinterContext& context_;
+  Spool& spool_;
+  JobReader& reader_;
+  QueueHold& hold_;
+  JobObserver& observer_;
+  PrintLog log_;
+  PrintProcess process_;
+  PrintAnalyst analyst_;
+  PrintArchivist archivist_;
+  std::optional<State> job_;
+  bool stopping_ = false;
+  EventLoop::SourcePtr read_timer_;
+};
+
+}  // namespace contourd

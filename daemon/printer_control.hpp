@@ -1,0 +1,56 @@
+// The methods by which an owner's programs control the printer. They know no transport: any front may call
+// them. Event loop's thread only.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "daemon/control_method.hpp"
+#include "daemon/current_job.hpp"
+#include "daemon/job_scheduler.hpp"
+#include "daemon/printer_context.hpp"
+#include "daemon/printer_status.hpp"
+#include "daemon/queue_hold.hpp"
+
+namespace contourd {
+
+class PrinterControl {
+ public:
+  using Json = ControlMethod::Json;
+
+  // All must outlive the control.
+  PrinterControl(const PrinterContext& context, QueueHold& hold, CurrentJob& job, JobScheduler& scheduler,
+                 const PrinterStatus& status)
+      : context_(context), hold_(hold), job_(job), scheduler_(scheduler), status_(status) {}
+
+  // All of them, by name. The control must outlive them.
+  [[nodiscard]] ControlMethods methods();
+
+  // These return the status, and throw ControlRefusal.
+  //
+  // After the layer under way.
+  Json pause();
+  // The print, or the queue where that is held and nothing is printed.
+  Json resume();
+  Json cancel();
+  // The owner has taken the part off: the queue goes on.
+  Json plate_cleared();
+
+ private:
+  Json resume_queue();
+  [[nodiscard]] bool has_unfinished_job() const;
+  void require_print(std::string_view what) const;
+  // REQUIRES: a print that is not idle, and can be neither paused nor, when it is over, cancelled.
+  [[nodiscard]] std::string why_it_ends() const;
+
+  const PrinterContext& context_;
+  QueueHold& hold_;
+  CurrentJob& job_;
+  JobScheduler& scheduler_;
+  const PrinterStatus& status_;
+};
+
+// Whether a method changes something: what only asks is not told of in the log.
+[[nodiscard]] bool is_command(std::string_view method);
+
+}  // namespace contourd

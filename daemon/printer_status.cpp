@@ -1,0 +1,137 @@
+#include "daemon/printer_status.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace contourd {
+namespace {
+
+using Json = PrinterStatus::Json;
+
+constexpr std::size_t kMostQueued = 1'000, kMostIncomplete = 10;
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+template <typename All, typename Take>
+void for_first(const All& all, std::size_t most, const Take& take) {
+  for (auto each = all.begin(); each != all.end() && most > 0; ++each, --most)
+    take(*each);
+}
+
+std::size_t beyond(std::size_t all, std::size_t most) {
+  return all > most ? all - most : 0;
+}
+
+Json or_null(const std::string& text) {
+  return text.empty() ? Json() : Json(text);
+}
+
+Json ended_json(const EndedJob& job) {
+  return {{"job", job.name}, {"outcome", job.outcome}, {"reason", job.reason}};
+}
+
+}  // namespace
+
+Json PrinterStatus::queue() const {
+  const auto& waiting = parts_.queue.jobs();
+  Json files = Json::array();
+  for_first(waiting, kMostQueued, [&](const WaitingJob& job) { files.push_back(job.file); });
+  return Json{{"queue", files},
+              {"more", beyond(waiting.size(), kMostQueued)},
+              {"arriving", parts_.spool.arriving(kMostQueued)}};
+}
+
+Json PrinterStatus::history() const {
+  Json jobs = Json::array();
+  for (const EndedJob& job : parts_.history.jobs()) {
+    jobs.push_back(ended_json(job));
+    jobs.back()["analysis"] = job.analysis;
+  }
+  return Json{{"ended", jobs}};
+}
+
+Json PrinterStatus::status() const {
+  Json status{{"printer", context_.config.name}, {"state", state()}};
+  status["job"] = parts_.job.job() != nullptr ? job() : Json();
+  status["queued"] = parts_.queue.jobs().size();
+  add_incoming(status);
+  add_reasons_to_wait(status);
+  const auto& ended = parts_.history.jobs();
+  status["last"] = ended.empty() ? Json() : ended_json(ended.back());
+  return status;
+}
+
+std::string_view PrinterStatus::state() const {
+  const CurrentJob& job = parts_.job;
+  if (job.job() != nullptr && job.print().state() == PrintState::Idle)
+    return job.finishing() ? "finishing" : "preparing";
+  return name_of(job.print().state());
+}
+
+Json PrinterStatus::job() const {
+  Json job{{"name", parts_.job.name()}};
+  job["analysis"] = parts_.job.job()->analysis;
+  if (parts_.job.print().state() != PrintState::Idle) add_print(job);
+  return job;
+}
+
+void PrinterStatus::add_print(Json& job) const {
+  const PrintProcess& print = parts_.job.print();
+  const JobSummary& summary = parts_.job.job()->prepared->summary;
+  const PrintRecord& record = *parts_.job.job()->record;
+  job["layer"] = print.layer() + 1;
+  job["layers"] = summary.layers.count;
+  job["layers_done"] = layers_exposed(record.layers());
+  job["height_mm"] = to_millimeters(print.layer_top()).count();
+  job["total_height_mm"] = summary.height_mm;
+  job["layer_height_um"] = to_millimeters(print.layer_thickness()).count() * 1000;
+  job["elapsed_s"] = seconds(record.elapsed());
+  job["time_left_s"] = seconds(print.time_left());
+  job["pause_pending"] = print.pause_pending();
+  job["pause"] = print.pause_pending() ? Json(print.next_pause()) : Json();
+  job["interruption"] = or_null(print.interruption());
+}
+
+void PrinterStatus::add_incoming(Json& status) const {
+  const auto& incomplete = parts_.spool.incomplete();
+  status["incomplete"] = Json::object();
+  for_first(incomplete, kMostIncomplete,
+            [&](const auto& plate) { status["incomplete"][plate.first] = plate.second; });
+  status["incomplete_more"] = beyond(incomplete.size(), kMostIncomplete);
+  add_postponed(status);
+  const auto& passed_over = parts_.spool.passed_over();
+  status["passed_over"] = Json::object();
+  for_first(passed_over, kMostIncomplete,
+            [&](const auto& each) { status["passed_over"][each.first] = sentence_for(each.second); });
+  status["passed_over_more"] = beyond(passed_over.size(), kMostIncomplete);
+  const auto& originals = parts_.spool.originals();
+  status["deletable"] = Json::array();
+  for_first(originals, kMostIncomplete,
+            [&](const std::string& file) { status["deletable"].push_back(file); });
+  status["deletable_more"] = beyond(originals.size(), kMostIncomplete);
+}
+
+void PrinterStatus::add_postponed(Json& status) const {
+  status["postponed"] = Json::object();
+  std::size_t postponed = 0;
+  for (const WaitingJob& job : parts_.queue.jobs()) {
+    if (!job.postponed.empty() && ++postponed <= kMostIncomplete)
+      status["postponed"][job.file] = job.postponed;
+  }
+  status["postponed_more"] = beyond(postponed, kMostIncomplete);
+}
+
+void PrinterStatus::add_reasons_to_wait(Json& status) const {
+  const QueueHold& hold = parts_.hold;
+  status["plate"] = hold.plate_occupant() ? "occupied" : "clear";
+  status["plate_job"] = hold.plate_occupant() ? Json(*hold.plate_occupant()) : Json();
+  status["hindrance"] = or_null(context_.machine.hindrance());
+  status["held"] = or_null(hold.sentence());
+  status["waiting_for"] = or_null(parts_.scheduler.waiting_for());
+}
+
+}  // namespace contourd

@@ -1,0 +1,50 @@
+// What the printer tells of itself to whoever asks, as JSON values. A reply does not grow with what lies in
+// the spool: it is made while a light waits. Event loop's thread only.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/current_job.hpp"
+#include "daemon/job_history.hpp"
+#include "daemon/job_scheduler.hpp"
+#include "daemon/print_queue.hpp"
+#include "daemon/printer_context.hpp"
+#include "daemon/queue_hold.hpp"
+#include "daemon/spool.hpp"
+
+namespace contourd {
+
+class PrinterStatus {
+ public:
+  using Json = nlohmann::ordered_json;
+
+  struct Parts {
+    const Spool& spool;
+    const PrintQueue& queue;
+    const JobScheduler& scheduler;
+    const QueueHold& hold;
+    const CurrentJob& job;
+    const JobHistory& history;
+  };
+  // All must outlive the status.
+  PrinterStatus(const PrinterContext& context, const Parts& parts) : context_(context), parts_(parts) {}
+
+  [[nodiscard]] Json status() const;
+  // The waiting jobs in their order, and what is still arriving.
+  [[nodiscard]] Json queue() const;
+  // The jobs that have ended.
+  [[nodiscard]] Json history() const;
+
+ private:
+  [[nodiscard]] std::string_view state() const;
+  [[nodiscard]] Json job() const;
+  void add_print(Json& job) const;
+  void add_incoming(Json& status) const;
+  void add_postponed(Json& status) const;
+  void add_reasons_to_wait(Json& status) const;
+
+  const PrinterContext& context_;
+  Parts parts_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,213 @@
+#include "daemon/job_scheduler.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/printer_fixture.hpp"
+
+using namespace contourd;
+using Names = std::vector<std::string>;
+namespace fs = std::filesystem;
+
+namespace {
+
+// A scheduler whose jobs begin, end and are checked when a test says so.
+class Desk : public testing::PrinterFixture {
+ public:
+  Desk() { hold.load(); }
+
+  void arrive(const std::string& file) {
+    put(Spool::Folder::Incoming, file);
+    queue.arrived(file);
+  }
+  void end_job() {
+    has_job = false;
+    scheduler.run();
+  }
+  [[nodiscard]] Names begun() const {
+    Names names;
+    for (const ClaimedJob& job : jobs)
+      names.push_back(job.files.name);
+    return names;
+  }
+
+  bool has_job = false, lit = false;
+  std::vector<ClaimedJob> jobs;
+  Names checked;
+  QueueHold hold{
+      context, spool, {.light_may_be_on = [this] { return lit; }, .retry = [this] { scheduler.run(); }}};
+  PrintQueue queue{log.log,
+                   {.check = [this](const std::string& file, const auto&) { checked.push_back(file); },
+                    .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
+                    .changed = [this] { scheduler.run(); },
+                    .refused = [](const std::string&, const std::string&) {}}};
+  JobScheduler scheduler{context,
+                         spool,
+                         queue,
+                         hold,
+                         {.has_job = [this] { return has_job; },
+                          .prints = [this] { return has_job; },
+                          .begin =
+                              [this](ClaimedJob job) {
+                                has_job = true;
+                                jobs.push_back(std::move(job));
+                              },
+                          .copy_over = [] {}}};
+};
+
+}  // namespace
+
+TEST_CASE("A job that arrives at an idle printer begins at once, in printing/ and with its settings") {
+  Desk desk;
+  desk.arrive("part.stl");
+  CHECK(desk.begun() == Names{"part"});
+  CHECK(desk.has("printing/part.stl"));
+  CHECK(desk.jobs[0].settings);
+  CHECK(desk.scheduler.waiting_for().empty());
+  CHECK(desk.checked.empty());
+}
+
+TEST_CASE("One job begins after the other, in their order") {
+  Desk desk;
+  for (const char* file : {"b.stl", "a.stl", "c.stl"})
+    desk.arrive(file);
+  CHECK(desk.begun() == Names{"b"});
+  CHECK(desk.checked == Names{"a.stl", "c.stl"});
+}
+
+TEST_CASE("The time to the first light counts from the arrival, or from the end of the wait") {
+  Desk desk;
+  desk.arrive("one.stl");
+  const TimePoint between = std::chrono::steady_clock::now();
+  desk.arrive("two.stl");
+  const TimePoint end_of_wait = std::chrono::steady_clock::now();
+  (void)desk.queue.take_first();  // its check does not end here
+  CHECK(desk.jobs[0].turn_came <= between);
+  desk.queue.put_last({.file = "two.stl", .arrived = between, .waited = true});
+  desk.end_job();
+  REQUIRE(desk.jobs.size() == 2);
+  CHECK(desk.jobs[1].turn_came >= end_of_wait);
+}
+
+TEST_CASE("The machine comes before the hold in what a job waits for, and the hold before the disk") {
+  Desk desk;
+  desk.config.min_free_disk_bytes = ~std::uintmax_t{0};
+  desk.machine.open_lid();
+  desk.hold.hold("part failed");
+  desk.arrive("part.stl");
+  CHECK(desk.scheduler.waiting_for() == "the lid is open");
+  CHECK(desk.log.has("info: part.stl waits: the lid is open"));
+  desk.machine.close_lid();
+  desk.scheduler.run();
+  CHECK(desk.scheduler.waiting_for().starts_with("the queue is held: part failed"));
+  desk.hold.release();
+  desk.scheduler.run();
+  CHECK(desk.scheduler.waiting_for().starts_with("the spool's disk has "));
+  desk.config.min_free_disk_bytes = 0;
+  CHECK(desk.begun().empty());
+  CHECK(desk.checked == Names{"part.stl"});
+}
+
+TEST_CASE("Why a job waits is told once") {
+  Desk desk;
+  desk.machine.open_lid();
+  desk.arrive("part.stl");
+  for (int i = 0; i < 3; ++i)
+    desk.scheduler.run();
+  CHECK(desk.log.count("part.stl waits") == 1);
+}
+
+TEST_CASE("A job that is gone when its turn comes was taken away, and the next one begins") {
+  Desk desk;
+  desk.has_job = true;
+  desk.queue.arrived("gone.stl");
+  desk.queue.arrived("gone-too.stl");
+  desk.put(Spool::Folder::Incoming, "part.stl");
+  desk.queue.put_last({.file = "part.stl", .arrived = {}});
+  // Their checks go on for ever here.
+  WaitingJob gone = desk.queue.take_first(), gone_too = desk.queue.take_first();
+  gone.check = gone_too.check = WaitingJob::Check::Passed;
+  desk.queue.put_first(std::move(gone_too));
+  desk.queue.put_first(std::move(gone));
+  desk.has_job = false;
+  desk.scheduler.run_soon();
+  CHECK(desk.run_until([&] { return desk.has_job; }));
+  CHECK(desk.begun() == Names{"part"});
+  CHECK(desk.log.has("gone.stl: taken away by the owner"));
+  CHECK(desk.log.has("gone-too.stl: taken away by the owner"));
+}
+
+TEST_CASE("A job that cannot be claimed keeps its turn, and why is told once") {
+  Desk desk;
+  fs::remove_all(desk.spool.folder(Spool::Folder::Printing));
+  for (int i = 0; i < 2; ++i) {
+    desk.arrive("part.stl");
+    CHECK(desk.scheduler.waiting_for().starts_with("part.stl cannot be claimed: "));
+  }
+  CHECK(desk.queue.jobs().size() == 1);
+  CHECK(desk.queue.jobs().front().waited);
+  CHECK(desk.log.count("error: part.stl cannot be claimed") == 1);
+  CHECK(desk.has("incoming/part.stl"));
+}
+
+TEST_CASE("A job waits for a profile that is broken, and the others are checked meanwhile") {
+  Desk desk;
+  const std::string resin = std::exchange(desk.config.resin, "none-such");
+  desk.arrive("part.stl");
+  CHECK(desk.begun().empty());
+  CHECK(desk.scheduler.waiting_for().ends_with("; the queue goes on when it is mended"));
+  CHECK(desk.has("incoming/part.stl"));
+  desk.arrive("other.stl");
+  CHECK(desk.checked == Names{"other.stl"});
+  desk.config.resin = resin;
+  desk.scheduler.run();
+  CHECK(desk.begun() == Names{"part"});
+  CHECK(desk.log.count("part.stl waits") == 1);
+}
+
+TEST_CASE("A job begins whose ticket is a reason to refuse it: its reading says why") {
+  Desk desk;
+  desk.put_text(Spool::Folder::Incoming, "part.json", "no ticket");
+  desk.arrive("part.stl");
+  REQUIRE(desk.begun() == Names{"part"});
+  CHECK_FALSE(desk.jobs[0].settings);
+}
+
+TEST_CASE("A name that a job has had gets a number behind it") {
+  Desk desk;
+  desk.put(Spool::Folder::Done, "part.stl");
+  desk.arrive("part.stl");
+  REQUIRE(desk.jobs.size() == 1);
+  CHECK(desk.jobs[0].files.name != "part");
+  CHECK(desk.has("done/part.stl"));
+}
+
+TEST_CASE("Nothing begins behind a stop, but records are kept") {
+  Desk desk;
+  desk.scheduler.stop();
+  desk.lit = true;
+  desk.hold.hold("part failed");
+  desk.lit = false;
+  desk.arrive("part.stl");
+  CHECK(desk.begun().empty());
+  CHECK(desk.has("incoming/part.stl"));
+  CHECK(desk.has_record("queue-held"));
+}
+
+TEST_CASE("What the disk did not take is tried again when nothing is printed") {
+  Desk desk;
+  const fs::path obstacle = desk.state() / "queue-held";
+  fs::create_directories(obstacle / "full");
+  desk.hold.hold("part failed");
+  REQUIRE(desk.hold.failed());
+  fs::remove_all(obstacle);
+  desk.has_job = true;
+  desk.scheduler.run();
+  CHECK(desk.hold.failed());
+  desk.end_job();
+  CHECK_FALSE(desk.hold.failed());
+}
