@@ -1078,13 +1078,16 @@ class Outcome(SpoolTest):
         daemon.drop("next.stl", SMALL)
         status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
         self.assertIn("part is not filed yet", status["waiting_for"])
+        # Read one after the other. What is being read when the daemon is killed is not read again.
+        daemon.drop("last.stl", b"no model")
+        daemon.wait_refused("last")
         daemon.kill()
         os.unlink(daemon.file("done"))
         daemon.start()
         self.assertIn("contourd did not file this print, which was done", daemon.log())
         self.assertTrue(daemon.has("done", "part.stl"))
         daemon.wait_done("next")
-        self.assertEqual(daemon.names_in("failed"), [])
+        self.assertEqual(daemon.names_in("failed"), ["last.reason.txt", "last.stl"])
         daemon.stop()
 
     def test_what_a_killed_daemon_left_half_written_is_removed_at_the_start(self):
