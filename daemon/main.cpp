@@ -221,7 +221,7 @@ int run(const PrinterConfig& config) {
   ::mallopt(M_MMAP_THRESHOLD, kept_bytes);
   EventLoop loop;
   // Before any thread is made: signals come through the loop alone. SIGIO would come from a lease (see
-  // spool.cpp).
+  // upload_state.cpp).
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGIO, SIG_IGN);
   Supervisor supervisor(loop);

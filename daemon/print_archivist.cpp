@@ -78,7 +78,7 @@ void write_record(const Spool& spool, const std::string& job, const PrintEnd& en
   if (recorded_end(spool, job)) return;
   const nlohmann::json record{
       {"job", as_recorded(job)}, {"outcome", name_of(end.outcome)}, {"reason", end.reason}};
-  spool.keep_end_of_print(record.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+  spool.records().keep_end_of_print(record.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
 }
 
 FiledPrint file_print(const Spool& spool, EndedPrint& print) {
@@ -158,7 +158,7 @@ std::string reason_text(const PrintEnd& end) {
 
 // A record that nobody could make out is one of nothing.
 std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job) {
-  const auto record = nlohmann::json::parse(spool.end_of_print(), nullptr, false);
+  const auto record = nlohmann::json::parse(spool.records().end_of_print(), nullptr, false);
   if (!record.is_object()) return std::nullopt;
   const auto text = [&](const char* key) {
     const auto found = record.find(key);

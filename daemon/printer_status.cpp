@@ -42,7 +42,7 @@ Json PrinterStatus::queue() const {
   for_first(waiting, kMostQueued, [&](const WaitingJob& job) { files.push_back(job.file); });
   return Json{{"queue", files},
               {"more", beyond(waiting.size(), kMostQueued)},
-              {"arriving", parts_.spool.arriving(kMostQueued)}};
+              {"arriving", parts_.spool.incoming().arriving(kMostQueued)}};
 }
 
 Json PrinterStatus::history() const {
@@ -97,18 +97,18 @@ void PrinterStatus::add_print(Json& job) const {
 }
 
 void PrinterStatus::add_incoming(Json& status) const {
-  const auto& incomplete = parts_.spool.incomplete();
+  const auto& incomplete = parts_.spool.incoming().incomplete();
   status["incomplete"] = Json::object();
   for_first(incomplete, kMostIncomplete,
             [&](const auto& plate) { status["incomplete"][plate.first] = plate.second; });
   status["incomplete_more"] = beyond(incomplete.size(), kMostIncomplete);
   add_postponed(status);
-  const auto& passed_over = parts_.spool.passed_over();
+  const auto& passed_over = parts_.spool.incoming().passed_over();
   status["passed_over"] = Json::object();
   for_first(passed_over, kMostIncomplete,
             [&](const auto& each) { status["passed_over"][each.first] = sentence_for(each.second); });
   status["passed_over_more"] = beyond(passed_over.size(), kMostIncomplete);
-  const auto& originals = parts_.spool.originals();
+  const auto& originals = parts_.spool.incoming().originals();
   status["deletable"] = Json::array();
   for_first(originals, kMostIncomplete,
             [&](const std::string& file) { status["deletable"].push_back(file); });

@@ -23,8 +23,8 @@ QueueHold::QueueHold(const PrinterContext& context, Spool& spool, Calls calls)
     : context_(context), spool_(spool), calls_(std::move(calls)), unfiled_(spool, context.log) {}
 
 void QueueHold::load() {
-  plate_occupant_ = spool_.plate_occupant();
-  reason_ = spool_.hold();
+  plate_occupant_ = spool_.records().plate_occupant();
+  reason_ = spool_.records().hold();
 }
 
 void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading) {
@@ -80,7 +80,7 @@ std::string QueueHold::sentence() const {
 
 void QueueHold::set_plate_occupant(const std::optional<std::string>& job) {
   plate_occupant_ = job;
-  spool_.set_plate_occupant(job);
+  spool_.records().set_plate_occupant(job);
 }
 
 void QueueHold::add_unfiled(const JobFiles& files, const PrintEnd& end) {
@@ -106,8 +106,8 @@ void QueueHold::keep() {
 void QueueHold::try_to_keep() {
   std::string trouble;
   try {
-    spool_.set_plate_occupant(plate_occupant_);
-    spool_.set_hold(reason_);
+    spool_.records().set_plate_occupant(plate_occupant_);
+    spool_.records().set_hold(reason_);
     // Last: as long as they lie in printing/, the next start knows what these records would tell it.
     unfiled_.file_all();
   } catch (const std::system_error& error) {

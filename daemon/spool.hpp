@@ -11,27 +11,23 @@
 //   done/NAME.stl ... NAME.report.json NAME.report.html; or done/NAME/ ...
 //   failed/NAME.stl ... NAME.reason.txt; or failed/NAME/ ...
 //
-// In a folder that nobody else may write (state_folder.hpp):
-//
-//   plate-occupied                      the plate holds a part: the job's name is in it
-//   queue-held                          no job begins until the owner has spoken: why is in it
-//   ended-print                         how the print of the job in printing/ ended, until that is filed
-//   copied-originals                    what lies in incoming/ and was taken by copy
+// What is to be known again after a restart is in a folder that nobody else may write: see state_records.hpp
+// and, for what lies in incoming/ and was taken by copy, copied_originals.hpp.
 #pragma once
 
-#include <atomic>
 #include <functional>
-#include <map>
-#include <optional>
-#include <set>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "daemon/copied_originals.hpp"
 #include "daemon/event_loop.hpp"
 #include "daemon/incoming_watch.hpp"
-#include "daemon/print_job.hpp"
+#include "daemon/job_files.hpp"
+#include "daemon/printing_copies.hpp"
 #include "daemon/spool_folders.hpp"
+#include "daemon/spool_lock.hpp"
+#include "daemon/state_records.hpp"
 #include "daemon/worker.hpp"
 
 namespace contourd {
@@ -57,14 +53,8 @@ class Spool {
   [[nodiscard]] bool is_unfinished(const std::string& file) const;
   // False when incoming/`file` is not there; true also when nobody can tell.
   [[nodiscard]] bool is_waiting(const std::string& file) const;
-  // Plates in incoming/ that wait for files, and for which, or the first of these.
-  [[nodiscard]] const std::map<std::string, std::vector<std::string>>& incomplete() const {
-    return watch_.incomplete();
-  }
-  // Models and plates in incoming/ that are not whole yet, or that many of them.
-  [[nodiscard]] std::vector<std::string> arriving(std::size_t most) const { return watch_.arriving(most); }
-  // What else lies in incoming/ and will not be printed as it is.
-  [[nodiscard]] const std::map<std::string, Oddity>& passed_over() const { return watch_.passed_over(); }
+  // What is known of incoming/.
+  [[nodiscard]] const IncomingWatch& incoming() const { return watch_; }
   // Reports incoming/`file` again when it is whole.
   void wait_for(const std::string& file) { watch_.wait_for(file); }
 
@@ -77,21 +67,15 @@ class Spool {
   // meant for another model too stays there, and is copied. Throws std::system_error; then the files are
   // where they were.
   [[nodiscard]] JobFiles begin(const std::string& file);
-  // The same for what may be read but not moved (see is_immovable()), such as a folder that another made for
-  // himself alone: it is copied. The original stays, is never told of again as long as it is what it is, and
-  // is in originals(). Returns at once; `done` is called from the loop.
-  struct Copy {
-    std::optional<JobFiles> job;  // in printing/
-    std::string unreadable;       // else a sentence, when that is why: it can be refused
-    std::string trouble;          // else why it is to be tried again
-  };
+  // The same for what may be read but not moved (see is_immovable()). The original stays, is never told of
+  // again as long as it is what it is, and is among the originals of incoming(). Returns at once; `done` is
+  // called from the loop.
+  using Copy = JobCopy;
   void begin_with_copy(const std::string& file, std::function<void(const Copy&)> done);
   // Whether what begin() threw is of this kind.
   [[nodiscard]] static bool is_immovable(const std::error_code& code);
   // What is being copied is given up soon.
-  void stop_copying() { stop_copying_ = true; }
-  // What lies in incoming/ and was taken by copy, or refused there: it may be deleted.
-  [[nodiscard]] const std::set<std::string>& originals() const { return watch_.originals(); }
+  void stop_copying() { copies_.stop(); }
 
   // -> done/ or failed/. What goes beside them has been written before: see write_beside(). False when the
   // model is not there any more: then there is nothing to be moved, now or ever. Throws std::system_error.
@@ -114,24 +98,10 @@ class Spool {
   void write_beside(Folder folder, const std::string& name, const std::string& suffix,
                     const std::string& text) const;
 
-  // Models and plates left in printing/ by a daemon that did not end its print. What else lies there goes to
-  // failed/, or back to incoming/ or on to done/ if it is the ticket of a model there, as far as that is
-  // possible.
-  [[nodiscard]] std::vector<JobFiles> interrupted();
-
-  // The job whose part is on the plate, or nothing when the plate is clear. Survives restarts.
-  [[nodiscard]] std::optional<std::string> plate_occupant() const;
-  void set_plate_occupant(const std::optional<std::string>& job) const;
-
-  // Why no job is to begin until the owner has spoken, or nothing. Survives restarts.
-  [[nodiscard]] std::optional<std::string> hold() const;
-  void set_hold(const std::optional<std::string>& why) const;
-
-  // How the print of the job in printing/ ended, as the archivist has it; empty when nobody has told. Ended
-  // prints and claimed jobs have none any more. Any thread may call these; the second throws
-  // std::system_error.
-  [[nodiscard]] std::string end_of_print() const;
-  void keep_end_of_print(const std::string& text) const;
+  // See jobs_left_in_printing().
+  [[nodiscard]] std::vector<JobFiles> interrupted() const;
+  // The end of a print is known to no job that is claimed or filed after it.
+  [[nodiscard]] const StateRecords& records() const { return records_; }
 
   // Why nothing in the spool can be changed at this moment; empty when that is possible.
   [[nodiscard]] std::string trouble() const;
@@ -140,29 +110,17 @@ class Spool {
  private:
   // Makes what is not there, and takes the spool for this process.
   void make_folders();
-  void take_for_this_process();
   // What a daemon that was killed was writing.
   void remove_leftovers() const;
-  [[nodiscard]] std::optional<std::string> first_line_of(const char* file) const;
-  void keep_line(const char* file, const std::optional<std::string>& line) const;
-  void forget_end_of_print() const;
-  void bring_ticket_of(const std::string& file) const;
-  [[nodiscard]] Folder folder_of_lost(const std::string& ticket) const;
-
-  void move_job(const JobFiles& from, const JobFiles& to) const;
-  void move_ticket(const JobFiles& from, const JobFiles& to, bool shared) const;
-  // What it consists of, as far as that is possible.
-  void remove_job(const JobFiles& job) const;
-  [[nodiscard]] Copy copy_to_printing(const std::string& file);
-  void take_back(const JobFiles& copy);
   [[nodiscard]] Rejection file_rejected(const std::string& file, const std::string& reason);
 
   SpoolFolders folders_;
   std::filesystem::path state_;
-  FileDescriptor lock_;
+  SpoolLock lock_;
+  StateRecords records_;
   CopiedOriginals originals_;
+  PrintingCopies copies_;
   IncomingWatch watch_;
-  std::atomic<bool> stop_copying_ = false;
   Worker disk_;  // last: its thread ends before what its tasks use
 };
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/formats/model_reader.hpp"
+#include "daemon/config/printer_places.hpp"
 
 namespace contourd {
 namespace {
@@ -136,6 +137,10 @@ std::vector<fs::path> SpoolFolders::models_of_ticket(const std::string& ticket) 
     if (is_there(model)) models.push_back(model);
   }
   return models;
+}
+
+std::string why_not_written(const std::error_code& code) {
+  return code.message() + (code == std::errc::read_only_file_system ? kReadOnlyHint : "");
 }
 
 }  // namespace contourd

@@ -4,9 +4,10 @@
 
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
-#include "daemon/print_job.hpp"
+#include "daemon/job_files.hpp"
 
 namespace contourd {
 
@@ -48,5 +49,8 @@ class SpoolFolders {
 
 // The name of the job that a model or a plate's folder in incoming/ becomes, but for a number behind it.
 [[nodiscard]] std::string job_name_of(const std::string& file);
+
+// Why something in the spool cannot be written, for its owner.
+[[nodiscard]] std::string why_not_written(const std::error_code& code);
 
 }  // namespace contourd

@@ -126,7 +126,7 @@ TEST_CASE("Without a record, or with what is none or another job's, nobody knows
        {"", "{", "[]", R"({"job": "part", "outcome": 3})", R"({"job": "part", "outcome": "splendid"})",
         R"({"outcome": "done"})", R"({"job": "other", "outcome": "done"})"}) {
     CAPTURE(text);
-    bench.spool.keep_end_of_print(text);
+    bench.spool.records().keep_end_of_print(text);
     CHECK_FALSE(recorded_end(bench.spool, "part"));
   }
 }
@@ -149,7 +149,7 @@ TEST_CASE("How a print ended is on the disk before it is filed, and gone once it
 
 TEST_CASE("A job that is begun has no end yet, whatever one of its name came to") {
   Bench bench;
-  bench.spool.keep_end_of_print(R"({"job": "new", "outcome": "done", "reason": ""})");
+  bench.spool.records().keep_end_of_print(R"({"job": "new", "outcome": "done", "reason": ""})");
   REQUIRE(recorded_end(bench.spool, "new"));
   std::ofstream(bench.spool.folder(Spool::Folder::Incoming) / "new.stl") << "a model";
   CHECK(bench.spool.begin("new.stl").name == "new");

@@ -144,13 +144,13 @@ TEST_CASE("A print that ended and was not filed is filed by its end, which holds
   Hold desk;
   desk.put(Spool::Folder::Printing, "part.stl");
   SECTION("done") {
-    desk.spool.keep_end_of_print(record_of(PrintOutcome::Done, ""));
+    desk.spool.records().keep_end_of_print(record_of(PrintOutcome::Done, ""));
     desk.adopt_left_jobs();
     CHECK(desk.has("done/part.stl"));
     CHECK_FALSE(desk.hold->reason());
   }
   SECTION("failed") {
-    desk.spool.keep_end_of_print(record_of(PrintOutcome::Failed, "the sky fell"));
+    desk.spool.records().keep_end_of_print(record_of(PrintOutcome::Failed, "the sky fell"));
     desk.adopt_left_jobs();
     CHECK(desk.has("failed/part.stl"));
     CHECK(desk.hold->reason() == "part failed: the sky fell");

@@ -16,7 +16,7 @@ from mutate import copy_head  # noqa: E402
 
 CONTROL = "daemon/control_server.cpp"
 PROCESS = "daemon/print_process.cpp"
-SPOOL = "daemon/spool.cpp"
+COPIES = "daemon/printing_copies.cpp"
 
 # Name, file, what stands there once, what stands there instead.
 MUTATIONS = [
@@ -29,9 +29,11 @@ MUTATIONS = [
      "mask_within(record_.mask_height - (layer_ == 7 ? thickness_ : Nanometers{0}), budget)"),
     ("an interrupted layer has all its light once more", PROCESS, "  record_.exposure_least += light_->least();",
      "  record_.exposure_least = light_->least();"),
-    ("what was being printed is removed at the start", SPOOL, "  fs::remove_all(folder(Folder::Printing) / kCopies, ignored);",
-     "  fs::remove_all(folder(Folder::Printing), ignored);\n  fs::create_directories(folder(Folder::Printing), ignored);"),
-    ("a copied plate is not remembered", SPOOL, "      originals_.add(mark);\n", "      (void)mark;\n"),
+    ("what was being printed is removed at the start", COPIES,
+     "void PrintingCopies::remove_leftovers() const {\n  std::error_code ignored;\n  fs::remove_all(under_way_, ignored);",
+     "void PrintingCopies::remove_leftovers() const {\n  std::error_code ignored;\n"
+     "  fs::remove_all(under_way_.parent_path(), ignored);\n  fs::create_directories(under_way_.parent_path(), ignored);"),
+    ("a copied plate is not remembered", COPIES, "    originals_.add(mark);\n", "    (void)mark;\n"),
     ("links are followed", "daemon/config/regular_file.cpp", "kReading | O_NOFOLLOW", "kReading"),
     ("a file's name goes into the log as it is", "daemon/print_queue.cpp",
      'fmt::format("{}: arrived, number {} in the queue", printable(file), jobs_.size())',
