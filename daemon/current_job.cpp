@@ -20,6 +20,23 @@ using namespace std::chrono_literals;
 constexpr int kMostReadings = 5;
 constexpr Duration kReadingInterval = 1s;
 
+// Takes its engine.
+AnalysisTask analysis_of(PreparedJob& job, const ZAxis& axis) {
+  AnalysisTask task{std::move(job.analysis_engine), job.display, job.plan.expected_layers, {}, job.analysis};
+  for (std::size_t layer = 0; layer < task.layers.size(); ++layer)
+    task.layer_durations.push_back(layer_duration(job.plan, static_cast<std::int32_t>(layer), axis));
+  return task;
+}
+
+// Takes what the job knows of itself.
+PrintReport report_of(CurrentJob::State& job) {
+  PrintReport report = job.record->take_report();
+  report.job = job.claimed.files.name;
+  report.summary = std::move(job.prepared->summary);
+  report.first_mask_after = job.prepared->first_mask_at - job.claimed.turn_came;
+  return report;
+}
+
 }  // namespace
 
 CurrentJob::CurrentJob(const PrinterContext& context, Spool& spool, JobReader& reader, QueueHold& hold,
@@ -123,7 +140,8 @@ void CurrentJob::start_print() {
     return refuse("failed", printable(error.what()));
   }
   job_->record.emplace(machine, context_.clock, std::move(masks));
-  start_analysis();
+  analyst_.start(analysis_of(*job_->prepared, machine.z_axis()),
+                 [this](AnalyzedPrint print) { analyzed(std::move(print)); });
   process_.start(std::move(job_->prepared->plan));
   // It may have come while the model was read.
   if (const std::string hindrance = machine.hindrance(); !hindrance.empty()) {
@@ -131,15 +149,6 @@ void CurrentJob::start_print() {
   } else if (const std::optional<std::string>& held = hold_.reason()) {
     process_.interrupt(*held);
   }
-}
-
-void CurrentJob::start_analysis() {
-  PreparedJob& job = *job_->prepared;
-  AnalysisTask task{std::move(job.analysis_engine), job.display, job.plan.expected_layers, {}, job.analysis};
-  for (std::size_t layer = 0; layer < task.layers.size(); ++layer)
-    task.layer_durations.push_back(
-        layer_duration(job.plan, static_cast<std::int32_t>(layer), context_.machine.z_axis()));
-  analyst_.start(std::move(task), [this](AnalyzedPrint print) { analyzed(std::move(print)); });
 }
 
 void CurrentJob::analyzed(AnalyzedPrint print) {
@@ -184,7 +193,10 @@ void CurrentJob::light_gone() {
 // --- behind the print
 
 void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) {
-  PrintReport report = take_report(outcome, reason);
+  PrintReport report = report_of(*job_);
+  report.printer = context_.config.name;
+  report.outcome = outcome;
+  report.reason = reason;
   log_.ended(report);
   archivist_.record(name(), {outcome, reason});
   job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine)};
@@ -195,17 +207,6 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   if (outcome == PrintOutcome::Done && analyst_.busy() && !stopping_) return;
   file();
   observer_.may_stop();
-}
-
-PrintReport CurrentJob::take_report(PrintOutcome outcome, const std::string& reason) {
-  PrintReport report = job_->record->take_report();
-  report.job = name();
-  report.printer = context_.config.name;
-  report.outcome = outcome;
-  report.reason = reason;
-  report.summary = std::move(job_->prepared->summary);
-  report.first_mask_after = job_->prepared->first_mask_at - job_->claimed.turn_came;
-  return report;
 }
 
 void CurrentJob::stop_analysis() {

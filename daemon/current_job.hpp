@@ -100,9 +100,7 @@ class CurrentJob final : private PrintObserver {
   // Has it in failed/.
   void refuse(const std::string& outcome, const std::string& reason);
   void start_print();
-  void start_analysis();
   void analyzed(AnalyzedPrint print);
-  [[nodiscard]] PrintReport take_report(PrintOutcome outcome, const std::string& reason);
   void file();
   void filed(const FiledPrint& print);
 

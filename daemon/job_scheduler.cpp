@@ -18,10 +18,6 @@ constexpr Duration kRetryInterval = 30s;
 // The same for a resin's profile, by which its owner may be sitting.
 constexpr Duration kProfileInterval = 5s;
 
-LogFields file_fields(const std::string& file) {
-  return job_fields(job_name_of(file));
-}
-
 }  // namespace
 
 JobScheduler::JobScheduler(const PrinterContext& context, Spool& spool, PrintQueue& queue, QueueHold& hold,

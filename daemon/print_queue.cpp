@@ -9,14 +9,6 @@
 #include "daemon/readable.hpp"
 
 namespace contourd {
-namespace {
-
-LogFields file_fields(const std::string& file) {
-  return job_fields(job_name_of(file));
-}
-
-}  // namespace
-
 PrintQueue::Position PrintQueue::find(const std::string& file) {
   return std::ranges::find(jobs_, file, &WaitingJob::file);
 }
@@ -153,6 +145,10 @@ void PrintQueue::tell_refused(const std::string& file, const std::string& reason
   if (rejection == Spool::Rejection::Impossible)
     log_.error("refused",
                fmt::format("{}: cannot be moved to failed: {}", printable(file), printable(trouble)));
+}
+
+LogFields file_fields(const std::string& file) {
+  return job_fields(job_name_of(file));
 }
 
 void tell_withdrawn(const Log& log, const std::string& file) {

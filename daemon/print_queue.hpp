@@ -95,6 +95,8 @@ class PrintQueue {
   int rejections_ = 0;  // under way
 };
 
+// Those of an entry about a file in incoming/.
+[[nodiscard]] LogFields file_fields(const std::string& file);
 void tell_withdrawn(const Log& log, const std::string& file);
 
 }  // namespace contourd

@@ -18,10 +18,6 @@ using namespace std::chrono_literals;
 // How long a stop waits for a print to be filed; the service manager waits for longer (contourd.service).
 constexpr Duration kLongestFiling = 15s;
 
-LogFields file_fields(const std::string& file) {
-  return job_fields(job_name_of(file));
-}
-
 // By the system's own list alone: a directory service could keep the loop waiting. The number of whom that
 // does not know.
 std::string user_name(uid_t user) {
@@ -47,7 +43,8 @@ void log_command(const Log& log, const std::string& method, const ControlServer:
 PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine,
                                const Log& log, Supervisor& supervisor)
     : context_{config, loop, clock, machine, log, supervisor},
-      spool_(config.spool_folder, loop, *this),
+      incoming_log_(log, queue_),
+      spool_(config.spool_folder, loop, incoming_log_),
       reader_(config, spool_, loop),
       hold_(context_, spool_, calls_of_hold()),
       queue_(log, calls_of_queue()),
@@ -177,37 +174,6 @@ void PrinterService::disturbed(const Disturbance& disturbance) {
   if (print.state() == PrintState::Idle) context_.supervisor.status(readiness());
   notify("machine", ControlServer::Delivery::Lossy);
   scheduler_.run_soon();
-}
-
-// --- the spool's events
-
-void PrinterService::plate_waits(const std::string& file, const std::vector<std::string>& missing) {
-  std::string names;
-  for (const std::string& name : missing)
-    names += (names.empty() ? "" : ", ") + printable(name);
-  context_.log.info("incomplete",
-                    fmt::format("{}: waits for {}, which its {} names", printable(file), names, kPlateTicket),
-                    file_fields(file));
-}
-
-void PrinterService::passed_over(const std::string& file, Oddity oddity) {
-  context_.log.warning("passed-over",
-                       fmt::format("{}: is passed over: {}", printable(file), sentence_for(oddity)),
-                       file_fields(file));
-}
-
-void PrinterService::more_passed_over(std::size_t files) {
-  context_.log.warning("passed-over", fmt::format("{} more in incoming are passed over", files));
-}
-
-void PrinterService::incoming_lost(const std::string& why) {
-  context_.log.error(
-      "spool", fmt::format("nothing arrives until there is an incoming folder again: {}", printable(why)));
-}
-
-void PrinterService::incoming_replaced() {
-  context_.log.warning("spool",
-                       "incoming was removed, replaced or mounted over: what is there now is watched");
 }
 
 // --- the job's events

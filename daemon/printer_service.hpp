@@ -5,10 +5,10 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "daemon/control_server.hpp"
 #include "daemon/current_job.hpp"
+#include "daemon/incoming_log.hpp"
 #include "daemon/job_history.hpp"
 #include "daemon/job_reader.hpp"
 #include "daemon/job_scheduler.hpp"
@@ -21,7 +21,7 @@
 
 namespace contourd {
 
-class PrinterService final : private SpoolObserver, private JobObserver {
+class PrinterService final : private JobObserver {
  public:
   // All must outlive the service.
   PrinterService(const PrinterConfig& config, EventLoop& loop, Clock& clock, Machine& machine, const Log& log,
@@ -43,14 +43,6 @@ class PrinterService final : private SpoolObserver, private JobObserver {
   void on_printing(std::function<void(bool)> call) { printing_ = std::move(call); }
 
  private:
-  void model_arrived(const std::string& file) override { queue_.arrived(file); }
-  void model_withdrawn(const std::string& file) override { queue_.withdrawn(file); }
-  void plate_waits(const std::string& file, const std::vector<std::string>& missing) override;
-  void passed_over(const std::string& file, Oddity oddity) override;
-  void more_passed_over(std::size_t files) override;
-  void incoming_lost(const std::string& why) override;
-  void incoming_replaced() override;
-
   void print_state_changed(PrintState state) override;
   void job_changed(const std::string& what) override;
   void light_gone() override;
@@ -69,6 +61,7 @@ class PrinterService final : private SpoolObserver, private JobObserver {
   void stop_waiting_for_filing();
 
   PrinterContext context_;
+  IncomingLog incoming_log_;
   Spool spool_;
   JobReader reader_;
   QueueHold hold_;

@@ -1,0 +1,33 @@
+// Tells the queue of the jobs that come to incoming/ and go, and the log of what else is seen there. Event
+// loop's thread only.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "daemon/incoming_watch.hpp"
+#include "daemon/log.hpp"
+#include "daemon/print_queue.hpp"
+
+namespace contourd {
+
+class IncomingLog final : public SpoolObserver {
+ public:
+  // Both must outlive it; the queue need not be made before something is there.
+  IncomingLog(const Log& log, PrintQueue& queue) : log_(log), queue_(queue) {}
+
+  void model_arrived(const std::string& file) override { queue_.arrived(file); }
+  void model_withdrawn(const std::string& file) override { queue_.withdrawn(file); }
+  void plate_waits(const std::string& file, const std::vector<std::string>& missing) override;
+  void passed_over(const std::string& file, Oddity oddity) override;
+  void more_passed_over(std::size_t files) override;
+  void incoming_lost(const std::string& why) override;
+  void incoming_replaced() override;
+
+ private:
+  const Log& log_;
+  PrintQueue& queue_;
+};
+
+}  // namespace contourd
