@@ -2,68 +2,17 @@
 // against the machine, its first mask computed. Thread-safe (no shared state): runs on the worker's thread.
 #pragma once
 
-#include <filesystem>
 #include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "core/analysis/print_analysis.hpp"
-#include "core/layers/adaptive_layers.hpp"
-#include "core/model/mesh_report.hpp"
-#include "core/repair/mesh_repair.hpp"
-#include "daemon/config/job_ticket.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/job_files.hpp"
 #include "daemon/job_settings.hpp"
+#include "daemon/job_summary.hpp"
 #include "daemon/plate_arrangement.hpp"
 #include "daemon/print_process.hpp"
 
 namespace contourd {
-
-// One of its models.
-struct ModelSummary {
-  std::string file;         // in the plate's folder; empty for a job of one model
-  std::string_view format;  // its name
-  MeshReport mesh;          // as placed and mended
-  MeshRepairs repairs;
-  double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as placed
-  Scale scale;                                         // the resin's shrinkage not included
-  RotationDegrees rotation_deg;
-  std::optional<Direction> up;
-  std::vector<Point> centers;  // by copy, from the plate's centre, in millimetres
-};
-
-// Figures of layers that are still to come: the print decides as it goes.
-struct LayerSummary {
-  std::int32_t count = 0;
-  Nanometers thinnest{}, thickest{};  // the same when all are alike
-  std::optional<AdaptiveLayers> adaptive;
-};
-
-// What a job is, for the log and the report.
-struct JobSummary {
-  std::vector<ModelSummary> models;  // at least one
-  bool plate = false;
-  double height_mm = 0;  // of the highest model
-  ResinProfile resin;
-  double irradiance_mw_cm2 = 0;  // of the printer, and the next two
-  ToneCurve tone;
-  bool lamp_mask = false;  // whether it evens out its lamp
-  LayerSummary layers;
-  Duration reading{};     // the files, to facets
-  Duration indexing{};    // placement and height index
-  Duration first_mask{};  // from the first facet to the mask of layer 1
-  std::vector<std::string> warnings;
-};
-
-// What is done to contours and masks beyond slicing, for a person: "contours moved outwards by 50 um, ...".
-// Empty when nothing is.
-[[nodiscard]] std::string describe_correction(const JobSummary& summary);
-
-// The resin's values that the job is printed with, for a person: "standard: light of 3000 ms, ...".
-[[nodiscard]] std::string describe_settings(const JobSummary& summary);
 
 struct PreparedJob {
   PrintPlan plan;
