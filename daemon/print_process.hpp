@@ -2,8 +2,8 @@
 // print_states.hpp and does what its rows say. Whatever happens, a print ends with the light off. Event
 // loop's thread only.
 //
-// It is larger than other classes: each effect of the table is a method of it, and all of them work on the one
-// layer under way, whose light none of them may lose sight of.
+// It is larger than other classes: each effect of the table is a method of it, and all of them work on the
+// one layer under way, whose light none of them may lose sight of.
 #pragma once
 
 #include <algorithm>

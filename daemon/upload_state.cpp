@@ -7,6 +7,9 @@
 #include <cerrno>
 #include <system_error>
 
+#include "daemon/config/config_error.hpp"
+#include "daemon/config/job_ticket.hpp"
+
 namespace contourd {
 namespace {
 

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "core/units.hpp"
+#include "core/geometry/units.hpp"
 #include "hw/clock.hpp"
 #include "hw/gpio/gpio_axis_config.hpp"
 #include "hw/motion_curve.hpp"

@@ -8,10 +8,11 @@
 #include <utility>
 
 #include "hw/machine.hpp"
+#include "tests/hw/plain_devices.hpp"
 
 namespace contourd::testing {
 
-class LateAxis final : public ZAxis {
+class LateAxis final : public PlainAxis {
  public:
   explicit LateAxis(ZAxis& axis) : axis_(axis) {}
   void home(std::function<void(HomingResult)> done) override { axis_.home(std::move(done)); }

@@ -480,12 +480,12 @@ class OtherProjector final : public Projector {
   void power_on(Done done) override {
     answer_later([done = std::move(done)] { done(ProjectorReply::Ok); });
   }
-  void light_on(Duration, LightOn tell) override {
+  void light_on(Duration, LightOn light) override {
     lit = true;
     span_ = LightSpan{clock_.now(), clock_.now(), {}, {}};
-    answer_later([this, tell = std::move(tell)] {
-      tell.sent(span_->on_earliest);
-      tell.done(ProjectorReply::Ok);
+    answer_later([this, light = std::move(light)] {
+      light.sent(span_->on_earliest);
+      light.done(ProjectorReply::Ok);
     });
   }
   void light_off() noexcept override {
