@@ -9,6 +9,7 @@
 #include "daemon/readable.hpp"
 
 namespace contourd {
+
 PrintQueue::Position PrintQueue::find(const std::string& file) {
   return std::ranges::find(jobs_, file, &WaitingJob::file);
 }
@@ -38,7 +39,7 @@ void PrintQueue::withdrawn(const std::string& file) {
   remove_withdrawn(job);
 }
 
-void PrintQueue::remove_withdrawn(Position job) {
+void PrintQueue::remove_withdrawn(const Position& job) {
   const std::string file = job->file;
   jobs_.erase(job);
   tell_withdrawn(log_, file);
@@ -49,15 +50,17 @@ void PrintQueue::check_next() {
   const Position wanted = std::ranges::find(jobs_, WaitingJob::Check::Wanted, &WaitingJob::check);
   if (wanted == jobs_.end()) return;
   wanted->check = WaitingJob::Check::Running;
-  calls_.check(wanted->file, [this, file = wanted->file](const std::optional<JobRefusal>& refusal) {
-    checked(file, refusal);
+  const std::uint64_t number = wanted->check_number = ++checks_begun_;
+  calls_.check(wanted->file, [this, file = wanted->file, number](const std::optional<JobRefusal>& refusal) {
+    checked(file, number, refusal);
   });
 }
 
-void PrintQueue::checked(const std::string& file, const std::optional<JobRefusal>& refusal) {
+void PrintQueue::checked(const std::string& file, std::uint64_t number,
+                         const std::optional<JobRefusal>& refusal) {
   const Position job = find(file);
   // Gone, or written again meanwhile: what was found out is about another file.
-  if (job != jobs_.end() && job->check == WaitingJob::Check::Running) {
+  if (job != jobs_.end() && job->check == WaitingJob::Check::Running && job->check_number == number) {
     if (refusal && refusal->for_now) {
       postpone(*job, refusal->reason);
     } else if (refusal && refusal->profile.empty()) {
@@ -126,7 +129,7 @@ void PrintQueue::rejected(const std::string& file, const std::string& reason, Sp
 }
 
 // It comes back when it is whole, and is checked then.
-void PrintQueue::not_rejected(Position job) {
+void PrintQueue::not_rejected(const Position& job) {
   if (job != jobs_.end()) {
     if (job->withdrawn) return remove_withdrawn(job);
     job->check = WaitingJob::Check::Passed;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <optional>
@@ -26,10 +27,11 @@ struct WaitingJob {
     Postponed,  // there is no room for it in memory beside what is there now
     Refused,    // on its way to failed/
   } check = Check::Wanted;
-  bool withdrawn = false;   // on its way to failed/ it went, by the owner's hand or by the spool's
-  std::string postponed{};  // why, already told; empty when it was not
-  bool waited = false;      // for another print, or for the plate
-  std::string trouble{};    // why it could not be claimed, already told
+  std::uint64_t check_number = 0;  // of the one that is running
+  bool withdrawn = false;          // on its way to failed/ it went, by the owner's hand or by the spool's
+  std::string postponed{};         // why, already told; empty when it was not
+  bool waited = false;             // for another print, or for the plate
+  std::string trouble{};           // why it could not be claimed, already told
 };
 
 class PrintQueue {
@@ -79,20 +81,21 @@ class PrintQueue {
   using Position = std::deque<WaitingJob>::iterator;
 
   [[nodiscard]] Position find(const std::string& file);
-  void checked(const std::string& file, const std::optional<JobRefusal>& refusal);
+  void checked(const std::string& file, std::uint64_t number, const std::optional<JobRefusal>& refusal);
   void postpone(WaitingJob& job, const std::string& why);
   void refuse(WaitingJob& job, const std::string& reason);
   void rejected(const std::string& file, const std::string& reason, Spool::Rejection rejection,
                 const std::string& trouble);
-  void not_rejected(Position job);
+  void not_rejected(const Position& job);
   void tell_refused(const std::string& file, const std::string& reason, Spool::Rejection rejection,
                     const std::string& trouble) const;
-  void remove_withdrawn(Position job);
+  void remove_withdrawn(const Position& job);
 
   const Log& log_;
   Calls calls_;
   std::deque<WaitingJob> jobs_;
   int rejections_ = 0;  // under way
+  std::uint64_t checks_begun_ = 0;
 };
 
 // Those of an entry about a file in incoming/.

@@ -117,6 +117,20 @@ TEST_CASE("What a check finds in a file that was written again meanwhile counts 
   CHECK(desk.queue.jobs().front().check == Check::Wanted);
 }
 
+TEST_CASE("What a check finds in a file counts for nothing when the new one is being checked already") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  desk.queue.check_next();
+  desk.queue.arrived("a.stl");
+  desk.queue.check_next();
+  REQUIRE(desk.checks.size() == 2);
+  desk.checks[0].done(JobRefusal{"no model"});
+  CHECK(desk.rejections.empty());
+  CHECK(desk.queue.jobs().front().check == Check::Running);
+  desk.checks[1].done(std::nullopt);
+  CHECK(desk.queue.jobs().front().check == Check::Passed);
+}
+
 TEST_CASE("What a check finds in a job that is gone counts for nothing") {
   Desk desk;
   desk.arrive({"a.stl"});
