@@ -101,7 +101,7 @@ MemoryRoom memory_room(std::optional<std::uint64_t> limit, const MemorySources& 
   if (limit) {
     return {less(*limit, held),
             fmt::format("memory_limit_mb is {}, and contourd holds {}", *limit / 1'000'000, megabytes(held)),
-            held};
+            std::min(held, *limit)};
   }
   const auto kilobytes = number_in(sources.proc / "meminfo", "MemAvailable:");
   const std::uint64_t machine = kilobytes ? *kilobytes * kBytesPerKb : kUnlimited;

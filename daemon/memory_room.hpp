@@ -18,7 +18,7 @@ struct MemorySources {
 struct MemoryRoom {
   std::uint64_t bytes = 0;  // that may be taken from now on
   std::string reason;       // why no more, as a clause
-  std::uint64_t held = 0;   // by this process
+  std::uint64_t held = 0;   // by this process; of its limit, where it has one
 };
 
 // Of the process' `limit`, or without one: what the machine has available and the process' control groups

@@ -68,14 +68,14 @@ TEST_CASE("A waiting job that is no model is refused with what it is not") {
   CHECK(refusal->profile.empty());
 }
 
-TEST_CASE("A job for which there is no room while another has it is refused for now only") {
+TEST_CASE("A job for which there would be no room in a process that held nothing else is refused for good") {
   Started desk;
   desk.put(Spool::Folder::Incoming, "part.stl");
   desk.config.memory_limit_bytes = 1;
   const auto refusal = desk.check("part.stl");
   REQUIRE(refusal);
   CHECK_FALSE(refusal->reason.empty());
-  CHECK_FALSE(refusal->for_now);  // this process alone takes more than that
+  CHECK_FALSE(refusal->for_now);
 }
 
 TEST_CASE("A profile that cannot be used is told as the profile's matter") {

@@ -43,6 +43,7 @@ TEST_CASE("A limit is the whole process': what it holds counts") {
   CHECK(room.bytes == 100'000'000 - 20'480'000);
   CHECK(room.reason == "memory_limit_mb is 100, and contourd holds 20 MB");
   CHECK(Kernel().room(10'000'000).bytes == 0);
+  CHECK(Kernel().room(10'000'000).held == 10'000'000);
 }
 
 TEST_CASE("A control group's limit counts where it leaves less than the machine, less what it has taken") {
