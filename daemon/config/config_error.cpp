@@ -34,7 +34,10 @@ std::string lines(const std::vector<Violation>& violations) {
   const std::size_t shown = std::min(violations.size(), most_lines);
   for (std::size_t i = 0; i < shown; ++i)
     text += (text.empty() ? "" : "\n") + line(violations[i], "");
-  if (shown < violations.size()) text += "\nand " + std::to_string(violations.size() - shown) + " more";
+  if (shown < violations.size()) {
+    const char* const counted = violations.size() < kMostViolations ? "\nand " : "\nand at least ";
+    text += counted + std::to_string(violations.size() - shown) + " more";
+  }
   return text;
 }
 

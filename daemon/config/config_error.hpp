@@ -2,6 +2,7 @@
 // it. Value types; thread-safe as any value is.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -17,8 +18,11 @@ struct Violation {
   bool operator==(const Violation&) const = default;
 };
 
+// So many are looked for: a file of a megabyte may have half a million.
+inline constexpr std::size_t kMostViolations = 1000;
+
 // what() is one line a violation: `FILE: /pointer: message`, fit for a person (printable.hpp); of many, the
-// first 30 and how many there are more.
+// first 30 and how many there are more, or at least.
 class ConfigError : public std::runtime_error {
  public:
   // REQUIRES: at least one violation.

@@ -212,8 +212,7 @@ void check(const SchemaNode& named, const json& value, const std::string& pointe
 }  // namespace
 
 void check_by_schema(const SchemaNode& schema, JsonDocument& document) {
-  constexpr std::size_t most_findings = 1000;
-  Findings findings(most_findings);
+  Findings findings(kMostViolations);
   check(schema, document.value(), "", findings);
   for (const Findings::Finding& finding : findings.all())
     document.add_violation(finding.pointer, finding.message);
