@@ -94,9 +94,10 @@ ModelOutline outline_of_model(const std::filesystem::path& path) {
 }
 
 ModelOutline outline_of_model(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
-  const std::vector<std::byte> start = read_start(file, bytes, path);
-  const ModelFormat& format = format_of({bytes, start});
-  ModelOutline outline = format.outline({bytes, start});
+  const std::vector<std::byte> first_bytes = read_start(file, bytes, path);
+  const FileStart start{bytes, first_bytes};
+  const ModelFormat& format = format_of(start);
+  ModelOutline outline = format.outline(start);
   outline.format = format.name;
   return outline;
 }
@@ -107,10 +108,9 @@ Model read_model_file(const std::filesystem::path& path) {
 }
 
 Model read_model_file(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
-  const std::vector<std::byte> start = read_start(file, bytes, path);
-  return format_of({bytes, start}).read({bytes, start}, [&](std::span<std::byte> into) {
-    read_exactly(file, into, path);
-  });
+  const std::vector<std::byte> first_bytes = read_start(file, bytes, path);
+  const FileStart start{bytes, first_bytes};
+  return format_of(start).read(start, [&](std::span<std::byte> into) { read_exactly(file, into, path); });
 }
 
 Model read_model(std::span<const std::byte> bytes) {
