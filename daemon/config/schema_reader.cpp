@@ -103,7 +103,8 @@ std::vector<const JsonType*> types_at(const json& value, const Place& place) {
       reject(place, "the type " + in_quotes(text_at(name, place)) + " is not known");
   }
   for (const JsonType& type : json_types()) {
-    if (std::ranges::count(names, type.name) > 0) types.push_back(&type);
+    const auto is_it = [&type](const json& name) { return name == type.name; };
+    if (std::ranges::any_of(names, is_it)) types.push_back(&type);
   }
   return types;
 }
