@@ -1,7 +1,5 @@
 #include "daemon/incoming_watch.hpp"
 
-#include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/epoll.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -9,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <stdexcept>
 #include <system_error>
 
 namespace contourd {
@@ -26,13 +23,6 @@ constexpr int kQuietLooks = 3;
 // How many looks are begun in one turn of the event loop.
 constexpr std::size_t kLooksATurn = 50;
 
-// How often it is asked whether the folder is still the one that is watched. No event tells that another file
-// system was mounted over it, or that a folder above it was renamed.
-constexpr Duration kFolderInterval = 3s;
-
-constexpr std::uint32_t kChanges =
-    IN_CREATE | IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
-
 // In nanoseconds; 0 when it is not there.
 std::int64_t change_time(const fs::path& path) {
   struct stat status {};
@@ -47,111 +37,36 @@ IncomingWatch::IncomingWatch(const SpoolFolders& folders, const CopiedOriginals&
                              SpoolObserver& observer)
     : folders_(folders),
       copied_(copied),
-      make_folders_(std::move(make_folders)),
       loop_(loop),
       disk_(disk),
       observer_(observer),
       passed_over_(loop, {.one = [this](const std::string& file,
                                         Oddity oddity) { observer_.passed_over(file, oddity); },
-                          .more = [this](std::size_t files) { observer_.more_passed_over(files); }}) {}
+                          .more = [this](std::size_t files) { observer_.more_passed_over(files); }}),
+      folder_(folders.path(SpoolFolder::Incoming), loop, disk,
+              {.make = std::move(make_folders),
+               .left = [this] { stop_watching_plates(); },
+               .replaced =
+                   [this] {
+                     observer_.incoming_replaced();
+                     consider_all();
+                   },
+               .not_there = [this](const std::string& why) { observer_.incoming_lost(why); }}) {}
 
 void IncomingWatch::open() {
   inotify_ = FileDescriptor(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
   if (!inotify_.valid())
     throw std::system_error(errno, std::generic_category(), "cannot watch folders (inotify)");
-  const Opened opened = open_folder();
-  if (!opened.trouble.empty()) throw std::runtime_error(opened.trouble);
   // Watched before it is read, so that nothing can come in between.
-  watch(opened);
+  folder_.watch_by(inotify_.get());
   inotify_source_ = loop_.on_ready(inotify_.get(), EPOLLIN, "the spool (inotify)",
                                    [this](std::uint32_t) { read_events(); });
   consider_all();
-  look_at_folder_later();
-}
-
-// --- the folder itself
-
-IncomingWatch::Opened IncomingWatch::open_folder() const noexcept {
-  Opened opened;
-  try {
-    make_folders_();
-    const std::string path = folders_.path(SpoolFolder::Incoming).string();
-    opened.folder = FileDescriptor(::open(path.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-    struct stat status {};
-    if (!opened.folder.valid() || ::fstat(opened.folder.get(), &status) != 0)
-      throw std::system_error(errno, std::generic_category(), "cannot open " + path);
-    opened.identity = {status.st_dev, status.st_ino};
-  } catch (const std::exception& error) {
-    opened.trouble = error.what();
-  }
-  return opened;
-}
-
-// Throws std::system_error. The descriptor is not kept: it would keep a file system from being unmounted.
-void IncomingWatch::watch(const Opened& opened) {
-  const std::string path = fmt::format("/proc/self/fd/{}", opened.folder.get());
-  folder_watch_ = ::inotify_add_watch(inotify_.get(), path.c_str(), kChanges | IN_MOVE_SELF);
-  if (folder_watch_ < 0)
-    throw std::system_error(errno, std::generic_category(),
-                            "cannot watch " + folders_.path(SpoolFolder::Incoming).string());
-  identity_ = opened.identity;
-}
-
-void IncomingWatch::stop_watching() {
-  folder_timer_.reset();
-  if (folder_watch_ >= 0) (void)::inotify_rm_watch(inotify_.get(), std::exchange(folder_watch_, -1));
-  while (!watch_of_plate_.empty())
-    stop_watching_plate(std::string(watch_of_plate_.begin()->first));
-}
-
-void IncomingWatch::watch_anew() {
-  watch_again_timer_.reset();
-  stop_watching();
-  if (std::exchange(opening_, true)) return;
-  disk_.run([this] { return open_folder(); }, [this](const Opened& opened) { opened_anew(opened); });
-}
-
-void IncomingWatch::opened_anew(const Opened& opened) {
-  opening_ = false;
-  try {
-    if (!opened.trouble.empty()) throw std::runtime_error(opened.trouble);
-    watch(opened);
-  } catch (const std::runtime_error& error) {
-    if (!std::exchange(lost_, true)) observer_.incoming_lost(error.what());
-    watch_again_timer_ = loop_.at(std::chrono::steady_clock::now() + kLookInterval, "the spool's timer",
-                                  [this] { watch_anew(); });
-    return;
-  }
-  lost_ = false;
-  observer_.incoming_replaced();
-  consider_all();
-  look_at_folder_later();
-}
-
-IncomingWatch::Identity IncomingWatch::identity_of_folder() const {
-  struct stat status {};
-  if (::lstat(folders_.path(SpoolFolder::Incoming).c_str(), &status) != 0) return {};
-  return {status.st_dev, status.st_ino};
-}
-
-void IncomingWatch::look_at_folder_later() {
-  folder_timer_ =
-      loop_.at(std::chrono::steady_clock::now() + kFolderInterval, "the spool's folder timer", [this] {
-        folder_timer_.reset();
-        disk_.run([this] { return identity_of_folder(); },
-                  [this](const Identity& identity) { looked_at_folder(identity); });
-      });
-}
-
-void IncomingWatch::looked_at_folder(const Identity& identity) {
-  if (folder_watch_ < 0) return;  // watched anew already
-  if (identity != identity_) return watch_anew();
-  look_at_folder_later();
 }
 
 bool IncomingWatch::watch_plate(const std::string& file) {
   const fs::path path = folders_.path(SpoolFolder::Incoming) / file;
-  const int watch = ::inotify_add_watch(inotify_.get(), path.c_str(), kChanges | IN_DONT_FOLLOW);
+  const int watch = ::inotify_add_watch(inotify_.get(), path.c_str(), kFolderChanges | IN_DONT_FOLLOW);
   if (watch < 0) return false;
   plate_watches_[watch] = file;
   watch_of_plate_[file] = watch;
@@ -164,6 +79,11 @@ void IncomingWatch::stop_watching_plate(const std::string& file) {
   (void)::inotify_rm_watch(inotify_.get(), watch->second);
   plate_watches_.erase(watch->second);
   watch_of_plate_.erase(watch);
+}
+
+void IncomingWatch::stop_watching_plates() {
+  while (!watch_of_plate_.empty())
+    stop_watching_plate(std::string(watch_of_plate_.begin()->first));
 }
 
 // --- events
@@ -193,8 +113,8 @@ void IncomingWatch::take_event(const inotify_event& event) {
     return consider(file, Look::Event);
   }
   // A folder's that is not watched any more.
-  if (event.wd != folder_watch_) return;
-  if ((event.mask & (IN_IGNORED | IN_MOVE_SELF)) != 0) return watch_anew();
+  if (!folder_.is_watched_by(event.wd)) return;
+  if ((event.mask & (IN_IGNORED | IN_MOVE_SELF)) != 0) return folder_.watch_anew();
   const std::string file = event.len > 0 ? event.name : "";
   if ((event.mask & (IN_DELETE | IN_MOVED_FROM)) == 0) return consider(file, Look::Event);
   looks_.erase(file);

@@ -2,8 +2,7 @@
 // looked at by a timer). Event loop's thread only. Files are looked at on the disk's thread, as a disk may
 // take seconds while a light is on.
 //
-// The folder may be removed, replaced or mounted over while it is watched: then the one that is there instead
-// is watched.
+// It has more members than most: what is known of each file, kept apart by what is waited for.
 #pragma once
 
 #include <sys/inotify.h>
@@ -20,6 +19,7 @@
 
 #include "daemon/copied_originals.hpp"
 #include "daemon/event_loop.hpp"
+#include "daemon/incoming_folder.hpp"
 #include "daemon/passed_over.hpp"
 #include "daemon/spool_folders.hpp"
 #include "daemon/upload_state.hpp"
@@ -84,18 +84,6 @@ class IncomingWatch {
     int unchanged_looks = 0;   // by the timer: events may come in bursts
   };
 
-  // A folder by what it is, whatever its name.
-  struct Identity {
-    std::uint64_t device = 0, inode = 0;
-    bool operator==(const Identity&) const = default;
-  };
-
-  struct Opened {
-    FileDescriptor folder;
-    Identity identity;
-    std::string trouble;  // else why it could not be opened
-  };
-
   struct Seen {
     UploadState upload;
     bool taken = false;            // by copy: what lies there is not wanted any more
@@ -104,19 +92,10 @@ class IncomingWatch {
 
   enum class Look { Event, Timer };
 
-  [[nodiscard]] Opened open_folder() const noexcept;
-  [[nodiscard]] Identity identity_of_folder() const;
-  void watch(const Opened& opened);
-  // Again and again, until it can be watched.
-  void watch_anew();
-  void opened_anew(const Opened& opened);
-  void stop_watching();
-  void look_at_folder_later();
-  void looked_at_folder(const Identity& identity);
-
   // False when there are no more watches.
   [[nodiscard]] bool watch_plate(const std::string& file);
   void stop_watching_plate(const std::string& file);
+  void stop_watching_plates();
   void read_events();
   void take_event(const inotify_event& event);
 
@@ -137,23 +116,19 @@ class IncomingWatch {
 
   const SpoolFolders& folders_;
   const CopiedOriginals& copied_;
-  std::function<void()> make_folders_;
   EventLoop& loop_;
   Worker& disk_;
   SpoolObserver& observer_;
   FileDescriptor inotify_;
   EventLoop::SourcePtr inotify_source_;
-  EventLoop::SourcePtr look_again_timer_, watch_again_timer_, consider_timer_, folder_timer_;
-  int folder_watch_ = -1;
-  Identity identity_;
-  bool opening_ = false;
-  bool lost_ = false;
+  EventLoop::SourcePtr look_again_timer_, consider_timer_;
   std::deque<std::pair<std::string, Look>> to_consider_;
   std::map<int, std::string> plate_watches_;  // inotify's number: the plate
   std::map<std::string, int> watch_of_plate_;
   std::map<std::string, Candidate> candidates_;  // not known to be whole yet
   std::map<std::string, std::vector<std::string>> incomplete_;
   PassedOver passed_over_;
+  IncomingFolder folder_;
   std::set<std::string> arrived_;  // and told
   std::set<std::string> originals_;
   std::map<std::string, std::uint64_t> looks_;  // under way: the number of the latest at each file

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "core/image/preview.hpp"
+#include "daemon/print_report_html.hpp"
+#include "daemon/print_report_json.hpp"
 #include "daemon/readable.hpp"
 #include "hw/png_file.hpp"
 

@@ -188,11 +188,7 @@ void PrintProcess::perform(PrintEffect effect) {
       expect_within(kMotionGrace, "the axis to stop");
       return machine_.z_axis().stop();
     case PrintEffect::PowerOn:
-      expect_within(kWarmUpDeadline, "the projector's lamp to be warm");
-      return machine_.projector().power_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
-        if (reply == ProjectorReply::Ok) return handle(PrintEvent::ProjectorReady);
-        fail(fmt::format("power on: {}", machine_.projector().last_problem()));
-      }));
+      return power_on();
     case PrintEffect::PowerOff:
       return machine_.projector().power_off();
     case PrintEffect::Home:
@@ -208,12 +204,7 @@ void PrintProcess::perform(PrintEffect effect) {
     case PrintEffect::TimeExposure:
       return time_exposure();
     case PrintEffect::ShowBlack:
-      expect_within(kPresentDeadline, "the display to show black");
-      return machine_.display().black(
-          while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
-            if (at) return handle(PrintEvent::ScreenBlack);
-            display_lost();
-          }));
+      return show_black();
     case PrintEffect::AwaitDark:
       if (state_ == PrintState::Ending) {
         deadline_ = clock_.call_after(kEndingDeadline, [this] { handle(PrintEvent::GaveUp); });
@@ -264,6 +255,22 @@ Nanometers PrintProcess::current_height() const {
   const std::optional<Nanometers> height = machine_.z_axis().height();
   if (!height) throw std::runtime_error("the plate's position is unknown");
   return *height;
+}
+
+void PrintProcess::power_on() {
+  expect_within(kWarmUpDeadline, "the projector's lamp to be warm");
+  machine_.projector().power_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
+    if (reply == ProjectorReply::Ok) return handle(PrintEvent::ProjectorReady);
+    fail(fmt::format("power on: {}", machine_.projector().last_problem()));
+  }));
+}
+
+void PrintProcess::show_black() {
+  expect_within(kPresentDeadline, "the display to show black");
+  machine_.display().black(while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
+    if (at) return handle(PrintEvent::ScreenBlack);
+    display_lost();
+  }));
 }
 
 void PrintProcess::home() {

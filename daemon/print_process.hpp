@@ -154,6 +154,8 @@ class PrintProcess {
   [[nodiscard]] Duration exposure_left() const { return record_.exposure_asked - record_.exposure_most; }
   void expect_within(Duration duration, const std::string& what);
   void move_to(Nanometers target, MillimetersPerSecond speed);
+  void power_on();
+  void show_black();
   void home();
   void show_mask();
   void abandon_mask(const MaskBudget& spent);

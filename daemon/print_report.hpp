@@ -1,5 +1,4 @@
-// The record of one print, for the owner: JSON for programs, and one self-contained HTML page with a picture,
-// the settings, the times and plots against height. Thread-safe (no shared state).
+// The record of one print, for its owner.
 #pragma once
 
 #include <chrono>
@@ -36,11 +35,5 @@ struct PrintReport {
   std::optional<std::filesystem::path> masks;  // where the simulated display kept them
   std::vector<std::uint8_t> preview_png;
 };
-
-[[nodiscard]] std::string report_as_json(const PrintReport& report);
-[[nodiscard]] std::string report_as_html(const PrintReport& report);
-
-// "2026-11-20T19:05:00Z".
-[[nodiscard]] std::string iso_time(std::chrono::system_clock::time_point time);
 
 }  // namespace contourd

@@ -1,10 +1,11 @@
+#include "daemon/print_report_html.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "daemon/html_page.hpp"
 #include "daemon/print_findings.hpp"
-#include "daemon/print_report.hpp"
 #include "daemon/readable.hpp"
 
 namespace contourd {
@@ -44,43 +45,54 @@ std::string model_rows(const ModelSummary& model) {
   return rows;
 }
 
-std::string facts(const PrintReport& report) {
-  const JobSummary& s = report.summary;
-  std::string rows;
-  rows += row("Printer", report.printer);
-  rows += row("Started", iso_time(report.started));
-  rows += row("Print time", readable(report.print_time));
-  const double thinnest_um = to_millimeters(s.layers.thinnest).count() * 1000;
-  const double thickest_um = to_millimeters(s.layers.thickest).count() * 1000;
+std::string thickness_of(const JobSummary& summary) {
+  const double thinnest_um = to_millimeters(summary.layers.thinnest).count() * 1000;
+  if (!summary.layers.adaptive) return fmt::format("{:g} um each", thinnest_um);
+  return fmt::format("{:g} to {:g} um (cusp {:g} um)", thinnest_um,
+                     to_millimeters(summary.layers.thickest).count() * 1000,
+                     to_millimeters(summary.layers.adaptive->cusp).count() * 1000);
+}
+
+std::string settings_rows(const JobSummary& summary) {
+  const ResinProfile& resin = summary.resin;
+  std::string rows = row("Resin", describe_settings(summary));
+  rows += row("Lift", fmt::format("{:g} mm, {:g} mm/s up, {:g} mm/s down", to_millimeters(resin.lift).count(),
+                                  resin.lift_speed.count(), resin.retract_speed.count()));
   rows +=
-      row("Layers", fmt::format("{} of {} exposed, {}", layers_exposed(report.layers), s.layers.count,
-                                s.layers.adaptive
-                                    ? fmt::format("{:g} to {:g} um (cusp {:g} um)", thinnest_um, thickest_um,
-                                                  to_millimeters(s.layers.adaptive->cusp).count() * 1000)
-                                    : fmt::format("{:g} um each", thinnest_um)));
-  for (const ModelSummary& model : s.models)
-    rows += model_rows(model);
-  rows += row("Resin", describe_settings(s));
-  rows +=
-      row("Lift", fmt::format("{:g} mm, {:g} mm/s up, {:g} mm/s down", to_millimeters(s.resin.lift).count(),
-                              s.resin.lift_speed.count(), s.resin.retract_speed.count()));
-  rows += row("Waits",
-              fmt::format("{:g} ms before the light, {:g} ms after", ms(s.resin.settle), ms(s.resin.rest)));
-  const std::string correction = describe_correction(s);
+      row("Waits", fmt::format("{:g} ms before the light, {:g} ms after", ms(resin.settle), ms(resin.rest)));
+  const std::string correction = describe_correction(summary);
   if (!correction.empty()) rows += row("Compensation", correction);
-  if (!report.layers.empty()) {
-    rows += row("Exposure",
-                fmt::format("{:.0f} ms first, {:.0f} ms last", ms(report.layers.front().exposure_asked),
-                            ms(report.layers.back().exposure_asked)));
-    Duration least{0}, most{0};
-    for (const LayerRecord& layer : report.layers) {
-      if (!layer.complete) continue;
-      least = std::min(least, layer.exposure_least - layer.exposure_asked);
-      most = std::max(most, layer.exposure_most - layer.exposure_asked);
-    }
-    rows += row("Light against asked",
-                fmt::format("{:.2f} ms at the least, +{:.2f} ms at the most", ms(least), ms(most)));
+  return rows;
+}
+
+std::string exposure_rows(const std::vector<LayerRecord>& layers) {
+  if (layers.empty()) return "";
+  Duration least{0}, most{0};
+  for (const LayerRecord& layer : layers) {
+    if (!layer.complete) continue;
+    least = std::min(least, layer.exposure_least - layer.exposure_asked);
+    most = std::max(most, layer.exposure_most - layer.exposure_asked);
   }
+  return row("Exposure", fmt::format("{:.0f} ms first, {:.0f} ms last", ms(layers.front().exposure_asked),
+                                     ms(layers.back().exposure_asked))) +
+         row("Light against asked",
+             fmt::format("{:.2f} ms at the least, +{:.2f} ms at the most", ms(least), ms(most)));
+}
+
+std::string mask_row(const std::vector<LayerRecord>& layers) {
+  if (layers.empty()) return "";
+  Duration slowest{0}, sum{0};
+  for (const LayerRecord& layer : layers) {
+    slowest = std::max(slowest, layer.mask_time);
+    sum += layer.mask_time;
+  }
+  return row("Masks", fmt::format("{:.2f} ms each, the slowest {:.2f} ms",
+                                  ms(sum) / static_cast<double>(layers.size()), ms(slowest)));
+}
+
+// What did not go as it should.
+std::string trouble_rows(const PrintReport& report) {
+  std::string rows;
   for (const std::string& interruption : report.interruptions)
     rows += row("Interrupted", interruption);
   if (report.late_steps > 0)
@@ -89,24 +101,33 @@ std::string facts(const PrintReport& report) {
     rows += row("Late light", fmt::format("by up to {:.0f} ms: the event loop was busy with {}",
                                           ms(report.busiest_lit.busy), report.busiest_lit.source));
   }
-  rows += row("First mask", fmt::format("{:.1f} ms after its turn came", ms(report.first_mask_after)));
-  Duration slowest{0}, sum{0};
-  for (const LayerRecord& layer : report.layers) {
-    slowest = std::max(slowest, layer.mask_time);
-    sum += layer.mask_time;
-  }
-  if (!report.layers.empty()) {
-    rows += row("Masks", fmt::format("{:.2f} ms each, the slowest {:.2f} ms",
-                                     ms(sum) / static_cast<double>(report.layers.size()), ms(slowest)));
-  }
+  return rows;
+}
+
+std::string finding_rows(const PrintReport& report) {
+  std::string rows;
   if (report.findings) rows += row("Analysis", findings_line(*report.findings));
-  for (const std::string& warning : s.warnings)
+  for (const std::string& warning : report.summary.warnings)
     rows += row("Warning", warning);
   if (report.findings) {
     for (const std::string& warning : warnings_about(*report.findings))
       rows += row("Warning", warning);
   }
   return rows;
+}
+
+std::string facts(const PrintReport& report) {
+  const JobSummary& summary = report.summary;
+  std::string rows = row("Printer", report.printer);
+  rows += row("Started", iso_time(report.started));
+  rows += row("Print time", readable(report.print_time));
+  rows += row("Layers", fmt::format("{} of {} exposed, {}", layers_exposed(report.layers),
+                                    summary.layers.count, thickness_of(summary)));
+  for (const ModelSummary& model : summary.models)
+    rows += model_rows(model);
+  rows += settings_rows(summary) + exposure_rows(report.layers) + trouble_rows(report);
+  rows += row("First mask", fmt::format("{:.1f} ms after its turn came", ms(report.first_mask_after)));
+  return rows + mask_row(report.layers) + finding_rows(report);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-#include <fmt/chrono.h>
+#include "daemon/print_report_json.hpp"
+
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -6,7 +7,7 @@
 
 #include "daemon/mesh_repair_text.hpp"
 #include "daemon/print_findings.hpp"
-#include "daemon/print_report.hpp"
+#include "daemon/readable.hpp"
 
 namespace contourd {
 namespace {
@@ -125,10 +126,6 @@ Json layer_json(const LayerRecord& layer) {
 }
 
 }  // namespace
-
-std::string iso_time(std::chrono::system_clock::time_point time) {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
-}
 
 std::string report_as_json(const PrintReport& report) {
   const JobSummary& summary = report.summary;

@@ -1,5 +1,6 @@
 #include "daemon/readable.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 namespace contourd {
@@ -10,6 +11,10 @@ std::string readable(Duration duration) {
   const auto whole = static_cast<long long>(seconds + 0.5);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
+}
+
+std::string iso_time(std::chrono::system_clock::time_point time) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
 }
 
 }  // namespace contourd

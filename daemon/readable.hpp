@@ -12,6 +12,8 @@ namespace contourd {
 
 // "3 h 05 min", "12 min 30 s", "4.2 s".
 [[nodiscard]] std::string readable(Duration duration);
+// "2026-11-20T19:05:00Z".
+[[nodiscard]] std::string iso_time(std::chrono::system_clock::time_point time);
 // For figures that are told in milliseconds.
 [[nodiscard]] inline double milliseconds(Duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();

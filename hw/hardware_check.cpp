@@ -4,7 +4,7 @@
 #include <exception>
 #include <utility>
 
-#include "hw/drm/drm_display.hpp"
+#include "hw/drm/drm_report.hpp"
 #include "hw/gpio/gpio_axis.hpp"
 #include "hw/open_projector.hpp"
 

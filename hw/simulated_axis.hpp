@@ -1,8 +1,15 @@
 // The simulated printer's Z axis. Behind simulated_printer.hpp; not for use outside hw.
 #pragma once
 
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "hw/motion_profile.hpp"
-#include "hw/simulated_printer.hpp"
+#include "hw/simulated_printer_config.hpp"
+#include "hw/z_axis.hpp"
 
 namespace contourd {
 

@@ -35,7 +35,8 @@ struct JoinedChains {
   LayerCracks cracks;
 };
 
-// Keeps its working memory between calls: allocates only while the chains grow in number.
+// Keeps its working memory between calls: allocates only while the chains grow in number. It has more members
+// than most: that memory.
 class OpenChainJoiner {
  public:
   // Forgets all chains.

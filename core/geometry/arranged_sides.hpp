@@ -8,6 +8,8 @@
 // (snap rounding). Where that bends a side onto another or past it, another sweep over the pieces follows.
 //
 // Keeps its working memory between calls: allocates only while sections grow. Not thread-safe.
+//
+// It has many functions, each of a few lines: the steps of one sweep, which all work on the same sides.
 #pragma once
 
 #include <cstddef>

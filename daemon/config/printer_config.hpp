@@ -13,7 +13,7 @@
 #include "daemon/config/config_error.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "hw/real_machine_config.hpp"
-#include "hw/simulated_printer.hpp"
+#include "hw/simulated_printer_config.hpp"
 
 namespace contourd {
 

@@ -1,3 +1,5 @@
+#include "daemon/ctl/analyze_command.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,8 +14,8 @@
 #include "core/layers/print_layers.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/analyze_page.hpp"
-#include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/read_model.hpp"
 #include "daemon/ctl/slice_files.hpp"
 #include "daemon/ctl/statistics_text.hpp"
 #include "daemon/mesh_repair_text.hpp"

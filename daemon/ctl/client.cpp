@@ -1,9 +1,10 @@
+#include "daemon/ctl/client.hpp"
+
 #include <fmt/format.h>
 
 #include <cstdio>
 #include <string>
 
-#include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/daemon_connection.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/readable.hpp"

@@ -1,3 +1,5 @@
+#include "daemon/ctl/inspect_command.hpp"
+
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -8,8 +10,8 @@
 #include "core/formats/model_reader.hpp"
 #include "core/model/height_index.hpp"
 #include "core/model/mesh_report.hpp"
-#include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/read_model.hpp"
 #include "daemon/mesh_repair_text.hpp"
 #include "daemon/readable.hpp"
 

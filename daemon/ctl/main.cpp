@@ -15,8 +15,12 @@
 #include "core/layers/layers.hpp"
 #include "daemon/config/config_error.hpp"
 #include "daemon/control_defaults.hpp"
-#include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/analyze_command.hpp"
+#include "daemon/ctl/client.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/inspect_command.hpp"
+#include "daemon/ctl/slice_command.hpp"
+#include "daemon/ctl/watch_command.hpp"
 #include "daemon/job_settings.hpp"
 #include "daemon/readable.hpp"
 

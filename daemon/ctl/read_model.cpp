@@ -1,4 +1,8 @@
-#include "daemon/ctl/commands.hpp"
+#include "daemon/ctl/read_model.hpp"
+
+#include <string>
+
+#include "core/formats/model_reader.hpp"
 #include "daemon/job_memory.hpp"
 
 namespace contourd::ctl {

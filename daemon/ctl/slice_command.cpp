@@ -1,3 +1,5 @@
+#include "daemon/ctl/slice_command.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,10 +14,10 @@
 #include "core/formats/model_reader.hpp"
 #include "core/layers/layer_statistics.hpp"
 #include "core/layers/print_layers.hpp"
-#include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/layer_folder.hpp"
 #include "daemon/ctl/mask_files.hpp"
+#include "daemon/ctl/read_model.hpp"
 #include "daemon/ctl/slice_files.hpp"
 #include "daemon/ctl/statistics_text.hpp"
 #include "daemon/mesh_repair_text.hpp"

@@ -1,3 +1,5 @@
+#include "daemon/ctl/watch_command.hpp"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -8,7 +10,6 @@
 #include <optional>
 #include <string>
 
-#include "daemon/ctl/commands.hpp"
 #include "daemon/ctl/daemon_connection.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/readable.hpp"

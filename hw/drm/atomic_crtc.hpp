@@ -3,6 +3,7 @@
 
 #include "hw/drm/atomic_request.hpp"
 #include "hw/drm/crtc.hpp"
+#include "hw/drm/crtc_route.hpp"
 
 namespace contourd {
 

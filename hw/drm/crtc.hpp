@@ -1,16 +1,9 @@
 // What feeds one connector with pictures: a CRTC in one mode, with its primary plane. Two kinds, by the
-// kernel's atomic or legacy calls; make_crtc() chooses. Not thread-safe. Calls return 0 or an errno, and
-// those that are noexcept neither allocate nor throw. A picture is a framebuffer's id.
+// kernel's atomic or legacy calls; make_crtc() of crtc_choice.hpp chooses. Not thread-safe. Calls return 0 or
+// an errno, and those that are noexcept neither allocate nor throw. A picture is a framebuffer's id.
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "hw/drm/card.hpp"
-#include "hw/drm/connector.hpp"
-#include "hw/drm/pixel_format.hpp"
 
 namespace contourd {
 
@@ -36,28 +29,5 @@ class Crtc {
   // No signal. May wait as set_mode().
   virtual int turn_off() noexcept = 0;
 };
-
-// A CRTC that may feed a connector, and the plane of pictures that fills it.
-struct CrtcRoute {
-  std::uint32_t crtc_id = 0, plane_id = 0;
-  std::vector<std::uint32_t> formats;  // of the plane, DRM_FORMAT_*
-};
-
-// Best first: that which feeds the connector now, then idle ones, then those that feed another one. Throws
-// HardwareError when there is none.
-[[nodiscard]] std::vector<CrtcRoute> routes_to(const Card& card, const Connector& connector);
-
-// "XR24 RG16"
-[[nodiscard]] std::string describe_formats(const std::vector<std::uint32_t>& formats);
-
-// Throws HardwareError with the formats there are when the route's plane does not show this one. `output` is
-// named in it.
-void check_format(const CrtcRoute& route, PixelFormat format, const std::string& output);
-
-// Atomic where the driver has it and a test commit of the mode with this picture succeeds, else legacy;
-// changes nothing on the screen. The card must outlive it. Throws HardwareError. A card that is not DRM
-// master cannot test, and gets the legacy kind.
-[[nodiscard]] std::unique_ptr<Crtc> make_crtc(const Card& card, const Connector& connector, const Mode& mode,
-                                              std::uint32_t picture, bool legacy);
 
 }  // namespace contourd

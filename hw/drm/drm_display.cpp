@@ -35,6 +35,8 @@ constexpr timespec kLookInterval{0, 20'000'000};
 
 }  // namespace
 
+// It is larger than other classes: what is on the screen, what waits for it and what watches over the card
+// change together whenever the kernel says something.
 class DrmDisplay::Implementation {
  public:
   Implementation(DescriptorWatcher& watcher, const DrmDisplayConfig& config)

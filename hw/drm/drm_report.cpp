@@ -1,9 +1,12 @@
+#include "hw/drm/drm_report.hpp"
+
 #include "hw/drm/card.hpp"
 #include "hw/drm/color.hpp"
-#include "hw/drm/crtc.hpp"
-#include "hw/drm/drm_display.hpp"
+#include "hw/drm/crtc_choice.hpp"
+#include "hw/drm/crtc_route.hpp"
 #include "hw/drm/dumb_buffer.hpp"
 #include "hw/drm/master_holder.hpp"
+#include "hw/drm/output.hpp"
 #include "hw/drm/text_console.hpp"
 #include "hw/hardware_error.hpp"
 

@@ -5,6 +5,7 @@
 
 #include "hw/drm/color.hpp"
 #include "hw/drm/crtc.hpp"
+#include "hw/drm/crtc_route.hpp"
 
 namespace contourd {
 

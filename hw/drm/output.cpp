@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "hw/drm/color.hpp"
+#include "hw/drm/crtc_choice.hpp"
+#include "hw/drm/crtc_route.hpp"
 #include "hw/drm/libdrm_pointer.hpp"
 #include "hw/hardware_error.hpp"
 

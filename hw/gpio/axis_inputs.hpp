@@ -6,6 +6,9 @@
 // cannot be read, and stays so until they have settled safe and the owner has let it go. An emergency stop
 // that lasts bars the steps, too. A switch that cannot be read leaves nothing to be known of the inputs: see
 // lost().
+//
+// It is larger than other classes: its thread may neither lock nor wait, so that what it knows of the
+// contacts and of the encoder, and what it hands over, are in one place.
 #pragma once
 
 #include <poll.h>

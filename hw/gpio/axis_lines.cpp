@@ -1,7 +1,8 @@
+#include "hw/gpio/axis_lines.hpp"
+
 #include <cmath>
 #include <cstdio>
 
-#include "hw/gpio/gpio_axis.hpp"
 #include "hw/gpio/gpio_lines.hpp"
 
 namespace contourd {

@@ -12,7 +12,6 @@
 // is made meanwhile, since the threads go before the steps; with more of them, as many as fall within.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -21,6 +20,7 @@
 
 #include "hw/descriptor_watcher.hpp"
 #include "hw/gpio/axis_inputs.hpp"
+#include "hw/gpio/axis_lines.hpp"
 #include "hw/gpio/axis_motion.hpp"
 #include "hw/gpio/axis_threads.hpp"
 #include "hw/gpio/encoder_plausibility.hpp"
@@ -31,18 +31,6 @@
 #include "hw/z_axis.hpp"
 
 namespace contourd {
-
-// What is wrong with the figures together, as a sentence; nothing when they fit.
-[[nodiscard]] std::optional<std::string> contradiction(const GpioAxisConfig& config);
-
-// The lines of an axis, those that its config names.
-struct AxisLines {
-  std::unique_ptr<OutputLine> step, direction, enable;
-  std::array<std::unique_ptr<InputLine>, kAxisInputs> inputs;  // by AxisInput
-  std::unique_ptr<InputLine> encoder_a, encoder_b, encoder_index;
-};
-// Takes them all, the motor disabled. Throws HardwareError.
-[[nodiscard]] AxisLines take_lines(const GpioAxisConfig& config);
 
 class GpioAxis final : public ZAxis {
  public:

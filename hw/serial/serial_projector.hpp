@@ -6,6 +6,8 @@
 // again until it is confirmed, from the moment that power on is sent, whatever comes of that. So is power
 // off. While it is on the projector is asked every few seconds whether it still is. What follows what is in
 // the tables of projector_power_states.hpp and projector_light_states.hpp.
+//
+// It has many functions, each of a few lines: those of its interface.
 #pragma once
 
 #include <cstdint>

@@ -3,6 +3,9 @@
 // answer, is replaced; until then no exposure can be watched, and none may begin.
 //
 // Event loop's thread only.
+//
+// It has more members than most: the process and the ways to it, what was handed to it, and the exposure that
+// it watches.
 #pragma once
 
 #include <sys/types.h>

@@ -1,14 +1,13 @@
-#include "hw/drm/crtc.hpp"
+#include "hw/drm/crtc_route.hpp"
 
 #include <xf86drm.h>
 #include <xf86drmMode.h>
 
 #include <algorithm>
-#include <cstring>
+#include <utility>
 
-#include "hw/drm/atomic_crtc.hpp"
+#include "hw/drm/atomic_request.hpp"
 #include "hw/drm/dumb_buffer.hpp"
-#include "hw/drm/legacy_crtc.hpp"
 #include "hw/drm/libdrm_pointer.hpp"
 #include "hw/hardware_error.hpp"
 
@@ -78,17 +77,6 @@ void check_format(const CrtcRoute& route, PixelFormat format, const std::string&
   if (std::ranges::find(route.formats, fourcc_of(format)) != route.formats.end()) return;
   throw HardwareError(output + " does not show the pixel format " + describe_formats({fourcc_of(format)}) +
                       "; formats: " + describe_formats(route.formats));
-}
-
-std::unique_ptr<Crtc> make_crtc(const Card& card, const Connector& connector, const Mode& mode,
-                                std::uint32_t picture, bool legacy) {
-  const std::vector<CrtcRoute> routes = routes_to(card, connector);
-  const bool atomic = !legacy && drmSetClientCap(card.fd(), DRM_CLIENT_CAP_ATOMIC, 1) == 0;
-  for (std::size_t i = 0; atomic && i < routes.size(); ++i) {
-    auto crtc = std::make_unique<AtomicCrtc>(card, connector, routes[i], mode);
-    if (crtc->test_mode(picture) == 0) return crtc;
-  }
-  return std::make_unique<LegacyCrtc>(card, connector, routes.front(), mode);
 }
 
 }  // namespace contourd

@@ -1,4 +1,3 @@
-#include "hw/projector.hpp"
 #include "hw/z_axis.hpp"
 
 namespace contourd {
@@ -35,20 +34,6 @@ std::string_view describe(MoveResult result) {
       return "the position is unknown, home first";
     case MoveResult::Fault:
       return "a fault ended the move";
-  }
-  return "unknown";
-}
-
-std::string_view describe(ProjectorReply reply) {
-  switch (reply) {
-    case ProjectorReply::Ok:
-      return "ok";
-    case ProjectorReply::Refused:
-      return "the projector refused the command";
-    case ProjectorReply::NoAnswer:
-      return "the projector does not answer";
-    case ProjectorReply::Interlocked:
-      return "the light is kept off";
   }
   return "unknown";
 }
