@@ -40,10 +40,11 @@ stop_daemon() {
   wait "$DAEMON"
 }
 
-# What it tells its watchers goes to a file, until it stops.
+# What it tells its watchers goes to a file, until it stops. A watch ends with each print; the next one begins with
+# what ended last.
 start_watched_daemon() {
   start_daemon "$1"
-  contourctl watch --json --job none >>$OUT/told &
+  while kill -0 "$DAEMON" 2>/dev/null; do contourctl watch --json; done >>$OUT/told 2>/dev/null &
 }
 
 has_told() { grep -q "\"last\":{\"job\":\"$1\",\"outcome\":\"$2\"" $OUT/told; }
