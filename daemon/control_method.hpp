@@ -29,6 +29,7 @@ struct ControlMethod {
   // Returns the result; throws ControlRefusal and InvalidParameters. `parameters` is an object.
   std::function<Json(const Json& parameters)> call;
   std::vector<std::string> parameters{};  // the names that it may have
+  bool changes = false;                   // something: it is in the log with its caller
 };
 
 using ControlMethods = std::map<std::string, ControlMethod>;

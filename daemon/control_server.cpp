@@ -29,9 +29,9 @@ constexpr int kRefused = -32000;
 
 // Room for the largest batch. Reading one that is all brackets takes 1 ms, some on a Raspberry Pi.
 constexpr std::size_t kLongestMessage = 8192;
-constexpr std::size_t kMostUnsent = 262144;       // beyond it, lossy notifications are left out
-constexpr std::size_t kMostUnsentEver = 4194304;  // beyond it, the client is not reading: it is dropped
-constexpr std::size_t kMostClients = 64;
+constexpr std::size_t kMaxUnsent = 262144;       // beyond it, lossy notifications are left out
+constexpr std::size_t kMaxUnsentEver = 4194304;  // beyond it, the client is not reading: it is dropped
+constexpr std::size_t kMaxClients = 64;
 constexpr Duration kRest = std::chrono::milliseconds(200);
 // A user's turns in the long run, one in this time, and how many come at once after a while without any.
 constexpr Duration kTurnInterval = std::chrono::milliseconds(2);
@@ -110,7 +110,7 @@ class ControlServer::Client {
   }
 
   [[nodiscard]] bool closed() const { return source_ == nullptr; }
-  [[nodiscard]] bool reads_slowly() const { return unsent_.size() > kMostUnsent; }
+  [[nodiscard]] bool reads_slowly() const { return unsent_.size() > kMaxUnsent; }
   // No more is read or sent; the server removes the client when nobody is inside it.
   void close() {
     source_.reset();
@@ -142,7 +142,7 @@ class ControlServer::Client {
     }
   }
 
-  // REQUIRES: nothing of what came before is still to be answered.
+  // Nothing of what came before is still to be answered.
   void receive() {
     std::array<char, 4096> buffer;
     const ssize_t bytes = ::read(socket_.get(), buffer.data(), buffer.size());
@@ -228,7 +228,7 @@ class ControlServer::Client {
       if (bytes < 0 && errno != EAGAIN && errno != EINTR) return close();
       if (bytes > 0) unsent_.erase(0, static_cast<std::size_t>(bytes));
     }
-    if (unsent_.size() > kMostUnsentEver || (unsent_.empty() && input_ended_)) return close();
+    if (unsent_.size() > kMaxUnsentEver || (unsent_.empty() && input_ended_)) return close();
     watch_socket();
   }
 
@@ -313,7 +313,7 @@ bool ControlServer::make_room(const Peer& newcomer) {
     if (client->peer.user != kRoot || newcomer.user == kRoot)
       by_user[client->peer.user].push_back(client.get());
   }
-  if (open < kMostClients) return true;
+  if (open < kMaxClients) return true;
   if (by_user.empty()) return false;
   const auto fewer = [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); };
   const std::vector<Client*>& most = std::ranges::max_element(by_user, fewer)->second;
@@ -362,7 +362,7 @@ Json ControlServer::call(const Json& message, Client& client) {
       client.watching = true;
       return Json{{"result", true}};
     }
-    if (called_) called_(name, client.peer);
+    if (called_ && method->second.changes) called_(name, client.peer);
     return Json{{"result", method->second.call(parameters)}};
   } catch (const InvalidParameters& invalid) {
     return failure(kInvalidParams, invalid.what());

@@ -36,7 +36,7 @@ class ControlServer {
   ControlServer(const ControlServer&) = delete;
   ControlServer& operator=(const ControlServer&) = delete;
 
-  // Calls `call` before each method that a client calls.
+  // Calls `call` before each method that changes something.
   void on_call(std::function<void(const std::string& method, const Peer& peer)> call) {
     called_ = std::move(call);
   }

@@ -1,5 +1,5 @@
-// Which jobs in incoming/ have had their turn and lie there still, as the daemon may not move them: what it
-// printed is a copy. Kept on the disk, so that none is taken twice. Thread-safe.
+// Jobs in incoming/ that were printed from a copy, because the daemon may not move them. Kept on the disk, so
+// that none is printed twice. Thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -22,8 +22,8 @@ class CopiedOriginals {
   [[nodiscard]] bool contains(const JobFiles& job) const;
   // Throw std::system_error.
   //
-  // What has this mark is had once more by the folder or file `copy`, which comes to printing/ or goes from
-  // there in one step: until add() or remove(), a process that ends in between leaves it to settle().
+  // The original with this mark has a copy, the folder or file `copy`, which appears in printing/ or
+  // disappears from there in one step. If the process ends before add() or remove(), settle() decides.
   void expect(const std::string& mark, const std::filesystem::path& copy);
   void add(const std::string& mark);
   void remove(const std::string& mark);

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "daemon/job_filing.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
@@ -17,7 +18,7 @@ using namespace std::chrono_literals;
 
 // The memory of a print goes back to the system some moments behind its end: how often a job whose turn it is
 // looks for room, and how long it waits in between.
-constexpr int kMostReadings = 5;
+constexpr int kMaxReadings = 5;
 constexpr Duration kReadingInterval = 1s;
 
 // Takes its engine.
@@ -62,6 +63,7 @@ void CurrentJob::add_lit_turn(const EventLoop::Turn& turn) {
 // --- before the print
 
 void CurrentJob::begin(ClaimedJob job) {
+  expects(!job_, "there is no job yet");
   job_.emplace(std::move(job));
   read();
   // Whoever copied it may not have had it written to the disk, and after a power cut it would be empty. After
@@ -76,7 +78,7 @@ void CurrentJob::read() {
 
 bool CurrentJob::read_later(const JobRefusal& refusal) {
   if (!refusal.for_now || job_->cancel_wanted || stopping_) return false;
-  if (++job_->readings >= kMostReadings) return false;
+  if (++job_->readings >= kMaxReadings) return false;
   read_timer_ =
       context_.loop.at(std::chrono::steady_clock::now() + kReadingInterval, "a job's timer", [this] {
         if (job_) read();
@@ -104,6 +106,7 @@ void CurrentJob::refuse(const std::string& outcome, const std::string& reason) {
 }
 
 void CurrentJob::cancel() {
+  expects(job_.has_value(), "there is a job");
   if (job_->prepared)
     process_.cancel();
   else
@@ -116,6 +119,7 @@ void CurrentJob::stop(const std::string& reason) {
 }
 
 void CurrentJob::give_back() {
+  expects(job_ && !job_->record, "there is a job that has not begun");
   const std::string name = this->name();
   try {
     spool_.give_back(job_->claimed.files);
@@ -144,8 +148,8 @@ void CurrentJob::start_print() {
                  [this](AnalyzedPrint print) { analyzed(std::move(print)); });
   process_.start(std::move(job_->prepared->plan));
   // It may have come while the model was read.
-  if (const std::string hindrance = machine.hindrance(); !hindrance.empty()) {
-    process_.interrupt(hindrance);
+  if (const std::string not_ready = machine.why_not_ready(); !not_ready.empty()) {
+    process_.interrupt(not_ready);
   } else if (const std::optional<std::string>& held = hold_.reason()) {
     process_.interrupt(*held);
   }
@@ -180,7 +184,8 @@ void CurrentJob::layer_done(const LayerRecord& layer) {
 
 void CurrentJob::interrupted(const std::string& what) {
   job_->record->add_interruption(process_.layer(), what);
-  log_.interrupted(name(), process_.layer(), what, context_.machine.projector().doubt().empty());
+  log_.interrupted(name(), process_.layer(), what,
+                   context_.machine.projector().light_off_unconfirmed().empty());
   context_.supervisor.status(fmt::format("Interrupted at layer {} of {}: {}", process_.layer() + 1,
                                          printable(name()), printable(what)));
 }

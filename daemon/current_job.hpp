@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "daemon/claimed_job.hpp"
 #include "daemon/job_history.hpp"
 #include "daemon/job_reader.hpp"
@@ -38,11 +39,10 @@ class JobObserver {
   virtual void memory_freed() = 0;
   // There is no job any more; another may begin.
   virtual void job_ended(EndedJob job) = 0;
-  // What a stop waits for may be over.
+  // A stop may have nothing more to wait for.
   virtual void may_stop() = 0;
 };
 
-// REQUIRES, where it says "with a job": job() is one.
 class CurrentJob final : private PrintObserver {
  public:
   struct State {
@@ -64,11 +64,11 @@ class CurrentJob final : private PrintObserver {
 
   // REQUIRES: there is none.
   void begin(ClaimedJob job);
-  // With a job whose print is not over. Cancels its print, or has none begin.
+  // Cancels its print, which is not over, or has none begin. REQUIRES: a job.
   void cancel();
   // Ends a print under way: light off, its files to failed/. A job that is being read does not begin.
   void stop(const std::string& reason);
-  // With a job that has not begun: back to incoming/.
+  // Back to incoming/. REQUIRES: a job that has not begun.
   void give_back();
   // Has the print filed that is over, and whose analysis is not. Does nothing when there is none.
   void stop_analysis();
@@ -77,8 +77,11 @@ class CurrentJob final : private PrintObserver {
 
   // Nothing when there is none.
   [[nodiscard]] const State* job() const { return job_ ? &*job_ : nullptr; }
-  // With a job.
-  [[nodiscard]] const std::string& name() const { return job_->claimed.files.name; }
+  // REQUIRES: a job.
+  [[nodiscard]] const std::string& name() const {
+    expects(job_.has_value(), "there is a job");
+    return job_->claimed.files.name;
+  }
   // Its print is over, it is not filed yet.
   [[nodiscard]] bool finishing() const;
   // The archivist is at it.

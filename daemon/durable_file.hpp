@@ -11,9 +11,6 @@ namespace contourd {
 // then what was there before is still there.
 void write_durably(const std::filesystem::path& path, std::string_view text);
 
-// Removes what processes that were killed had not given its name yet.
-void remove_unfinished_files(const std::filesystem::path& folder);
-
 // Has a folder's renames on the disk. Where a file system cannot, it is left to that file system.
 void sync_folder(const std::filesystem::path& folder);
 

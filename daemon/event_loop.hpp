@@ -61,7 +61,7 @@ class EventLoop {
 
   // `over` is told every turn that has ended. Nothing ends it.
   void on_turn_over(std::function<void(const Turn&)> over) { turn_over_ = std::move(over); }
-  // The one under way, up to now. REQUIRES: called from a source's call.
+  // The one under way, up to now; outside of a source's call the last one.
   [[nodiscard]] Turn turn() const;
 
   // A source's `name` says what it is, as in "a client of the control socket"; it must live as long as the

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/contract/expects.hpp"
 #include "daemon/readable.hpp"
 
 namespace contourd {
@@ -14,12 +15,12 @@ namespace {
 constexpr double kPlotWidth = 860, kPlotHeight = 190;
 constexpr double kPlotLeft = 64, kPlotBottom = 34, kPlotTop = 14;
 // More points than a plot has room for are drawn as the largest of each group: peaks must not vanish.
-constexpr std::size_t kMostPoints = 800;
+constexpr std::size_t kMaxPoints = 800;
 
 std::vector<PlotPoint> thinned(std::span<const PlotPoint> points) {
-  if (points.size() <= kMostPoints) return {points.begin(), points.end()};
+  if (points.size() <= kMaxPoints) return {points.begin(), points.end()};
   std::vector<PlotPoint> thin;
-  const std::size_t group = (points.size() + kMostPoints - 1) / kMostPoints;
+  const std::size_t group = (points.size() + kMaxPoints - 1) / kMaxPoints;
   for (std::size_t i = 0; i < points.size(); i += group) {
     const auto begin = points.begin() + static_cast<std::ptrdiff_t>(i);
     const auto end = points.begin() + static_cast<std::ptrdiff_t>(std::min(i + group, points.size()));
@@ -90,6 +91,7 @@ std::string base64(std::span<const std::uint8_t> bytes) {
 }
 
 std::string svg_plot(const std::string& title, std::span<const PlotPoint> all) {
+  expects_costly([&] { return std::ranges::is_sorted(all, {}, &PlotPoint::height_mm); }, "heights rise");
   const std::vector<PlotPoint> points = thinned(all);
   double top = 0, right = 0;
   for (const PlotPoint& p : points) {

@@ -16,8 +16,8 @@ void IncomingLog::plate_waits(const std::string& file, const std::vector<std::st
             file_fields(file));
 }
 
-void IncomingLog::passed_over(const std::string& file, Oddity oddity) {
-  log_.warning("passed-over", fmt::format("{}: is passed over: {}", printable(file), sentence_for(oddity)),
+void IncomingLog::passed_over(const std::string& file, WhyPassedOver why) {
+  log_.warning("passed-over", fmt::format("{}: is passed over: {}", printable(file), sentence_for(why)),
                file_fields(file));
 }
 
@@ -31,7 +31,7 @@ void IncomingLog::incoming_lost(const std::string& why) {
 }
 
 void IncomingLog::incoming_replaced() {
-  log_.warning("spool", "incoming was removed, replaced or mounted over: what is there now is watched");
+  log_.warning("spool", "incoming was removed, replaced or mounted over; the new folder is watched");
 }
 
 }  // namespace contourd

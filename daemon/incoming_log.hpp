@@ -20,7 +20,7 @@ class IncomingLog final : public SpoolObserver {
   void model_arrived(const std::string& file) override { queue_.arrived(file); }
   void model_withdrawn(const std::string& file) override { queue_.withdrawn(file); }
   void plate_waits(const std::string& file, const std::vector<std::string>& missing) override;
-  void passed_over(const std::string& file, Oddity oddity) override;
+  void passed_over(const std::string& file, WhyPassedOver why) override;
   void more_passed_over(std::size_t files) override;
   void incoming_lost(const std::string& why) override;
   void incoming_replaced() override;

@@ -41,7 +41,7 @@ IncomingWatch::IncomingWatch(const SpoolFolders& folders, const CopiedOriginals&
       disk_(disk),
       observer_(observer),
       passed_over_(loop, {.one = [this](const std::string& file,
-                                        Oddity oddity) { observer_.passed_over(file, oddity); },
+                                        WhyPassedOver why) { observer_.passed_over(file, why); },
                           .more = [this](std::size_t files) { observer_.more_passed_over(files); }}),
       folder_(folders.path(SpoolFolder::Incoming), loop, disk,
               {.make = std::move(make_folders),
@@ -192,9 +192,9 @@ IncomingWatch::Seen IncomingWatch::look_at(const std::string& file) const noexce
     seen.upload = upload_state(folders_, file);
     if (seen.upload.is_there) {
       seen.taken = copied_.contains(folders_.files_of(SpoolFolder::Incoming, file));
-      if (seen.upload.missing == std::vector<std::string>{kPlateTicket}) seen.oddity = Oddity::Folder;
+      if (seen.upload.missing == std::vector<std::string>{kPlateTicket}) seen.why = WhyPassedOver::Folder;
     } else if (!is_model_name(file)) {
-      seen.oddity = oddity_of(folders_.path(SpoolFolder::Incoming) / file);
+      seen.why = why_passed_over(folders_.path(SpoolFolder::Incoming) / file);
     }
   } catch (const std::exception&) {
     seen.upload.is_there = seen.upload.being_written = true;  // cannot be looked at now: looked at again
@@ -212,7 +212,7 @@ void IncomingWatch::seen_to_be_gone(const std::string& file) {
 
 void IncomingWatch::seen(const std::string& file, Look look, const Seen& seen) {
   const UploadState& upload = seen.upload;
-  note_oddity(file, seen.oddity);
+  note_passed_over(file, seen.why);
   if (!upload.is_there) return seen_to_be_gone(file);
   if (seen.taken) {
     candidates_.erase(file);
@@ -245,9 +245,9 @@ void IncomingWatch::seen(const std::string& file, Look look, const Seen& seen) {
   look_later(file);
 }
 
-void IncomingWatch::note_oddity(const std::string& file, const std::optional<Oddity>& oddity) {
-  if (oddity) {
-    passed_over_.saw(file, *oddity);
+void IncomingWatch::note_passed_over(const std::string& file, const std::optional<WhyPassedOver>& why) {
+  if (why) {
+    passed_over_.saw(file, *why);
   } else {
     passed_over_.forget(file);
   }

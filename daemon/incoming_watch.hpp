@@ -44,7 +44,7 @@ class SpoolObserver {
   // Told when it changes.
   virtual void plate_waits(const std::string& file, const std::vector<std::string>& missing) = 0;
   // incoming/`file` will not be printed as it is; or so many more than were named.
-  virtual void passed_over(const std::string& file, Oddity oddity) = 0;
+  virtual void passed_over(const std::string& file, WhyPassedOver why) = 0;
   virtual void more_passed_over(std::size_t files) = 0;
   // There is no folder incoming/ that can be watched, `why` says why: nothing arrives until there is.
   virtual void incoming_lost(const std::string& why) = 0;
@@ -62,6 +62,11 @@ class IncomingWatch {
   // Watches, and reports what is there already, oldest first. Throws std::runtime_error.
   void open();
 
+  // The spool moved incoming/`file` away: looks at it that are under way tell nothing.
+  void moved_away(const std::string& file) {
+    looks_.erase(file);
+    arrived_.erase(file);
+  }
   // Reports `file` again when it is whole.
   void wait_for(const std::string& file) { consider(file, Look::Event); }
 
@@ -72,7 +77,9 @@ class IncomingWatch {
   // Models and plates that are not whole yet, or that many of them.
   [[nodiscard]] std::vector<std::string> arriving(std::size_t most) const;
   // What else is there and will not be printed as it is.
-  [[nodiscard]] const std::map<std::string, Oddity>& passed_over() const { return passed_over_.files(); }
+  [[nodiscard]] const std::map<std::string, WhyPassedOver>& passed_over() const {
+    return passed_over_.files();
+  }
   // What was taken by copy, or refused there: it may be deleted.
   [[nodiscard]] const std::set<std::string>& originals() const { return originals_; }
   void add_original(const std::string& file) { originals_.insert(file); }
@@ -86,8 +93,8 @@ class IncomingWatch {
 
   struct Seen {
     UploadState upload;
-    bool taken = false;            // by copy: what lies there is not wanted any more
-    std::optional<Oddity> oddity;  // of what will not be printed as it is
+    bool taken = false;                // by copy: what lies there is not wanted any more
+    std::optional<WhyPassedOver> why;  // of what will not be printed as it is
   };
 
   enum class Look { Event, Timer };
@@ -108,7 +115,7 @@ class IncomingWatch {
   void consider(const std::string& file, Look look);
   [[nodiscard]] Seen look_at(const std::string& file) const noexcept;
   void seen(const std::string& file, Look look, const Seen& seen);
-  void note_oddity(const std::string& file, const std::optional<Oddity>& oddity);
+  void note_passed_over(const std::string& file, const std::optional<WhyPassedOver>& why);
   void seen_to_be_gone(const std::string& file);
   void look_later(const std::string& file);
   void look_again();

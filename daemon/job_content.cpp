@@ -55,17 +55,17 @@ void JobContent::read(const DisplayGeometry& display, const MemoryRoom& room) {
     read_.push_back(file.read());
 }
 
-void JobContent::require_room_to_mend(std::span<const Facet> facets) {
-  const std::uint64_t mending = memory_to_mend(facets.size());
-  if (needed_ + mending > room_.bytes) {
+void JobContent::require_room_to_repair(std::span<const Facet> facets) {
+  const std::uint64_t repairing = memory_to_repair(facets.size());
+  if (needed_ + repairing > room_.bytes) {
     if (is_sound(facets)) return;
-    throw JobTooLarge(to_read_, ", which disagree with each other", needed_ + mending, room_);
+    throw JobTooLarge(to_read_, ", which disagree with each other", needed_ + repairing, room_);
   }
-  mending_ = std::max(mending_, mending);
+  repairing_ = std::max(repairing_, repairing);
 }
 
 void JobContent::require_room_for_masks(std::span<const PlateModel> models, bool moved) const {
-  if (needed_ + mending_ + most_memory_for_sections(models, moved) <= room_.bytes) return;
+  if (needed_ + repairing_ + most_memory_for_sections(models, moved) <= room_.bytes) return;
   const std::uint64_t needed = needed_ + memory_for_sections(models, moved);
   if (needed > room_.bytes) throw JobTooLarge(to_read_, ", many of them at one height", needed, room_);
 }

@@ -40,7 +40,7 @@ class JobContent {
   // What shows only behind that. Throw JobTooLarge if it is too much for the room that there was before
   // anything was read: to mend these facets of a model; to have masks of all of them, whose contours may be
   // moved.
-  void require_room_to_mend(std::span<const Facet> facets);
+  void require_room_to_repair(std::span<const Facet> facets);
   void require_room_for_masks(std::span<const PlateModel> models, bool moved) const;
 
   [[nodiscard]] std::string_view format(std::size_t file) const { return files_[file].outline().format; }
@@ -59,7 +59,7 @@ class JobContent {
   std::vector<FileToRead> to_read_;  // of each
   std::vector<Model> read_;          // by file
   std::uint64_t needed_ = 0;
-  std::uint64_t mending_ = 0;  // that may be needed beside it
+  std::uint64_t repairing_ = 0;  // that may be needed beside it
   MemoryRoom room_;
 };
 

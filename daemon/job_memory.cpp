@@ -19,9 +19,9 @@ constexpr std::uint64_t kIndexed = sizeof(Facet) + sizeof(HeightIndex::Candidate
 // Beside that while a closed mesh is inspected: 12 for the numbers of its corners and 36 for its edges
 // (measured: 96 in all, of 3 to 4 million facets).
 constexpr std::uint64_t kInspected = 60;
-// Beside both while a mesh is mended, at the most: one in which no two facets share a vertex (measured: 313
+// Beside both while a mesh is repaired, at the most: one in which no two facets share a vertex (measured: 313
 // in all, of a million facets).
-constexpr std::uint64_t kMended = 222;
+constexpr std::uint64_t kRepaired = 222;
 
 // Bytes a facet that is crossed, in two engines, the print's and its analysis', each with memory that is
 // doubled whenever it is full. (Measured, in all: 200 where contours are closed, 1,000 where none is, and
@@ -29,6 +29,8 @@ constexpr std::uint64_t kMended = 222;
 constexpr std::uint64_t kCrossed = 1000, kMoved = 1500;
 // And for each copy.
 constexpr std::uint64_t kPainted = 200;
+// Where there are several models, what is kept of each one's cut until the next mask: its segments.
+constexpr std::uint64_t kKept = 4 * sizeof(Segment);
 
 // In how many parts a model's height is looked at.
 constexpr std::size_t kParts = 1024;
@@ -57,11 +59,12 @@ std::uint64_t most_crossed(const HeightIndex& model) {
 // together.
 template <typename Crossed>
 std::uint64_t memory_for(std::span<const PlateModel> models, bool moved, Crossed crossed) {
+  const std::uint64_t kept = models.size() > 1 ? kKept : 0;
   std::uint64_t cut = 0, painted = 0;
   for (const PlateModel& model : models) {
     const std::uint64_t facets = crossed(*model.model);
     cut = std::max(cut, facets * (kCrossed + (moved ? kMoved : 0)));
-    painted += facets * model.copies.size() * kPainted;
+    painted += facets * (model.copies.size() * kPainted + kept);
   }
   return cut + painted;
 }
@@ -98,8 +101,8 @@ std::uint64_t memory_for_display(const DisplayGeometry& display) {
   return memory_for_display(display.width, display.height);
 }
 
-std::uint64_t memory_to_mend(std::size_t facets) {
-  return facets * kMended;
+std::uint64_t memory_to_repair(std::size_t facets) {
+  return facets * kRepaired;
 }
 
 std::uint64_t memory_for_sections(std::span<const PlateModel> models, bool moved) {

@@ -23,11 +23,11 @@ struct FileToRead {
 [[nodiscard]] std::uint64_t memory_to_prepare(std::span<const FileToRead> files,
                                               const DisplayGeometry& display);
 
-// To do the same with a model of no size.
+// The same for a model without facets.
 [[nodiscard]] std::uint64_t memory_for_display(const DisplayGeometry& display);
 
-// What a model adds to that whose facets do not agree with each other.
-[[nodiscard]] std::uint64_t memory_to_mend(std::size_t facets);
+// What a model adds whose mesh is to be repaired.
+[[nodiscard]] std::uint64_t memory_to_repair(std::size_t facets);
 
 // What the sections of these add: masks and their analysis, at the height that crosses most facets; `moved`
 // where their contours are (see Compensation).
@@ -42,7 +42,7 @@ class JobTooLarge : public JobRefused {
   JobTooLarge(std::span<const FileToRead> files, std::string_view addition, std::uint64_t bytes,
               const MemoryRoom& room);
 
-  // There would be room if this process held nothing else.
+  // Whether there would be room if this process held nothing else.
   [[nodiscard]] bool fits_alone() const { return fits_alone_; }
 
  private:

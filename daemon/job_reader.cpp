@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "daemon/copied_originals.hpp"
 #include "daemon/durable_file.hpp"
 #include "daemon/job_memory.hpp"
 #include "daemon/readable.hpp"
@@ -28,6 +29,15 @@ JobReader::JobReader(const PrinterConfig& config, const Spool& spool, EventLoop&
 ReadJob JobReader::read_now(const JobFiles& files, const std::optional<JobSettings>& settings) {
   if (record_.take_ended(files)) return JobRefusal{std::string(kEndedAProcess)};
   const ReadingRecord::Reading under_way(record_, files);
+  ReadJob job = prepare(files, settings);
+  const auto* const refusal = std::get_if<JobRefusal>(&job);
+  if (refusal == nullptr || !refusal->for_now || kept_.empty()) return job;
+  // What is kept gives way.
+  kept_.drop();
+  return prepare(files, settings);
+}
+
+ReadJob JobReader::prepare(const JobFiles& files, const std::optional<JobSettings>& settings) {
   try {
     return prepare_job(files, settings ? *settings : read_settings(files, config_), config_);
   } catch (const JobTooLarge& refusal) {
@@ -42,17 +52,36 @@ ReadJob JobReader::read_now(const JobFiles& files, const std::optional<JobSettin
 
 void JobReader::read(const JobFiles& files, const std::optional<JobSettings>& settings,
                      std::function<void(ReadJob)> done) {
-  worker_.run([this, files, settings] { return read_now(files, settings); }, std::move(done));
-}
-
-void JobReader::check(const std::string& file, std::function<void(const std::optional<JobRefusal>&)> done) {
   worker_.run(
-      [this, file]() -> std::optional<JobRefusal> {
-        ReadJob job = read_now(spool_.files_of(Spool::Folder::Incoming, file), std::nullopt);
-        if (auto* refusal = std::get_if<JobRefusal>(&job)) return std::move(*refusal);
-        return std::nullopt;
+      [this, files, settings]() -> ReadJob {
+        if (std::optional<PreparedJob> kept = kept_.take(files, settings)) return std::move(*kept);
+        return read_now(files, settings);
       },
       std::move(done));
+}
+
+void JobReader::check(const std::string& file, Keep keep,
+                      std::function<void(const std::optional<JobRefusal>&)> done) {
+  worker_.run([this, file, keep] { return check_now(spool_.files_of(Spool::Folder::Incoming, file), keep); },
+              std::move(done));
+}
+
+std::optional<JobRefusal> JobReader::check_now(const JobFiles& files, Keep keep) {
+  if (keep == Keep::Prepared) kept_.drop();
+  const std::string mark = mark_of(files);
+  ReadJob job = read_now(files, std::nullopt);
+  if (auto* refusal = std::get_if<JobRefusal>(&job)) return std::move(*refusal);
+  if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(std::get<PreparedJob>(job)));
+  return std::nullopt;
+}
+
+void JobReader::forget(const std::string& file) {
+  worker_.run(
+      [this, file] {
+        kept_.forget(spool_.files_of(Spool::Folder::Incoming, file));
+        return true;
+      },
+      [](bool) {});
 }
 
 void JobReader::sync(const JobFiles& files) {

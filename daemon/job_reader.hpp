@@ -10,6 +10,7 @@
 
 #include "daemon/config/printer_config.hpp"
 #include "daemon/job_settings.hpp"
+#include "daemon/kept_job.hpp"
 #include "daemon/print_job.hpp"
 #include "daemon/reading_record.hpp"
 #include "daemon/spool.hpp"
@@ -29,12 +30,16 @@ class JobReader {
   // All must outlive the reader. Takes over what the last process was reading when it ended.
   JobReader(const PrinterConfig& config, const Spool& spool, EventLoop& loop);
 
-  // Prepares a job in printing/; then calls `done`, from the loop. Without settings, its ticket is read to
-  // hear what is wrong with it.
+  // Prepares a job in printing/, or takes what its check has kept of it when nothing has changed since; then
+  // calls `done`, from the loop. Without settings, its ticket is read to hear what is wrong with it.
   void read(const JobFiles& files, const std::optional<JobSettings>& settings,
             std::function<void(ReadJob)> done);
-  // Reads incoming/`file` and keeps nothing of it: `done` gets why it would be refused, or nothing.
-  void check(const std::string& file, std::function<void(const std::optional<JobRefusal>&)> done);
+  // Prepares incoming/`file`: `done` gets why it would be refused, or nothing. At most one job is kept, until
+  // another is read, or until its memory is needed for a check.
+  enum class Keep { Nothing, Prepared };
+  void check(const std::string& file, Keep keep, std::function<void(const std::optional<JobRefusal>&)> done);
+  // Keeps nothing of incoming/`file` any more.
+  void forget(const std::string& file);
   // Has the job's contents written to the disk, behind what is being read.
   void sync(const JobFiles& files);
 
@@ -44,12 +49,15 @@ class JobReader {
   void stop() { record_.stop(); }
 
  private:
-  // On the worker's thread.
+  // These on the worker's thread.
   [[nodiscard]] ReadJob read_now(const JobFiles& files, const std::optional<JobSettings>& settings);
+  [[nodiscard]] ReadJob prepare(const JobFiles& files, const std::optional<JobSettings>& settings);
+  [[nodiscard]] std::optional<JobRefusal> check_now(const JobFiles& files, Keep keep);
 
   const PrinterConfig& config_;
   const Spool& spool_;
   ReadingRecord record_;
+  KeptJob kept_;   // of the worker's thread
   Worker worker_;  // last: its thread ends before what its tasks use
 };
 

@@ -16,6 +16,7 @@ namespace contourd {
 struct JobSettings {
   JobTicket ticket;
   ResinProfile resin;
+  bool operator==(const JobSettings&) const = default;
 };
 
 // The resin's profile cannot be used. what() is a reason to refuse the job by, which only a ticket deserves

@@ -21,7 +21,7 @@ std::string describe_correction(const JobSummary& summary) {
     add(fmt::format("elephant foot of {:g} um over {:g} um of height taken off", c.elephant_foot.count(),
                     to_millimeters(c.elephant_foot_height).count() * 1000));
   }
-  if (summary.lamp_mask) add("lamp evened out");
+  if (summary.uniformity_mask) add("lamp evened out");
   if (summary.tone.gamma != 1.0) add(fmt::format("gamma {:g}", summary.tone.gamma));
   if (summary.tone.threshold != 0) add(fmt::format("grey below {} left dark", summary.tone.threshold));
   return text;

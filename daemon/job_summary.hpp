@@ -21,7 +21,7 @@ namespace contourd {
 struct ModelSummary {
   std::string file;         // in the plate's folder; empty for a job of one model
   std::string_view format;  // its name
-  MeshReport mesh;          // as placed and mended
+  MeshReport mesh;          // as placed and repaired
   MeshRepairs repairs;
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as placed
   Scale scale;                                         // the resin's shrinkage not included
@@ -40,15 +40,16 @@ struct LayerSummary {
 struct JobSummary {
   std::vector<ModelSummary> models;  // at least one
   bool plate = false;
-  double height_mm = 0;  // of the highest model
+  double height_mm = 0;  // of the highest model's top, above the plate
   ResinProfile resin;
   double irradiance_mw_cm2 = 0;  // of the printer, and the next two
   ToneCurve tone;
-  bool lamp_mask = false;  // whether it evens out its lamp
+  bool uniformity_mask = false;  // whether the printer has one
   LayerSummary layers;
-  Duration reading{};     // the files, to facets
-  Duration indexing{};    // placement and height index
-  Duration first_mask{};  // from the first facet to the mask of layer 1
+  Duration reading{};            // the files, to facets
+  Duration indexing{};           // placement and height index
+  Duration first_mask{};         // from the first facet to the mask of layer 1
+  bool prepared_before = false;  // while it waited, and not again when its turn came
   std::vector<std::string> warnings;
 };
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <system_error>
 
+#include "core/formats/model_reader.hpp"
 #include "daemon/job_moves.hpp"
 
 namespace contourd {
@@ -35,7 +37,9 @@ SpoolFolder folder_of_lost(const SpoolFolders& folders, const std::string& ticke
   for (const fs::path& model : folders.models_of_ticket(ticket)) {
     if (lacks_it(model)) return SpoolFolder::Incoming;
   }
-  const bool is_done = lacks_it((folders.path(SpoolFolder::Done) / ticket).replace_extension(".stl"));
+  const bool is_done = std::ranges::any_of(model_extensions(), [&](std::string_view extension) {
+    return lacks_it((folders.path(SpoolFolder::Done) / ticket).replace_extension(extension));
+  });
   return is_done ? SpoolFolder::Done : SpoolFolder::Failed;
 }
 
@@ -57,8 +61,9 @@ std::vector<JobFiles> jobs_left_in_printing(const SpoolFolders& folders) {
     const bool belongs_to_job =
         std::any_of(jobs.begin(), jobs.end(), [&](const JobFiles& job) { return job.ticket == other; });
     if (belongs_to_job) continue;
+    const fs::path place = folders.path(folder_of_lost(folders, other.filename())) / other.filename();
     std::error_code code;  // where it cannot be moved it waits for the next start
-    fs::rename(other, folders.path(folder_of_lost(folders, other.filename())) / other.filename(), code);
+    if (!fs::exists(fs::symlink_status(place, code))) fs::rename(other, place, code);
   }
   return jobs;
 }

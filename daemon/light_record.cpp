@@ -6,11 +6,11 @@
 namespace contourd {
 
 std::filesystem::path light_record_path(const std::filesystem::path& control_socket) {
-  constexpr const char* name = "light.json";
+  constexpr const char* kName = "light.json";
   const char* const folders = std::getenv("RUNTIME_DIRECTORY");
-  if (folders == nullptr || *folders == '\0') return control_socket.parent_path() / name;
+  if (folders == nullptr || *folders == '\0') return control_socket.parent_path() / kName;
   const std::string_view all(folders);  // separated by colons
-  return std::filesystem::path(all.substr(0, all.find(':'))) / name;
+  return std::filesystem::path(all.substr(0, all.find(':'))) / kName;
 }
 
 }  // namespace contourd

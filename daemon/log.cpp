@@ -24,8 +24,8 @@ namespace {
 using namespace std::chrono_literals;
 
 // A print of some hours has as many entries.
-constexpr std::size_t kMostKept = 10'000;
-constexpr std::size_t kMostATurn = 100;
+constexpr std::size_t kMaxKept = 10'000;
+constexpr std::size_t kMaxATurn = 100;
 constexpr Duration kRetryInterval = 50ms;
 constexpr Duration kLongestFarewell = 1s;
 // A datagram has some 200 kB at most.
@@ -79,8 +79,8 @@ std::string journal_entry(LogLevel level, std::string_view event, const std::str
 sockaddr_un journal_address() {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  constexpr std::string_view path = "/run/systemd/journal/socket";
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  constexpr std::string_view kPath = "/run/systemd/journal/socket";
+  kPath.copy(address.sun_path, sizeof address.sun_path - 1);
   return address;
 }
 
@@ -104,9 +104,9 @@ class Log::Backlog {
   [[nodiscard]] bool to_journal() const { return journal_.valid(); }
 
   void add(Entry entry) {
-    send_kept(kMostATurn);
+    send_kept(kMaxATurn);
     if (kept_.empty() && is_taken(entry)) return;
-    if (kept_.size() >= kMostKept) {
+    if (kept_.size() >= kMaxKept) {
       ++lost_;
       return;
     }
@@ -117,7 +117,7 @@ class Log::Backlog {
   void say_farewell() {
     const TimePoint end = std::chrono::steady_clock::now() + kLongestFarewell;
     while (!kept_.empty() && std::chrono::steady_clock::now() < end) {
-      if (!send_kept(kMostKept)) std::this_thread::sleep_for(1ms);
+      if (!send_kept(kMaxKept)) std::this_thread::sleep_for(1ms);
     }
   }
 
@@ -147,7 +147,7 @@ class Log::Backlog {
   void retry_later() {
     retry_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, "the log", [this] {
       retry_timer_.reset();
-      send_kept(kMostATurn);
+      send_kept(kMaxATurn);
       if (!kept_.empty()) return retry_later();
       if (lost_ > 0) on_room_(std::exchange(lost_, 0));
     });

@@ -10,8 +10,10 @@
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <utility>
 #include <vector>
 
+#include "daemon/broken_contract.hpp"
 #include "daemon/command_line.hpp"
 #include "daemon/config/light_config.hpp"
 #include "daemon/config/printer_config.hpp"
@@ -39,7 +41,7 @@ namespace {
 
 // Exit codes of BSD's sysexits.h, with kBadUsage and kCannotCreate; systemd does not restart after 78 (see
 // contourd.service).
-constexpr int kMissingDevice = 69, kFailed = 70, kBadConfig = 78;
+constexpr int kMissingDevice = 69, kFailed = 70, kRestart = 75, kBadConfig = 78;
 
 // The clock of the machine: the monotonic one, or for the simulated printer one that skips all waiting.
 class MachineClock {
@@ -95,16 +97,14 @@ class PrintWake {
         inhibitor_(login_, clock,
                    {.interrupt =
                         [&service] {
-                          service.disturbed({.kind = Disturbance::Kind::Interruption,
-                                             .what = "the computer is about to be suspended"});
+                          service.handle_event({.kind = MachineEvent::Kind::Interlock,
+                                                .what = "the computer is about to be suspended"});
                         },
-                    .dark = [&machine] { return machine.projector().doubt().empty(); },
+                    .dark = [&machine] { return machine.projector().light_off_unconfirmed().empty(); },
                     .unguarded =
                         [&log](const std::string& why) {
-                          log.info(
-                              "machine",
-                              fmt::format("nobody keeps the computer from being suspended in a print: {}",
-                                          printable(why)));
+                          log.info("machine", fmt::format("the computer may be suspended during a print: {}",
+                                                          printable(why)));
                         }}) {
     service.on_printing([this](bool prints) { inhibitor_.hold(prints); });
   }
@@ -114,14 +114,14 @@ class PrintWake {
   SleepInhibitor inhibitor_;
 };
 
-// Prints a line for all that is allowed and hardly meant.
+// Prints a line for all that is allowed but implausible.
 int check_config(const std::string& file) {
   const PrinterConfig config = load_printer_config(file);
   std::vector<Violation> warnings = config.warnings;
   const auto add = [&warnings](const std::vector<Violation>& more) {
     warnings.insert(warnings.end(), more.begin(), more.end());
   };
-  add(doubts_about_other_resins(config));
+  add(implausible_in_other_resins(config));
   if (const auto user = service_user()) add(out_of_reach(*user, config));
   for (const Violation& warning : warnings)
     fmt::print("{}\n", warning_line(warning));
@@ -208,17 +208,16 @@ void leave_light_record(const PrinterConfig& config, const std::string& record, 
   try {
     write_durably(light_record_path(config.control_socket), record);
   } catch (const std::system_error& error) {
-    log.warning(
-        "machine",
-        fmt::format("{}: should contourd die, --light-off has to go by the configuration, as it is then",
-                    printable(error.what())));
+    log.warning("machine",
+                fmt::format("{}: if contourd dies, --light-off uses the configuration as it is then",
+                            printable(error.what())));
   }
 }
 
 int run(const PrinterConfig& config) {
   // What is larger goes back to the system as soon as it is free: a model's facets leave room for the next.
-  constexpr int kept_bytes = 1 << 20;
-  ::mallopt(M_MMAP_THRESHOLD, kept_bytes);
+  constexpr int kKeptBytes = 1 << 20;
+  ::mallopt(M_MMAP_THRESHOLD, kKeptBytes);
   EventLoop loop;
   // Before any thread is made: signals come through the loop alone. SIGIO would come from a lease (see
   // upload_state.cpp).
@@ -226,13 +225,21 @@ int run(const PrinterConfig& config) {
   ::signal(SIGIO, SIG_IGN);
   Supervisor supervisor(loop);
   PrinterService* running = nullptr;
+  int ended = EXIT_SUCCESS;
   const auto stop = [&](const char* signal) {
+    ended = EXIT_SUCCESS;
     supervisor.stopping();
-    if (running != nullptr) running->shut_down(fmt::format("contourd was stopped ({})", signal));
+    if (running != nullptr)
+      std::exchange(running, nullptr)->shut_down(fmt::format("contourd was stopped ({})", signal));
   };
   const auto terminated = loop.on_signal(SIGTERM, [&] { stop("SIGTERM"); });
   const auto interrupted = loop.on_signal(SIGINT, [&] { stop("SIGINT"); });
   const auto hung_up = loop.on_signal(SIGHUP, [&] { stop("SIGHUP"); });
+  const auto reloaded = loop.on_signal(SIGUSR1, [&] {
+    if (running == nullptr) return;  // it stops already
+    ended = kRestart;
+    running->hand_over_when_idle();
+  });
 
   const Log log(loop);
   MachineClock clock(loop, config.pace);
@@ -250,18 +257,19 @@ int run(const PrinterConfig& config) {
                                 printable(config.control_socket.string())));
   supervisor.ready();
   loop.run();
-  const std::string doubt = machine.projector().doubt();
-  if (!doubt.empty()) {
-    log.warning("stopped", fmt::format("contourd has stopped; motor still, light told to be off, but {}",
-                                       printable(doubt)));
-    return EXIT_SUCCESS;
+  const std::string unconfirmed = machine.projector().light_off_unconfirmed();
+  if (!unconfirmed.empty()) {
+    log.warning("stopped", fmt::format("contourd has stopped; motor still, light off sent, but {}",
+                                       printable(unconfirmed)));
+    return ended;
   }
   log.info("stopped", "contourd has stopped; light off, motor still");
   if (config.real) leave_light_record(config, left_dark(config.light_record), log);
-  return EXIT_SUCCESS;
+  return ended;
 }
 
 int start(int argc, char** argv) {
+  make_safe_on_broken_contract();
   CLI::App app{"Makes a resin printer of a computer, a projector and a Z stage."};
   app.set_version_flag("--version", CONTOURD_VERSION);
   std::string config_file = kDefaultConfig, checked_file, pace;
@@ -279,7 +287,7 @@ int start(int argc, char** argv) {
       ->check(CLI::IsMember({"realtime", "fast"}));
   CLI::Option* const draw =
       app.add_flag("--print-states", print_states,
-                   "Print the print process and a projector's states as a Graphviz graph, and exit");
+                   "Print the states of a print, of homing and of a projector as a Graphviz graph, and exit");
   check->excludes(look, dark, draw);
   look->excludes(dark, draw);
   dark->excludes(draw);

@@ -23,13 +23,13 @@ Duration processor_time() {
 // How many facets each layer cuts.
 std::vector<std::int64_t> facets_cut(std::span<const PlateModel> models,
                                      std::span<const Nanometers> middles) {
-  std::vector<double> z;
-  for (const Nanometers middle : middles)
-    z.push_back(to_millimeters(middle).count());
-  std::vector<std::int64_t> changes(z.size() + 1, 0);
+  std::vector<std::int64_t> changes(middles.size() + 1, 0);
   for (const PlateModel& each : models) {
-    const auto first_above = [&](float height) {
-      return std::lower_bound(z.begin(), z.end(), height - each.model->bounds().min_z) - z.begin();
+    const auto first_above = [&](float z) {
+      const auto lies_below = [&each](Nanometers middle, double there) {
+        return each.z_at(middle).count() < there;
+      };
+      return std::lower_bound(middles.begin(), middles.end(), z, lies_below) - middles.begin();
     };
     for (const Facet& facet : each.model->facets()) {
       const auto [low, high] = std::minmax({facet.vertices[0].z, facet.vertices[1].z, facet.vertices[2].z});

@@ -1,4 +1,4 @@
-// What was mended in a model's mesh, in words and as JSON. Thread-safe (no shared state).
+// What was repaired in a model's mesh, in words and as JSON. Thread-safe (no shared state).
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -21,7 +21,7 @@ auto ModelFile::refusing(Work work) const {
   } catch (const UnreadableFile& error) {
     throw JobRefused(fmt::format("cannot read {}: {}", printable(path_.string()), error.what()));
   } catch (const ModelError& error) {
-    throw JobRefused(fmt::format("{}not a usable STL file: {}", prefix_, error.what()));
+    throw JobRefused(fmt::format("{}not a usable model: {}", prefix_, error.what()));
   } catch (const std::bad_alloc&) {
     throw JobRefused(prefix_ + "the model does not fit into this machine's memory");
   }
@@ -40,7 +40,7 @@ Model ModelFile::read() {
   return refusing([this] {
     Model model = read_model_file(file_.get(), bytes_, path_);
     file_.reset();
-    if (model.facets.empty()) throw JobRefused(prefix_ + "the STL file holds no facets");
+    if (model.facets.empty()) throw JobRefused(prefix_ + "the file holds no facets");
     return model;
   });
 }

@@ -12,7 +12,7 @@ namespace {
 
 // How many are named in the log before the rest is only counted, and how many are settled in a turn of the
 // event loop.
-constexpr std::size_t kMostTold = 10, kMostATurn = 50;
+constexpr std::size_t kMaxTold = 10, kMaxATurn = 50;
 
 constexpr std::array<std::string_view, 14> kUnfinished{
     ".part",   ".partial", ".tmp",        ".temp",  ".crdownload", ".download", ".filepart",
@@ -38,32 +38,32 @@ std::string lower_extension(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::optional<Oddity> oddity_of(const std::filesystem::path& path) {
+std::optional<WhyPassedOver> why_passed_over(const std::filesystem::path& path) {
   const std::string name = path.filename().string(), extension = lower_extension(path);
   if (name.empty() || name.starts_with('.') || name.ends_with('~')) return std::nullopt;
   if (is_one_of(extension, kUnfinished)) return std::nullopt;
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return std::nullopt;
-  if (!S_ISREG(status.st_mode)) return Oddity::NotAFile;
+  if (!S_ISREG(status.st_mode)) return WhyPassedOver::NotAFile;
   if (extension == ".json") return std::nullopt;
-  if (is_one_of(extension, kModels)) return Oddity::Model;
-  if (is_one_of(extension, kSliced)) return Oddity::Sliced;
-  return is_one_of(extension, kArchives) ? Oddity::Archive : Oddity::Other;
+  if (is_one_of(extension, kModels)) return WhyPassedOver::Model;
+  if (is_one_of(extension, kSliced)) return WhyPassedOver::Sliced;
+  return is_one_of(extension, kArchives) ? WhyPassedOver::Archive : WhyPassedOver::Other;
 }
 
-std::string_view sentence_for(Oddity oddity) {
-  switch (oddity) {
-    case Oddity::Folder:
+std::string_view sentence_for(WhyPassedOver why) {
+  switch (why) {
+    case WhyPassedOver::Folder:
       return "a folder without plate.json is no plate: it wants one, or its STL files directly in incoming";
-    case Oddity::Model:
+    case WhyPassedOver::Model:
       return "only STL files are printed: export the model as STL";
-    case Oddity::Sliced:
+    case WhyPassedOver::Sliced:
       return "it is sliced for another printer: contourd wants the model itself, as an STL file";
-    case Oddity::Archive:
+    case WhyPassedOver::Archive:
       return "archives are not unpacked: contourd wants the STL files in it";
-    case Oddity::NotAFile:
+    case WhyPassedOver::NotAFile:
       return "it is a link, a pipe or a device: contourd wants the file itself";
-    case Oddity::Other:
+    case WhyPassedOver::Other:
       break;
   }
   return "it is no STL file by its name: contourd wants NAME.stl, its ticket NAME.json, or a plate's folder";
@@ -72,11 +72,11 @@ std::string_view sentence_for(Oddity oddity) {
 PassedOver::PassedOver(EventLoop& loop, Telling tell, Duration settled)
     : loop_(loop), tell_(std::move(tell)), settled_after_(settled) {}
 
-void PassedOver::saw(const std::string& file, Oddity oddity) {
-  if (const auto known = settled_.find(file); known != settled_.end() && known->second == oddity) return;
+void PassedOver::saw(const std::string& file, WhyPassedOver why) {
+  if (const auto known = settled_.find(file); known != settled_.end() && known->second == why) return;
   forget(file);
   const TimePoint now = std::chrono::steady_clock::now();
-  unsettled_.emplace(file, Unsettled{oddity, now});
+  unsettled_.emplace(file, Unsettled{why, now});
   by_change_.emplace(now, file);
   if (!timer_) wait();
 }
@@ -107,26 +107,25 @@ void PassedOver::wait() {
 void PassedOver::settle_some() {
   timer_.reset();
   const TimePoint settled = std::chrono::steady_clock::now() - settled_after_;
-  for (std::size_t i = 0; i < kMostATurn && !by_change_.empty() && by_change_.begin()->first <= settled;
-       ++i) {
+  for (std::size_t i = 0; i < kMaxATurn && !by_change_.empty() && by_change_.begin()->first <= settled; ++i) {
     const std::string file = by_change_.begin()->second;
-    const Oddity oddity = unsettled_.at(file).oddity;
+    const WhyPassedOver why = unsettled_.at(file).why;
     forget_unsettled(file);
-    settle(file, oddity);
+    settle(file, why);
   }
   if (!by_change_.empty()) return wait();
   if (untold_ > 0) tell_.more(untold_);
   told_ = untold_ = 0;
 }
 
-void PassedOver::settle(const std::string& file, Oddity oddity) {
-  settled_.emplace(file, oddity);
-  if (told_ == kMostTold) {
+void PassedOver::settle(const std::string& file, WhyPassedOver why) {
+  settled_.emplace(file, why);
+  if (told_ == kMaxTold) {
     ++untold_;
     return;
   }
   ++told_;
-  tell_.one(file, oddity);
+  tell_.one(file, why);
 }
 
 }  // namespace contourd

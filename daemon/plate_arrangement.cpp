@@ -182,7 +182,7 @@ void check_arrangement(const std::vector<ModelToPlace>& models, const Arrangemen
   for (std::size_t i = 0; i < models.size(); ++i) {
     for (std::size_t copy = 0; copy < arrangement[i].size(); ++copy) {
       check_inside(models[i], copy, arrangement[i][copy], volume);
-      copies.push_back({models[i], copy, {models[i].model, arrangement[i][copy]}});
+      copies.push_back({models[i], copy, {models[i].standing(), arrangement[i][copy]}});
     }
   }
   for (std::size_t b = 0; b < copies.size(); ++b) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/mask/pixel_map.hpp"
-#include "core/model/height_index.hpp"
+#include "core/model/standing_model.hpp"
 #include "daemon/config/job_ticket.hpp"
 
 namespace contourd {
@@ -25,6 +25,9 @@ struct ModelToPlace {
   std::shared_ptr<const HeightIndex> model;
   std::optional<PlateOffset> position;  // of the copies' centre; where there is room without it
   int copies = 1;
+  Elevation elevation{};  // of each copy
+
+  [[nodiscard]] StandingModel standing() const { return {model, elevation}; }
 };
 
 struct BuildVolume {

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "core/image/preview.hpp"
 #include "daemon/print_report_html.hpp"
 #include "daemon/print_report_json.hpp"
@@ -23,19 +24,20 @@ constexpr Pixels kPreviewWidth{720}, kPreviewHeight{720};
 
 // What the preview shows: all copies on a plate, but one of each model when that is too much to draw.
 std::vector<PreviewPart> preview_parts(const JobSummary& summary, const ContourEngine& engine) {
-  constexpr std::uint64_t kMostFacets = 5'000'000;  // some seconds of drawing
+  constexpr std::uint64_t kMaxFacets = 5'000'000;  // some seconds of drawing
   std::uint64_t facets = 0;
   for (std::size_t i = 0; i < summary.models.size(); ++i)
     facets += engine.models()[i].model->facets().size() * summary.models[i].centers.size();
-  const bool all = summary.plate && facets <= kMostFacets;
+  const bool all = summary.plate && facets <= kMaxFacets;
   std::vector<PreviewPart> parts;
   for (std::size_t i = 0; i < summary.models.size(); ++i) {
-    const HeightIndex& model = *engine.models()[i].model;
+    const PlateModel& standing = engine.models()[i];
+    const HeightIndex& model = *standing.model;
     const std::vector<Point>& centers = summary.models[i].centers;
     const Point middle = model.bounds().center();
+    const double lift_mm = standing.elevation.lift(model.bounds()).count();
     for (std::size_t copy = 0; copy < (all ? centers.size() : 1); ++copy) {
-      parts.push_back(
-          {model.facets(), centers[copy].x - middle.x, centers[copy].y - middle.y, -model.bounds().min_z});
+      parts.push_back({model.facets(), centers[copy].x - middle.x, centers[copy].y - middle.y, lift_mm});
     }
   }
   return parts;
@@ -118,6 +120,7 @@ PrintArchivist::PrintArchivist(EventLoop& loop, const Spool& spool)
     : spool_(spool), worker_(loop, kNiceness) {}
 
 void PrintArchivist::file(EndedPrint print, std::function<void(const FiledPrint&)> done) {
+  expects(!busy_, "no other print is being filed");
   busy_ = true;
   // Tasks are handed on by copy, an engine is not. It goes on the worker's thread: a large one takes its
   // time.

@@ -23,12 +23,13 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr std::string_view kMendIt = "mend the model, or print it with \"cracks\": \"repair\" in its ticket";
+constexpr std::string_view kRepairIt =
+    "mend the model, or print it with \"cracks\": \"repair\" in its ticket";
 
 EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile& resin,
                                const BuildVolume& volume) {
   return {volume.display, printer.anti_aliasing ? AntiAliasing::On : AntiAliasing::Off, resin.compensation,
-          printer.tone, printer.lamp};
+          printer.tone, printer.uniformity};
 }
 
 BuildVolume build_volume(const PrinterConfig& printer, const ResinProfile& resin) {
@@ -90,7 +91,7 @@ ModelSummary make_model(JobContent& content, std::size_t number, const BuildVolu
   figures.size_x_mm = bounds.size_x();
   figures.size_y_mm = bounds.size_y();
   figures.size_z_mm = bounds.size_z();
-  content.require_room_to_mend(facets);
+  content.require_room_to_repair(facets);
   made = std::make_shared<const HeightIndex>(std::move(facets));
   return figures;
 }
@@ -110,7 +111,7 @@ std::vector<ModelToPlace> make_ready(JobContent& content, const JobFiles& files,
       models[i].model = models[made_as].model;
       summary.models.push_back(ModelSummary(summary.models[made_as]));
     }
-    summary.height_mm = std::max(summary.height_mm, summary.models[i].size_z_mm);
+    summary.height_mm = std::max(summary.height_mm, models[i].standing().top().count());
   }
   return models;
 }
@@ -140,8 +141,7 @@ std::vector<PlateModel> stand_on_plate(const std::vector<ModelToPlace>& models,
                                        const Arrangement& arrangement, const BuildVolume& volume) {
   std::vector<PlateModel> standing;
   for (std::size_t i = 0; i < models.size(); ++i) {
-    PlateModel& model = standing.emplace_back();
-    model.model = models[i].model;
+    PlateModel& model = standing.emplace_back(PlateModel{models[i].standing(), {}});
     const Point middle = model.model->bounds().center();
     for (const Point& center : arrangement[i]) {
       // The point of the model that comes to lie on the display's centre.
@@ -187,10 +187,10 @@ PrintLayers choose_layers(const JobTicket& ticket, const PrinterConfig& printer,
   if (ticket.adaptive) {
     summary.layers.adaptive = adaptive_limits(*ticket.adaptive, resin, printer);
     summary.layers.thinnest = summary.layers.adaptive->thinnest;
-    std::vector<std::shared_ptr<const HeightIndex>> indexes;
+    std::vector<StandingModel> standing;
     for (const ModelToPlace& model : models)
-      indexes.push_back(model.model);
-    return {std::move(indexes), *summary.layers.adaptive};
+      standing.push_back(model.standing());
+    return {std::move(standing), *summary.layers.adaptive};
   }
   const Nanometers thickness = ticket.layer_height.value_or(resin.layer_height);
   check_layer_height(thickness, resin, printer);
@@ -247,10 +247,11 @@ void take_settings(const PrinterConfig& printer, const ResinProfile& resin, Prin
 void refuse_guesses(const ModelToPlace& model, const PrintLayers& layers, const BuildVolume& volume) {
   if (const MeshRepairs& repairs = model.model->repairs(); repairs.has_guesses()) {
     throw JobRefused(fmt::format("{} is cracked: its facets disagree with each other (to print it: {}); {}",
-                                 model.name, describe(repairs), kMendIt));
+                                 model.name, describe(repairs), kRepairIt));
   }
   const std::vector<Nanometers> heights = middles_of(layers.all());
-  const CrackSurvey survey = survey_cracks(*model.model, heights, to_millimeters(volume.display.pixel_pitch));
+  const CrackSurvey survey =
+      survey_cracks(model.standing(), heights, to_millimeters(volume.display.pixel_pitch));
   if (!survey.first_open) return;
   const char* const fault = survey.cracks.turned_chains == 0 ? "contours do not close"
                             : survey.cracks.open_chains == 0 ? "facets are turned against each other"
@@ -260,7 +261,7 @@ void refuse_guesses(const ModelToPlace& model, const PrintLayers& layers, const 
                   "and the widest gap is {:.3f} mm; {}",
                   model.name, fault, survey.open_layers, heights.size(), *survey.first_open + 1,
                   to_millimeters(heights[static_cast<std::size_t>(*survey.first_open)]).count(),
-                  survey.cracks.widest_gap.count(), kMendIt));
+                  survey.cracks.widest_gap.count(), kRepairIt));
 }
 
 // At each file and each model once, however often it stands on the plate.
@@ -285,6 +286,7 @@ PreparedJob prepare(const JobFiles& files, const JobSettings& settings, const Pr
   const auto start = SteadyClock::now();
   const JobTicket& ticket = settings.ticket;
   PreparedJob job;
+  job.settings = settings;
   JobSummary& summary = job.summary;
   summary.plate = files.plate;
   summary.resin = settings.resin;
@@ -294,7 +296,7 @@ PreparedJob prepare(const JobFiles& files, const JobSettings& settings, const Pr
   content.read(volume.display, memory_room(printer.memory_limit_bytes));
   const auto read = SteadyClock::now();
   summary.tone = printer.tone;
-  summary.lamp_mask = printer.lamp.has_value();
+  summary.uniformity_mask = printer.uniformity.has_value();
   const std::vector<ModelToPlace> models = make_ready(content, files, volume, summary);
   const Arrangement arrangement = arrange(models, volume);
   PrintPlan& plan = job.plan;

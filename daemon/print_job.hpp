@@ -21,6 +21,7 @@ struct PreparedJob {
   DisplayGeometry display;
   AnalysisOptions analysis;
   JobSummary summary;
+  JobSettings settings;       // by which it was prepared
   TimePoint first_mask_at{};  // CLOCK_MONOTONIC, whatever clock the machine runs by
 };
 

@@ -14,7 +14,7 @@ namespace contourd {
 namespace {
 
 // A model may have any number of them.
-constexpr std::size_t kMostWarnings = 20;
+constexpr std::size_t kMaxWarnings = 20;
 
 // "434000 facets, 20.00 x 20.00 x 40.00 mm", or what is on the plate.
 std::string content_of(const JobSummary& summary) {
@@ -63,13 +63,14 @@ void PrintLog::ready(const std::string& job, const JobSummary& summary, Duration
   const LogFields fields = job_fields(job);
   const std::string name = printable(job);
   log_.info("ready",
-            fmt::format("{}: {}, {} layers of {}; first mask after {:.0f} ms", name, content_of(summary),
-                        summary.layers.count, thickness_of(summary.layers), milliseconds(first_mask_after)),
+            fmt::format("{}: {}, {} layers of {}; first mask after {:.0f} ms{}", name, content_of(summary),
+                        summary.layers.count, thickness_of(summary.layers), milliseconds(first_mask_after),
+                        summary.prepared_before ? ", prepared while it waited" : ""),
             fields);
   log_.info("settings", fmt::format("{}: {}", name, describe_settings(summary)), fields);
   if (const std::string correction = describe_correction(summary); !correction.empty())
     log_.info("compensation", fmt::format("{}: {}", name, correction), fields);
-  const std::size_t told = std::min(summary.warnings.size(), kMostWarnings);
+  const std::size_t told = std::min(summary.warnings.size(), kMaxWarnings);
   for (std::size_t i = 0; i < told; ++i)
     log_.warning("model", fmt::format("{}: {}", name, summary.warnings[i]), fields);
   if (told < summary.warnings.size())
@@ -124,10 +125,11 @@ void PrintLog::warn_about_light(const JobSummary& summary, const LayerRecord& la
   if (layer.exposure_least > layer.exposure_asked + frame) log_.warning("overexposed", asked, fields);
   const Duration tolerated = summary.resin.tolerance.bounds;
   if (layer.exposure_most - layer.exposure_least > tolerated) {
-    log_.warning("doubtful-light",
-                 fmt::format("{}; the projector's answers tell no better, the resin tolerates {:.0f} ms",
-                             asked, milliseconds(tolerated)),
-                 fields);
+    log_.warning(
+        "doubtful-light",
+        fmt::format("{}; the projector's answers are no more exact, and the resin tolerates {:.0f} ms", asked,
+                    milliseconds(tolerated)),
+        fields);
   }
 }
 

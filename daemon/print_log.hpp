@@ -1,4 +1,4 @@
-// A print's lines in the log: what the job is, what is found in it, each layer and its light, what disturbs
+// A print's lines in the log: what the job is, what is found in it, each layer and its light, what interrupts
 // it, how it ends. Event loop's thread only.
 #pragma once
 

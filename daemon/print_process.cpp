@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "daemon/mask_cost.hpp"
 
 namespace contourd {
@@ -60,6 +61,8 @@ PrintProcess::~PrintProcess() {
 }
 
 void PrintProcess::start(PrintPlan plan) {
+  expects(state_ == PrintState::Idle, "no print is under way");
+  expects(plan.layers.thickness_at(Nanometers{}) && plan.exposure, "a print has a layer and its exposure");
   plan_ = std::move(plan);
   layer_ = 0;
   pause_wanted_ = resume_wanted_ = canceled_ = false;
@@ -93,6 +96,7 @@ void PrintProcess::pause() {
 }
 
 std::string_view PrintProcess::next_pause() const {
+  expects(state_ != PrintState::Idle, "a print is under way");
   switch (state_) {
     case PrintState::Idle:
     case PrintState::Halting:
@@ -375,14 +379,14 @@ void PrintProcess::count_light() {
 }
 
 bool PrintProcess::has_all_light() const {
-  return layer_exposed_ || (record_.exposure_parts > 0 && exposure_left() < shortest_exposure);
+  return layer_exposed_ || (record_.exposure_parts > 0 && exposure_left() < kShortestExposure);
 }
 
-// In the dark: a section takes its time to cut.
+// In the dark: a mask's loops take their time to link.
 void PrintProcess::tell_layer() {
   layer_told_ = true;
   record_.complete = layer_exposed_;
-  if (layer_exposed_) describe_section();
+  if (layer_exposed_) record_.loops = plan_->engine->count_loops();
   observer_.layer_done(record_);
   if (layer_exposed_) judge_exposure();
 }
@@ -390,7 +394,7 @@ void PrintProcess::tell_layer() {
 // The plate is not down any more, or will be lifted next: nothing else than the pause is due.
 void PrintProcess::judge_exposure() {
   const Duration apart = record_.exposure_most - record_.exposure_least;
-  if (apart <= plan_->tolerance.bounds || plan_->tolerance.doubt == ExposureTolerance::Doubt::Warn) return;
+  if (apart <= plan_->tolerance.bounds || plan_->tolerance.policy == ExposureTolerance::Policy::Warn) return;
   const std::string what =
       fmt::format("the light of layer {} is known to {:.0f} ms only, its resin tolerates {:.0f} ms",
                   layer_ + 1, std::chrono::duration<double, std::milli>(apart).count(),
@@ -412,6 +416,8 @@ void PrintProcess::show_mask() {
   record_.mask_time = MaskBudget::Clock::now() - start;
   if (mask == nullptr) return abandon_mask(budget);
   record_.area_mm2 = plan_->engine->coverage().lit_area() * plan_->pixel_area_mm2;
+  record_.intersecting_facets = plan_->engine->intersecting_facets();
+  record_.cracks = plan_->engine->cracks();
   expect_within(kPresentDeadline, "the display to show the mask");
   machine_.display().show(*mask,
                           while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
@@ -429,13 +435,6 @@ void PrintProcess::abandon_mask(const MaskBudget& spent) {
                   std::chrono::duration<double, std::milli>(plan_->mask_budget).count(),
                   describe_mask_cost(*plan_->engine, spent, record_.mask_time));
   wait_ = clock_.call_at(clock_.now(), [this, what] { interrupt(what); });
-}
-
-void PrintProcess::describe_section() {
-  const Contours& contours = plan_->engine->contours_at(record_.mask_height);
-  record_.intersecting_facets = plan_->engine->intersecting_facets();
-  record_.loops = static_cast<std::uint32_t>(contours.loops.size());
-  record_.cracks = contours.cracks;
 }
 
 void PrintProcess::record_layer() {
@@ -456,6 +455,7 @@ void PrintProcess::finish() {
 }
 
 Duration PrintProcess::time_left() const {
+  expects(state_ != PrintState::Idle, "a print is under way");
   // The layer under way has had its light already.
   const bool exposed =
       layer_exposed_ || state_ == PrintState::Darkening || state_ == PrintState::Extinguishing;

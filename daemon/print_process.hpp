@@ -3,7 +3,7 @@
 // loop's thread only.
 //
 // It is larger than other classes: each effect of the table is a method of it, and all of them work on the
-// one layer under way, whose light none of them may lose sight of.
+// one layer under way and account for its light.
 #pragma once
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/contract/expects.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
 #include "daemon/config/resin_profile.hpp"
@@ -106,13 +107,13 @@ class PrintProcess {
   PrintProcess(const PrintProcess&) = delete;
   PrintProcess& operator=(const PrintProcess&) = delete;
 
-  // REQUIRES: state() is Idle; at least one layer; an exposure for every layer.
+  // REQUIRES: state() is Idle; at least one layer; an exposure.
   void start(PrintPlan plan);
 
   // Pause after the layer under way, or no longer.
   void pause();
-  // Also after an interruption: the layer under way then gets the light that it still lacks. REQUIRES:
-  // nothing keeps the machine from printing.
+  // Also after an interruption: the layer under way then gets the light that it still lacks. Does not look
+  // whether anything keeps the machine from printing.
   void resume();
   // Light off at once; the plate goes up, and the print waits for resume(). `what` says why, in one sentence.
   // Does nothing while Idle.
@@ -133,10 +134,20 @@ class PrintProcess {
   // What interrupted the print, until it is resumed; empty when nothing did.
   [[nodiscard]] const std::string& interruption() const { return interruption_; }
   // The layer under way, from 0. REQUIRES: not Idle.
-  [[nodiscard]] std::int32_t layer() const { return layer_; }
-  // Its top above the plate, and how thick it is. REQUIRES: not Idle.
-  [[nodiscard]] Nanometers layer_top() const { return bottom_ + thickness_; }
-  [[nodiscard]] Nanometers layer_thickness() const { return thickness_; }
+  [[nodiscard]] std::int32_t layer() const {
+    expects(state_ != PrintState::Idle, "a print is under way");
+    return layer_;
+  }
+  // Its top above the plate. REQUIRES: not Idle.
+  [[nodiscard]] Nanometers layer_top() const {
+    expects(state_ != PrintState::Idle, "a print is under way");
+    return bottom_ + thickness_;
+  }
+  // REQUIRES: not Idle.
+  [[nodiscard]] Nanometers layer_thickness() const {
+    expects(state_ != PrintState::Idle, "a print is under way");
+    return thickness_;
+  }
   [[nodiscard]] bool on_last_layer() const { return !plan_->layers.thickness_at(layer_top()); }
   // Nothing while Idle.
   [[nodiscard]] const PrintPlan* plan() const { return plan_ ? &*plan_ : nullptr; }
@@ -172,7 +183,6 @@ class PrintProcess {
   void is_dark();
   void count_light();
   void tell_layer();
-  void describe_section();
   void judge_exposure();
   void display_lost();
   [[nodiscard]] PrintEvent next_due() const;

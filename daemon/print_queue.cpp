@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "daemon/readable.hpp"
 
 namespace contourd {
@@ -16,10 +17,17 @@ PrintQueue::Position PrintQueue::find(const std::string& file) {
 
 void PrintQueue::arrived(const std::string& file) {
   const Position queued = find(file);
+  if (queued != jobs_.end() && queued->check == WaitingJob::Check::Refused) {
+    // What lies there goes to failed/, unless it was written anew: rejected() knows.
+    queued->withdrawn = false;
+    queued->seen_again = true;
+    return;
+  }
   WaitingJob job{.file = file, .arrived = std::chrono::steady_clock::now()};
   if (queued != jobs_.end()) {
     job.trouble = std::move(queued->trouble);  // told already
     *queued = std::move(job);
+    calls_.forget(file);
   } else {
     jobs_.push_back(std::move(job));
     log_.info("queued", fmt::format("{}: arrived, number {} in the queue", printable(file), jobs_.size()),
@@ -42,6 +50,7 @@ void PrintQueue::withdrawn(const std::string& file) {
 void PrintQueue::remove_withdrawn(const Position& job) {
   const std::string file = job->file;
   jobs_.erase(job);
+  calls_.forget(file);
   tell_withdrawn(log_, file);
   calls_.changed();
 }
@@ -51,9 +60,11 @@ void PrintQueue::check_next() {
   if (wanted == jobs_.end()) return;
   wanted->check = WaitingJob::Check::Running;
   const std::uint64_t number = wanted->check_number = ++checks_begun_;
-  calls_.check(wanted->file, [this, file = wanted->file, number](const std::optional<JobRefusal>& refusal) {
-    checked(file, number, refusal);
-  });
+  const auto keep = wanted == jobs_.begin() ? JobReader::Keep::Prepared : JobReader::Keep::Nothing;
+  calls_.check(wanted->file, keep,
+               [this, file = wanted->file, number](const std::optional<JobRefusal>& refusal) {
+                 checked(file, number, refusal);
+               });
 }
 
 void PrintQueue::checked(const std::string& file, std::uint64_t number,
@@ -81,9 +92,10 @@ void PrintQueue::postpone(WaitingJob& job, const std::string& why) {
   job.check = WaitingJob::Check::Postponed;
   // Its figures change all the time.
   if (!std::exchange(job.postponed, why).empty()) return;
-  log_.info("postponed",
-            fmt::format("{}: is read later, as there is no room in memory now: {}", printable(job.file), why),
-            file_fields(job.file));
+  log_.info(
+      "postponed",
+      fmt::format("{}: is read later, because there is not enough memory now: {}", printable(job.file), why),
+      file_fields(job.file));
 }
 
 void PrintQueue::check_postponed() {
@@ -93,16 +105,24 @@ void PrintQueue::check_postponed() {
 }
 
 bool PrintQueue::first_may_begin() const {
+  expects(!empty(), "a job waits");
   return jobs_.front().check != WaitingJob::Check::Running && rejections_ == 0;
 }
 
 WaitingJob PrintQueue::take_first() {
+  expects(!empty(), "a job waits");
   WaitingJob job = std::move(jobs_.front());
   jobs_.pop_front();
   return job;
 }
 
+void PrintQueue::put_last(WaitingJob job) {
+  calls_.forget(job.file);
+  jobs_.push_back(std::move(job));
+}
+
 void PrintQueue::refuse_first(const std::string& reason) {
+  expects(!empty(), "a job waits");
   refuse(jobs_.front(), reason);
 }
 
@@ -128,11 +148,12 @@ void PrintQueue::rejected(const std::string& file, const std::string& reason, Sp
   calls_.changed();
 }
 
-// It comes back when it is whole, and is checked then.
+// It is checked again when it is whole.
 void PrintQueue::not_rejected(const Position& job) {
   if (job != jobs_.end()) {
     if (job->withdrawn) return remove_withdrawn(job);
-    job->check = WaitingJob::Check::Passed;
+    job->check = job->seen_again ? WaitingJob::Check::Wanted : WaitingJob::Check::Passed;
+    job->seen_again = false;
   }
   calls_.changed();
 }
@@ -143,7 +164,7 @@ void PrintQueue::tell_refused(const std::string& file, const std::string& reason
   if (rejection == Spool::Rejection::LeftThere)
     log_.warning(
         "refused",
-        fmt::format("{}: lies in incoming still, as it cannot be moved; it may be deleted", printable(file)),
+        fmt::format("{}: stays in incoming, because it cannot be moved; it may be deleted", printable(file)),
         file_fields(file));
   if (rejection == Spool::Rejection::Impossible)
     log_.error("refused",

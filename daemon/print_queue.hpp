@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "core/contract/expects.hpp"
 #include "daemon/job_reader.hpp"
 #include "daemon/job_settings.hpp"
 #include "daemon/log.hpp"
@@ -28,18 +29,23 @@ struct WaitingJob {
     Refused,    // on its way to failed/
   } check = Check::Wanted;
   std::uint64_t check_number = 0;  // of the one that is running
-  bool withdrawn = false;          // on its way to failed/ it went, by the owner's hand or by the spool's
-  std::string postponed{};         // why, already told; empty when it was not
-  bool waited = false;             // for another print, or for the plate
-  std::string trouble{};           // why it could not be claimed, already told
+  // On its way to failed/ it went, by the owner's hand or by the spool's; or was seen to be whole again.
+  bool withdrawn = false, seen_again = false;
+  std::string postponed{};  // why, already told; empty when it was not
+  bool waited = false;      // for another print, or for the plate
+  std::string trouble{};    // why it could not be claimed, already told
 };
 
 class PrintQueue {
  public:
   struct Calls {
-    // Reads incoming/`file`, and calls `done` from the loop: see JobReader::check().
-    std::function<void(const std::string& file, std::function<void(const std::optional<JobRefusal>&)> done)>
+    // Reads incoming/`file`, and calls `done` from the loop: see JobReader::check(). Of the next job, what
+    // was prepared is to be kept.
+    std::function<void(const std::string& file, JobReader::Keep keep,
+                       std::function<void(const std::optional<JobRefusal>&)> done)>
         check;
+    // What was kept of incoming/`file` is not wanted any more.
+    std::function<void(const std::string& file)> forget;
     // Files it with its reason, and calls `done` from the loop: see Spool::reject().
     std::function<void(const std::string& file, const std::string& reason, Spool::Rejected done)> reject;
     // Something in the queue may be due now.
@@ -67,15 +73,19 @@ class PrintQueue {
   // then. REQUIRES: not empty.
   [[nodiscard]] bool first_may_begin() const;
 
-  // REQUIRES, these three: not empty.
-  //
-  // It does not begin at once: the time until its first light counts from the end of its wait.
-  void keep_first_waiting() { jobs_.front().waited = true; }
+  // It does not begin at once: the time until its first light counts from the end of its wait. REQUIRES: not
+  // empty.
+  void keep_first_waiting() {
+    expects(!empty(), "a job waits");
+    jobs_.front().waited = true;
+  }
+  // REQUIRES: not empty.
   [[nodiscard]] WaitingJob take_first();
+  // REQUIRES: not empty.
   void refuse_first(const std::string& reason);
 
   void put_first(WaitingJob job) { jobs_.push_front(std::move(job)); }
-  void put_last(WaitingJob job) { jobs_.push_back(std::move(job)); }
+  void put_last(WaitingJob job);
 
  private:
   using Position = std::deque<WaitingJob>::iterator;

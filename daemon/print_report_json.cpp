@@ -152,7 +152,7 @@ std::string report_as_json(const PrintReport& report) {
            {"growth_um", summary.resin.compensation.growth.count()},
            {"elephant_foot_um", summary.resin.compensation.elephant_foot.count()},
            {"elephant_foot_height_um", mm(summary.resin.compensation.elephant_foot_height) * 1000},
-           {"lamp_mask", summary.lamp_mask},
+           {"lamp_mask", summary.uniformity_mask},
            {"gamma", summary.tone.gamma},
            {"threshold", summary.tone.threshold}});
   add_layer_figures(summary.layers, json);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "hw/gpio/homing_states.hpp"
 #include "hw/serial/projector_light_states.hpp"
 #include "hw/serial/projector_power_states.hpp"
 
@@ -16,7 +17,7 @@ using F = PrintEffect;
 
 template <typename... Effects>
 constexpr PrintTransition row(S from, E on, S to, Effects... effects) {
-  static_assert(sizeof...(effects) <= PrintTransition::kMostEffects);
+  static_assert(sizeof...(effects) <= PrintTransition::kMaxEffects);
   return {from, on, to, {effects...}, sizeof...(effects)};
 }
 
@@ -316,6 +317,7 @@ std::string draw_print_states() {
     graph += fmt::format("  \"{}\" -> \"{}\" [label=\"{}\"];\n",
                          t.on == E::Failed ? "any state" : name_of(t.from), name_of(t.to), label);
   }
+  graph += draw_table("homing", homing_transitions());
   graph += draw_table("projector power", projector_power_transitions());
   graph += draw_table("projector light", projector_light_transitions());
   return graph + "}\n";

@@ -80,12 +80,12 @@ enum class PrintEffect {
 };
 
 struct PrintTransition {
-  static constexpr std::size_t kMostEffects = 6;
+  static constexpr std::size_t kMaxEffects = 6;
 
   PrintState from;
   PrintEvent on;
   PrintState to;
-  std::array<PrintEffect, kMostEffects> effects;  // in this order; LightOff always first
+  std::array<PrintEffect, kMaxEffects> effects;  // in this order; LightOff always first
   std::size_t effect_count;
 
   [[nodiscard]] std::span<const PrintEffect> done() const { return std::span(effects).first(effect_count); }

@@ -2,20 +2,40 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <optional>
+
+#include "core/contract/expects.hpp"
+#include "daemon/job_history.hpp"
 
 namespace contourd {
 
 using Json = PrinterControl::Json;
 
+namespace {
+
+// How many of the jobs that ended are wanted.
+std::size_t last_of(const Json& parameters) {
+  const auto last = parameters.find("last");
+  if (last == parameters.end()) return JobHistory::kLongest;
+  if (!last->is_number_integer() || *last < 1 || *last > JobHistory::kLongest)
+    throw InvalidParameters(fmt::format("last is a whole number from 1 to {}", JobHistory::kLongest));
+  return last->get<std::size_t>();
+}
+
+}  // namespace
+
 ControlMethods PrinterControl::methods() {
+  const auto changes = [this](Json (PrinterControl::*method)()) {
+    return ControlMethod{.call = [this, method](const Json&) { return (this->*method)(); }, .changes = true};
+  };
   return {{"status", {[this](const Json&) { return status_.status(); }}},
           {"queue", {[this](const Json&) { return status_.queue(); }}},
-          {"history", {[this](const Json&) { return status_.history(); }}},
-          {"pause", {[this](const Json&) { return pause(); }}},
-          {"resume", {[this](const Json&) { return resume(); }}},
-          {"cancel", {[this](const Json&) { return cancel(); }}},
-          {"plate_cleared", {[this](const Json&) { return plate_cleared(); }}}};
+          {"history", {[this](const Json& given) { return status_.history(last_of(given)); }, {"last"}}},
+          {"pause", changes(&PrinterControl::pause)},
+          {"resume", changes(&PrinterControl::resume)},
+          {"cancel", changes(&PrinterControl::cancel)},
+          {"plate_cleared", changes(&PrinterControl::plate_cleared)}};
 }
 
 Json PrinterControl::pause() {
@@ -34,8 +54,8 @@ Json PrinterControl::resume() {
   if (state != PrintState::Paused && state != PrintState::Held && !pausing) {
     throw ControlRefusal("the print is not paused");
   }
-  if (const std::string hindrance = context_.machine.hindrance(); !hindrance.empty()) {
-    throw ControlRefusal("the print cannot go on: " + hindrance);
+  if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) {
+    throw ControlRefusal("the print cannot go on: " + not_ready);
   }
   hold_.release();
   print.resume();
@@ -43,8 +63,8 @@ Json PrinterControl::resume() {
 }
 
 Json PrinterControl::resume_queue() {
-  if (const std::string hindrance = context_.machine.hindrance(); !hindrance.empty()) {
-    throw ControlRefusal("the queue cannot go on: " + hindrance);
+  if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) {
+    throw ControlRefusal("the queue cannot go on: " + not_ready);
   }
   hold_.release();
   scheduler_.run();
@@ -79,15 +99,12 @@ void PrinterControl::require_print(std::string_view what) const {
 }
 
 std::string PrinterControl::why_it_ends() const {
+  expects(job_.print().state() != PrintState::Idle, "a print is under way");
   if (job_.print().canceled()) return "the print is being cancelled";
   const PrintState state = job_.print().state();
   if (state == PrintState::Parking) return "all layers are printed, the plate goes up";
   if (state == PrintState::Ending) return "the print is over";
   return "the last layer is under way, the print ends by itself";
-}
-
-bool is_command(std::string_view method) {
-  return method != "status" && method != "queue" && method != "history";
 }
 
 }  // namespace contourd

@@ -40,7 +40,7 @@ class PrinterControl {
   Json resume_queue();
   [[nodiscard]] bool has_unfinished_job() const;
   void require_print(std::string_view what) const;
-  // REQUIRES: a print that is not idle, and can be neither paused nor, when it is over, cancelled.
+  // Of a print that can be neither paused nor, when it is over, cancelled. REQUIRES: one that is not idle.
   [[nodiscard]] std::string why_it_ends() const;
 
   const PrinterContext& context_;
@@ -49,8 +49,5 @@ class PrinterControl {
   JobScheduler& scheduler_;
   const PrinterStatus& status_;
 };
-
-// Whether a method changes something: what only asks is not told of in the log.
-[[nodiscard]] bool is_command(std::string_view method);
 
 }  // namespace contourd

@@ -63,7 +63,9 @@ QueueHold::Calls PrinterService::calls_of_hold() {
 }
 
 PrintQueue::Calls PrinterService::calls_of_queue() {
-  return {.check = [this](const std::string& file, auto done) { reader_.check(file, std::move(done)); },
+  return {.check = [this](const std::string& file, JobReader::Keep keep,
+                          auto done) { reader_.check(file, keep, std::move(done)); },
+          .forget = [this](const std::string& file) { reader_.forget(file); },
           .reject = [this](const std::string& file, const std::string& reason,
                            Spool::Rejected done) { spool_.reject(file, reason, std::move(done)); },
           .changed = [this] { scheduler_.run(); },
@@ -84,43 +86,53 @@ void PrinterService::start() {
   context_.loop.on_turn_over([this](const EventLoop::Turn& turn) {
     if (job_.print().light_may_be_on()) job_.add_lit_turn(turn);
   });
-  context_.machine.on_disturbance([this](const Disturbance& disturbance) { disturbed(disturbance); });
+  context_.machine.on_event([this](const MachineEvent& event) { handle_event(event); });
   const Log& log = context_.log;
-  if (const std::string hindrance = context_.machine.hindrance(); !hindrance.empty())
-    log.error("machine", fmt::format("the printer cannot print: {}", printable(hindrance)));
+  if (const std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty())
+    log.error("machine", fmt::format("the printer cannot print: {}", printable(not_ready)));
   hold_.load();
   if (const std::string trouble = spool_.trouble(); !trouble.empty()) log.error("spool", printable(trouble));
   hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); });
   if (hold_.reason()) log.warning("held", hold_.sentence());
   server_ =
       std::make_unique<ControlServer>(context_.loop, context_.config.control_socket, control_.methods());
-  server_->on_call([&log](const std::string& method, const ControlServer::Peer& peer) {
-    if (is_command(method)) log_command(log, method, peer);
-  });
+  server_->on_call(
+      [&log](const std::string& method, const ControlServer::Peer& peer) { log_command(log, method, peer); });
   spool_.open();
   context_.supervisor.status(readiness());
   scheduler_.run_soon();
 }
 
 std::string PrinterService::readiness() const {
-  const std::string hindrance = context_.machine.hindrance();
-  if (!hindrance.empty()) return "Cannot print: " + printable(hindrance);
+  const std::string not_ready = context_.machine.why_not_ready();
+  if (!not_ready.empty()) return "Cannot print: " + printable(not_ready);
   return hold_.reason() ? "Waits for its owner: " + hold_.sentence() : "Ready";
 }
 
 // --- the end
 
 void PrinterService::shut_down(const std::string& reason) {
-  shutting_down_ = true;
+  ending_ = Ending::ShutDown;
   scheduler_.stop();
   reader_.stop();
   job_.stop(reason);
   may_stop();
 }
 
+void PrinterService::hand_over_when_idle() {
+  const bool prints = job_.print().state() != PrintState::Idle || job_.finishing();
+  context_.log.info("restart", prints
+                                   ? fmt::format("contourd restarts when {} is over", printable(job_.name()))
+                                   : "contourd restarts");
+  ending_ = Ending::HandOver;
+  scheduler_.stop();
+  may_stop();
+}
+
 // Behind a print under way: as long as that ends, the loop must turn for its light.
 void PrinterService::may_stop() {
-  if (!shutting_down_ || job_.print().state() != PrintState::Idle) return;
+  if (ending_ == Ending::No || job_.print().state() != PrintState::Idle) return;
+  if (ending_ == Ending::HandOver && job_.finishing()) return;  // its filing comes back here
   job_.stop_analysis();
   if (job_.is_being_filed()) {
     if (!stop_timer_)
@@ -148,29 +160,29 @@ void PrinterService::stop_waiting_for_filing() {
 
 // --- the machine's events
 
-void PrinterService::disturbed(const Disturbance& disturbance) {
+void PrinterService::handle_event(const MachineEvent& event) {
   PrintProcess& print = job_.print();
   const bool printing = print.state() != PrintState::Idle && print.state() != PrintState::Ending;
-  switch (disturbance.kind) {
-    case Disturbance::Kind::Fault:
-      print.fail(disturbance.what);
+  switch (event.kind) {
+    case MachineEvent::Kind::Fault:
+      print.fail(event.what);
       break;
-    case Disturbance::Kind::Interruption:
-      print.interrupt(disturbance.what);
+    case MachineEvent::Kind::Interlock:
+      print.interrupt(event.what);
       break;
-    case Disturbance::Kind::Recovery:
-    case Disturbance::Kind::Notice:
+    case MachineEvent::Kind::Recovery:
+    case MachineEvent::Kind::Notice:
       break;
   }
-  const bool bad = disturbance.kind != Disturbance::Kind::Recovery;
+  const bool bad = event.kind != MachineEvent::Kind::Recovery;
   const bool of_print =
-      disturbance.kind == Disturbance::Kind::Fault || disturbance.kind == Disturbance::Kind::Interruption;
+      event.kind == MachineEvent::Kind::Fault || event.kind == MachineEvent::Kind::Interlock;
   // What happens to a print is told with the print.
   if (!of_print || !printing)
-    context_.log.write(bad ? LogLevel::Warning : LogLevel::Info, "machine", printable(disturbance.what));
-  for (const std::string& warning : disturbance.warnings)
+    context_.log.write(bad ? LogLevel::Warning : LogLevel::Info, "machine", printable(event.what));
+  for (const std::string& warning : event.warnings)
     context_.log.warning("machine", printable(warning));
-  if (disturbance.owner_decides) hold_.hold(disturbance.what);
+  if (event.owner_decides) hold_.hold(event.what);
   if (print.state() == PrintState::Idle) context_.supervisor.status(readiness());
   notify("machine", ControlServer::Delivery::Lossy);
   scheduler_.run_soon();

@@ -36,13 +36,19 @@ class PrinterService final : private JobObserver {
   // light is off and the print filed, or after some seconds.
   void shut_down(const std::string& reason);
 
+  // Takes no more jobs, and stops the loop once no print is under way and the last one is filed: a new
+  // program or configuration is to take over.
+  void hand_over_when_idle();
+
   // Something happened to the machine, or is about to.
-  void disturbed(const Disturbance& disturbance);
+  void handle_event(const MachineEvent& event);
 
   // `call` gets true when a print begins, and false when none is under way any more; also again.
   void on_printing(std::function<void(bool)> call) { printing_ = std::move(call); }
 
  private:
+  enum class Ending { No, HandOver, ShutDown };
+
   void print_state_changed(PrintState state) override;
   void job_changed(const std::string& what) override;
   void light_gone() override;
@@ -72,7 +78,7 @@ class PrinterService final : private JobObserver {
   PrinterStatus status_;
   PrinterControl control_;
   std::unique_ptr<ControlServer> server_;
-  bool shutting_down_ = false;
+  Ending ending_ = Ending::No;
   std::function<void(bool)> printing_;
   EventLoop::SourcePtr stop_timer_;
 };

@@ -1,5 +1,6 @@
 #include "daemon/printer_status.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <string>
@@ -10,7 +11,7 @@ namespace {
 
 using Json = PrinterStatus::Json;
 
-constexpr std::size_t kMostQueued = 1'000, kMostIncomplete = 10;
+constexpr std::size_t kMaxQueued = 1'000, kMaxIncomplete = 10;
 
 double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -39,23 +40,26 @@ Json ended_json(const EndedJob& job) {
 Json PrinterStatus::queue() const {
   const auto& waiting = parts_.queue.jobs();
   Json files = Json::array();
-  for_first(waiting, kMostQueued, [&](const WaitingJob& job) { files.push_back(job.file); });
+  for_first(waiting, kMaxQueued, [&](const WaitingJob& job) { files.push_back(job.file); });
   return Json{{"queue", files},
-              {"more", beyond(waiting.size(), kMostQueued)},
-              {"arriving", parts_.spool.incoming().arriving(kMostQueued)}};
+              {"more", beyond(waiting.size(), kMaxQueued)},
+              {"arriving", parts_.spool.incoming().arriving(kMaxQueued)}};
 }
 
-Json PrinterStatus::history() const {
+Json PrinterStatus::history(std::size_t last) const {
+  const auto& ended = parts_.history.jobs();
   Json jobs = Json::array();
-  for (const EndedJob& job : parts_.history.jobs()) {
-    jobs.push_back(ended_json(job));
-    jobs.back()["analysis"] = job.analysis;
+  for (std::size_t i = ended.size() - std::min(last, ended.size()); i < ended.size(); ++i) {
+    jobs.push_back(ended_json(ended[i]));
+    jobs.back()["analysis"] = ended[i].analysis;
   }
   return Json{{"ended", jobs}};
 }
 
 Json PrinterStatus::status() const {
-  Json status{{"printer", context_.config.name}, {"state", state()}};
+  Json status{{"printer", context_.config.name},
+              {"spool", context_.config.spool_folder.string()},
+              {"state", state()}};
   status["job"] = parts_.job.job() != nullptr ? job() : Json();
   status["queued"] = parts_.queue.jobs().size();
   add_incoming(status);
@@ -99,37 +103,36 @@ void PrinterStatus::add_print(Json& job) const {
 void PrinterStatus::add_incoming(Json& status) const {
   const auto& incomplete = parts_.spool.incoming().incomplete();
   status["incomplete"] = Json::object();
-  for_first(incomplete, kMostIncomplete,
+  for_first(incomplete, kMaxIncomplete,
             [&](const auto& plate) { status["incomplete"][plate.first] = plate.second; });
-  status["incomplete_more"] = beyond(incomplete.size(), kMostIncomplete);
+  status["incomplete_more"] = beyond(incomplete.size(), kMaxIncomplete);
   add_postponed(status);
   const auto& passed_over = parts_.spool.incoming().passed_over();
   status["passed_over"] = Json::object();
-  for_first(passed_over, kMostIncomplete,
+  for_first(passed_over, kMaxIncomplete,
             [&](const auto& each) { status["passed_over"][each.first] = sentence_for(each.second); });
-  status["passed_over_more"] = beyond(passed_over.size(), kMostIncomplete);
+  status["passed_over_more"] = beyond(passed_over.size(), kMaxIncomplete);
   const auto& originals = parts_.spool.incoming().originals();
   status["deletable"] = Json::array();
-  for_first(originals, kMostIncomplete,
-            [&](const std::string& file) { status["deletable"].push_back(file); });
-  status["deletable_more"] = beyond(originals.size(), kMostIncomplete);
+  for_first(originals, kMaxIncomplete, [&](const std::string& file) { status["deletable"].push_back(file); });
+  status["deletable_more"] = beyond(originals.size(), kMaxIncomplete);
 }
 
 void PrinterStatus::add_postponed(Json& status) const {
   status["postponed"] = Json::object();
   std::size_t postponed = 0;
   for (const WaitingJob& job : parts_.queue.jobs()) {
-    if (!job.postponed.empty() && ++postponed <= kMostIncomplete)
+    if (!job.postponed.empty() && ++postponed <= kMaxIncomplete)
       status["postponed"][job.file] = job.postponed;
   }
-  status["postponed_more"] = beyond(postponed, kMostIncomplete);
+  status["postponed_more"] = beyond(postponed, kMaxIncomplete);
 }
 
 void PrinterStatus::add_reasons_to_wait(Json& status) const {
   const QueueHold& hold = parts_.hold;
   status["plate"] = hold.plate_occupant() ? "occupied" : "clear";
   status["plate_job"] = hold.plate_occupant() ? Json(*hold.plate_occupant()) : Json();
-  status["hindrance"] = or_null(context_.machine.hindrance());
+  status["hindrance"] = or_null(context_.machine.why_not_ready());
   status["held"] = or_null(hold.sentence());
   status["waiting_for"] = or_null(parts_.scheduler.waiting_for());
 }

@@ -33,7 +33,8 @@ class PrinterStatus {
   // The waiting jobs in their order, and what is still arriving.
   [[nodiscard]] Json queue() const;
   // The jobs that have ended.
-  [[nodiscard]] Json history() const;
+  // Of so many jobs, the latest.
+  [[nodiscard]] Json history(std::size_t last) const;
 
  private:
   [[nodiscard]] std::string_view state() const;

@@ -38,7 +38,9 @@ void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ende
       adopt(files, recorded_end(spool_, files.name));
     }
   }
-  if (!unfiled_.empty()) keep();
+  // Nothing is left in printing/ that the last print's record tells of: that print is filed.
+  if (unfiled_.empty()) return spool_.records().forget_end_of_print();
+  keep();
 }
 
 void QueueHold::adopt(const JobFiles& files, const std::optional<PrintEnd>& end) {
@@ -117,8 +119,7 @@ void QueueHold::try_to_keep() {
   }
   if (std::exchange(trouble_, trouble) == trouble || trouble.empty()) return;
   context_.log.error("spool",
-                     fmt::format("a restart will not know all that is known now, which is tried again until "
-                                 "it is on the disk: {}",
+                     fmt::format("the state for the next start is not on the disk, which is tried again: {}",
                                  printable(trouble)));
   unfiled_.tell_they_stay();
 }

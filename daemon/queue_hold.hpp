@@ -1,6 +1,6 @@
-// What keeps the queue until the owner has spoken: the queue is held, the plate holds a part, a job in
-// printing/ is not filed. All of it survives a restart: the spool's records are kept on the disk, and they
-// are there before what they tell of can be forgotten. Event loop's thread only.
+// What holds the queue until the owner acts: the queue is held, the plate holds a part, a job in printing/ is
+// not filed. All of it survives a restart: the spool's records are kept on the disk, and they are there
+// before what they tell of can be forgotten. Event loop's thread only.
 #pragma once
 
 #include <functional>
@@ -31,7 +31,7 @@ class QueueHold {
   // process.
   void adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading);
 
-  // No job begins from now on until release(), whatever the plate holds. A hold has the first reason.
+  // No job begins from now on until release(), whatever the plate holds. The first reason stays.
   void hold(const std::string& why);
   void release();
   // Why it is held; nothing when it is not.

@@ -26,7 +26,7 @@ class ReadingRecord {
   // Takes over what the last process left in `file`.
   explicit ReadingRecord(std::filesystem::path file);
 
-  // Whether a process ended in reading it, and it has not been put in again since. Says so once only.
+  // Whether a process ended while it read this job, and the job was not put in again since. True once only.
   [[nodiscard]] bool take_ended(const JobFiles& job);
   // As long as there is one, the job is being read; one at a time. What the disk does not take is not
   // recorded.

@@ -14,6 +14,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "daemon/config/printer_places.hpp"
 
 namespace contourd {
@@ -50,16 +51,16 @@ class Guise {
 };
 
 // Why it cannot be accessed so; empty when it can.
-std::string hindrance(const fs::path& path, int mode) {
+std::string why_out_of_reach(const fs::path& path, int mode) {
   if (::faccessat(AT_FDCWD, path.c_str(), mode, AT_EACCESS) == 0) return "";
   return std::generic_category().message(errno);
 }
 
 // What the unit hides or gives an own copy of, whatever the permissions (ProtectHome, PrivateTmp).
 bool is_hidden_by_unit(const fs::path& path) {
-  constexpr std::array<std::string_view, 5> hidden{"/home/", "/root/", "/run/user/", "/tmp/", "/var/tmp/"};
+  constexpr std::array<std::string_view, 5> kHidden{"/home/", "/root/", "/run/user/", "/tmp/", "/var/tmp/"};
   const std::string text = path.string() + "/";
-  return std::ranges::any_of(hidden, [&](std::string_view folder) { return text.starts_with(folder); });
+  return std::ranges::any_of(kHidden, [&](std::string_view folder) { return text.starts_with(folder); });
 }
 
 class Reach {
@@ -70,7 +71,7 @@ class Reach {
     if (is_hidden_by_unit(path)) {
       missed_.push_back(
           {path.string(), "", "the unit hides home folders and temporary files from the service"});
-    } else if (const std::string why = hindrance(path, mode); !why.empty()) {
+    } else if (const std::string why = why_out_of_reach(path, mode); !why.empty()) {
       missed_.push_back(
           {path.string(), "", fmt::format("the service's user {} cannot {}: {}", user_.name, what, why)});
     }
@@ -101,6 +102,7 @@ std::optional<SystemUser> service_user() {
 }
 
 std::vector<Violation> out_of_reach(const SystemUser& user, const PrinterConfig& printer) {
+  expects(::geteuid() == 0, "this process is root's");
   const Guise guise(user);
   if (!guise.worn()) return {};
   Reach reach(user);

@@ -11,6 +11,7 @@
 #include "daemon/durable_file.hpp"
 #include "daemon/job_moves.hpp"
 #include "daemon/left_in_printing.hpp"
+#include "daemon/new_file.hpp"
 #include "daemon/state_folder.hpp"
 
 namespace contourd {
@@ -80,6 +81,7 @@ JobFiles Spool::begin(const std::string& file) {
   const JobFiles to = folders_.named(Folder::Printing, folders_.unused_name(from.name), from);
   records_.forget_end_of_print();
   move_files(folders_, from, to);
+  watch_.moved_away(file);
   return to;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <system_error>
 #include <utility>
@@ -43,6 +44,19 @@ std::string shortened_name(const std::string& stem) {
   return name;
 }
 
+// Of an extension in lower case: each letter in either case.
+std::vector<std::string> spellings_of(std::string_view extension) {
+  std::vector<std::string> spellings{""};
+  for (const char c : extension) {
+    const bool is_letter = c >= 'a' && c <= 'z';
+    for (std::size_t i = 0, shorter = spellings.size(); i < shorter; ++i) {
+      if (is_letter) spellings.push_back(spellings[i] + static_cast<char>(c - 'a' + 'A'));
+      spellings[i] += c;
+    }
+  }
+  return spellings;
+}
+
 }  // namespace
 
 std::string job_name_of(const std::string& file) {
@@ -50,7 +64,7 @@ std::string job_name_of(const std::string& file) {
 }
 
 bool is_model_name(const std::string& file) {
-  return has_model_extension(file) && !file.starts_with('.');
+  return !model_extension(file).empty() && !file.starts_with('.');
 }
 
 SpoolFolders::SpoolFolders(fs::path root) : root_(std::move(root)) {}
@@ -86,33 +100,43 @@ JobFiles SpoolFolders::files_of(SpoolFolder where, const std::string& file) cons
 }
 
 JobFiles SpoolFolders::named(SpoolFolder where, const std::string& name, const JobFiles& like) const {
-  JobFiles files{name, path(where) / (like.plate ? name : name + ".stl"), std::nullopt, like.plate,
-                 like.links};
+  const std::string_view extension = like.plate ? "" : model_extension(like.model.filename().string());
+  JobFiles files{name, path(where) / (name + std::string(extension)), std::nullopt, like.plate, like.links};
   if (like.ticket) files.ticket = path(where) / (name + ".json");
   return files;
 }
 
-std::string SpoolFolders::unused_name(const std::string& stem) const {
-  const auto is_used_in = [this](SpoolFolder where, const std::string& name) {
-    // A reason alone is no job: a power cut leaves it without its file, which gets it again.
-    for (const char* suffix : {"", ".stl", ".json", ".report.json"}) {
-      if (is_there(path(where) / (name + suffix))) return true;
-    }
-    return false;
-  };
-  return numbered(shortened_name(stem), [&](const std::string& name) {
-    return is_used_in(SpoolFolder::Printing, name) || is_used_in(SpoolFolder::Done, name) ||
-           is_used_in(SpoolFolder::Failed, name);
+bool SpoolFolders::is_name_used(const std::string& name) const {
+  // A reason alone is no job: a power cut leaves it without its file, which gets it again.
+  std::vector<std::string_view> suffixes = model_extensions();
+  suffixes.insert(suffixes.end(), {"", ".json", ".report.json"});
+  constexpr std::array kTaken{SpoolFolder::Printing, SpoolFolder::Done, SpoolFolder::Failed};
+  return std::ranges::any_of(kTaken, [&](SpoolFolder where) {
+    return std::ranges::any_of(suffixes, [&](std::string_view suffix) {
+      return is_there(path(where) / (name + std::string(suffix)));
+    });
   });
 }
 
+bool SpoolFolders::is_used_in_incoming(const std::string& name, const JobFiles& like) const {
+  const JobFiles files = named(SpoolFolder::Incoming, name, like);
+  return is_there(files.model) || (!like.plate && is_there(path(SpoolFolder::Incoming) / (name + ".json")));
+}
+
+std::string SpoolFolders::unused_name(const std::string& stem) const {
+  return numbered(shortened_name(stem), [&](const std::string& name) { return is_name_used(name); });
+}
+
 JobFiles SpoolFolders::unused_in_incoming(const JobFiles& like) const {
-  const std::string name = numbered(like.name, [&](const std::string& candidate) {
-    const JobFiles files = named(SpoolFolder::Incoming, candidate, like);
-    return is_there(files.model) ||
-           (!like.plate && is_there(path(SpoolFolder::Incoming) / (candidate + ".json")));
-  });
-  return named(SpoolFolder::Incoming, name, like);
+  const auto is_used = [&](const std::string& name) { return is_used_in_incoming(name, like); };
+  return named(SpoolFolder::Incoming, numbered(like.name, is_used), like);
+}
+
+JobFiles SpoolFolders::unused_anywhere(const JobFiles& like) const {
+  const auto is_used = [&](const std::string& name) {
+    return is_name_used(name) || is_used_in_incoming(name, like);
+  };
+  return named(SpoolFolder::Incoming, numbered(shortened_name(like.name), is_used), like);
 }
 
 bool SpoolFolders::shares_ticket(const JobFiles& job) const {
@@ -125,16 +149,13 @@ bool SpoolFolders::shares_ticket(const JobFiles& job) const {
 }
 
 std::vector<fs::path> SpoolFolders::models_of_ticket(const std::string& ticket) const {
-  constexpr unsigned kSpellings = 1U << 3U;  // each of three letters is upper or lower case
   std::vector<fs::path> models;
-  for (unsigned upper = 0; upper < kSpellings; ++upper) {
-    std::string extension = ".stl";
-    for (unsigned i = 0; i < 3; ++i) {
-      if ((upper >> i & 1U) != 0) extension[i + 1] = static_cast<char>(extension[i + 1] - 'a' + 'A');
+  for (const std::string_view extension : model_extensions()) {
+    for (const std::string& spelling : spellings_of(extension)) {
+      fs::path model = path(SpoolFolder::Incoming) / ticket;
+      model.replace_extension(spelling);
+      if (is_there(model)) models.push_back(model);
     }
-    fs::path model = path(SpoolFolder::Incoming) / ticket;
-    model.replace_extension(extension);
-    if (is_there(model)) models.push_back(model);
   }
   return models;
 }

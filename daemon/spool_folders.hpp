@@ -33,6 +33,8 @@ class SpoolFolders {
   [[nodiscard]] std::string unused_name(const std::string& stem) const;
   // The same for incoming/, where a ticket that is there belongs to another.
   [[nodiscard]] JobFiles unused_in_incoming(const JobFiles& like) const;
+  // In incoming/, under a name that no job has in any of the four.
+  [[nodiscard]] JobFiles unused_anywhere(const JobFiles& like) const;
 
   // Whether there is another model that the ticket of this one is meant for too: "part.STL" beside
   // "part.stl".
@@ -41,6 +43,9 @@ class SpoolFolders {
   [[nodiscard]] std::vector<std::filesystem::path> models_of_ticket(const std::string& ticket) const;
 
  private:
+  [[nodiscard]] bool is_name_used(const std::string& name) const;
+  [[nodiscard]] bool is_used_in_incoming(const std::string& name, const JobFiles& like) const;
+
   std::filesystem::path root_;
 };
 

@@ -28,11 +28,11 @@ bool is_same_file(const FileDescriptor& a, const FileDescriptor& b) {
 
 // The lock can be read by nobody else: whoever can read it could hold it.
 void SpoolLock::take(const std::filesystem::path& spool) {
-  constexpr int flags = O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
-  FileDescriptor lock(::open((spool / kLock).c_str(), O_RDWR | flags, 0600));
+  constexpr int kFlags = O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
+  FileDescriptor lock(::open((spool / kLock).c_str(), O_RDWR | kFlags, 0600));
   // A card that has become read-only may be written again later.
   if (!lock.valid() && errno == EROFS)
-    lock = FileDescriptor(::open((spool / kLock).c_str(), (O_RDONLY | flags) & ~O_CREAT));
+    lock = FileDescriptor(::open((spool / kLock).c_str(), (O_RDONLY | kFlags) & ~O_CREAT));
   if (!lock.valid()) {
     const std::error_code code(errno, std::generic_category());
     throw std::runtime_error(

@@ -1,4 +1,4 @@
-// What a program prints, and whether it arrived: the end of every program that prints something.
+// Checks that what a program prints has arrived: the last step of every program that prints something.
 #pragma once
 
 #include <functional>

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // As many as are told.
-constexpr std::size_t kMostMissing = 10;
+constexpr std::size_t kMaxMissing = 10;
 
 enum class Writers { None, Some, Unknown };
 
@@ -36,7 +36,7 @@ std::vector<std::string> missing_models(const fs::path& plate) {
     for (const ModelTicket& model : load_plate_ticket(plate / kPlateTicket, Links::Refuse).models) {
       std::error_code code;
       const bool there = fs::exists(fs::symlink_status(plate / model.file, code));
-      if (missing.size() == kMostMissing) break;
+      if (missing.size() == kMaxMissing) break;
       if (!there && std::find(missing.begin(), missing.end(), model.file) == missing.end())
         missing.push_back(model.file);
     }

@@ -38,7 +38,7 @@ class AbsentAxis final : public ZAxis {
   }
   [[nodiscard]] LateSteps late_steps() const override { return {}; }
   void set_light_cutoff(LightCutoff*) noexcept override {}
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {"there is no axis"}; }
   [[nodiscard]] std::string description() const override { return "none"; }
@@ -63,9 +63,9 @@ class AbsentDisplay final : public MaskDisplay {
     answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(std::nullopt); });
   }
   void black_now() noexcept override { answer_.reset(); }
-  void look_again() override {}
+  void probe_again() override {}
   [[nodiscard]] LightDisplayPath black_path() const override { return {}; }
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {"there is no display"}; }
   [[nodiscard]] std::string description() const override { return "none"; }
@@ -90,7 +90,7 @@ class AbsentProjector final : public Projector {
         clock_.call_after(Duration{0}, [tell = std::move(tell)] { tell.done(ProjectorReply::Refused); });
   }
   void light_off() noexcept override { answer_.reset(); }
-  // Nobody can tell of a projector that is not there.
+  // A projector that is not there confirms nothing.
   void when_dark(std::function<void()>) override {}
   [[nodiscard]] std::optional<LightSpan> last_light() const override { return std::nullopt; }
   void power_off() noexcept override { answer_.reset(); }
@@ -100,14 +100,14 @@ class AbsentProjector final : public Projector {
     });
   }
   [[nodiscard]] std::string last_problem() const override { return "there is no projector"; }
-  [[nodiscard]] std::string doubt() const override { return last_problem(); }
+  [[nodiscard]] std::string light_off_unconfirmed() const override { return last_problem(); }
   void may_warm_up() override {}
   void confirm_dark(Done done) override {
     answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(ProjectorReply::NoAnswer); });
   }
   void power_off_if_on() override {}
   [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {last_problem()}; }
   [[nodiscard]] std::string description() const override { return "none"; }
@@ -118,10 +118,10 @@ class AbsentProjector final : public Projector {
   std::unique_ptr<Timer> answer_;
 };
 
-// It may have refused to go off before it was lost, and then nobody can tell that it is off.
+// A line that refused to go off before it was lost may still be on.
 class AbsentLightLine final : public LightLine {
  public:
-  // What it said last; empty when it was off.
+  // `refusal` is what the line said last; empty when it was off.
   void lose(const std::string& refusal) { refusal_ = refusal; }
 
   void on() override { throw HardwareError("there is no light line"); }

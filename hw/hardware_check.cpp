@@ -12,11 +12,11 @@ namespace contourd {
 
 HardwareCheck::HardwareCheck(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config)
     : HardwareCheck(clock, watcher, std::move(config), [](double rate, int priority) {
-        return measure_wake_ups(rate, priority, std::chrono::milliseconds{1'500});
+        return measure_wake_up_latency(rate, priority, std::chrono::milliseconds{1'500});
       }) {}
 
 HardwareCheck::HardwareCheck(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config,
-                             MeasureWakeUps measure)
+                             MeasureWakeUpLatency measure)
     : clock_(clock), watcher_(watcher), config_(std::move(config)), measure_(std::move(measure)) {}
 
 void HardwareCheck::run(Found found, std::function<void()> done) {
@@ -86,8 +86,8 @@ void HardwareCheck::check_speed() {
   const GpioAxisConfig& axis = config_.axis;
   if (contradiction(axis)) return;
   const double rate = axis.top_speed.count() * axis.microsteps_per_mm;
-  const WakeUps wakes = measure_(rate, axis.realtime_priority);
-  const double kept = wakes.kept_rate(kMostStepsPerSecond);
+  const WakeUpLatency wakes = measure_(rate, axis.realtime_priority);
+  const double kept = wakes.sustainable_rate(kMaxStepsPerSecond);
   const auto us = [](Duration duration) { return static_cast<double>(duration.count()) / 1e3; };
   char words[320];
   std::snprintf(

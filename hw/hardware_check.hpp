@@ -9,7 +9,7 @@
 
 #include "hw/descriptor_watcher.hpp"
 #include "hw/gpio/gpio_lines.hpp"
-#include "hw/gpio/wake_ups.hpp"
+#include "hw/gpio/wake_up_latency.hpp"
 #include "hw/projector.hpp"
 #include "hw/real_machine_config.hpp"
 
@@ -27,11 +27,12 @@ class HardwareCheck {
   using Found = std::function<void(const HardwareFinding&)>;
 
   // How late a thread of that priority wakes, so many times a second.
-  using MeasureWakeUps = std::function<WakeUps(double rate, int priority)>;
+  using MeasureWakeUpLatency = std::function<WakeUpLatency(double rate, int priority)>;
 
   // Clock and watcher must outlive it.
   HardwareCheck(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config);
-  HardwareCheck(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config, MeasureWakeUps measure);
+  HardwareCheck(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config,
+                MeasureWakeUpLatency measure);
 
   // Calls `found` for every device, `done` after the last. Blocks for some milliseconds a device, and for a
   // second and a half to measure how late threads wake; the projector's answer comes later, from the event
@@ -53,7 +54,7 @@ class HardwareCheck {
   Clock& clock_;
   DescriptorWatcher& watcher_;
   RealMachineConfig config_;
-  MeasureWakeUps measure_;
+  MeasureWakeUpLatency measure_;
   Found found_;
   std::function<void()> done_;
   std::map<std::pair<std::string, unsigned>, std::string> users_;  // of lines: chip and number, device

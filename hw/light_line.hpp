@@ -9,8 +9,7 @@
 
 namespace contourd {
 
-// The light was not turned on, and is off, because something that keeps people from it says so: no fault of
-// the light's.
+// The light was not turned on, and is off, because an interlock is open: no fault of the light's.
 class LightInterlocked : public HardwareError {
  public:
   using HardwareError::HardwareError;

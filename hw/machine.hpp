@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "hw/disturbance.hpp"
+#include "hw/machine_event.hpp"
 #include "hw/mask_display.hpp"
 #include "hw/projector.hpp"
 #include "hw/z_axis.hpp"
@@ -26,13 +26,13 @@ class Machine {
   [[nodiscard]] virtual MaskDisplay& display() = 0;
   [[nodiscard]] virtual Projector& projector() = 0;
 
-  // `call` runs from the event loop for every disturbance from now on. The machine has done what cannot wait
-  // by then (after an emergency stop the motor is still), the light is the caller's to turn off.
-  virtual void on_disturbance(std::function<void(const Disturbance&)> call) = 0;
+  // `call` runs from the event loop for every machine event from now on. The machine has done what cannot
+  // wait by then (after an emergency stop the motor is still), the light is the caller's to turn off.
+  virtual void on_event(std::function<void(const MachineEvent&)> call) = 0;
 
-  // What keeps it from printing at this moment, a sentence each, joined by "; ": a device that is not there,
-  // an open lid, a pressed emergency stop. Empty when it can print.
-  [[nodiscard]] virtual std::string hindrance() const = 0;
+  // Why it is not ready to print, a sentence each, joined by "; ": a device that is not there, an open lid, a
+  // pressed emergency stop. Empty when it can print.
+  [[nodiscard]] virtual std::string why_not_ready() const = 0;
 
   // A print of this name begins. Returns the folder in which the machine keeps what it shows, where it keeps
   // that. Throws std::filesystem::filesystem_error when that folder cannot be made.

@@ -23,21 +23,21 @@ class MaskDisplay : public Device {
   [[nodiscard]] virtual Duration frame() const = 0;
 
   // Puts the mask on the screen at the next refresh. Returns at once and keeps no reference to the mask.
-  // REQUIRES: the mask has the display's size; no other show() or black() is waiting for its `done`.
+  // The `done` of a show() or black() that still waits is dropped. REQUIRES: the mask has the display's size.
   virtual void show(const Mask& mask, Presented done) = 0;
 
   // Puts black on the screen at the next refresh. Returns at once.
-  // REQUIRES: no other show() or black() is waiting for its `done`.
+  // The same of a `done` that still waits.
   virtual void black(Presented done) = 0;
 
   // Black from the next refresh on, whatever else was asked; a waiting `done` is dropped. The way out of
   // everything.
   virtual void black_now() noexcept = 0;
 
-  // Begins to look whether a display that is not ready is back; it is told as a recovery. Does not block.
-  virtual void look_again() = 0;
+  // Probes for a display that is not ready. One that is back is reported as a recovery. Does not block.
+  virtual void probe_again() = 0;
 
-  // For another process: what makes the screen black. Nothing while there is no such thing.
+  // What another process can make the screen black by. Empty while there is nothing.
   [[nodiscard]] virtual LightDisplayPath black_path() const = 0;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -27,17 +29,18 @@ double peak_speed(double distance, const MotionLimits& limits) {
   return std::cbrt(distance * distance * limits.jerk / 4);
 }
 
-// When v t + a t^2/2 + j t^3/6 is `way`, for a way that is reached within `longest` without turning back:
-// Newton's steps, halving the bracket whenever one leaves it.
-double cubic_time(double way, double speed, double acceleration, double jerk, double longest) {
+// When v t + a t^2/2 + j t^3/6 is `position`, for a position that is reached within `longest` without turning
+// back: Newton's steps, halving the bracket whenever one leaves it.
+double cubic_time(double position, double speed, double acceleration, double jerk, double longest) {
   double low = 0, high = longest;
-  const double root = std::max(speed * speed + 2 * acceleration * way, 0.0);
+  const double root = std::max(speed * speed + 2 * acceleration * position, 0.0);
   const double slope = speed + std::sqrt(root);
-  double t = slope > 0 ? 2 * way / slope : std::cbrt(6 * way / jerk);  // without the jerk; from a standstill
+  double t = slope > 0 ? 2 * position / slope
+                       : std::cbrt(6 * position / jerk);  // without the jerk; from a standstill
   if (!(t > low && t < high)) t = high / 2;
   constexpr int kEnough = 60;  // halvings alone would have come to the rounding
   for (int i = 0; i < kEnough; ++i) {
-    const double excess = t * (speed + t * (acceleration / 2 + t * jerk / 6)) - way;
+    const double excess = t * (speed + t * (acceleration / 2 + t * jerk / 6)) - position;
     (excess > 0 ? high : low) = t;
     const double velocity = speed + t * (acceleration + t * jerk / 2);
     double next = velocity > 0 ? t - excess / velocity : low;
@@ -52,13 +55,15 @@ double cubic_time(double way, double speed, double acceleration, double jerk, do
 }  // namespace
 
 MotionCurve::MotionCurve(double distance, const MotionLimits& limits) noexcept : limits_(limits) {
+  expects(distance >= 0, "a distance is no less than nothing");
+  expects(limits.speed > 0 && limits.acceleration > 0 && limits.jerk > 0, "every limit is more than nothing");
   if (!(distance > 0)) return;
   const double speed = std::min(limits.speed, peak_speed(distance, limits));
   add_ramp(speed, 1);
   const double cruise = distance - speed * ramp_s(speed, limits);
   if (cruise > 0) add(cruise / speed, 0, 0);
   add_ramp(speed, -1);
-  pieces_[count_].way = distance;
+  pieces_[count_].position = distance;
   pieces_[count_].speed = 0;
 }
 
@@ -88,7 +93,7 @@ void MotionCurve::add_ramp(double change, double sign) noexcept {
 
 MotionCurve::State MotionCurve::after(const Piece& piece, double t) noexcept {
   return {piece.start_s + t,
-          piece.way + t * (piece.speed + t * (piece.acceleration / 2 + t * piece.jerk / 6)),
+          piece.position + t * (piece.speed + t * (piece.acceleration / 2 + t * piece.jerk / 6)),
           piece.speed + t * (piece.acceleration + t * piece.jerk / 2), piece.acceleration + t * piece.jerk};
 }
 
@@ -99,11 +104,11 @@ std::size_t MotionCurve::piece_at(double seconds) const noexcept {
   return i;
 }
 
-double MotionCurve::way_at(double seconds) const noexcept {
+double MotionCurve::position_at(double seconds) const noexcept {
   if (seconds <= 0) return 0;
   const std::size_t i = piece_at(seconds);
-  if (i == count_) return end().way;
-  return std::min(after(pieces_[i], seconds - pieces_[i].start_s).way, end().way);
+  if (i == count_) return end().position;
+  return std::min(after(pieces_[i], seconds - pieces_[i].start_s).position, end().position);
 }
 
 double MotionCurve::speed_at(double seconds) const noexcept {
@@ -112,13 +117,14 @@ double MotionCurve::speed_at(double seconds) const noexcept {
   return after(pieces_[i], seconds - pieces_[i].start_s).speed;
 }
 
-double MotionCurve::time_at(double way) const noexcept {
+double MotionCurve::time_at(double position) const noexcept {
   std::size_t i = 0;
-  while (i < count_ && pieces_[i + 1].way < way)
+  while (i < count_ && pieces_[i + 1].position < position)
     ++i;
   const Piece& piece = pieces_[i];
   if (i == count_) return piece.start_s;
-  const double left = std::max(way - piece.way, 0.0), longest = pieces_[i + 1].start_s - piece.start_s;
+  const double left = std::max(position - piece.position, 0.0),
+               longest = pieces_[i + 1].start_s - piece.start_s;
   if (left == 0) return piece.start_s;
   if (piece.jerk != 0) {
     return piece.start_s + cubic_time(left, piece.speed, piece.acceleration, piece.jerk, longest);

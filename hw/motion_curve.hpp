@@ -1,12 +1,12 @@
-// A straight way from rest to rest over time, within a speed, an acceleration and, where one is given, a
+// A straight move from rest to rest over time, within a speed, an acceleration and, where one is given, a
 // jerk: the mathematics that the profiles and the step planner share. Pure value, thread-safe; neither
-// allocates nor throws, so that real-time threads may use it. One unit of way throughout (millimetres,
+// allocates nor throws, so that real-time threads may use it. One unit of length throughout (millimetres,
 // steps).
 //
 // A ramp to speed v takes T = v/A + A/J where v >= A^2/J (the acceleration rises for A/J, holds, falls for
-// A/J), else T = 2 sqrt(v/J) (rises, falls); without a jerk limit T = v/A. By symmetry its way is v T / 2. A
-// distance D too short for the top speed has its peak where v T(v) = D. The curve is at most seven pieces of
-// constant jerk, within each of which x = x0 + v0 t + a0 t^2/2 + j t^3/6.
+// A/J), else T = 2 sqrt(v/J) (rises, falls); without a jerk limit T = v/A. By symmetry its distance is v T /
+// 2. A distance D too short for the top speed has its peak where v T(v) = D. The curve is at most seven
+// pieces of constant jerk, within each of which x = x0 + v0 t + a0 t^2/2 + j t^3/6.
 #pragma once
 
 #include <array>
@@ -28,14 +28,14 @@ class MotionCurve {
   MotionCurve(double distance, const MotionLimits& limits) noexcept;
 
   [[nodiscard]] double duration_s() const noexcept { return end().start_s; }
-  [[nodiscard]] double distance() const noexcept { return end().way; }
+  [[nodiscard]] double distance() const noexcept { return end().position; }
 
-  // Way and speed at a time: those of the start before it, those of the end after it.
-  [[nodiscard]] double way_at(double seconds) const noexcept;
+  // Position and speed at a time: those of the start before it, those of the end after it.
+  [[nodiscard]] double position_at(double seconds) const noexcept;
   [[nodiscard]] double speed_at(double seconds) const noexcept;
 
-  // When the curve has gone `way`: 0 for none, the end for more than there is.
-  [[nodiscard]] double time_at(double way) const noexcept;
+  // When the curve passes `position`: 0 for its start, the end for one beyond it.
+  [[nodiscard]] double time_at(double position) const noexcept;
 
   // From `seconds` on, comes to rest as soon as the limits allow. Does nothing when it is slowing down
   // already.
@@ -43,13 +43,13 @@ class MotionCurve {
 
  private:
   struct State {
-    double start_s = 0, way = 0, speed = 0, acceleration = 0;
+    double start_s = 0, position = 0, speed = 0, acceleration = 0;
   };
   struct Piece : State {
     double jerk = 0;  // throughout
   };
   // Four before a stop, one to let the acceleration fall, three to slow down.
-  static constexpr std::size_t kMost = 8;
+  static constexpr std::size_t kMaxPieces = 8;
 
   [[nodiscard]] const State& end() const noexcept { return pieces_[count_]; }
   [[nodiscard]] static State after(const Piece& piece, double seconds) noexcept;
@@ -60,7 +60,7 @@ class MotionCurve {
   MotionLimits limits_{};
   bool stopping_ = false;
   std::size_t count_ = 0;
-  std::array<Piece, kMost + 1> pieces_{};  // the one behind the last is the end
+  std::array<Piece, kMaxPieces + 1> pieces_{};  // the one behind the last is the end
 };
 
 }  // namespace contourd

@@ -28,7 +28,7 @@ Duration MotionProfile::duration() const {
 }
 
 Nanometers MotionProfile::displacement(Duration elapsed) const {
-  return Nanometers{std::llround(sign_ * curve_.way_at(seconds(elapsed)) * 1e6)};
+  return Nanometers{std::llround(sign_ * curve_.position_at(seconds(elapsed)) * 1e6)};
 }
 
 void MotionProfile::stop_at(Duration elapsed) {

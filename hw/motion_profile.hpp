@@ -13,7 +13,7 @@ namespace contourd {
 
 class MotionProfile {
  public:
-  // A move over `distance` (its sign is the direction). REQUIRES: speed, acceleration and jerk > 0.
+  // A move over `distance` (its sign is the direction). The limits are a MotionCurve's.
   MotionProfile(Nanometers distance, MillimetersPerSecond speed, MillimetersPerSecondSquared acceleration,
                 std::optional<double> jerk_mm_s3 = std::nullopt);
 

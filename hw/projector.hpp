@@ -64,8 +64,8 @@ class Projector : public Device {
     Done done;
   };
   // Light on, which its caller means to turn off `exposure` after the time that `sent` gets. The command is
-  // sent once: a reply that is lost is asked after, never answered by another light on. Returns at once.
-  // REQUIRES: powered on; doubt() is empty; no other light_on() waits for its `done`.
+  // sent once: a reply that is lost is asked after, never answered by another light on. Returns at once. One
+  // that knows that it is not on, or that its light may be, answers Refused.
   virtual void light_on(Duration exposure, LightOn tell) = 0;
 
   // Light off, now, whatever else was asked; what waits is dropped, but for when_dark(). Harmless when it is
@@ -89,23 +89,24 @@ class Projector : public Device {
   // The last reply that was not Ok, in a sentence with the port and what came back.
   [[nodiscard]] virtual std::string last_problem() const = 0;
 
-  // Why the light may be on though it is to be off, in a sentence; empty when it is off as far as anybody can
-  // tell. To be asked when no light is wanted.
-  [[nodiscard]] virtual std::string doubt() const = 0;
+  // Why light off is not confirmed, in a sentence; empty when the light is off as far as is known. To be
+  // asked when no light is wanted.
+  [[nodiscard]] virtual std::string light_off_unconfirmed() const = 0;
 
-  // For one that a process which has died may have left on.
+  // The next three are for a projector that an earlier process may have left on.
   //
-  // It may have been turned on a moment ago: until its warm-up would be over, it is not believed when it says
-  // that it is off. REQUIRES: nothing was asked for before.
+  // The projector may have been turned on a moment ago. Until its warm-up would be over, its answer that it
+  // is off does not count. Before anything else is asked.
   virtual void may_warm_up() = 0;
-  // Light off, and whether it is: Ok when that is confirmed, or it is not even on; else, when it was tried
-  // often enough, what came of it (see last_problem()). REQUIRES: nothing was asked for before.
+  // Sends light off until it is confirmed. `done` gets Ok when the light is confirmed off, or the projector
+  // is not even on; else, after enough tries, the last reply (see last_problem()). What waits is dropped, as
+  // by light_off().
   virtual void confirm_dark(Done done) = 0;
-  // Power off where it says that it is on, or does so while it may warm up, or when it answers at last. A
-  // power_on() that comes first is left alone.
+  // Turns the projector off if it says that it is on; one that may warm up, or does not answer, is asked
+  // again. A power_on() that comes first ends this.
   virtual void power_off_if_on() = 0;
 
-  // For another process: what turns the light off. Nothing where only this one can, or it has no light.
+  // What another process can turn the light off by. Empty where only this one can, or there is no light.
   [[nodiscard]] virtual LightSerialPath light_off_path() const = 0;
 };
 

@@ -172,14 +172,14 @@ std::string ProjectorWithLightLine::last_problem() const {
   return line_asked_ ? behind_line_.last_problem() : projector_.last_problem();
 }
 
-std::string ProjectorWithLightLine::doubt() const {
-  const std::string line = behind_line_.doubt();
-  return line.empty() ? projector_.doubt() : line;
+std::string ProjectorWithLightLine::light_off_unconfirmed() const {
+  const std::string line = behind_line_.light_off_unconfirmed();
+  return line.empty() ? projector_.light_off_unconfirmed() : line;
 }
 
 void ProjectorWithLightLine::confirm_dark(Done done) {
   behind_line_.light_off();
-  const std::string line = behind_line_.doubt();
+  const std::string line = behind_line_.light_off_unconfirmed();
   projector_.confirm_dark([dark = line.empty(), done = std::move(done)](ProjectorReply reply) {
     done(reply == ProjectorReply::Ok && !dark ? ProjectorReply::Refused : reply);
   });

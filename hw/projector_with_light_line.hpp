@@ -30,13 +30,13 @@ class LightLineProjector final : public Projector {
   void power_off() noexcept override;
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }
-  [[nodiscard]] std::string doubt() const override { return line_.refusal(); }
+  [[nodiscard]] std::string light_off_unconfirmed() const override { return line_.refusal(); }
   // Nobody has to wait for a line, and it tells by itself what happens to it.
   void may_warm_up() override {}
   void confirm_dark(Done done) override;
   void power_off_if_on() override {}
   [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override;
   [[nodiscard]] std::string description() const override { return "a light line"; }
@@ -77,13 +77,13 @@ class ProjectorWithLightLine final : public Projector {
   void power_off() noexcept override;
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override;
-  [[nodiscard]] std::string doubt() const override;
+  [[nodiscard]] std::string light_off_unconfirmed() const override;
   void may_warm_up() override { projector_.may_warm_up(); }
   void confirm_dark(Done done) override;
   void power_off_if_on() override { projector_.power_off_if_on(); }
   [[nodiscard]] LightSerialPath light_off_path() const override { return projector_.light_off_path(); }
-  void on_disturbance(std::function<void(const Disturbance&)> call) override {
-    projector_.on_disturbance(std::move(call));
+  void on_event(std::function<void(const MachineEvent&)> call) override {
+    projector_.on_event(std::move(call));
   }
   [[nodiscard]] bool lost() const override { return projector_.lost(); }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override;

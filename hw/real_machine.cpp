@@ -49,9 +49,9 @@ RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog
   add_openers();
   open_missing();
   watchdog_.on_trouble(
-      [this](const std::string& what) { tell({.kind = Disturbance::Kind::Interruption, .what = what}); });
+      [this](const std::string& what) { tell({.kind = MachineEvent::Kind::Interlock, .what = what}); });
   watchdog_.on_recovery([this](const std::string& problem) {
-    tell({.kind = Disturbance::Kind::Recovery,
+    tell({.kind = MachineEvent::Kind::Recovery,
           .what = "there is a light watchdog again",
           .warnings = {problem}});
   });
@@ -77,7 +77,7 @@ RealMachine::~RealMachine() {
 // In this order: nothing else may fail before the light is off.
 std::vector<RealMachine::Found> RealMachine::open_missing() {
   std::vector<Found> found;
-  const auto tell_owner = [this](const Disturbance& disturbance) { tell(disturbance); };
+  const auto tell_owner = [this](const MachineEvent& event) { tell(event); };
   const bool light_came = config_.light && open_light();
   if (light_came) found.push_back({light_words(), {}});
   const bool projector_came = config_.projector && find_projector();
@@ -86,13 +86,13 @@ std::vector<RealMachine::Found> RealMachine::open_missing() {
   projector().light_off();
   if (projector_came) projector_->power_off_if_on();
   if (open(display_, missing_.display, openers_.display)) {
-    display_->on_disturbance(tell_owner);
+    display_->on_event(tell_owner);
     if (!display_lost()) found.push_back({"display: " + display_->description(), display_->warnings()});
   }
   if (axis_ && axis_->lost()) axis_.reset();
   const bool axis_came = open(axis_, missing_.axis, openers_.axis);
   if (axis_came) {
-    axis_->on_disturbance(tell_owner);
+    axis_->on_event(tell_owner);
     found.push_back({"axis: " + axis_->description(), axis_->warnings()});
   }
   if (axis_ && (light_came || axis_came)) axis_->set_light_cutoff(light_.get());
@@ -118,7 +118,7 @@ bool RealMachine::open_light() {
     return false;
   }
   no_light_.lose("");
-  light_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
+  light_->on_event([this](const MachineEvent& event) { tell(event); });
   return true;
 }
 
@@ -128,7 +128,7 @@ bool RealMachine::find_projector() {
   combined_.reset();
   projector_.reset();
   if (!open(projector_, missing_.projector, openers_.projector)) return false;
-  projector_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
+  projector_->on_event([this](const MachineEvent& event) { tell(event); });
   projector_->may_warm_up();
   return true;
 }
@@ -163,15 +163,15 @@ void RealMachine::search_after(Duration pause) {
 void RealMachine::search() {
   std::vector<Found> found;
   if (missing_.any()) found = open_missing();
-  if (display_) display_->look_again();
+  if (display_) display_->probe_again();
   if (missing_.any() || display_lost()) search_after(kSearchInterval);
   for (const Found& each : found)
-    tell({.kind = Disturbance::Kind::Recovery, .what = "found " + each.device, .warnings = each.warnings});
+    tell({.kind = MachineEvent::Kind::Recovery, .what = "found " + each.device, .warnings = each.warnings});
 }
 
-void RealMachine::tell(const Disturbance& disturbance) {
-  note_losses(disturbance.what);
-  if (disturbed_) disturbed_(disturbance);
+void RealMachine::tell(const MachineEvent& event) {
+  note_losses(event.what);
+  if (on_event_) on_event_(event);
 }
 
 // A device that says that it is lost is missing from now on; it is closed when it is looked for, not from
@@ -203,7 +203,7 @@ Projector& RealMachine::projector() {
   return watched_;
 }
 
-std::string RealMachine::hindrance() const {
+std::string RealMachine::why_not_ready() const {
   std::string sentences;
   for (const std::string* missing : {&missing_.light, &missing_.projector, &missing_.display, &missing_.axis})
     add(sentences, *missing);

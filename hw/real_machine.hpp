@@ -1,6 +1,6 @@
 // The machine of real devices: a stepped axis, a display output, and a projector of its own kind or behind a
 // light line. Opens what it can; what is not there is looked for every few seconds, and until then stands in
-// the way (hindrance()) without keeping the rest from being safe: the light comes first and goes last.
+// the way (why_not_ready()) without keeping the rest from being safe: the light comes first and goes last.
 //
 // Light off, black and motor still from the construction on and when it goes. A projector that is found on is
 // turned off. Event loop's thread only.
@@ -25,7 +25,7 @@ namespace contourd {
 class RealMachine final : public Machine {
  public:
   // Clock (of CLOCK_MONOTONIC), watcher and light watchdog must outlive the machine. Blocks for as long as
-  // the devices take, a second as a rule. A device that is not there is no error: see hindrance().
+  // the devices take, a second as a rule. A device that is not there is no error: see why_not_ready().
   RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog,
               const RealMachineConfig& config);
   // Ways to open devices; without one, that of the configuration.
@@ -43,8 +43,8 @@ class RealMachine final : public Machine {
   [[nodiscard]] MaskDisplay& display() override;
   [[nodiscard]] Projector& projector() override;
   // Also when a device that was missing has come (Recovery, with what was found).
-  void on_disturbance(std::function<void(const Disturbance&)> call) override { disturbed_ = std::move(call); }
-  [[nodiscard]] std::string hindrance() const override;
+  void on_event(std::function<void(const MachineEvent&)> call) override { on_event_ = std::move(call); }
+  [[nodiscard]] std::string why_not_ready() const override;
   // Keeps nothing of what it shows.
   std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
 
@@ -81,7 +81,7 @@ class RealMachine final : public Machine {
   [[nodiscard]] bool display_lost() const { return display_ && !display_->why_not_ready().empty(); }
   void search_after(Duration pause);
   void search();
-  void tell(const Disturbance& disturbance);
+  void tell(const MachineEvent& event);
   void note_losses(const std::string& what);
   [[nodiscard]] std::string light_words() const;
 
@@ -90,7 +90,7 @@ class RealMachine final : public Machine {
   LightWatchdog& watchdog_;
   RealMachineConfig config_;
   Openers openers_;
-  std::function<void(const Disturbance&)> disturbed_;
+  std::function<void(const MachineEvent&)> on_event_;
   Missing missing_;
   std::unique_ptr<Timer> search_;
 

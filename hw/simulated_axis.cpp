@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "hw/homing_distances.hpp"
 
 namespace contourd {
@@ -28,6 +29,7 @@ bool SimulatedAxis::switch_closed() const {
 }
 
 void SimulatedAxis::home(std::function<void(HomingResult)> done) {
+  expects(!move_, "the axis does not move");
   homed_ = false;
   homing_done_ = std::move(done);
   const auto slow = MillimetersPerSecond{config_.homing_speed.count() / 2};
@@ -63,6 +65,7 @@ void SimulatedAxis::end_homing(HomingResult result) {
 
 void SimulatedAxis::move_to(Nanometers target, MillimetersPerSecond speed,
                             std::function<void(MoveResult)> done) {
+  expects(!move_, "the axis does not move");
   const bool allowed = target >= Nanometers{0} && target <= config_.travel;
   if (homed_ && allowed) return run(nearest_step(target) - true_height_, speed, std::move(done));
   const MoveResult refusal = homed_ ? MoveResult::OutsideTravel : MoveResult::NotHomed;

@@ -30,7 +30,7 @@ class SimulatedAxis final : public ZAxis {
   [[nodiscard]] LateSteps late_steps() const override { return {}; }
   // Nothing happens to it but what the printer tells.
   void set_light_cutoff(LightCutoff*) noexcept override {}
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
   [[nodiscard]] std::string description() const override { return "simulated"; }

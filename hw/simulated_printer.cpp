@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "hw/png_file.hpp"
 #include "hw/simulated_axis.hpp"
 
@@ -21,6 +22,8 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
   [[nodiscard]] Duration frame() const override { return config_.frame; }
 
   void show(const Mask& mask, Presented done) override {
+    expects(mask.width() == config_.width && mask.height() == config_.height,
+            "the mask has the display's size");
     const bool unplugged_now = config_.lost_after_frames && frames_++ == *config_.lost_after_frames;
     if (unplugged_now || !connected_) return lose(std::move(done));
     ++masks_shown_;
@@ -44,7 +47,7 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
   }
 
   // The printer tells what happens to it.
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override {
     if (connected_) return {};
@@ -52,7 +55,7 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
   }
   [[nodiscard]] std::string description() const override { return "simulated"; }
   [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
-  void look_again() override {}
+  void probe_again() override {}
   [[nodiscard]] LightDisplayPath black_path() const override { return {}; }
 
   void keep_masks_in(std::optional<std::filesystem::path> folder) {
@@ -171,7 +174,7 @@ class SimulatedPrinter::Lamp final : public Projector {
   }
 
   [[nodiscard]] std::string last_problem() const override { return std::string(describe(failed_)); }
-  [[nodiscard]] std::string doubt() const override {
+  [[nodiscard]] std::string light_off_unconfirmed() const override {
     return is_silent() && span_ ? "the projector has not confirmed that its light is off" : "";
   }
 
@@ -185,7 +188,7 @@ class SimulatedPrinter::Lamp final : public Projector {
   void power_off_if_on() override {}
   [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
   // The printer tells what happens to it.
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
   [[nodiscard]] std::string description() const override { return "simulated"; }
@@ -252,15 +255,15 @@ Projector& SimulatedPrinter::projector() {
   return *lamp_;
 }
 
-void SimulatedPrinter::on_disturbance(std::function<void(const Disturbance&)> call) {
-  disturbed_ = std::move(call);
+void SimulatedPrinter::on_event(std::function<void(const MachineEvent&)> call) {
+  on_event_ = std::move(call);
 }
 
-void SimulatedPrinter::disturb(Disturbance::Kind kind, const std::string& what, bool owner_decides) {
-  if (disturbed_) disturbed_({kind, what, owner_decides});
+void SimulatedPrinter::report(MachineEvent::Kind kind, const std::string& what, bool owner_decides) {
+  if (on_event_) on_event_({kind, what, owner_decides});
 }
 
-std::string SimulatedPrinter::hindrance() const {
+std::string SimulatedPrinter::why_not_ready() const {
   std::string sentences = lid_open_ ? "the lid is open" : "";
   for (const std::string& sentence : screen_->why_not_ready())
     sentences += (sentences.empty() ? "" : "; ") + sentence;
@@ -269,29 +272,29 @@ std::string SimulatedPrinter::hindrance() const {
 
 void SimulatedPrinter::open_lid() {
   lid_open_ = true;
-  disturb(Disturbance::Kind::Interruption, "the lid was opened");
+  report(MachineEvent::Kind::Interlock, "the lid was opened");
 }
 
 void SimulatedPrinter::close_lid() {
   lid_open_ = false;
-  disturb(Disturbance::Kind::Recovery, "the lid was closed");
+  report(MachineEvent::Kind::Recovery, "the lid was closed");
 }
 
 void SimulatedPrinter::unplug_display() {
   screen_->connect(false);
   if (config_.display.back_after)
     plug_ = clock_.call_after(*config_.display.back_after, [this] { plug_display(); });
-  disturb(Disturbance::Kind::Interruption, "the display was unplugged");
+  report(MachineEvent::Kind::Interlock, "the display was unplugged");
 }
 
 void SimulatedPrinter::plug_display() {
   screen_->connect(true);
-  disturb(Disturbance::Kind::Recovery, "the display was plugged in again");
+  report(MachineEvent::Kind::Recovery, "the display was plugged in again");
 }
 
 void SimulatedPrinter::press_emergency_stop() {
   axis_->abort();
-  disturb(Disturbance::Kind::Fault, "the emergency stop was pressed", true);
+  report(MachineEvent::Kind::Fault, "the emergency stop was pressed", true);
 }
 
 void SimulatedPrinter::light_switched(bool on) {

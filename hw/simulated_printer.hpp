@@ -23,11 +23,11 @@ class SimulatedPrinter final : public Machine {
   [[nodiscard]] ZAxis& z_axis() override;
   [[nodiscard]] MaskDisplay& display() override;
   [[nodiscard]] Projector& projector() override;
-  void on_disturbance(std::function<void(const Disturbance&)> call) override;
-  [[nodiscard]] std::string hindrance() const override;
+  void on_event(std::function<void(const MachineEvent&)> call) override;
+  [[nodiscard]] std::string why_not_ready() const override;
   std::optional<std::filesystem::path> begin_job(std::string_view name) override;
 
-  // What a person does to the machine. Each disturbs it from within the call.
+  // What a person does to the machine. Each reports its machine event from within the call.
   void open_lid();
   void close_lid();
   void unplug_display();
@@ -44,12 +44,12 @@ class SimulatedPrinter final : public Machine {
   class Screen;
   class Lamp;
 
-  void disturb(Disturbance::Kind kind, const std::string& what, bool owner_decides = false);
+  void report(MachineEvent::Kind kind, const std::string& what, bool owner_decides = false);
   void light_switched(bool on);
 
   Clock& clock_;
   SimulatedPrinterConfig config_;
-  std::function<void(const Disturbance&)> disturbed_;
+  std::function<void(const MachineEvent&)> on_event_;
   bool lid_open_ = false;
   std::optional<Duration> light_until_lid_opens_;
   TimePoint light_on_at_{};

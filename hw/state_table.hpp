@@ -16,12 +16,12 @@ struct StateTransition {
   using State = StateOf;
   using Event = EventOf;
   using Effect = EffectOf;
-  static constexpr std::size_t kMostEffects = 6;
+  static constexpr std::size_t kMaxEffects = 6;
 
   State from;
   Event on;
   State to;
-  std::array<Effect, kMostEffects> effects;  // in this order
+  std::array<Effect, kMaxEffects> effects;  // in this order
   std::size_t effect_count;
 
   [[nodiscard]] std::span<const Effect> done() const { return std::span(effects).first(effect_count); }

@@ -19,7 +19,7 @@ enum class HomingResult {
   StillClosed,  // the switch stayed closed after backing off
   WrongSwitch,  // the switch at the other end closed
   NoMovement,   // the encoder does not follow the motor
-  Fault,        // the machine is disturbed (emergency stop, a line that cannot be set)
+  Fault,        // a machine event says why (emergency stop, a line that cannot be set)
   Stopped,      // stop() came first
 };
 [[nodiscard]] std::string_view describe(HomingResult result);
@@ -29,11 +29,11 @@ enum class MoveResult {
   Stopped,        // stop() came first; the position is still known
   OutsideTravel,  // the target lies beyond the soft limits; nothing moved
   NotHomed,       // the position is unknown; nothing moved
-  Fault,          // the machine is disturbed, its disturbance says how; the position is unknown
+  Fault,          // a machine event says why; the position is unknown
 };
 [[nodiscard]] std::string_view describe(MoveResult result);
 
-// What an axis could not do at its time, because the computer was too busy or is too slow.
+// Steps that were made too late, because the computer was too busy or is too slow.
 struct LateSteps {
   std::uint64_t count = 0;  // steps that shifted all that came behind them
   Duration worst{};         // of any step
@@ -74,8 +74,8 @@ class ZAxis : public Device {
   // Of all moves since the axis was opened; none where no motor has to be stepped.
   [[nodiscard]] virtual LateSteps late_steps() const = 0;
 
-  // What is cut for the emergency stop, the lid and inputs that cannot be read, without waiting for the event
-  // loop; null: nothing. It must outlive the axis, or be taken back before it goes.
+  // The light that the emergency stop, the lid and inputs that cannot be read turn off, without waiting for
+  // the event loop; null: none. It must outlive the axis, or be taken back before it goes.
   virtual void set_light_cutoff(LightCutoff* cutoff) noexcept = 0;
 };
 

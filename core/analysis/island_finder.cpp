@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -26,6 +28,8 @@ void for_each_meeting(std::span<const PixelRun> a, std::span<const PixelRun> b, 
 
 std::span<const MaskIsland> IslandFinder::find(const Layer& layer, const Layer& beneath,
                                                std::int64_t contact_pixels) {
+  for (const MaskRuns* runs_of : {&layer.bright, &beneath.bright})
+    expects(runs_of->rows() == layer.lit.rows(), "all masks have one size");
   const auto runs = static_cast<std::uint32_t>(layer.lit.runs().size());
   groups_.clear();
   for (std::uint32_t run = 0; run < runs; ++run)

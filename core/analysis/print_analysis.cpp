@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "core/mask/exposure_correction.hpp"
 
 namespace contourd {
@@ -15,11 +16,13 @@ PrintAnalysis::PrintAnalysis(const DisplayGeometry& display, const CarryingSuppo
 }
 
 void PrintAnalysis::add_layer(const Mask& mask, const Layer& layer) {
+  expects(mask.width() == display_.width && mask.height() == display_.height,
+          "the mask has the display's size");
   std::swap(layer_, beneath_);
   layer_.lit.extract(mask);
   layer_.bright.extract_bright(mask, layer_.lit, support_.least_grey);
   note_area(static_cast<double>(layer_.lit.grey_sum()) / 255.0 * pixel_area_mm2_, layer);
-  if (findings_.layers() > 1) note_islands();
+  if (beneath_.lit.rows() > 0) note_islands();  // else it stands on the plate, as far as is known
   if (layer.cracks != LayerCracks{}) {
     findings_.cracks += layer.cracks;
     findings_.cracked_layers.push_back({findings_.layers() - 1, layer.cracks});
@@ -55,7 +58,7 @@ void PrintAnalysis::note_islands() {
   const auto contact = static_cast<std::int64_t>(std::ceil(support_.contact_area_mm2 / pixel_area_mm2_));
   for (const MaskIsland& island : finder_.find(layer_, beneath_, std::max<std::int64_t>(contact, 1))) {
     ++findings_.island_count;
-    if (findings_.islands.size() == PrintFindings::kMostIslands) continue;
+    if (findings_.islands.size() == PrintFindings::kMaxIslands) continue;
     findings_.islands.push_back({findings_.layers() - 1, island.center, on_plate(display_, island.center),
                                  static_cast<double>(island.grey) / 255.0 * pixel_area_mm2_});
   }

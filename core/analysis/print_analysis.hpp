@@ -51,7 +51,7 @@ struct PrintFindings {
   // be cut above it.
   std::vector<std::int32_t> empty_layers;
   std::uint64_t island_count = 0;
-  // From the bottom up, of the first kMostIslands. The first layer has none: it stands on the plate.
+  // From the bottom up, of the first kMaxIslands. The first layer has none: it stands on the plate.
   std::vector<Island> islands;
   LayerCracks cracks;  // of all layers together
   std::vector<CrackedLayer> cracked_layers;
@@ -60,7 +60,7 @@ struct PrintFindings {
   std::chrono::nanoseconds layer_time{};  // all layers together
 
   // A mesh of noise could have millions: enough of them is enough.
-  static constexpr std::size_t kMostIslands = 4096;
+  static constexpr std::size_t kMaxIslands = 4096;
 
   [[nodiscard]] std::int32_t layers() const { return static_cast<std::int32_t>(area_mm2.size()); }
   [[nodiscard]] double resin_ml() const { return volume_mm3 / 1000; }
@@ -104,9 +104,9 @@ struct AnalysisOptions {
 };
 
 // All layers of a print, from the plate up by their thicknesses, computed by `engine` on `display`: what they
-// cover, less what the engine's threshold leaves dark; lamp and gamma only make that coverage the same light.
-// `layer_duration` says how long a layer takes.
-// Nothing when `stop` was asked for meanwhile; it is looked at before every layer.
+// cover, less what the engine's threshold leaves dark; uniformity mask and gamma only make that coverage the
+// same light. `layer_duration` says how long a layer takes. Nothing when `stop` was asked for meanwhile; it
+// is looked at before every layer.
 [[nodiscard]] std::optional<PrintFindings> analyze_print(
     ContourEngine& engine, const DisplayGeometry& display, std::span<const Nanometers> thicknesses,
     const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,

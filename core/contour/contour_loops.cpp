@@ -39,7 +39,7 @@ bool is_sheet(std::span<const Point> chain) {
 }
 
 // At so many segments is looked in all for doubled ones: a soup of them must not take seconds.
-constexpr std::size_t kMostLooksASegment = 64;
+constexpr std::size_t kMaxLooksASegment = 64;
 
 }  // namespace
 
@@ -139,15 +139,16 @@ void ContourLinker::walk_chains(std::span<const Segment> segments, Contours& con
   chain_points_.clear();
   chains_.clear();
   drop_duplicates(segments);
-  for (UnevenPoint* const start : ends_.starts())
+  for (UnbalancedPoint* const start : ends_.starts())
     walk_chains_from(*start, segments, contours);
 }
 
-// A facet that is in the file twice gives the same segment twice, and such neighbours a run of them. One of
-// each is dropped where the run is one too many at both of its ends; where two solids share a wall it is not.
+// A facet that is in the file twice gives the same segment twice; neighbouring duplicates form a run. A run
+// is dropped once where it leaves both of its end points unbalanced. Where two solids share a wall the points
+// are balanced, and the run stays.
 void ContourLinker::drop_duplicates(std::span<const Segment> segments) {
-  looks_left_ = kMostLooksASegment * segments.size();
-  for (UnevenPoint* const start : ends_.starts()) {
+  looks_left_ = kMaxLooksASegment * segments.size();
+  for (UnbalancedPoint* const start : ends_.starts()) {
     std::uint32_t i = ends_.first_leaving(start->point);
     for (; i != kNone && start->leaving_minus_arriving > 0; i = ends_.next_leaving(i)) {
       if (is_doubled(i, segments) && drop_run(i, segments)) --start->leaving_minus_arriving;
@@ -166,14 +167,15 @@ bool ContourLinker::is_doubled(std::uint32_t segment, std::span<const Segment> s
   return false;
 }
 
-// Follows doubled segments to a point that too many reach, which is mended with it; else drops nothing.
+// Follows doubled segments to a point that more segments reach than leave, and drops them: that balances both
+// points. Else drops nothing.
 bool ContourLinker::drop_run(std::uint32_t first, std::span<const Segment> segments) {
   run_.clear();
   for (std::uint32_t i = first; i != kNone;) {
     used_[i] = 1;
     run_.push_back(i);
     const Point& here = segments[i].to;
-    UnevenPoint* const end = ends_.uneven_at(here);
+    UnbalancedPoint* const end = ends_.unbalanced_at(here);
     if (end != nullptr && end->leaving_minus_arriving < 0) {
       ++end->leaving_minus_arriving;
       return true;
@@ -188,7 +190,7 @@ bool ContourLinker::drop_run(std::uint32_t first, std::span<const Segment> segme
 }
 
 // A point that more segments leave than reach starts as many chains as it has too many.
-void ContourLinker::walk_chains_from(UnevenPoint& start, std::span<const Segment> segments,
+void ContourLinker::walk_chains_from(UnbalancedPoint& start, std::span<const Segment> segments,
                                      Contours& contours) {
   std::uint32_t i = ends_.first_leaving(start.point);
   for (; i != kNone && start.leaving_minus_arriving > 0; i = ends_.next_leaving(i)) {

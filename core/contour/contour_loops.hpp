@@ -64,7 +64,7 @@ class ContourLinker {
  private:
   static constexpr std::uint32_t kNone = SegmentEnds::kNone;
 
-  using UnevenPoint = SegmentEnds::UnevenPoint;
+  using UnbalancedPoint = SegmentEnds::UnbalancedPoint;
 
   // A run of segments that starts and ends in different points.
   struct Chain {
@@ -79,7 +79,7 @@ class ContourLinker {
   void drop_duplicates(std::span<const Segment> segments);
   [[nodiscard]] bool is_doubled(std::uint32_t segment, std::span<const Segment> segments);
   bool drop_run(std::uint32_t first, std::span<const Segment> segments);
-  void walk_chains_from(UnevenPoint& start, std::span<const Segment> segments, Contours& contours);
+  void walk_chains_from(UnbalancedPoint& start, std::span<const Segment> segments, Contours& contours);
   [[nodiscard]] std::uint32_t leftmost_leaving(std::uint32_t arrived_by, std::span<const Segment> segments);
   // Walks from an unused segment until its start point comes again or nothing leaves; true when it came
   // again.

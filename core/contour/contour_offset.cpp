@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -81,6 +83,7 @@ double length_of(Point vector) {
 
 bool ContourOffset::offset(const Contours& contours, Millimeters distance, Contours& moved,
                            MaskBudget& budget) {
+  expects(&contours != &moved, "the moved contours are an object of their own");
   const double by = distance.count();
   if (by < 0) {
     const double closing = closing_for(contours);
@@ -179,12 +182,12 @@ void ContourOffset::move_corner(const Corner& corner) {
 // From one unit vector to another; `between` lies between them where they are opposite.
 void ContourOffset::add_arc(Point center, Point from, Point to, Point between) {
   // Halved until the chord is near enough: each halving quarters its distance. A half turn at 1 mm takes six.
-  constexpr int kMostHalvings = 10;
+  constexpr int kMaxHalvings = 10;
   struct Arc {
     Point to;
     int halvings;
   };
-  Arc ahead[kMostHalvings + 1];
+  Arc ahead[kMaxHalvings + 1];
   int depth = 0;
   ahead[0] = {to, 0};
   const double radius = std::fabs(distance_);
@@ -193,7 +196,7 @@ void ContourOffset::add_arc(Point center, Point from, Point to, Point between) {
     const Arc& arc = ahead[depth];
     const Point sum{from.x + arc.to.x, from.y + arc.to.y};
     const double cosine = length_of(sum) / 2;  // of half the angle
-    if (radius * (1 - cosine) <= kChordError.count() || arc.halvings == kMostHalvings) {
+    if (radius * (1 - cosine) <= kChordError.count() || arc.halvings == kMaxHalvings) {
       from = arc.to;
       add(moved_by(center, radius, from));
       --depth;

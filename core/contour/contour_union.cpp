@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -19,6 +21,7 @@ bool filled(int winding, FillRule rule) {
 
 bool ContourUnion::unite(const Contours& contours, FillRule rule, Millimeters rounding, Contours& outline,
                          MaskBudget& budget) {
+  expects(&contours != &outline, "the outline is an object of its own");
   outline.points.clear();
   outline.loops.clear();
   outline.cracks = LayerCracks{};

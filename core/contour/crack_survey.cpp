@@ -5,7 +5,7 @@
 
 namespace contourd {
 
-CrackSurvey survey_cracks(const HeightIndex& model, std::span<const Nanometers> heights,
+CrackSurvey survey_cracks(const StandingModel& model, std::span<const Nanometers> heights,
                           Millimeters tolerance) {
   CrackSurvey survey;
   Section section;
@@ -13,7 +13,7 @@ CrackSurvey survey_cracks(const HeightIndex& model, std::span<const Nanometers> 
   Contours contours;
   std::int32_t layer = 0;
   for (const Nanometers height : heights) {
-    slice_at(model, model.bounds().min_z + to_millimeters(height).count(), section);
+    slice_at(*model.model, model.z_at(height), section);
     if (!section.balanced) {
       linker.link(section.segments, tolerance, contours);
       survey.cracks += contours.cracks;

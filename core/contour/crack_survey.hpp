@@ -9,7 +9,7 @@
 
 #include "core/contour/layer_cracks.hpp"
 #include "core/geometry/units.hpp"
-#include "core/model/height_index.hpp"
+#include "core/model/standing_model.hpp"
 
 namespace contourd {
 
@@ -19,9 +19,8 @@ struct CrackSurvey {
   LayerCracks cracks;                      // of all layers together
 };
 
-// `heights`: where the layers are cut, above the model's lowest point. Ends up to `tolerance` apart count as
-// meeting.
-[[nodiscard]] CrackSurvey survey_cracks(const HeightIndex& model, std::span<const Nanometers> heights,
+// `heights`: where the layers are cut, above the plate. Ends up to `tolerance` apart count as meeting.
+[[nodiscard]] CrackSurvey survey_cracks(const StandingModel& model, std::span<const Nanometers> heights,
                                         Millimeters tolerance);
 
 }  // namespace contourd

@@ -11,7 +11,7 @@ namespace contourd {
 namespace {
 
 // A soup of facets, no solid, crosses itself more often: so many lines at equal distances tell what they can.
-constexpr std::size_t kMostSides = std::size_t{1} << 20;
+constexpr std::size_t kMaxSides = std::size_t{1} << 20;
 constexpr int kLines = 500;
 
 double outline_area(const Contours& outline) {
@@ -69,7 +69,7 @@ double area_by_few_lines(const Contours& contours) {
 double filled_area_mm2(const Contours& contours) {
   // As fine as the contours' width allows.
   constexpr Millimeters kFinest{1.0 / (std::int64_t{1} << 40)};
-  MaskBudget budget(std::nullopt, kMostSides);
+  MaskBudget budget(std::nullopt, kMaxSides);
   Contours outline;
   if (!ContourUnion().unite(contours, FillRule::NonZero, kFinest, outline, budget))
     return area_by_few_lines(contours);

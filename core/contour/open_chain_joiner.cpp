@@ -15,18 +15,18 @@ constexpr int kRounds = 13;
 
 // Beyond this many ends left over after that, each chain is closed on itself: weighing all pairs costs the
 // square of it.
-constexpr std::size_t kMostEndsToPair = 1024;
+constexpr std::size_t kMaxEndsToPair = 1024;
 
 // Of the starts in a row of cells around an end so many are weighed; so many in one search, and so many in
 // all of a section's: a soup of facets must not take seconds.
-constexpr int kMostNeighbors = 400;
-constexpr int kMostSearchLooks = 1'000'000;
-constexpr int kMostLooks = 8'000'000;
+constexpr int kMaxNeighbors = 400;
+constexpr int kMaxSearchLooks = 1'000'000;
+constexpr int kMaxLooks = 8'000'000;
 
 // Once ends see more starts than this on average, those with a partner look no farther for another; an end
 // finds the starts that are free at any distance, when there are no more than these.
-constexpr int kMostLooksAnEnd = 100;
-constexpr std::size_t kMostFreeStarts = 64;
+constexpr int kMaxLooksAnEnd = 100;
+constexpr std::size_t kMaxFreeStarts = 64;
 
 // Joining two starts or two ends means that one of the chains runs against its facets' winding: only where
 // nothing four times as far fits in the right direction (up to eight times, as the rounds' reaches lie).
@@ -58,11 +58,11 @@ void OpenChainJoiner::add(Point start, Point end, std::uint32_t weight) {
 
 const JoinedChains& OpenChainJoiner::join(MaskBudget& budget) {
   partner_.assign(ends_.size(), kFree);
-  seen_in_.assign(ends_.size(), 0);
-  came_from_.assign(ends_.size(), kFree);
-  looked_at_in_.assign(ends_.size(), 0);
-  looking_ = 0;
-  cost_to_.assign(ends_.size(), 0);
+  reached_in_.assign(ends_.size(), 0);
+  predecessor_.assign(ends_.size(), kFree);
+  relaxed_in_.assign(ends_.size(), 0);
+  relaxation_ = 0;
+  path_cost_.assign(ends_.size(), 0);
   potential_.assign(ends_.size(), 0);
   searches_ = 0;
   looks_ = 0;
@@ -71,7 +71,7 @@ const JoinedChains& OpenChainJoiner::join(MaskBudget& budget) {
     starts_.push_back(2 * chain);
   find_free_ends();
   double reach = std::max(tolerance_mm_, 1e-9);
-  change_reach_ = reach;
+  reassignment_reach_ = reach;
   join_turned_runs(reach, budget);
   find_free_ends();
   for (int round = 0; round < kRounds && !free_.empty() && !budget.overrun(); ++round, reach *= 2)
@@ -108,7 +108,7 @@ void OpenChainJoiner::find_free_ends() {
 }
 
 void OpenChainJoiner::join_within(double reach, MaskBudget& budget) {
-  join_cheapest(reach, budget);
+  assign_ends(reach, budget);
   find_free_ends();
   if (free_.empty()) return;
   join_turned_runs(reach, budget);
@@ -117,44 +117,44 @@ void OpenChainJoiner::join_within(double reach, MaskBudget& budget) {
   find_free_ends();
 }
 
-// Pairs ends and starts so that the sum of all joins' costs is the least, where an end that stays free costs
-// the reach: successive shortest ways with potentials (the Hungarian method, on the pairs within the reach).
-// What the rounds before have found is the least for their reach, and so are their potentials: joins wider
-// than that were not worth a look.
-void OpenChainJoiner::join_cheapest(double reach, MaskBudget& budget) {
-  nearby_.sort(ends_, starts_, change_reach_);
+// Solves the assignment problem between ends and starts: the sum of all joins' costs is the least, where an
+// end that stays free costs the reach. By successive shortest augmenting paths with potentials (the Hungarian
+// method, on the pairs within the reach). The assignments of earlier rounds are optimal for their reach, and
+// their potentials feasible: wider joins could not improve them.
+void OpenChainJoiner::assign_ends(double reach, MaskBudget& budget) {
+  end_grid_.sort(ends_, starts_, reassignment_reach_);
   free_starts_.clear();
   for (const std::uint32_t end : free_) {
     if (is_start(end)) free_starts_.push_back(end);
   }
   const int looks_before = looks_;
-  int ends_looked_from = 0;
+  int relaxations = 0;
   for (const std::uint32_t end : free_) {
     if (is_start(end)) continue;
-    const int looks_up_to_here = looks_;
-    pair_anew(end, reach);
-    if (!budget.spend(static_cast<std::size_t>(looks_ - looks_up_to_here))) return;
-    ends_looked_from += 1 + static_cast<int>(settled_.size());
+    const int looks_before_search = looks_;
+    augment_from(end, reach);
+    if (!budget.spend(static_cast<std::size_t>(looks_ - looks_before_search))) return;
+    relaxations += 1 + static_cast<int>(settled_.size());
   }
-  if (looks_ - looks_before < kMostLooksAnEnd * ends_looked_from) change_reach_ = reach * 2;
+  if (looks_ - looks_before < kMaxLooksAnEnd * relaxations) reassignment_reach_ = reach * 2;
 }
 
-// Finds the cheapest way to join this end: to a free start, or to one whose end changes to another, and so
-// on, or stays free.
-void OpenChainJoiner::pair_anew(std::uint32_t end, double reach) {
+// Augments the assignment by this end: along the shortest path to a free start, or to a start whose end is
+// left free, or not at all. The ends on the path change to other starts.
+void OpenChainJoiner::augment_from(std::uint32_t end, double reach) {
   ++searches_;
   queue_.clear();
   settled_.clear();
-  const int most_looks = std::min(looks_ + kMostSearchLooks, kMostLooks);
+  const int most_looks = std::min(looks_ + kMaxSearchLooks, kMaxLooks);
   double least = reach - potential_[end];
-  std::uint32_t last = kFree;  // the start where the way ends
-  look_from(end, 0, least);
+  std::uint32_t last = kFree;  // the start where the path ends
+  relax_from(end, 0, least);
   while (!queue_.empty() && looks_ < most_looks) {
-    std::pop_heap(queue_.begin(), queue_.end(), dearer);
+    std::pop_heap(queue_.begin(), queue_.end(), heap_order);
     const Step step = queue_.back();
     queue_.pop_back();
     if (step.cost >= least) break;
-    if (step.cost > cost_to_[step.start]) continue;
+    if (step.cost > path_cost_[step.start]) continue;
     const std::uint32_t from = partner_[step.start];
     if (from == kFree) {
       least = step.cost;
@@ -162,58 +162,58 @@ void OpenChainJoiner::pair_anew(std::uint32_t end, double reach) {
       break;
     }
     settled_.push_back(step.start);
-    const double leaving_free = step.cost + reach - potential_[from];
-    if (leaving_free < least) {
-      least = leaving_free;
+    const double cost_if_left_free = step.cost + reach - potential_[from];
+    if (cost_if_left_free < least) {
+      least = cost_if_left_free;
       last = step.start;
     }
-    look_from(from, step.cost, least);
+    relax_from(from, step.cost, least);
   }
   if (looks_ >= most_looks) return;
   potential_[end] += least;
   for (const std::uint32_t start : settled_) {
-    const double less = least - cost_to_[start];
+    const double less = least - path_cost_[start];
     if (less <= 0) continue;
     potential_[start] -= less;
     potential_[partner_[start]] += less;
   }
-  if (last != kFree) take_way_to(last);
+  if (last != kFree) flip_augmenting_path(last);
 }
 
-void OpenChainJoiner::look_from(std::uint32_t end, double cost_up_to, double least) {
-  ++looking_;
-  const auto look_at = [&](std::uint32_t start) {
-    if (looked_at_in_[start] == looking_) return;
-    looked_at_in_[start] = looking_;
+void OpenChainJoiner::relax_from(std::uint32_t end, double path_cost, double least) {
+  ++relaxation_;
+  const auto relax = [&](std::uint32_t start) {
+    if (relaxed_in_[start] == relaxation_) return;
+    relaxed_in_[start] = relaxation_;
     ++looks_;
     if (partner_[start] != kFree && is_start(partner_[start])) return;
-    // Not below zero by a rounding: no way may become cheaper after it has been gone.
+    // Not below zero by a rounding: Dijkstra's search needs reduced costs of at least 0.
     const double more = cost_of(end, start) - potential_[end] - potential_[start];
-    const double cost = cost_up_to + std::max(more, 0.0);
-    if (cost >= least || (seen_in_[start] == searches_ && cost >= cost_to_[start])) return;
-    seen_in_[start] = searches_;
-    cost_to_[start] = cost;
-    came_from_[start] = end;
+    const double cost = path_cost + std::max(more, 0.0);
+    if (cost >= least || (reached_in_[start] == searches_ && cost >= path_cost_[start])) return;
+    reached_in_[start] = searches_;
+    path_cost_[start] = cost;
+    predecessor_[start] = end;
     queue_.push_back({cost, start});
-    std::push_heap(queue_.begin(), queue_.end(), dearer);
+    std::push_heap(queue_.begin(), queue_.end(), heap_order);
   };
-  nearby_.visit_near(ends_[end], kMostNeighbors, [&look_at](std::uint32_t start) {
-    look_at(start);
+  end_grid_.visit_near(ends_[end], kMaxNeighbors, [&relax](std::uint32_t start) {
+    relax(start);
     return true;
   });
-  if (free_starts_.size() > kMostFreeStarts) return;
+  if (free_starts_.size() > kMaxFreeStarts) return;
   for (const std::uint32_t start : free_starts_) {
-    if (partner_[start] == kFree) look_at(start);
+    if (partner_[start] == kFree) relax(start);
   }
 }
 
-void OpenChainJoiner::take_way_to(std::uint32_t start) {
+void OpenChainJoiner::flip_augmenting_path(std::uint32_t start) {
   if (partner_[start] != kFree) partner_[partner_[start]] = kFree;
   while (start != kFree) {
-    const std::uint32_t end = came_from_[start];
-    const std::uint32_t given_up = partner_[end];
+    const std::uint32_t end = predecessor_[start];
+    const std::uint32_t released = partner_[end];
     join_ends(end, start);
-    start = given_up;
+    start = released;
   }
 }
 
@@ -221,7 +221,7 @@ void OpenChainJoiner::take_way_to(std::uint32_t start) {
 // end, is turned, or what it meets is: joining both bridges nothing. Of a ring of turned and right chains,
 // join_turned_chains could leave two starts here and two ends on the other side of the part.
 void OpenChainJoiner::join_turned_runs(double reach, MaskBudget& budget) {
-  nearby_.sort(ends_, free_, reach);
+  end_grid_.sort(ends_, free_, reach);
   far_end_.resize(ends_.size());
   for (const std::uint32_t end : free_)
     far_end_[end] = far_end_of(end);
@@ -253,7 +253,7 @@ void OpenChainJoiner::join_runs(std::uint32_t a, std::uint32_t b) {
 // not one. Chains that have been joined are not taken for one: the other ends that their two ends would take
 // may lie far from each other, and would be missing there.
 void OpenChainJoiner::join_turned_chains(double reach, MaskBudget& budget) {
-  nearby_.sort(ends_, free_, reach);
+  end_grid_.sort(ends_, free_, reach);
   for (const std::uint32_t start : free_) {
     if (!is_start(start) || partner_[start] != kFree) continue;
     if (!budget.spend(kStepsOfASearch)) return;
@@ -274,7 +274,7 @@ void OpenChainJoiner::join_turned_chains(double reach, MaskBudget& budget) {
 std::uint32_t OpenChainJoiner::free_end_like(std::uint32_t end, double reach) const {
   std::uint32_t nearest = kFree;
   double least = reach;
-  nearby_.visit_near(ends_[end], kMostNeighbors, [&](std::uint32_t other) {
+  end_grid_.visit_near(ends_[end], kMaxNeighbors, [&](std::uint32_t other) {
     const bool fits = other != end && is_start(other) == is_start(end) && partner_[other] == kFree;
     if (!fits) return true;
     const double gap = gap_between(end, other);
@@ -297,7 +297,7 @@ std::uint32_t OpenChainJoiner::far_end_of(std::uint32_t end) const {
 
 void OpenChainJoiner::join_what_is_left() {
   pairs_.clear();
-  if (free_.size() <= kMostEndsToPair) {
+  if (free_.size() <= kMaxEndsToPair) {
     for (const std::uint32_t end : free_) {
       for (const std::uint32_t start : free_) {
         if (!is_start(end) && is_start(start)) pairs_.push_back({gap_between(end, start), end, start});

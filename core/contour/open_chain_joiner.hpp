@@ -3,10 +3,10 @@
 //
 // What turned facets leave apart, starts in one point and ends in another, is joined first: there is no gap.
 //
-// The reach doubles from round to round, beginning with the tolerance. In each round ends and starts are
-// paired so that all gaps together are the least (the assignment problem), where an end that stays free
-// counts as a gap of the reach. Pairs that are only the nearest would push the next one on, along a whole
-// contour, until two ends are left on opposite sides of the part. Not thread-safe.
+// The reach doubles from round to round, beginning with the tolerance. Each round solves the assignment
+// problem between ends and starts: the sum of all gaps is the least, where an end that stays free counts as a
+// gap of the reach. Greedy pairs of the nearest could shift along a whole contour, until two ends are left on
+// opposite sides of the part. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/contour/layer_cracks.hpp"
-#include "core/contour/nearby_ends.hpp"
+#include "core/contour/point_grid.hpp"
 #include "core/geometry/facet.hpp"
 #include "core/geometry/mask_budget.hpp"
 #include "core/geometry/units.hpp"
@@ -57,13 +57,14 @@ class OpenChainJoiner {
     std::uint32_t a, b;
   };
 
-  // Where a search may go on, and what the way up to there costs, less potentials.
+  // An entry of the search's priority queue: a start, and the reduced cost of the path to it.
   struct Step {
     double cost;
     std::uint32_t start;
   };
 
-  [[nodiscard]] static bool dearer(const Step& a, const Step& b) {
+  // For a heap whose first entry has the shortest path (std::push_heap keeps the greatest first).
+  [[nodiscard]] static bool heap_order(const Step& a, const Step& b) {
     return a.cost != b.cost ? a.cost > b.cost : a.start > b.start;
   }
   [[nodiscard]] double gap_between(std::uint32_t a, std::uint32_t b) const;
@@ -71,10 +72,10 @@ class OpenChainJoiner {
   void join_ends(std::uint32_t a, std::uint32_t b);
   void find_free_ends();
   void join_within(double reach, MaskBudget& budget);
-  void join_cheapest(double reach, MaskBudget& budget);
-  void pair_anew(std::uint32_t end, double reach);
-  void look_from(std::uint32_t end, double cost_up_to, double least);
-  void take_way_to(std::uint32_t start);
+  void assign_ends(double reach, MaskBudget& budget);
+  void augment_from(std::uint32_t end, double reach);
+  void relax_from(std::uint32_t end, double path_cost, double least);
+  void flip_augmenting_path(std::uint32_t start);
   void join_turned_runs(double reach, MaskBudget& budget);
   void join_turned_chains(double reach, MaskBudget& budget);
   void join_runs(std::uint32_t a, std::uint32_t b);
@@ -92,18 +93,18 @@ class OpenChainJoiner {
   std::vector<std::uint32_t> free_;     // ends without a partner
   std::vector<std::uint32_t> far_end_;  // by free end: the one at the other side of its joined chains
   std::vector<std::uint32_t> starts_;   // of all chains
-  NearbyEnds nearby_;
+  PointGrid end_grid_;
   std::vector<Pair> pairs_;
-  std::vector<std::uint32_t> seen_in_;       // by start: the search that came to it last
-  std::vector<std::uint32_t> came_from_;     // by start: the end that it was reached from
-  std::vector<std::uint32_t> looked_at_in_;  // by start: the look around that came to it last
-  std::uint32_t looking_ = 0;
-  std::vector<double> cost_to_;         // by start: on that way
+  std::vector<std::uint32_t> reached_in_;   // by start: the search that came to it last
+  std::vector<std::uint32_t> predecessor_;  // by start: the end that it was reached from
+  std::vector<std::uint32_t> relaxed_in_;   // by start: the relaxation that came to it last
+  std::uint32_t relaxation_ = 0;
+  std::vector<double> path_cost_;       // by start: of the path to it
   std::vector<double> potential_;       // by end: 0 or more of ends, 0 or less of starts
   std::vector<std::uint32_t> settled_;  // starts that a search has passed
   std::vector<std::uint32_t> free_starts_;
-  double change_reach_ = 0;  // of ends that have a partner
-  std::vector<Step> queue_;  // a heap
+  double reassignment_reach_ = 0;  // of ends that have a partner
+  std::vector<Step> queue_;        // a heap
   std::uint32_t searches_ = 0;
   int looks_ = 0;                              // at ends, by all searches of a join()
   std::vector<std::uint32_t> heaviest_first_;  // chains

@@ -25,10 +25,10 @@ void SegmentEnds::reset(std::span<const Segment> segments) {
     imbalance_[to_bucket_[i]] -= to;
     previous_[i] = std::exchange(last_[from & (last_.size() - 1)], i);
   }
-  find_uneven_points();
+  find_unbalanced_points();
 }
 
-void SegmentEnds::find_uneven_points() {
+void SegmentEnds::find_unbalanced_points() {
   ends_.clear();
   for (std::uint32_t i = 0; i < segments_.size(); ++i) {
     const Segment& segment = segments_[i];
@@ -39,28 +39,30 @@ void SegmentEnds::find_uneven_points() {
   std::sort(ends_.begin(), ends_.end(), [&key](const End& a, const End& b) {
     return key(a) != key(b) ? key(a) < key(b) : a.number < b.number;
   });
-  uneven_.clear();
+  unbalanced_.clear();
   for (auto end = ends_.begin(); end != ends_.end();) {
-    UnevenPoint point{end->hash, end->point, end->number, 0};
+    UnbalancedPoint point{end->hash, end->point, end->number, 0};
     for (; end != ends_.end() && key(*end) == key(point); ++end)
       point.leaving_minus_arriving += end->number % 2 == 0 ? 1 : -1;
-    if (point.leaving_minus_arriving != 0) uneven_.push_back(point);
+    if (point.leaving_minus_arriving != 0) unbalanced_.push_back(point);
   }
   starts_.clear();
-  for (UnevenPoint& point : uneven_) {
+  for (UnbalancedPoint& point : unbalanced_) {
     if (point.leaving_minus_arriving > 0) starts_.push_back(&point);
   }
   std::sort(starts_.begin(), starts_.end(),
-            [](const UnevenPoint* a, const UnevenPoint* b) { return a->first_end < b->first_end; });
+            [](const UnbalancedPoint* a, const UnbalancedPoint* b) { return a->first_end < b->first_end; });
 }
 
-SegmentEnds::UnevenPoint* SegmentEnds::uneven_at(const Point& point) {
+SegmentEnds::UnbalancedPoint* SegmentEnds::unbalanced_at(const Point& point) {
   const std::uint64_t hash = hash_of(point);
-  const auto before = [](const UnevenPoint& uneven, std::uint64_t value) { return uneven.hash < value; };
-  auto at = std::lower_bound(uneven_.begin(), uneven_.end(), hash, before);
-  while (at != uneven_.end() && at->hash == hash && !(at->point == point))
+  const auto before = [](const UnbalancedPoint& unbalanced, std::uint64_t value) {
+    return unbalanced.hash < value;
+  };
+  auto at = std::lower_bound(unbalanced_.begin(), unbalanced_.end(), hash, before);
+  while (at != unbalanced_.end() && at->hash == hash && !(at->point == point))
     ++at;
-  return at != uneven_.end() && at->hash == hash ? &*at : nullptr;
+  return at != unbalanced_.end() && at->hash == hash ? &*at : nullptr;
 }
 
 std::uint32_t SegmentEnds::first_leaving(const Point& point) const {

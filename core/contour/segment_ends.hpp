@@ -1,5 +1,5 @@
-// Where a section's segments meet: which of them leave a point, and at which points more leave than arrive,
-// or fewer: there begins and ends what is open in it.
+// Where a section's segments meet: which of them leave a point, and which points are unbalanced, that is,
+// more segments leave than arrive, or fewer. Open chains begin and end there.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ class SegmentEnds {
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
   // A point that more segments leave than reach, or fewer.
-  struct UnevenPoint {
+  struct UnbalancedPoint {
     std::uint64_t hash;
     Point point;
     // The lowest of its ends: a segment's number, twice, and 1 more where the segment arrives.
@@ -34,21 +34,21 @@ class SegmentEnds {
   [[nodiscard]] std::uint32_t first_leaving(const Point& point) const;
   [[nodiscard]] std::uint32_t next_leaving(std::uint32_t segment) const;
 
-  // The uneven points that more segments leave than reach, in the segments' order. The caller may count down
-  // what they have too many.
-  [[nodiscard]] std::span<UnevenPoint* const> starts() const { return starts_; }
+  // The unbalanced points that more segments leave than reach, in the segments' order. The caller may
+  // decrement leaving_minus_arriving.
+  [[nodiscard]] std::span<UnbalancedPoint* const> starts() const { return starts_; }
   // Null where as many segments leave as arrive.
-  [[nodiscard]] UnevenPoint* uneven_at(const Point& point);
+  [[nodiscard]] UnbalancedPoint* unbalanced_at(const Point& point);
 
  private:
   // One of a segment's ends, to be counted.
   struct End {
     std::uint64_t hash;  // of the point
     Point point;
-    std::uint32_t number;  // as UnevenPoint::first_end
+    std::uint32_t number;  // as UnbalancedPoint::first_end
   };
 
-  void find_uneven_points();
+  void find_unbalanced_points();
   [[nodiscard]] std::uint32_t first_of(std::uint32_t candidate, const Point& point) const;
 
   std::span<const Segment> segments_;
@@ -60,8 +60,8 @@ class SegmentEnds {
   std::array<std::uint64_t, 1024> imbalance_{};
   std::vector<std::uint16_t> from_bucket_, to_bucket_;  // by segment
   std::vector<End> ends_;
-  std::vector<UnevenPoint> uneven_;  // by hash
-  std::vector<UnevenPoint*> starts_;
+  std::vector<UnbalancedPoint> unbalanced_;  // by hash
+  std::vector<UnbalancedPoint*> starts_;
 };
 
 }  // namespace contourd

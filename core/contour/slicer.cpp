@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 
+#include "core/contract/expects.hpp"
 #include "core/geometry/double_pair.hpp"
 #include "core/geometry/point_hash.hpp"
 
@@ -67,6 +68,8 @@ void fetch(const Facet& facet) {
 // REQUIRES: the facet is crossed. `float_z` is z rounded down. Both ends by intersect_side(), bit for bit,
 // but that a coordinate of -0 becomes 0: points that are equal have equal bits.
 Segment segment_of(const Facet& facet, double z, float float_z) {
+  expects_costly([&] { return heights_of(facet).low <= float_z && float_z < heights_of(facet).high; },
+                 "the plane crosses the facet");
   const auto& v = facet.vertices;
   const unsigned above =
       unsigned{v[0].z > float_z} | unsigned{v[1].z > float_z} << 1U | unsigned{v[2].z > float_z} << 2U;
@@ -86,23 +89,24 @@ Segment segment_of(const Facet& facet, double z, float float_z) {
 
 }  // namespace
 
-void slice_at(const HeightIndex& model, double z, Section& section) {
+void slice_at(const HeightIndex& model, Millimeters z, Section& section) {
+  const double z_mm = z.count();
   section.segments.clear();
   section.intersecting_facets = 0;
   // Sum over all segments of hash(from) - hash(to): zero when starts and ends are the same multiset of
   // points. A chance zero of an unbalanced section has odds of 2^-64.
   std::uint64_t imbalance = 0;
   std::array<std::uint32_t, kBatch> crossed;
-  const float float_z = rounded_down(z);
+  const float float_z = rounded_down(z_mm);
   const std::span<const Facet> facets = model.facets();
-  model.for_each_candidate_run(z, [&](std::span<const HeightIndex::Candidate> run) {
+  model.for_each_candidate_run(z_mm, [&](std::span<const HeightIndex::Candidate> run) {
     for (; !run.empty(); run = run.subspan(std::min(run.size(), kBatch))) {
       const std::size_t count = find_crossed(run.first(std::min(run.size(), kBatch)), float_z, crossed);
       section.intersecting_facets += static_cast<std::uint32_t>(count);
       for (std::size_t i = 0; i < count; ++i) {
         // Facets lie in the file's order, far from each other.
         if (i + kAhead < count) fetch(facets[crossed[i + kAhead]]);
-        const Segment segment = segment_of(facets[crossed[i]], z, float_z);
+        const Segment segment = segment_of(facets[crossed[i]], z_mm, float_z);
         const std::uint64_t from = hash_of_bits(segment.from), to = hash_of_bits(segment.to);
         if (from == to) [[unlikely]] {
           if (segment.from == segment.to) continue;

@@ -1,6 +1,6 @@
 // Cuts facets by the slicing plane: the thesis's algorithm 1, steps 2 to 12.
 //
-// The thesis tells six cases of facet and plane apart (table 3.1) and mends the bad ones afterwards
+// The thesis tells six cases of facet and plane apart (table 3.1) and repairs the bad ones afterwards
 // (caseHandler). Here one rule, stated once, leaves two: a vertex is above the plane when its z > z_slice; a
 // vertex at exactly z_slice is below. A facet with one or two vertices above is crossed through exactly two
 // sides; any other is not.
@@ -20,6 +20,8 @@
 #include <vector>
 
 #include "core/contour/segment.hpp"
+#include "core/contract/expects.hpp"
+#include "core/geometry/units.hpp"
 #include "core/model/height_index.hpp"
 
 namespace contourd {
@@ -32,15 +34,16 @@ struct Section {
   bool balanced = true;
 };
 
-// The section at z (millimetres, model coordinates), replacing what `section` held. Allocates only while
+// The section at z in the model's own coordinates, replacing what `section` held. Allocates only while
 // section.segments grows.
-void slice_at(const HeightIndex& model, double z, Section& section);
+void slice_at(const HeightIndex& model, Millimeters z, Section& section);
 
 // Where the side from `lower` to `upper` meets the plane: the thesis's equations 3.1 to 3.5 with n = (0, 0,
 // 1), which leave s = (z - lower.z) / (upper.z - lower.z). Always from the lower end to the upper, so that
 // both facets that share a side compute the same bits and their segments meet without a tolerance. REQUIRES:
 // lower.z <= z < upper.z.
 [[nodiscard]] inline Point intersect_side(const Vertex& lower, const Vertex& upper, double z) {
+  expects_costly([&] { return lower.z <= z && z < upper.z; }, "the side crosses the plane");
   const double lower_x = lower.x, lower_y = lower.y, lower_z = lower.z;
   const double s = (z - lower_z) / (static_cast<double>(upper.z) - lower_z);
   return {lower_x + s * (static_cast<double>(upper.x) - lower_x),

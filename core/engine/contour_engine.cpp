@@ -1,15 +1,13 @@
 #include "core/engine/contour_engine.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
-
-// The models stand on the plate: height 0 is each one's lowest point.
-double z_of(const HeightIndex& model, Nanometers height) {
-  return model.bounds().min_z + to_millimeters(height).count();
-}
 
 // Of a mask that may take as long as it likes.
 const Mask& sound(const Mask* mask) {
@@ -28,63 +26,82 @@ void append(const Contours& more, Contours& all) {
 
 }  // namespace
 
-ContourEngine::ContourEngine(std::vector<PlateModel> models, const EngineSettings& settings)
+ContourEngine::ContourEngine(std::vector<PlateModel> models, const EngineSettings& settings,
+                             std::shared_ptr<const SectionSource> beside)
     : models_(std::move(models)),
+      beside_{std::move(beside), PixelMap::true_scale(settings.display, {0, 0})},
       join_tolerance_(to_millimeters(settings.display.pixel_pitch)),
       compensation_(settings.compensation),
-      correction_(settings.tone, settings.lamp),
+      correction_(settings.tone, settings.uniformity),
+      sections_(models_.size()),
       rasterizer_(settings.display.width, settings.display.height, settings.anti_aliasing) {
+  expects(std::ranges::all_of(models_, [](const PlateModel& each) { return each.model != nullptr; }),
+          "every model is there");
   const Mask& mask = rasterizer_.mask();
-  if (settings.lamp && (settings.lamp->width() != mask.width() || settings.lamp->height() != mask.height())) {
-    throw std::invalid_argument("the lamp's mask is not as large as the display");
+  if (settings.uniformity &&
+      (settings.uniformity->width() != mask.width() || settings.uniformity->height() != mask.height())) {
+    throw std::invalid_argument("the uniformity mask is not as large as the display");
   }
   if (!correction_.is_none()) corrected_.emplace(mask.width(), mask.height());
 }
 
 ContourEngine::ContourEngine(HeightIndex model, const EngineSettings& settings, std::vector<PixelMap> copies)
-    : ContourEngine({PlateModel{std::make_shared<const HeightIndex>(std::move(model)), std::move(copies)}},
+    : ContourEngine({PlateModel{{std::make_shared<const HeightIndex>(std::move(model))}, std::move(copies)}},
                     settings) {}
 
 void ContourEngine::begin_section() {
-  intersecting_facets_ = 0;
-  cracks_ = LayerCracks{};
+  figures_ = Figures{};
 }
 
-void ContourEngine::slice(const HeightIndex& model, double z) {
-  slice_at(model, z, section_);
-  intersecting_facets_ += section_.intersecting_facets;
+void ContourEngine::slice(std::size_t model, Millimeters z) {
+  slice_at(*models_[model].model, z, sections_[model]);
+  figures_.intersecting_facets += sections_[model].intersecting_facets;
 }
 
-void ContourEngine::link(MaskBudget& budget) {
-  linker_.link(section_.segments, join_tolerance_, contours_, budget);
-  cracks_ += contours_.cracks;
+void ContourEngine::link(std::size_t model, MaskBudget& budget) {
+  linker_.link(sections_[model].segments, join_tolerance_, contours_, budget);
+  sections_[model].segments.clear();
+  figures_.loops += static_cast<std::uint32_t>(contours_.loops.size());
+  figures_.cracks += contours_.cracks;
 }
 
-bool ContourEngine::add_to_mask(const PlateModel& plate_model, double z, MaskBudget& budget) {
-  const HeightIndex& model = *plate_model.model;
+bool ContourEngine::add_to_mask(std::size_t model, Millimeters z, Millimeters offset, MaskBudget& budget) {
   slice(model, z);
-  if (!budget.spend(section_.segments.size()) || !budget.can_hold(section_.segments.size())) return false;
-  const auto height = to_nanometers(Millimeters{z - model.bounds().min_z});
-  const Millimeters offset = height ? to_millimeters(compensation_.offset_at(*height)) : Millimeters{};
+  Section& section = sections_[model];
+  if (!budget.spend(section.segments.size()) || !budget.can_hold(section.segments.size())) return false;
   if (offset != Millimeters{}) {
-    link(budget);
-    if (!budget.look_at_the_clock()) return false;
-    if (!offset_.offset(contours_, offset, moved_, budget)) return false;
-    for (const PixelMap& copy : plate_model.copies)
-      rasterizer_.add_loops(moved_, copy);
-    return true;
+    link(model, budget);
+    return add_moved(models_[model], offset, budget);
   }
   // Balanced segments close by themselves, in whatever order they come.
-  const bool open = !section_.balanced;
+  const bool open = !section.balanced;
   if (open) {
-    linker_.close_open_chains(section_.segments, join_tolerance_, contours_, budget);
+    linker_.close_open_chains(section.segments, join_tolerance_, contours_, budget);
     if (!budget.look_at_the_clock()) return false;
-    cracks_ += contours_.cracks;
+    figures_.loops += static_cast<std::uint32_t>(contours_.loops.size());
+    figures_.cracks += contours_.cracks;
   }
-  for (const PixelMap& copy : plate_model.copies) {
-    rasterizer_.add_segments(section_.segments, copy);
+  for (const PixelMap& copy : models_[model].copies) {
+    rasterizer_.add_segments(section.segments, copy);
     if (open) rasterizer_.add_loops(contours_, copy);
   }
+  return true;
+}
+
+bool ContourEngine::add_moved(const PlateModel& model, Millimeters offset, MaskBudget& budget) {
+  if (!budget.look_at_the_clock()) return false;
+  if (!offset_.offset(contours_, offset, moved_, budget)) return false;
+  for (const PixelMap& copy : model.copies)
+    rasterizer_.add_loops(moved_, copy);
+  return true;
+}
+
+bool ContourEngine::add_beside(Nanometers height, MaskBudget& budget) {
+  if (!beside_.source) return true;
+  beside_.source->section_at(height, beside_.contours);
+  if (beside_.contours.loops.empty()) return true;
+  if (!budget.spend(beside_.contours.points.size()) || !rasterizer_.end_plane(budget)) return false;
+  rasterizer_.add_loops(beside_.contours, beside_.map);
   return true;
 }
 
@@ -97,12 +114,16 @@ const Mask* ContourEngine::paint(MaskBudget& budget) {
 
 const Mask* ContourEngine::mask_within(Nanometers height, MaskBudget& budget) {
   begin_section();
-  for (const PlateModel& each : models_) {
-    if (add_to_mask(each, z_of(*each.model, height), budget)) continue;
-    rasterizer_.clear();
-    return nullptr;
+  const Millimeters offset = to_millimeters(compensation_.offset_at(height));
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    if (!add_to_mask(i, models_[i].z_at(height), offset, budget)) return abandon();
   }
-  return paint(budget);
+  return add_beside(height, budget) ? paint(budget) : abandon();
+}
+
+const Mask* ContourEngine::abandon() {
+  rasterizer_.clear();
+  return nullptr;
 }
 
 const Mask& ContourEngine::mask_at(Nanometers height) {
@@ -111,11 +132,14 @@ const Mask& ContourEngine::mask_at(Nanometers height) {
 }
 
 const Mask& ContourEngine::mask_at_z(Millimeters z) {
+  expects(models_.size() == 1, "there is one model");
   MaskBudget unlimited;
   begin_section();
-  if (add_to_mask(models_.front(), z.count(), unlimited)) return sound(paint(unlimited));
-  rasterizer_.clear();
-  return sound(nullptr);
+  const PlateModel& model = models_.front();
+  const std::optional<Nanometers> height = model.elevation.height_at(z, model.model->bounds());
+  const Millimeters offset = height ? to_millimeters(compensation_.offset_at(*height)) : Millimeters{};
+  const bool added = add_to_mask(0, z, offset, unlimited) && (!height || add_beside(*height, unlimited));
+  return sound(added ? paint(unlimited) : abandon());
 }
 
 const Contours& ContourEngine::contours_at(Nanometers height) {
@@ -125,12 +149,20 @@ const Contours& ContourEngine::contours_at(Nanometers height) {
   plate_contours_.cracks = LayerCracks{};
   plate_contours_.repaired_loops = 0;
   MaskBudget unlimited;
-  for (const PlateModel& each : models_) {
-    slice(*each.model, z_of(*each.model, height));
-    link(unlimited);
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    slice(i, models_[i].z_at(height));
+    link(i, unlimited);
     append(contours_, plate_contours_);
   }
   return plate_contours_;
+}
+
+std::uint32_t ContourEngine::count_loops() {
+  MaskBudget unlimited;
+  // What is left of a section closes by itself: it adds no cracks.
+  for (std::size_t i = 0; i < models_.size(); ++i)
+    link(i, unlimited);
+  return figures_.loops;
 }
 
 }  // namespace contourd

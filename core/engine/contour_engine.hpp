@@ -5,6 +5,8 @@
 // number of engines, each on its own thread, may share a model.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,19 +16,21 @@
 #include "core/contour/contour_offset.hpp"
 #include "core/contour/layer_cracks.hpp"
 #include "core/contour/slicer.hpp"
+#include "core/contract/expects.hpp"
 #include "core/engine/compensation.hpp"
+#include "core/engine/section_source.hpp"
 #include "core/geometry/mask_budget.hpp"
 #include "core/mask/exposure_correction.hpp"
 #include "core/mask/mask.hpp"
 #include "core/mask/pixel_map.hpp"
 #include "core/mask/rasterizer.hpp"
 #include "core/model/height_index.hpp"
+#include "core/model/standing_model.hpp"
 
 namespace contourd {
 
-// A model on the plate: it stands there by its own lowest point, once for each of its copies' maps.
-struct PlateModel {
-  std::shared_ptr<const HeightIndex> model;  // never null
+// A model on the plate: it stands there once for each of its copies' maps.
+struct PlateModel : StandingModel {
   std::vector<PixelMap> copies;
 };
 
@@ -35,25 +39,29 @@ struct EngineSettings {
   AntiAliasing anti_aliasing = AntiAliasing::On;
   Compensation compensation{};  // in the models' own millimetres
   ToneCurve tone{};
-  std::optional<Mask> lamp{};  // see ExposureCorrection; as large as the display
+  std::optional<Mask> uniformity{};  // see ExposureCorrection; as large as the display
 };
 
 class ContourEngine {
  public:
   // REQUIRES: no null pointers.
-  // Throws std::invalid_argument unless the display is 1 to 16384 pixels wide and high, and the lamp's mask,
-  // if there is one, as large as it.
-  ContourEngine(std::vector<PlateModel> models, const EngineSettings& settings);
+  // `beside` is exposed too, as it is: compensation is the models' alone, as all that contours and cracks
+  // tell. Throws std::invalid_argument unless the display is 1 to 16384 pixels wide and high, and the lamp's
+  // mask, if there is one, as large as it.
+  ContourEngine(std::vector<PlateModel> models, const EngineSettings& settings,
+                std::shared_ptr<const SectionSource> beside = nullptr);
   // The same for one model that nobody shares.
   ContourEngine(HeightIndex model, const EngineSettings& settings, std::vector<PixelMap> copies);
 
   [[nodiscard]] std::span<const PlateModel> models() const { return models_; }
   // REQUIRES: one model.
-  [[nodiscard]] const HeightIndex& model() const { return *models_.front().model; }
+  [[nodiscard]] const HeightIndex& model() const {
+    expects(models_.size() == 1, "there is one model");
+    return *models_.front().model;
+  }
 
-  // The mask at a height above the plate, which is every model's lowest point: the union of the models'
-  // sections there. Valid until the next call. Throws std::length_error where a section crosses itself in
-  // more places than MaskBudget::kMostSidesEver.
+  // The mask at a height above the plate: the union of the sections there. Valid until the next call.
+  // Throws std::length_error where a section crosses itself in more places than MaskBudget::kMaxSidesEver.
   [[nodiscard]] const Mask& mask_at(Nanometers height);
   // The same within a budget. Null when that was overrun: the mask was abandoned, coverage() and cracks() are
   // of no use until the next one, which is computed as if nothing had happened.
@@ -61,7 +69,7 @@ class ContourEngine {
   // The same at a z of the model's own coordinates. REQUIRES: one model.
   [[nodiscard]] const Mask& mask_at_z(Millimeters z);
 
-  // What the last mask covers, before threshold, lamp and gamma. Valid until the next one.
+  // What the last mask covers, before threshold, uniformity mask and gamma. Valid until the next one.
   [[nodiscard]] const Mask& coverage() const { return rasterizer_.mask(); }
 
   // The contour loops at a height above the plate, without compensation: those of the first model, then of
@@ -69,10 +77,14 @@ class ContourEngine {
   // the next call.
   [[nodiscard]] const Contours& contours_at(Nanometers height);
 
+  // How many contour loops the last mask or the last contours have, in all models; copies count once. What a
+  // mask did not need linked is linked now, from the cut that made it. Of an abandoned mask it says nothing.
+  [[nodiscard]] std::uint32_t count_loops();
+
   // Facets crossed in the last call of any of these, in all models; copies count once.
-  [[nodiscard]] std::uint32_t intersecting_facets() const { return intersecting_facets_; }
+  [[nodiscard]] std::uint32_t intersecting_facets() const { return figures_.intersecting_facets; }
   // What was bridged in the last call of any of these, in all models; copies count once.
-  [[nodiscard]] const LayerCracks& cracks() const { return cracks_; }
+  [[nodiscard]] const LayerCracks& cracks() const { return figures_.cracks; }
 
   // Coverage below this is left dark in masks.
   [[nodiscard]] std::uint8_t threshold() const { return correction_.threshold(); }
@@ -81,21 +93,40 @@ class ContourEngine {
   [[nodiscard]] Millimeters join_tolerance() const { return join_tolerance_; }
 
  private:
+  // Of the last call.
+  struct Figures {
+    std::uint32_t intersecting_facets = 0;
+    std::uint32_t loops = 0;  // that are linked
+    LayerCracks cracks;
+  };
+  // What is exposed beside the models.
+  struct Beside {
+    std::shared_ptr<const SectionSource> source;  // null: nothing
+    PixelMap map;                                 // of the plate
+    Contours contours{};
+  };
+
   void begin_section();
-  void slice(const HeightIndex& model, double z);
-  void link(MaskBudget& budget);
-  // False when the budget was overrun.
-  [[nodiscard]] bool add_to_mask(const PlateModel& plate_model, double z, MaskBudget& budget);
+  // These for a model, by its number.
+  void slice(std::size_t model, Millimeters z);
+  void link(std::size_t model, MaskBudget& budget);
+  // Cuts it at its z and moves the contours outwards. False when the budget was overrun.
+  [[nodiscard]] bool add_to_mask(std::size_t model, Millimeters z, Millimeters offset, MaskBudget& budget);
+  [[nodiscard]] bool add_moved(const PlateModel& model, Millimeters offset, MaskBudget& budget);
+  // Behind all models: what is beside them.
+  [[nodiscard]] bool add_beside(Nanometers height, MaskBudget& budget);
   // Null when the budget was overrun.
   [[nodiscard]] const Mask* paint(MaskBudget& budget);
+  // Forgets what was added. Null.
+  [[nodiscard]] const Mask* abandon();
 
   std::vector<PlateModel> models_;
+  Beside beside_;
   Millimeters join_tolerance_;
   Compensation compensation_;
   ExposureCorrection correction_;
-  std::uint32_t intersecting_facets_ = 0;
-  LayerCracks cracks_;
-  Section section_;
+  Figures figures_;
+  std::vector<Section> sections_;  // by model: what of its cut is not linked
   ContourLinker linker_;
   Contours contours_;  // of one model
   ContourOffset offset_;

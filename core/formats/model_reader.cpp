@@ -80,12 +80,21 @@ File open_regular(const std::filesystem::path& path) {
 
 }  // namespace
 
-bool has_model_extension(std::string_view file_name) {
+std::vector<std::string_view> model_extensions() {
+  std::vector<std::string_view> extensions;
+  for (const ModelFormat* format : kFormats) {
+    if (std::ranges::find(extensions, format->extension) == extensions.end())
+      extensions.push_back(format->extension);
+  }
+  return extensions;
+}
+
+std::string_view model_extension(std::string_view file_name) {
   std::string extension = std::filesystem::path(file_name).extension().string();
   std::ranges::transform(extension, extension.begin(),
                          [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return std::ranges::any_of(kFormats,
-                             [&](const ModelFormat* format) { return format->extension == extension; });
+  const auto* const format = std::ranges::find(kFormats, extension, &ModelFormat::extension);
+  return format == kFormats.end() ? "" : (*format)->extension;
 }
 
 ModelOutline outline_of_model(const std::filesystem::path& path) {

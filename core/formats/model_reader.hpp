@@ -8,14 +8,18 @@
 #include <filesystem>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "core/formats/model_format.hpp"
 #include "core/model/model.hpp"
 
 namespace contourd {
 
-// Whether a file of that name is taken for a model: by its extension, in either case.
-[[nodiscard]] bool has_model_extension(std::string_view file_name);
+// The extension by which a file of that name is taken for a model, in lower case, with its dot; empty when it
+// is not. It may be spelled in either case.
+[[nodiscard]] std::string_view model_extension(std::string_view file_name);
+// All formats', each once.
+[[nodiscard]] std::vector<std::string_view> model_extensions();
 
 // Looks at the beginning alone; blocks. Throws as read_model_file() does, as far as it shows there what is
 // wrong.

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kQuoteLimit = 24;
 
 // Words that mean nothing are skipped up to this many in a row.
-constexpr int kMostIgnoredWords = 16;
+constexpr int kMaxIgnoredWords = 16;
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // of UTF-8
 
@@ -136,14 +136,14 @@ class AsciiReader {
     }
     expect("endloop");
     skip_to("endfacet");  // some writers put text behind the end words
-    text_behind_facet_ = kMostIgnoredWords;
+    text_behind_facet_ = kMaxIgnoredWords;
     model_.facets.push_back(facet);
   }
 
   // Skips words that mean nothing: a normal (never trusted, so nothing, garbage or NaN may stand there), or
   // text behind an end word.
   void skip_to(std::string_view lower_case) {
-    for (int i = 0; i < kMostIgnoredWords; ++i) {
+    for (int i = 0; i < kMaxIgnoredWords; ++i) {
       const std::string_view word = words_.next();
       if (same_word(word, lower_case)) return;
       if (word.empty())

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -40,15 +39,6 @@ Facet facet_at(const std::byte* record) {
   Facet facet;
   std::memcpy(&facet, record + kNormalBytes, sizeof(Facet));
   return facet;
-}
-
-bool is_finite(const Facet& facet) {
-  // A sum of finite floats in double stays finite; one NaN or infinity makes it not.
-  double sum = 0;
-  for (const Vertex& v : facet.vertices) {
-    sum += static_cast<double>(v.x) + static_cast<double>(v.y) + static_cast<double>(v.z);
-  }
-  return std::isfinite(sum);
 }
 
 [[noreturn]] void refuse_not_finite(std::uint64_t facet) {

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -13,7 +15,7 @@ using GridPoint = ArrangedSides::GridPoint;
 using Side = ArrangedSides::Side;
 
 // Each sweep after the first has only what the one before has bent by half a unit. More than three are rare.
-constexpr int kMostSweeps = 16;
+constexpr int kMaxSweeps = 16;
 
 std::uint64_t order_of(GridPoint p) {
   constexpr std::int64_t kOffset = ArrangedSides::kReach;
@@ -44,6 +46,7 @@ std::int64_t length_of(const Side& side) {
 
 // REQUIRES: not parallel.
 GridPoint crossing_of(const Side& a, const Side& b) {
+  expects_costly([&] { return turn_to_left(a, b) != 0; }, "the sides are not parallel");
   const double part = static_cast<double>(off_line(b, a.low)) / -static_cast<double>(turn_to_left(b, a));
   const double x = a.low.x + part * (a.high.x - a.low.x), y = a.low.y + part * (a.high.y - a.low.y);
   const auto [low_x, high_x] = std::minmax(a.low.x, a.high.x);
@@ -65,7 +68,7 @@ void ArrangedSides::add(GridPoint from, GridPoint to, std::uint32_t loop) {
 }
 
 bool ArrangedSides::arrange(MaskBudget& budget) {
-  for (int i = 0; i < kMostSweeps; ++i) {
+  for (int i = 0; i < kMaxSweeps; ++i) {
     if (!sweep(budget)) return false;
     if (!bent_) break;
   }

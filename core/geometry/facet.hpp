@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <limits>
 #include <span>
 
@@ -19,6 +21,17 @@ struct Facet {
   std::array<Vertex, 3> vertices;
 };
 static_assert(sizeof(Facet) == 36);
+// A model has fewer: the numbers of their sides have 32 bits.
+inline constexpr std::size_t kMaxFacets = std::size_t{1} << 30;
+
+[[nodiscard]] inline bool is_finite(const Facet& facet) {
+  // A sum of finite floats in double stays finite; one NaN or infinity makes it not.
+  double sum = 0;
+  for (const Vertex& v : facet.vertices) {
+    sum += static_cast<double>(v.x) + static_cast<double>(v.y) + static_cast<double>(v.z);
+  }
+  return std::isfinite(sum);
+}
 
 // From a facet's lowest vertex to its highest, in millimetres.
 struct HeightRange {
@@ -55,9 +68,9 @@ struct Bounds {
 
 [[nodiscard]] inline Bounds bounds_of(std::span<const Facet> facets) {
   // Kept in float: exact, since the coordinates are floats, and half the work.
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  Vertex low{infinity, infinity, infinity};
-  Vertex high{-infinity, -infinity, -infinity};
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Vertex low{kInfinity, kInfinity, kInfinity};
+  Vertex high{-kInfinity, -kInfinity, -kInfinity};
   for (const Facet& facet : facets) {
     for (const Vertex& v : facet.vertices) {
       low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};

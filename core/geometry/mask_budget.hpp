@@ -18,13 +18,13 @@ class MaskBudget {
   using Clock = std::chrono::steady_clock;
 
   // Sides at a time, whatever the time left: each takes up to 250 bytes, half a gigabyte in all.
-  static constexpr std::size_t kMostSides = std::size_t{1} << 21;
+  static constexpr std::size_t kMaxSides = std::size_t{1} << 21;
   // The same where nobody waits: two gigabytes.
-  static constexpr std::size_t kMostSidesEver = std::size_t{1} << 23;
+  static constexpr std::size_t kMaxSidesEver = std::size_t{1} << 23;
 
   // As much time as it takes.
   MaskBudget() = default;
-  explicit MaskBudget(std::optional<Clock::time_point> deadline, std::size_t most_sides = kMostSides)
+  explicit MaskBudget(std::optional<Clock::time_point> deadline, std::size_t most_sides = kMaxSides)
       : deadline_(deadline), most_sides_(most_sides) {}
 
   // Counts so many steps of work (a side cut, a chain joined: 50 to 1000 ns each), and looks at the clock now
@@ -56,7 +56,7 @@ class MaskBudget {
   static constexpr std::uint64_t kStepsBetweenLooks = 256;
 
   std::optional<Clock::time_point> deadline_;
-  std::size_t most_sides_ = kMostSidesEver;
+  std::size_t most_sides_ = kMaxSidesEver;
   std::uint64_t steps_ = 0, next_look_ = 0;
   bool overrun_ = false, too_many_sides_ = false;
 };

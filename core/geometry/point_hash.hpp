@@ -2,8 +2,10 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 
+#include "core/contract/expects.hpp"
 #include "core/geometry/facet.hpp"
 
 namespace contourd {
@@ -18,6 +20,9 @@ namespace contourd {
 
 // REQUIRES: no -0, whose bits are other than those of 0.
 [[nodiscard]] inline std::uint64_t hash_of_bits(const Point& point) {
+  expects_costly(
+      [&] { return !(point.x == 0 && std::signbit(point.x)) && !(point.y == 0 && std::signbit(point.y)); },
+      "no coordinate is -0");
   return mixed(std::bit_cast<std::uint64_t>(point.x), std::bit_cast<std::uint64_t>(point.y));
 }
 

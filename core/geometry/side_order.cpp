@@ -1,5 +1,7 @@
 #include "core/geometry/side_order.hpp"
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -36,7 +38,10 @@ void SideOrder::rotate_up(std::uint32_t side) {
 }
 
 void SideOrder::insert_after(std::uint32_t left_neighbour, std::uint32_t side) {
+  expects_costly([&] { return side < nodes_.size(); }, "there is room for the side's number");
   const std::uint32_t right_neighbour = left_neighbour == kNone ? first_ : nodes_[left_neighbour].after;
+  expects_costly([&] { return side != left_neighbour && side != right_neighbour; },
+                 "a side is not its own neighbour");
   nodes_[side] = {kNone, kNone, kNone, left_neighbour, right_neighbour, mixed(side)};
   if (left_neighbour == kNone) {
     first_ = side;

@@ -39,7 +39,8 @@ class SideOrder {
     return found;
   }
 
-  // Right of `left_neighbour`, or first of all after none. REQUIRES: room for its number; not among them yet.
+  // Right of `left_neighbour`, or first of all after none. It must not be among them yet. REQUIRES: room for
+  // its number; another than its neighbours'.
   void insert_after(std::uint32_t left_neighbour, std::uint32_t side);
   void erase(std::uint32_t side);
   // `side` takes the place of `old`.

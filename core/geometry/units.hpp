@@ -45,6 +45,8 @@ class Quantity {
 // Heights of the plate. Whole nanometres: an 8 mm screw at 3200 microsteps a turn moves 2.5 um a step, so
 // whole micrometres would drift.
 using Nanometers = Quantity<struct NanometerUnit, std::int64_t>;
+// Whole microsteps of an axis' motor.
+using Microsteps = Quantity<struct MicrostepUnit, std::int64_t>;
 // Coordinates and lengths of a model, as its file has them.
 using Millimeters = Quantity<struct MillimeterUnit, double>;
 using Micrometers = Quantity<struct MicrometerUnit, double>;

@@ -10,15 +10,21 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 
 class RunDeflater {
  public:
-  // Starts a stream at out[at]. REQUIRES: `out` outlives it and is not touched before finish().
+  // The largest mask's, each row behind its filter's byte.
+  static constexpr std::size_t kMaxBytes = (std::size_t{1} << 28) + (std::size_t{1} << 14);
+
+  // Starts a stream at out[at]. `out` must outlive it, and nobody else touches it before finish().
   void begin(std::vector<std::uint8_t>& out, std::size_t at);
 
-  // REQUIRES: fewer than 2^28 + 2^14 bytes in the stream.
+  // REQUIRES: at most kMaxBytes in the stream.
   void add(std::uint8_t value, std::size_t count) {
+    expects_costly([&] { return count_ + count <= kMaxBytes; }, "a stream has at most kMaxBytes");
     if (value != value_) {
       write_run();
       value_ = value;

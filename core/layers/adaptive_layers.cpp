@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/contract/expects.hpp"
 #include "core/layers/layers.hpp"
 
 namespace contourd {
@@ -27,7 +28,7 @@ double steepness(const Facet& facet) {
 
 // Beyond what a print can have, the nearest that it can: a facet may be 1e38 mm away.
 std::int64_t nearest_um(double length_mm) {
-  constexpr auto kFarthestUm = static_cast<double>(kThickestLayer / kLayerStep * kMostLayers);
+  constexpr auto kFarthestUm = static_cast<double>(kThickestLayer / kLayerStep * kMaxLayers);
   return std::llround(std::clamp(length_mm * 1e3, -kFarthestUm, kFarthestUm));
 }
 
@@ -109,8 +110,10 @@ class Lookahead {
 
 }  // namespace
 
-Nanometers next_thickness(const HeightIndex& model, Nanometers bottom, const AdaptiveLayers& layers) {
-  const double bottom_z = model.bounds().min_z + to_millimeters(bottom).count();
+Nanometers next_thickness(const StandingModel& standing, Nanometers bottom, const AdaptiveLayers& layers) {
+  expects(layers.are_printable(), "layers are 1 um to kThickestLayer, the thinnest first, and have a cusp");
+  const HeightIndex& model = *standing.model;
+  const double bottom_z = standing.z_at(bottom).count();
   // Nothing of it is left: whatever stands beside it decides.
   if (!(model.bounds().max_z - bottom_z > kNegligibleMm)) return thickest_um(layers) * kLayerStep;
   return Lookahead(model, bottom_z, layers).thickness() * kLayerStep;

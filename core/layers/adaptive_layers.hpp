@@ -9,26 +9,32 @@
 #pragma once
 
 #include "core/geometry/units.hpp"
-#include "core/model/height_index.hpp"
+#include "core/layers/layers.hpp"
+#include "core/model/standing_model.hpp"
 
 namespace contourd {
-
-struct AdaptiveLayers {
-  Nanometers thinnest, thickest;  // inclusive; counted in whole micrometres, rounded inwards
-  Nanometers cusp;                // allowed distance of a stair's corner from the surface
-};
 
 // Layers are whole micrometres: far below any cusp that shows, and it keeps thicknesses readable. A facet
 // that reaches less than half of one into a layer does not count.
 inline constexpr Nanometers kLayerStep{1000};
 
-// How thick the layer on `bottom` (above the model's lowest point) is to be: never more than what the cusp
+struct AdaptiveLayers {
+  Nanometers thinnest, thickest;  // inclusive; counted in whole micrometres, rounded inwards
+  Nanometers cusp;                // allowed distance of a stair's corner from the surface
+
+  // 1 um <= thinnest <= thickest <= kThickestLayer, cusp > 0.
+  [[nodiscard]] bool are_printable() const {
+    return kLayerStep <= thinnest && thinnest <= thickest && thickest <= kThickestLayer &&
+           cusp > Nanometers{};
+  }
+};
+
+// How thick the layer on `bottom` (above the plate) is to be: never more than what the cusp
 // allows, unless that is less than the thinnest. The next flat face or the model's top is approached so that
 // the layer that ends there is not too thin, where that can be. What is left below the top may be less than
 // the thinnest: then the layer reaches beyond it. The thickest when nothing is left. Its cost is in
-// proportion to the facets near the layer. REQUIRES: 1 um <= thinnest <= thickest <= kThickestLayer, cusp >
-// 0.
-[[nodiscard]] Nanometers next_thickness(const HeightIndex& model, Nanometers bottom,
+// proportion to the facets near the layer. REQUIRES: layers.are_printable().
+[[nodiscard]] Nanometers next_thickness(const StandingModel& model, Nanometers bottom,
                                         const AdaptiveLayers& layers);
 
 }  // namespace contourd

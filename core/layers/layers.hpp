@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/contract/expects.hpp"
 #include "core/geometry/units.hpp"
 
 namespace contourd {
@@ -18,7 +19,7 @@ struct LayerStack {
   Nanometers thickness{};
   std::int32_t count = 0;
 
-  // Each layer is cut at its middle. Above the model's lowest point.
+  // Each layer is cut at its middle. Above the plate.
   [[nodiscard]] Nanometers middle_of(std::int32_t layer) const {
     return Nanometers{thickness.count() * layer + thickness.count() / 2};
   }
@@ -26,30 +27,35 @@ struct LayerStack {
 
 // The most layers of a print: 10 m of the thinnest, a thousand times what printers print. Lists of them, with
 // what is known of each, stay below a gigabyte, and counting them takes seconds.
-inline constexpr std::int32_t kMostLayers = 10'000'000;
+inline constexpr std::int32_t kMaxLayers = 10'000'000;
 // The thickest layer, so that a print's height is a number of nanometres.
 inline constexpr Nanometers kThickestLayer{1'000'000'000};
-static_assert(kThickestLayer.count() <= std::numeric_limits<std::int64_t>::max() / kMostLayers);
+static_assert(kThickestLayer.count() <= std::numeric_limits<std::int64_t>::max() / kMaxLayers);
 
-// A model has more layers than kMostLayers. what() is a sentence with the figures.
+[[nodiscard]] constexpr bool is_layer(Nanometers thickness) {
+  return Nanometers{} < thickness && thickness <= kThickestLayer;
+}
+
+// A model has more layers than kMaxLayers. what() is a sentence with the figures.
 class TooManyLayers : public std::runtime_error {
  public:
   // More than can be told.
-  TooManyLayers()
-      : std::runtime_error("the model has more than " + std::to_string(kMostLayers) + " layers") {}
+  TooManyLayers() : std::runtime_error("the model has more than " + std::to_string(kMaxLayers) + " layers") {}
   explicit TooManyLayers(std::int64_t layers)
       : std::runtime_error("the model has " + std::to_string(layers) + " layers, at most " +
-                           std::to_string(kMostLayers) + " can be printed") {}
+                           std::to_string(kMaxLayers) + " can be printed") {}
 };
 
-// As many layers as it takes to reach the model's top; a rest below a hundredth of a layer is rounding noise
-// of the file's coordinates, not a layer. Throws TooManyLayers. REQUIRES: 0 < thickness <= kThickestLayer.
-[[nodiscard]] inline LayerStack layers_for(Millimeters model_height, Nanometers thickness) {
+// As many layers as it takes to reach the highest model's top above the plate; a rest below a hundredth of a
+// layer is rounding noise of the file's coordinates, not a layer. Throws TooManyLayers. REQUIRES:
+// is_layer(thickness).
+[[nodiscard]] inline LayerStack layers_for(Millimeters top, Nanometers thickness) {
+  expects(is_layer(thickness), "a layer is more than nothing and at most kThickestLayer");
   constexpr double kRoundingNoise = 0.01;
   constexpr double kLargestExactCount = 1LL << 53;
-  const double layers = std::ceil(model_height.count() / to_millimeters(thickness).count() - kRoundingNoise);
+  const double layers = std::ceil(top.count() / to_millimeters(thickness).count() - kRoundingNoise);
   if (!(layers <= kLargestExactCount)) throw TooManyLayers();
-  if (layers > kMostLayers) throw TooManyLayers(static_cast<std::int64_t>(layers));
+  if (layers > kMaxLayers) throw TooManyLayers(static_cast<std::int64_t>(layers));
   return LayerStack{thickness, static_cast<std::int32_t>(std::fmax(layers, 0.0))};
 }
 

@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 
-PrintLayers::PrintLayers(std::vector<std::shared_ptr<const HeightIndex>> models,
-                         const AdaptiveLayers& adaptive)
+PrintLayers::PrintLayers(std::vector<StandingModel> models, const AdaptiveLayers& adaptive)
     : models_(std::move(models)), adaptive_(adaptive) {
-  for (const auto& model : models_)
-    height_mm_ = std::max(height_mm_, model->bounds().size_z());
+  expects(adaptive.are_printable(), "layers are 1 um to kThickestLayer, the thinnest first, and have a cusp");
+  expects(std::ranges::all_of(models_, [](const StandingModel& model) { return model.model != nullptr; }),
+          "every model is there");
+  for (const StandingModel& model : models_)
+    top_ = std::max(top_, model.top());
 }
 
 std::optional<Nanometers> PrintLayers::thickness_at(Nanometers bottom) const {
@@ -18,23 +22,23 @@ std::optional<Nanometers> PrintLayers::thickness_at(Nanometers bottom) const {
     return printed ? std::nullopt : std::optional(uniform_.thickness);
   }
   // A rest of half a layer's step is the rounding of heights.
-  const double rest_mm = height_mm_ - to_millimeters(bottom).count();
-  if (!(rest_mm > to_millimeters(kLayerStep).count() / 2)) return std::nullopt;
-  Nanometers thickness = next_thickness(*models_.front(), bottom, adaptive_);
-  for (const auto& model : models_)
-    thickness = std::min(thickness, next_thickness(*model, bottom, adaptive_));
+  const Millimeters rest = top_ - to_millimeters(bottom);
+  if (!(rest > to_millimeters(kLayerStep) / 2)) return std::nullopt;
+  Nanometers thickness = next_thickness(models_.front(), bottom, adaptive_);
+  for (const StandingModel& model : models_)
+    thickness = std::min(thickness, next_thickness(model, bottom, adaptive_));
   return thickness;
 }
 
 std::vector<Nanometers> PrintLayers::all() const {
   // Where even the thickest are too many, they need not be counted. Rounding to whole steps adds less than
   // one.
-  const double thickest_mm = to_millimeters(adaptive_.thickest + kLayerStep).count();
-  if (!models_.empty() && !(height_mm_ / thickest_mm <= kMostLayers)) throw TooManyLayers();
+  const Millimeters thickest = to_millimeters(adaptive_.thickest + kLayerStep);
+  if (!models_.empty() && !(top_ / thickest <= kMaxLayers)) throw TooManyLayers();
   std::vector<Nanometers> thicknesses;
   Nanometers bottom{};
   while (const std::optional<Nanometers> thickness = thickness_at(bottom)) {
-    if (thicknesses.size() == kMostLayers) throw TooManyLayers();
+    if (thicknesses.size() == kMaxLayers) throw TooManyLayers();
     thicknesses.push_back(*thickness);
     bottom += *thickness;
   }

@@ -2,14 +2,14 @@
 // Immutable; any number of threads may ask.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <vector>
 
+#include "core/contract/expects.hpp"
 #include "core/geometry/units.hpp"
 #include "core/layers/adaptive_layers.hpp"
 #include "core/layers/layers.hpp"
-#include "core/model/height_index.hpp"
+#include "core/model/standing_model.hpp"
 
 namespace contourd {
 
@@ -17,10 +17,13 @@ class PrintLayers {
  public:
   PrintLayers() = default;  // none
   // All of one thickness. REQUIRES: as layers_for() has them.
-  explicit PrintLayers(const LayerStack& uniform) : uniform_(uniform) {}
-  // As the models' surfaces allow: of several models, what the most demanding one says. REQUIRES: as
-  // next_thickness() does; no null pointers.
-  PrintLayers(std::vector<std::shared_ptr<const HeightIndex>> models, const AdaptiveLayers& adaptive);
+  explicit PrintLayers(const LayerStack& uniform) : uniform_(uniform) {
+    expects(uniform.count == 0 || (uniform.count > 0 && is_layer(uniform.thickness)),
+            "layers have a thickness");
+  }
+  // As the models' surfaces allow: of several models, what the most demanding one says. REQUIRES:
+  // adaptive.are_printable(); no null pointers.
+  PrintLayers(std::vector<StandingModel> models, const AdaptiveLayers& adaptive);
 
   // The thickness of the layer on `bottom`, which is 0 or the top of an earlier layer; nothing when the print
   // is as high as it will be.
@@ -32,9 +35,9 @@ class PrintLayers {
 
  private:
   LayerStack uniform_;
-  std::vector<std::shared_ptr<const HeightIndex>> models_;  // none when uniform
+  std::vector<StandingModel> models_;  // none when uniform
   AdaptiveLayers adaptive_;
-  double height_mm_ = 0;  // of the highest model
+  Millimeters top_{};  // of the highest model, above the plate
 };
 
 }  // namespace contourd

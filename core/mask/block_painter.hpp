@@ -26,15 +26,15 @@ inline constexpr std::size_t kBlockPixels = 16;
 
 // The grey value of a pixel of this winding number by the non-zero rule: its magnitude, at most one, of 255.
 [[nodiscard]] inline std::uint8_t grey_of(std::uint32_t winding) {
-  constexpr std::uint32_t one = 1U << kWindingBits;
+  constexpr std::uint32_t kOne = 1U << kWindingBits;
   const auto sign =
       static_cast<std::uint32_t>(static_cast<std::int32_t>(winding) >> 31);  // all ones when negative
   const std::uint32_t magnitude = (winding ^ sign) - sign;
-  return static_cast<std::uint8_t>((std::min(magnitude, one) * 255U + one / 2) >> kWindingBits);
+  return static_cast<std::uint8_t>((std::min(magnitude, kOne) * 255U + kOne / 2) >> kWindingBits);
 }
 
 // A bit for each of 64 bytes that are 0 or 1.
-[[nodiscard]] inline std::uint64_t bits_of_plainly(const std::uint8_t* bytes) {
+[[nodiscard]] inline std::uint64_t bits_of_scalar(const std::uint8_t* bytes) {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < 64; i += 8) {
     std::uint64_t eight = 0;
@@ -47,7 +47,7 @@ inline constexpr std::size_t kBlockPixels = 16;
 
 // Paints kBlockPixels pixels from as many cells, and makes these 0. `winding` is that of the pixel left of
 // the first; gives the last one's.
-inline std::uint32_t paint_block_plainly(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
+inline std::uint32_t paint_block_scalar(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
   for (std::size_t i = 0; i < kBlockPixels; ++i) {
     winding += cells[i];
     cells[i] = 0;
@@ -65,15 +65,15 @@ inline constexpr std::int32_t kHalfWinding = 1 << (kWindingBits - 1);
 // What the roundings of a pixel's sides may add up to: half a grey value.
 inline constexpr std::int32_t kWindingSlack = 64;
 
-struct PlainWindingRange {
+struct ScalarWindingRange {
   std::int32_t lowest = 0, highest = 0;
   [[nodiscard]] bool is_zero_to_one() const {
     return lowest >= -kHalfWinding - kWindingSlack && highest <= kHalfWinding + kWindingSlack;
   }
 };
 
-inline std::uint32_t paint_covered_block_plainly(std::uint32_t* cells, std::uint32_t winding,
-                                                 std::uint8_t* pixels, PlainWindingRange& range) {
+inline std::uint32_t paint_covered_block_scalar(std::uint32_t* cells, std::uint32_t winding,
+                                                std::uint8_t* pixels, ScalarWindingRange& range) {
   for (std::size_t i = 0; i < kBlockPixels; ++i) {
     winding += cells[i];
     cells[i] = 0;
@@ -168,7 +168,7 @@ inline std::uint32_t paint_covered_block(std::uint32_t* cells, std::uint32_t win
 #elif defined(__aarch64__)
 
 [[nodiscard]] inline std::uint64_t bits_of(const std::uint8_t* bytes) {
-  return bits_of_plainly(bytes);
+  return bits_of_scalar(bytes);
 }
 
 inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
@@ -231,19 +231,19 @@ inline std::uint32_t paint_covered_block(std::uint32_t* cells, std::uint32_t win
 
 #else
 
-using WindingRange = PlainWindingRange;
+using WindingRange = ScalarWindingRange;
 
 [[nodiscard]] inline std::uint64_t bits_of(const std::uint8_t* bytes) {
-  return bits_of_plainly(bytes);
+  return bits_of_scalar(bytes);
 }
 
 inline std::uint32_t paint_covered_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels,
                                          WindingRange& range) {
-  return paint_covered_block_plainly(cells, winding, pixels, range);
+  return paint_covered_block_scalar(cells, winding, pixels, range);
 }
 
 inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
-  return paint_block_plainly(cells, winding, pixels);
+  return paint_block_scalar(cells, winding, pixels);
 }
 
 #endif

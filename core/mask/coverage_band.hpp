@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "core/contract/expects.hpp"
 #include "core/mask/block_painter.hpp"
 
 namespace contourd {
@@ -41,11 +42,13 @@ class CoverageBand {
    public:
     // From this column on the winding number is that much higher. REQUIRES: 0 <= column < width + 3.
     void add(std::size_t column, std::int32_t change) const {
+      expects_costly([&] { return column < cell_count_; }, "the column is one of the row's");
       cells_[column] += static_cast<std::uint32_t>(change);
       used_[column / kBlock] = 1;
     }
     // The same for a column and the two right of it. REQUIRES: 0 <= column <= width.
     void add(std::size_t column, std::int32_t first, std::int32_t second, std::int32_t third) const {
+      expects_costly([&] { return column + 2 < cell_count_; }, "the columns are some of the row's");
       cells_[column] += static_cast<std::uint32_t>(first);
       cells_[column + 1] += static_cast<std::uint32_t>(second);
       cells_[column + 2] += static_cast<std::uint32_t>(third);
@@ -57,13 +60,18 @@ class CoverageBand {
     friend class CoverageBand;
     Row(CoverageBand& band, std::size_t row)
         : cells_(band.cells_.data() + row * band.stride_),
-          used_(band.used_.data() + row * band.used_stride()) {}
+          used_(band.used_.data() + row * band.used_stride()),
+          cell_count_(band.stride_) {}
 
     std::uint32_t* cells_;
     std::uint8_t* used_;
+    std::size_t cell_count_;
   };
   // REQUIRES: 0 <= row < rows().
-  [[nodiscard]] Row row(std::int32_t row) { return {*this, static_cast<std::size_t>(row)}; }
+  [[nodiscard]] Row row(std::int32_t row) {
+    expects(0 <= row && row < rows_, "the row is one of the band's");
+    return {*this, static_cast<std::size_t>(row)};
+  }
 
   // Paints what was added to a row by the non-zero rule, and forgets it. `pixels` is the whole mask row,
   // which already is as `blocks` says; only blocks that change are written.

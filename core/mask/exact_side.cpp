@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -55,9 +57,16 @@ class Expansion {
   std::size_t size_ = 0;
 };
 
+bool is_exact(PixelPoint point) {
+  constexpr double kMost = 1e100;
+  return std::fabs(point.x) < kMost && std::fabs(point.y) < kMost;
+}
+
 }  // namespace
 
 int side_of(PixelPoint a, PixelPoint b, PixelPoint point) {
+  expects_costly([&] { return is_exact(a) && is_exact(b) && is_exact(point); },
+                 "coordinates are below 1e100");
   const double left = (b.x - a.x) * (point.y - a.y), right = (b.y - a.y) * (point.x - a.x);
   // Four roundings before the subtraction and its own: beyond this their sum cannot change the sign.
   constexpr double kRounding = 4.5e-16;

@@ -3,6 +3,8 @@
 #include <cstring>
 #include <utility>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -36,9 +38,14 @@ double exponential(double x) {
   return sum;
 }
 
+bool of_one_size(const Mask& a, const Mask& b) {
+  return a.width() == b.width() && a.height() == b.height();
+}
+
 }  // namespace
 
 std::array<std::uint8_t, 256> grey_for_light(double gamma) {
+  expects(0.1 <= gamma && gamma <= 10, "gamma is 0.1 to 10");
   std::array<std::uint8_t, 256> table{};
   for (std::size_t light = 1; light < table.size(); ++light) {
     const double share = static_cast<double>(light) / 255.0;
@@ -47,10 +54,10 @@ std::array<std::uint8_t, 256> grey_for_light(double gamma) {
   return table;
 }
 
-ExposureCorrection::ExposureCorrection(const ToneCurve& tone, std::optional<Mask> lamp)
-    : tone_(tone), grey_for_light_(grey_for_light(tone.gamma)), lamp_(std::move(lamp)) {
-  if (!lamp_) return;
-  white_ = lamp_;
+ExposureCorrection::ExposureCorrection(const ToneCurve& tone, std::optional<Mask> uniformity)
+    : tone_(tone), grey_for_light_(grey_for_light(tone.gamma)), uniformity_(std::move(uniformity)) {
+  if (!uniformity_) return;
+  white_ = uniformity_;
   for (std::int32_t y = 0; y < white_->height().count(); ++y) {
     for (std::uint8_t& grey : white_->row(y))
       grey = corrected(255, grey);
@@ -63,6 +70,9 @@ std::uint8_t ExposureCorrection::corrected(std::uint8_t grey, std::uint8_t share
 }
 
 void ExposureCorrection::apply(const Mask& from, Mask& to) const {
+  expects(&from != &to, "the corrected mask is an object of its own");
+  expects(of_one_size(from, to) && (!uniformity_ || of_one_size(from, *uniformity_)),
+          "all masks have one size");
   // Eight pixels at once where all are dark or all white, as they are but along the contours.
   using Eight = std::uint64_t;
   constexpr Eight kWhite = ~Eight{0};
@@ -70,9 +80,11 @@ void ExposureCorrection::apply(const Mask& from, Mask& to) const {
   for (std::int32_t y = 0; y < from.height().count(); ++y) {
     const std::uint8_t* const in = from.row(y).data();
     std::uint8_t* const out = to.row(y).data();
-    const std::uint8_t* const lamp = lamp_ ? lamp_->row(y).data() : nullptr;
+    const std::uint8_t* const uniformity = uniformity_ ? uniformity_->row(y).data() : nullptr;
     const std::uint8_t* const white = white_ ? white_->row(y).data() : nullptr;
-    const auto correct = [&](std::size_t x) { out[x] = corrected(in[x], lamp != nullptr ? lamp[x] : 255); };
+    const auto correct = [&](std::size_t x) {
+      out[x] = corrected(in[x], uniformity != nullptr ? uniformity[x] : 255);
+    };
     std::size_t x = 0;
     for (; x + sizeof(Eight) <= width; x += sizeof(Eight)) {
       Eight eight;

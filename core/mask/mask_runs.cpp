@@ -3,6 +3,8 @@
 #include <bit>
 #include <cstring>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -89,6 +91,7 @@ void MaskRuns::extract(const Mask& mask) {
 }
 
 void MaskRuns::extract_bright(const Mask& mask, const MaskRuns& lit, std::uint8_t least_grey) {
+  expects(lit.rows() == mask.height().count(), "the lit pixels are this mask's");
   runs_.clear();
   row_starts_.clear();
   grey_sum_ = 0;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/contract/expects.hpp"
 #include "core/mask/mask.hpp"
 
 namespace contourd {
@@ -27,6 +28,7 @@ class MaskRuns {
   [[nodiscard]] std::span<const PixelRun> runs() const { return runs_; }
   // Those of one row. REQUIRES: 0 <= row < height of the mask; an extract().
   [[nodiscard]] std::span<const PixelRun> in_row(std::int32_t row) const {
+    expects(0 <= row && row < rows(), "the row is one of the mask's");
     const auto i = static_cast<std::size_t>(row);
     return std::span(runs_).subspan(row_starts_[i], row_starts_[i + 1] - row_starts_[i]);
   }

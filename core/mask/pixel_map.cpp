@@ -1,5 +1,7 @@
 #include "core/mask/pixel_map.hpp"
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 
 Point on_plate(const DisplayGeometry& display, PixelPoint pixel) {
@@ -10,6 +12,7 @@ Point on_plate(const DisplayGeometry& display, PixelPoint pixel) {
 }
 
 PixelMap PixelMap::true_scale(const DisplayGeometry& display, Point center) {
+  expects(display.pixel_pitch > Micrometers{}, "a pixel has a size");
   const double pixels_per_mm = 1000.0 / display.pixel_pitch.count();
   return PixelMap(pixels_per_mm, display.width.count() / 2.0 - center.x * pixels_per_mm, -pixels_per_mm,
                   display.height.count() / 2.0 + center.y * pixels_per_mm)

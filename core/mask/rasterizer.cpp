@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "core/geometry/double_pair.hpp"
 #include "core/mask/exact_side.hpp"
 
@@ -18,7 +19,7 @@ constexpr int kOneBits = CoverageBand::kOneBits;
 constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
 // The least width for which steepness is told apart, in columns: keeps it a number for upright sides.
-constexpr double kLeastWidth = 1e-6;
+constexpr double kMinWidth = 1e-6;
 
 std::int32_t rounded(double positive) {
   return static_cast<std::int32_t>(positive + 0.5);
@@ -35,6 +36,7 @@ std::int32_t column_in_units(double column) {
 // opposite too. REQUIRES: within the range of the result. The sum has no bits below one; its last 32 are the
 // number's.
 std::int32_t rounded_evenly(double number) {
+  expects_costly([=] { return std::fabs(number) < 2147483647.5; }, "the number is one of 32 bits");
   constexpr double kBitsBelowOne = 6755399441055744.0;  // 1.5 * 2^52
   return static_cast<std::int32_t>(
       static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(number + kBitsBelowOne)));
@@ -153,6 +155,14 @@ void Rasterizer::add_cut(PixelPoint from, PixelPoint to) {
 
 // REQUIRES: both ends on the display or its edges.
 [[gnu::always_inline]] inline void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to) {
+  expects_costly(
+      [&] {
+        const auto shown = [this](PixelPoint p) {
+          return 0 <= p.x && p.x <= width_ && 0 <= p.y && p.y <= height_;
+        };
+        return shown(from) && shown(to);
+      },
+      "both ends are on the display");
   // Heights in whole units: where two sides meet they are rounded alike, so what one side leaves the other
   // takes up.
   const std::int32_t from_y = rounded(from.y * kOne);
@@ -168,7 +178,7 @@ void Rasterizer::add_cut(PixelPoint from, PixelPoint to) {
   const double width = to.x - from.x;
   const auto number = static_cast<std::uint32_t>(covered_sides_.size());
   covered_sides_.push_back({top_x, width / std::fabs(height),
-                            0.5 * height / std::max(kLeastWidth, std::fabs(width)), top_y,
+                            0.5 * height / std::max(kMinWidth, std::fabs(width)), top_y,
                             std::max(from_y, to_y), static_cast<std::int32_t>(2 * down) - 1,
                             std::exchange(first_side_at(top_y >> kOneBits), number), top_y});
 }
@@ -251,6 +261,42 @@ bool Rasterizer::paint(MaskBudget& budget) {
   }
   clear();
   return painted == Painted::All;
+}
+
+bool Rasterizer::end_plane(MaskBudget& budget) {
+  return anti_aliasing_ == AntiAliasing::On ? outline_covered_sides(budget) : outline_centers(budget);
+}
+
+// Where nothing overlaps, the sides are the outline already: painting shows that, and works them off.
+bool Rasterizer::outline_covered_sides(MaskBudget& budget) {
+  if (!budget.can_hold(covered_sides_.size()) || !budget.spend(covered_sides_.size())) return false;
+  plane_.sides = covered_sides_;
+  plane_.first_side = first_side_;
+  const Painted painted = paint_bands(budget, Overlaps::Searched);
+  if (painted == Painted::ToAnOverlap) return unite_sides(budget);
+  covered_sides_.swap(plane_.sides);
+  first_side_.swap(plane_.first_side);
+  return painted == Painted::All;
+}
+
+// The outline of the pixels whose centres are inside.
+bool Rasterizer::outline_centers(MaskBudget& budget) {
+  const Painted painted = paint_bands(budget, Overlaps::Searched);
+  clear();
+  if (painted != Painted::All) return false;
+  for (std::int32_t row = 0; row < height_; ++row) {
+    if (band_lit_[static_cast<std::size_t>(row >> band_bits_)] == 0) continue;
+    const std::span<const std::uint8_t> pixels = std::as_const(mask_).row(row);
+    std::uint8_t last = 0;
+    for (std::int32_t column = 0; column <= width_; ++column) {
+      const std::uint8_t next = column < width_ ? pixels[static_cast<std::size_t>(column)] : 0;
+      const double x = column, top = row, end = row + 1;
+      if (last == 0 && next != 0) add_centers({x, top}, {x, end});
+      if (last != 0 && next == 0) add_centers({x, end}, {x, top});
+      last = next;
+    }
+  }
+  return true;
 }
 
 Rasterizer::Painted Rasterizer::paint_bands(MaskBudget& budget, Overlaps overlaps) {

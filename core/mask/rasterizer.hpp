@@ -46,6 +46,11 @@ class Rasterizer {
   void add_segments(std::span<const Segment> segments, const PixelMap& map);
   void add_loops(const Contours& contours, const PixelMap& map);
 
+  // What was added since the last paint() becomes the outline of what it fills, so that nothing that is added
+  // now can take away from it: the picture is the union of both. Takes as long as a paint(). False when the
+  // budget was overrun: then clear() is to be called.
+  [[nodiscard]] bool end_plane(MaskBudget& budget);
+
   // Paints all polygons added since the last call, over the former picture. False when the budget was
   // overrun: mask() is of no use until the next call.
   [[nodiscard]] bool paint(MaskBudget& budget);
@@ -81,6 +86,12 @@ class Rasterizer {
     std::uint32_t next;
   };
 
+  // A plane's sides, as they are before it is painted.
+  struct PlaneSides {
+    std::vector<CoveredSide> sides;
+    std::vector<std::uint32_t> first_side;
+  };
+
   enum class Overlaps { Searched, Gone };
   enum class Painted { All, ToAnOverlap, Overrun };
 
@@ -93,6 +104,8 @@ class Rasterizer {
   [[nodiscard]] Painted paint_bands(MaskBudget& budget, Overlaps overlaps);
   [[nodiscard]] bool paint_band(std::int32_t first_row);
   [[nodiscard]] bool unite_sides(MaskBudget& budget);
+  [[nodiscard]] bool outline_covered_sides(MaskBudget& budget);
+  [[nodiscard]] bool outline_centers(MaskBudget& budget);
   void arrange(const CoveredSide& side);
   [[nodiscard]] RowBlocks blocks_of(std::int32_t row);
   void work_off_covered_sides(std::int32_t first_row, std::int32_t end_row);
@@ -113,6 +126,7 @@ class Rasterizer {
   std::vector<std::uint8_t> band_lit_;      // by band: whether mask_ holds any light there
   std::vector<std::uint64_t> dark_, full_;  // what mask_ holds, see RowBlocks
   ArrangedSides arranged_;                  // of polygons that overlap
+  PlaneSides plane_;
 };
 
 }  // namespace contourd

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "core/model/enclosed_volume.hpp"
 #include "core/repair/mesh_soundness.hpp"
 
@@ -22,6 +23,7 @@ constexpr double kCellMargin = 1.0 + 1e-9;
 // The largest k with 2^k * part < 1, up to 1022; more when part is 0. REQUIRES: 0 <= part, not above 1 by
 // much.
 std::size_t halvings_above(double part) {
+  expects_costly([&] { return part >= 0; }, "the part is not negative");
   constexpr int kFractionBits = 52;
   constexpr std::uint64_t kBias = 1023;
   const std::uint64_t exponent = std::bit_cast<std::uint64_t>(part) >> kFractionBits;
@@ -32,6 +34,8 @@ std::size_t halvings_above(double part) {
 
 HeightIndex::HeightIndex(std::vector<Facet> facets)
     : facets_(std::move(facets)), bounds_(bounds_of(facets_)) {
+  expects(facets_.size() < kMaxFacets, "there are fewer than 2^30 facets");
+  expects_costly([this] { return std::ranges::all_of(facets_, is_finite); }, "all coordinates are finite");
   if (enclosed_volume(facets_, bounds_).inside_out()) turn_outwards();
   if (!is_sound(facets_)) repairs_ = repair_mesh(facets_);
   make_levels();

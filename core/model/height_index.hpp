@@ -1,4 +1,4 @@
-// Facets findable by height: which of them a horizontal plane crosses. This is step 1 of the thesis's
+// An index of facets by height: finds those that a horizontal plane crosses. This is step 1 of the thesis's
 // algorithm 1, "L <- Facet intersected by z_slice", without its scan of all facets.
 //
 // The model's height H is cut into 2^k cells on each level k. A facet lies on the deepest level whose cells
@@ -17,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/contract/expects.hpp"
 #include "core/geometry/facet.hpp"
 #include "core/repair/mesh_repair.hpp"
 
@@ -31,8 +32,8 @@ class HeightIndex {
   HeightIndex() = default;
 
   // Where the facets enclose a negative volume (an inside-out model), all are turned; where they disagree
-  // with each other, they are mended (see repair_mesh()). Extra memory: 12 bytes a facet, 16 while building,
-  // 60 while mending. REQUIRES: finite coordinates, fewer than 2^30 facets.
+  // with each other, they are repaired (see repair_mesh()). Extra memory: 12 bytes a facet, 16 while
+  // building, 60 while repairing. REQUIRES: finite coordinates, fewer than 2^30 facets.
   explicit HeightIndex(std::vector<Facet> facets);
 
   // All facets that were kept, flat ones included, in the order given.
@@ -41,7 +42,7 @@ class HeightIndex {
   // Whether the model was inside out, so that its facets had to be turned: what they enclose is negative,
   // also if their gaps are taken into account.
   [[nodiscard]] bool turned_outwards() const { return turned_outwards_; }
-  // What had to be mended where the facets disagreed with each other.
+  // What had to be repaired where the facets disagreed with each other.
   [[nodiscard]] const MeshRepairs& repairs() const { return repairs_; }
 
   // A facet by its number in facets(), and between which heights it lies.
@@ -68,6 +69,7 @@ class HeightIndex {
   // included, and some that have none. REQUIRES: low <= high.
   template <typename Visit>
   void for_each_candidate_run(double low, double high, Visit&& visit) const {
+    expects(low <= high, "the range begins at or below its end");
     if (!(high >= bounds_.min_z && low <= bounds_.max_z)) return;
     if (levels_.empty() && !candidates_.empty()) visit(std::span<const Candidate>(candidates_));
     for (const Level& level : levels_) {

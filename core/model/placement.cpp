@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/contract/expects.hpp"
 #include "core/model/sine_cosine.hpp"
 
 namespace contourd {
@@ -65,9 +66,14 @@ Matrix matrix_of(const Orientation& orientation) {
   return matrix;
 }
 
+bool is_direction(const Direction& d) {
+  return std::isfinite(d.x) && std::isfinite(d.y) && std::isfinite(d.z) && d != Direction{0, 0, 0};
+}
+
 }  // namespace
 
 void orient(std::span<Facet> facets, const Orientation& orientation) {
+  expects(!orientation.up || is_direction(*orientation.up), "the upward direction is finite and not zero");
   if (orientation.is_identity()) return;
   const Matrix m = matrix_of(orientation);
   const auto turned = [&m](const Vertex& v, std::size_t row) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -30,6 +32,7 @@ double cosine_of(double x) {
 }  // namespace
 
 SineCosine sine_cosine(double degrees) {
+  expects(std::isfinite(degrees), "the angle is finite");
   // Remainders are exact. What is left lies within an eighth of a turn on either side of a quarter turn.
   const double turned = std::remainder(degrees, 360.0);
   const double rest = std::remainder(turned, 90.0);

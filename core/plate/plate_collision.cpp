@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/contract/expects.hpp"
 #include "core/engine/contour_engine.hpp"
 
 namespace contourd {
@@ -51,7 +52,7 @@ class Window {
     // The point of the model that lies on the window's centre.
     const Point middle = placed.model->bounds().center(), center = center_mm();
     const Point on_center{middle.x - placed.center.x + center.x, middle.y - placed.center.y + center.y};
-    return ContourEngine({PlateModel{placed.model, {PixelMap::true_scale(geometry_, on_center)}}},
+    return ContourEngine({PlateModel{placed, {PixelMap::true_scale(geometry_, on_center)}}},
                          {geometry_, AntiAliasing::On});
   }
 
@@ -83,12 +84,13 @@ bool bounds_overlap(const PlacedModel& a, const PlacedModel& b) {
 
 std::optional<Collision> find_collision(const PlacedModel& a, const PlacedModel& b,
                                         const DisplayGeometry& display, Nanometers layer) {
+  expects(layer > Nanometers{}, "a layer has a thickness");
   if (!bounds_overlap(a, b)) return std::nullopt;
   const Window window(display, overlap_of(a, b));
   if (window.empty()) return std::nullopt;
   ContourEngine one = window.engine_for(a), other = window.engine_for(b);
-  const double top_mm = std::min(a.model->bounds().size_z(), b.model->bounds().size_z());
-  for (Nanometers height = layer / 2; to_millimeters(height).count() < top_mm; height += layer) {
+  const Millimeters top = std::min(a.top(), b.top());
+  for (Nanometers height = layer / 2; to_millimeters(height) < top; height += layer) {
     const auto lit = one.mask_at(height).pixels(), lit_too = other.mask_at(height).pixels();
     for (std::size_t pixel = 0; pixel < lit.size(); ++pixel) {
       if (lit[pixel] != 0 && lit_too[pixel] != 0) return Collision{height, window.place_of(pixel)};

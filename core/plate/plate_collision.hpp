@@ -3,17 +3,15 @@
 // state).
 #pragma once
 
-#include <memory>
 #include <optional>
 
 #include "core/mask/pixel_map.hpp"
-#include "core/model/height_index.hpp"
+#include "core/model/standing_model.hpp"
 
 namespace contourd {
 
-struct PlacedModel {
-  std::shared_ptr<const HeightIndex> model;  // never null
-  Point center;                              // of its bounds, from the plate's centre, in millimetres
+struct PlacedModel : StandingModel {
+  Point center;  // of its bounds, from the plate's centre, in millimetres
 };
 
 struct Collision {

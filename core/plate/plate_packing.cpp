@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <tuple>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -62,6 +64,7 @@ void PlatePacking::occupy(const PlateRectangle& rectangle) {
 }
 
 std::optional<PlateRectangle> PlatePacking::find_room(std::int64_t width, std::int64_t depth) {
+  expects(width > 0 && depth > 0, "what is placed has a width and a depth");
   const PlateRectangle* best = nullptr;
   for (const PlateRectangle& each : free_) {
     if (each.width < width + gap_ || each.depth < depth + gap_) continue;

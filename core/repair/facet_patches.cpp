@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t kVerticesAtATime = 1U << 17U;
 
 // A junction of more patches than this tells nothing of them.
-constexpr std::size_t kMostParts = 64;
+constexpr std::size_t kMaxParts = 64;
 
 Corners sorted(Corners corners) {
   std::sort(corners.begin(), corners.end());
@@ -175,7 +175,8 @@ class PatchFinder {
   void visit_edge(std::span<const Side> sides) {
     if (sides.size() == 1) {
       const Corners& c = found_.faces[sides[0].face].corners;
-      found_.rims.push_back({sides[0].face, c[sides[0].index], c[(std::size_t{sides[0].index} + 1) % 3]});
+      found_.boundary_edges.push_back(
+          {sides[0].face, c[sides[0].index], c[(std::size_t{sides[0].index} + 1) % 3]});
     } else if (sides.size() > 2) {
       add_junction_of(sides);
     } else if (is_wall(sides[0].face) != is_wall(sides[1].face)) {
@@ -230,8 +231,8 @@ class PatchFinder {
         found_.places[f] = {found_.places[root.face].patch, root.reversed & 1U};
       }
     }
-    for (const Rim& rim : found_.rims)
-      ++found_.patches[found_.places[rim.face].patch].rims;
+    for (const BoundaryEdge& edge : found_.boundary_edges)
+      ++found_.patches[found_.places[edge.face].patch].boundary_edges;
   }
 
   void collect_junctions() {
@@ -244,7 +245,7 @@ class PatchFinder {
         parts.push_back({junction, place.patch,
                          place.reversed != 0 ? -at_junctions_[i].direction : at_junctions_[i].direction});
       }
-      if (parts.size() <= kMostParts) add_junction(parts);
+      if (parts.size() <= kMaxParts) add_junction(parts);
     }
   }
 

@@ -1,5 +1,4 @@
-// A mesh taken apart where it does not say how its facets belong together: into patches, whose facets can be
-// turned alike. Values; thread-safe.
+// A mesh split into patches at its open and its non-manifold edges. Values; thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -31,13 +30,13 @@ struct FacePlace {
 // Faces that meet over edges of exactly two faces.
 struct Patch {
   std::uint32_t faces = 0, first_face = 0;
-  std::uint32_t rims = 0;  // sides that no other face shares
-  bool orientable = true;  // whether its faces can be turned alike
-  // By its faces' net, as the patch is turned: the least, the most, and how many have which, from -kMostNet
-  // or less to kMostNet or more.
-  static constexpr std::int32_t kMostNet = 3;
+  std::uint32_t boundary_edges = 0;  // sides that no other face shares
+  bool orientable = true;            // whether its faces can be turned alike
+  // By its faces' net, as the patch is turned: the least, the most, and how many have which, from -kMaxNet
+  // or less to kMaxNet or more.
+  static constexpr std::int32_t kMaxNet = 3;
   std::int32_t least_net = 0, most_net = 0;
-  std::array<std::uint32_t, 2 * kMostNet + 1> with_net{};
+  std::array<std::uint32_t, 2 * kMaxNet + 1> with_net{};
   std::int64_t net = 0;                       // all together
   std::uint16_t most_copies = 0;              // facets of one face
   std::uint32_t odd = 0;                      // faces of an odd number of facets
@@ -47,7 +46,7 @@ struct Patch {
   double area_x = 0, area_y = 0, area_z = 0;  // twice the areas as a vector
 
   [[nodiscard]] static std::size_t place_of(std::int32_t some_net) {
-    return static_cast<std::size_t>(std::clamp(some_net, -kMostNet, kMostNet)) + kMostNet;
+    return static_cast<std::size_t>(std::clamp(some_net, -kMaxNet, kMaxNet)) + kMaxNet;
   }
   // Whether the file has the same number of facets of each face, turned alike.
   [[nodiscard]] bool is_even() const { return orientable && least_net == most_net; }
@@ -60,7 +59,7 @@ struct JunctionPart {
   std::int32_t sides;
 };
 
-struct Rim {
+struct BoundaryEdge {
   std::uint32_t face;
   std::uint32_t from, to;  // vertices, as the face's first facet runs
 };
@@ -74,7 +73,7 @@ struct FacetPatches {
   std::vector<Patch> patches;                // by their first face
   std::vector<JunctionPart> junction_parts;  // by junction; parts of no sides are left out
   std::uint32_t junctions = 0;
-  std::vector<Rim> rims;
+  std::vector<BoundaryEdge> boundary_edges;
 };
 
 // Takes time and memory in proportion to the number of facets (about 50 bytes each).

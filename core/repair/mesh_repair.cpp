@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "core/repair/facet_patches.hpp"
 #include "core/repair/patch_balance.hpp"
 #include "core/repair/patch_sides.hpp"
@@ -19,12 +20,12 @@ struct Fate {
   bool inner_wall = false;
 };
 
-class Mending {
+class Repair {
  public:
-  Mending(std::vector<Facet>& facets, const FacetPatches& mesh, const PatchSides& sides)
+  Repair(std::vector<Facet>& facets, const FacetPatches& mesh, const PatchSides& sides)
       : facets_(facets), mesh_(mesh), sides_(sides) {}
 
-  MeshRepairs mend() {
+  MeshRepairs run() {
     keep_as_wanted();
     turn_what_lacks();
     drop();
@@ -109,10 +110,12 @@ class Mending {
 }  // namespace
 
 MeshRepairs repair_mesh(std::vector<Facet>& facets) {
+  expects(facets.size() < kMaxFacets, "there are fewer than 2^30 facets");
+  expects_costly([&] { return std::ranges::all_of(facets, is_finite); }, "all coordinates are finite");
   const FacetPatches mesh = patches_of(facets);
   const PatchGroups groups = balance_patches(mesh);
   const PatchSides sides = find_sides(facets, mesh, groups);
-  return Mending(facets, mesh, sides).mend();
+  return Repair(facets, mesh, sides).run();
 }
 
 }  // namespace contourd

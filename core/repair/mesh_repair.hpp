@@ -1,5 +1,5 @@
-// Mends a mesh whose facets disagree with each other, before it is cut: where facets are turned against their
-// neighbours, are there more than once, or are walls within a solid. Pure, thread-safe.
+// Repairs a mesh whose facets disagree with each other, before it is cut: where facets are turned against
+// their neighbours, are there more than once, or are walls within a solid. Pure, thread-safe.
 //
 // What needs no guess about the surface is done: no vertex moves, no facet is added. Facets that share an
 // edge with one other are turned alike; where more meet, so that each edge is walked as often one way as the
@@ -25,9 +25,9 @@ struct MeshRepairs {
   bool operator==(const MeshRepairs&) const = default;
 };
 
-// Facets that need no mending stay as they are, and all that stay keep their order. Takes time and memory in
-// proportion to the number of facets: a microsecond each, some fifteen where more than two share most edges,
-// and 60 bytes. REQUIRES: finite coordinates, fewer than 2^30 facets.
+// Facets that need no repairing stay as they are, and all that stay keep their order. Takes time and memory
+// in proportion to the number of facets: a microsecond each, some fifteen where more than two share most
+// edges, and 60 bytes. REQUIRES: finite coordinates, fewer than 2^30 facets.
 MeshRepairs repair_mesh(std::vector<Facet>& facets);
 
 }  // namespace contourd

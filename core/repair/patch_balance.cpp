@@ -12,7 +12,7 @@ namespace contourd {
 namespace {
 
 // Each pass over all unbalanced junctions makes them fewer; so many do.
-constexpr int kMostPasses = 50;
+constexpr int kMaxPasses = 50;
 
 // Among n facets turned at random, three times the root of n more one way than the other are no chance.
 constexpr double kClear = 3;
@@ -33,7 +33,7 @@ class PatchBalance {
   PatchGroups balance() {
     for (PatchGroups::Group& group : result_.groups) {
       begin(group);
-      if (!group.in_doubt) continue;
+      if (!group.inconsistent) continue;
       settle_signs(group);
       improve(group);
     }
@@ -106,7 +106,7 @@ class PatchBalance {
   // How many of a patch's facets would have to be turned or left out.
   [[nodiscard]] static std::int64_t changes_for(const Patch& patch, std::int32_t winding) {
     std::int64_t changes = 0;
-    for (std::int32_t net = -Patch::kMostNet; net <= Patch::kMostNet; ++net) {
+    for (std::int32_t net = -Patch::kMaxNet; net <= Patch::kMaxNet; ++net) {
       changes += std::int64_t{patch.with_net[Patch::place_of(net)]} * ((std::abs(net - winding) + 1) / 2);
     }
     return changes;
@@ -122,7 +122,7 @@ class PatchBalance {
     }
     group.double_sided = empty;
     if (empty) take_one_side(group);
-    group.in_doubt = empty || !even || !is_balanced(group);
+    group.inconsistent = empty || !even || !is_balanced(group);
   }
 
   void take_one_side(const Group& group) {
@@ -227,8 +227,8 @@ class PatchBalance {
     return std::tie(a.cost, a.changes, a.area, a.patch) < std::tie(b.cost, b.changes, b.area, b.patch);
   }
 
-  // The best winding for a patch, which may be the one that it has. It counts not at all only where no rim
-  // would be missed, and what is left is larger.
+  // The best winding for a patch, which may be the one that it has. It counts not at all only where no
+  // boundary edge would be missed, and what is left is larger.
   [[nodiscard]] Change best_change(std::uint32_t p, double group_area) const {
     const Patch& patch = mesh_.patches[p];
     Change best{0, 0, patch.area, p, result_.windings[p]};
@@ -236,7 +236,7 @@ class PatchBalance {
     const std::int64_t before = changes_for(patch, result_.windings[p]);
     const std::int32_t most = std::clamp<std::int32_t>(patch.most_copies, 1, 2);
     for (std::int32_t winding = -most; winding <= most; ++winding) {
-      if (winding == 0 && (patch.rims > 0 || patch.area > group_area / 2)) continue;
+      if (winding == 0 && (patch.boundary_edges > 0 || patch.area > group_area / 2)) continue;
       const Change change{cost_of(p, winding), changes_for(patch, winding) - before, patch.area, p, winding};
       if (better(change, best)) best = change;
     }
@@ -247,7 +247,7 @@ class PatchBalance {
     double area = 0;
     for (const std::uint32_t p : members(group))
       area += mesh_.patches[p].area;
-    for (int pass = 0; pass < kMostPasses; ++pass) {
+    for (int pass = 0; pass < kMaxPasses; ++pass) {
       std::vector<Change> changes;
       for (const std::uint32_t p : members(group)) {
         const Change change = best_change(p, area);

@@ -13,7 +13,7 @@ struct PatchGroups {
   struct Group {
     std::uint32_t first_patch = 0;  // in `members`
     std::uint32_t patches = 0;
-    bool in_doubt = false;      // the file disagrees with itself
+    bool inconsistent = false;  // the file disagrees with itself
     bool double_sided = false;  // each of its facets is there in both directions
   };
   std::vector<std::int32_t> windings;  // by patch; of those not orientable 1: the file is left as it is

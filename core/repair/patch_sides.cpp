@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/repair/rim_loops.hpp"
+#include "core/repair/boundary_loops.hpp"
 #include "core/repair/wall_ends.hpp"
 #include "core/repair/winding_probe.hpp"
 
@@ -18,7 +18,7 @@ constexpr std::uint32_t kSamples = 8;
 
 // Where so many of six rays say that a point lies within a solid, it does: of a point on its surface half of
 // them leave it, and some of the others may miss it by running along it.
-constexpr std::size_t kMostRays = 5;
+constexpr std::size_t kMaxRays = 5;
 
 // So many of ten faces of a wall must lie within: rays leave through holes, too.
 constexpr std::size_t kWithinOfTen = 8;
@@ -30,7 +30,7 @@ constexpr double kOpenPart = 0.25;
 constexpr double kSolidPart = 0.01;
 
 // So many faces are looked at for it in all: a soup of facets must not take seconds. What is left then stays.
-constexpr std::size_t kMostLooks = 30'000'000;
+constexpr std::size_t kMaxLooks = 30'000'000;
 
 // Among n facets turned at random, so many times the root of n more one way than the other are hardly chance:
 // as many as a box has with one of its twelve turned.
@@ -39,7 +39,7 @@ constexpr double kClear = 2.5;
 // A part of all facets: where fewer are turned, so many more one way than the other tell.
 constexpr double kFewTurned = 0.25;
 
-constexpr int kMostWindings = 1000;
+constexpr int kMaxWindings = 1000;
 
 class SideFinder {
  public:
@@ -119,22 +119,28 @@ class SideFinder {
   }
 
   void sort_rims() {
-    rims_ = mesh_.rims;
-    std::stable_sort(rims_.begin(), rims_.end(), [this](const Rim& a, const Rim& b) {
-      return mesh_.places[a.face].patch < mesh_.places[b.face].patch;
-    });
+    boundary_edges_ = mesh_.boundary_edges;
+    std::stable_sort(boundary_edges_.begin(), boundary_edges_.end(),
+                     [this](const BoundaryEdge& a, const BoundaryEdge& b) {
+                       return mesh_.places[a.face].patch < mesh_.places[b.face].patch;
+                     });
   }
 
   struct PatchOrder {
     const std::vector<FacePlace>& places;
-    bool operator()(const Rim& rim, std::uint32_t patch) const { return places[rim.face].patch < patch; }
-    bool operator()(std::uint32_t patch, const Rim& rim) const { return patch < places[rim.face].patch; }
+    bool operator()(const BoundaryEdge& edge, std::uint32_t patch) const {
+      return places[edge.face].patch < patch;
+    }
+    bool operator()(std::uint32_t patch, const BoundaryEdge& edge) const {
+      return patch < places[edge.face].patch;
+    }
   };
 
   // Whether a patch is more of a sheet than of a shell with holes.
   [[nodiscard]] bool lacks_much(std::uint32_t patch) const {
-    if (mesh_.patches[patch].rims == 0) return false;
-    const auto [begin, end] = std::equal_range(rims_.begin(), rims_.end(), patch, PatchOrder{mesh_.places});
+    if (mesh_.patches[patch].boundary_edges == 0) return false;
+    const auto [begin, end] =
+        std::equal_range(boundary_edges_.begin(), boundary_edges_.end(), patch, PatchOrder{mesh_.places});
     return area_to_close(facets_, mesh_.faces, {begin, end}) > kOpenPart * mesh_.patches[patch].area;
   }
 
@@ -177,7 +183,7 @@ class SideFinder {
       settle(group, 0, 1, true);
       return;
     }
-    const int direction = group.in_doubt ? direction_of(outcome, around) : 1;
+    const int direction = group.inconsistent ? direction_of(outcome, around) : 1;
     // There more than once, a hole is one in as many solids as there are around it.
     const bool hole = outcome.closed && direction * outcome.six_volumes < 0;
     settle(group, direction * (hole ? std::clamp(around, 1, outcome.times) : 1), outcome.times, false);
@@ -223,13 +229,13 @@ class SideFinder {
 
   // What is settled winds around all of a group's samples at least so often.
   [[nodiscard]] int winding_around(const Group& group) {
-    int least = kMostWindings;
+    int least = kMaxWindings;
     for (const std::uint32_t p : members(group)) {
       for (const Sample& sample : samples_of(p)) {
-        if (least <= 0 || probe().looks() > kMostLooks) return 0;
+        if (least <= 0 || probe().looks() > kMaxLooks) return 0;
         WindingProbe::Windings windings = windings_at(sample.face);
         std::sort(windings.begin(), windings.end());
-        least = std::min(least, windings[windings.size() - kMostRays]);
+        least = std::min(least, windings[windings.size() - kMaxRays]);
       }
     }
     return std::max(least, 0);
@@ -245,7 +251,7 @@ class SideFinder {
     for (std::uint32_t p = 0; p < mesh_.patches.size(); ++p) {
       const Patch& patch = mesh_.patches[p];
       const bool sheet = lacks_much(p);
-      counted_[p] = !sheet && (patch.rims == 0 || patch.area >= kSolidPart * area);
+      counted_[p] = !sheet && (patch.boundary_edges == 0 || patch.area >= kSolidPart * area);
       const bool shows = sides_.as_filed[p] ? patch.net != 0 : sides_.windings[p] != 0;
       any_solid = any_solid || (shows && counted_[p]);
       if (shows && sheet) sheets.push_back(p);
@@ -266,8 +272,8 @@ class SideFinder {
     std::size_t within = 0;
     const std::span<const Sample> samples = samples_of(patch);
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      if (probe().looks() > kMostLooks) return false;
-      within += within_rays(samples[i].face) >= kMostRays ? 1U : 0U;
+      if (probe().looks() > kMaxLooks) return false;
+      within += within_rays(samples[i].face) >= kMaxRays ? 1U : 0U;
       // Too few already.
       if ((samples.size() - i - 1 + within) * 10 < samples.size() * kWithinOfTen) return false;
     }
@@ -281,10 +287,10 @@ class SideFinder {
   bool all_double_sided_ = true;
   double sure_faces_ = 0, turned_faces_ = 0;  // of groups whose outside is known: all, and those turned
   PatchSides sides_;
-  std::vector<bool> counted_;                // by patch: whether rays see it
-  std::vector<Sample> samples_;              // by patch
-  std::vector<std::uint32_t> first_sample_;  // by patch
-  std::vector<Rim> rims_;                    // by patch
+  std::vector<bool> counted_;                 // by patch: whether rays see it
+  std::vector<Sample> samples_;               // by patch
+  std::vector<std::uint32_t> first_sample_;   // by patch
+  std::vector<BoundaryEdge> boundary_edges_;  // by patch
   std::optional<WindingProbe> probe_;
 };
 

@@ -10,14 +10,14 @@
 namespace contourd {
 namespace {
 
-// Patches whose rims' ends come so near go on in each other: a usual pixel, within which a layer's contours
-// are joined, too.
+// Patches whose boundary edges' ends come so near go on in each other: a usual pixel, within which a layer's
+// contours are joined, too.
 constexpr double kReachMm = 0.05;
 
 // So many ends are looked at for one: a soup of coinciding ones must not cost the square of its size.
-constexpr int kMostLooks = 1000;
+constexpr int kMaxLooks = 1000;
 
-// An end of a patch's rims, in a cube of the reach's size.
+// An end of a patch's boundary edges, in a cube of the reach's size.
 struct RimEnd {
   double column, row, level;
   std::uint32_t patch;
@@ -37,14 +37,14 @@ bool is_near(const Vertex& a, const Vertex& b) {
 
 std::vector<RimEnd> rim_ends(std::span<const Facet> facets, const FacetPatches& mesh) {
   std::vector<RimEnd> ends;
-  ends.reserve(2 * mesh.rims.size());
-  for (const Rim& rim : mesh.rims) {
-    const Face& face = mesh.faces[rim.face];
+  ends.reserve(2 * mesh.boundary_edges.size());
+  for (const BoundaryEdge& edge : mesh.boundary_edges) {
+    const Face& face = mesh.faces[edge.face];
     for (std::size_t i = 0; i < 3; ++i) {
-      if (face.corners[i] != rim.from && face.corners[i] != rim.to) continue;
+      if (face.corners[i] != edge.from && face.corners[i] != edge.to) continue;
       const Vertex& at = facets[face.facet].vertices[i];
       ends.push_back({std::floor(at.x / kReachMm), std::floor(at.y / kReachMm), std::floor(at.z / kReachMm),
-                      mesh.places[rim.face].patch, at});
+                      mesh.places[edge.face].patch, at});
     }
   }
   std::sort(ends.begin(), ends.end(), before);
@@ -92,7 +92,7 @@ class WallGroups {
         auto other = std::lower_bound(ends_.begin(), ends_.end(), low,
                                       [](const RimEnd& e, const auto& cube) { return e.cube() < cube; });
         for (; other != ends_.end() && other->cube() <= high; ++other) {
-          if (++looks > kMostLooks) {
+          if (++looks > kMaxLooks) {
             goes_on_[end.patch] = true;
             return;
           }

@@ -7,7 +7,7 @@ namespace contourd {
 namespace {
 
 // A grid has no more than so many entries for each face: large faces lie over many cells.
-constexpr std::int64_t kMostEntriesAFace = 2;
+constexpr std::int64_t kMaxEntriesAFace = 2;
 
 using Coordinates = std::array<double, 3>;
 
@@ -111,7 +111,7 @@ void WindingProbe::choose_cells(Grid& grid) const {
         entries += (right - left + 1) * (high - low + 1);
       });
     }
-    if (entries <= kMostEntriesAFace * faces || grid.cells == 1) return;
+    if (entries <= kMaxEntriesAFace * faces || grid.cells == 1) return;
   }
 }
 

@@ -5,16 +5,17 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "daemon/config/printable.hpp"
 #include "daemon/config/utf_8.hpp"
 
 namespace contourd {
 namespace {
 
-constexpr std::size_t longest_quote = 60;
+constexpr std::size_t kLongestQuote = 60;
 // How much of what is wrong is told: more than anybody mends at once.
-constexpr std::size_t most_lines = 30;
-constexpr std::size_t longest_pointer = 200;
+constexpr std::size_t kMaxLines = 30;
+constexpr std::size_t kLongestPointer = 200;
 
 // Cut at `bytes`, with dots for the rest.
 std::string cut(std::string_view text, std::size_t bytes) {
@@ -25,17 +26,17 @@ std::string cut(std::string_view text, std::size_t bytes) {
 // "FILE: severity/pointer: message"
 std::string line(const Violation& violation, const char* severity) {
   std::string text = violation.file + ": " + severity;
-  if (!violation.pointer.empty()) text += cut(violation.pointer, longest_pointer) + ": ";
+  if (!violation.pointer.empty()) text += cut(violation.pointer, kLongestPointer) + ": ";
   return printable(text + violation.message);
 }
 
 std::string lines(const std::vector<Violation>& violations) {
   std::string text;
-  const std::size_t shown = std::min(violations.size(), most_lines);
+  const std::size_t shown = std::min(violations.size(), kMaxLines);
   for (std::size_t i = 0; i < shown; ++i)
     text += (text.empty() ? "" : "\n") + line(violations[i], "");
   if (shown < violations.size()) {
-    const char* const counted = violations.size() < kMostViolations ? "\nand " : "\nand at least ";
+    const char* const counted = violations.size() < kMaxViolations ? "\nand " : "\nand at least ";
     text += counted + std::to_string(violations.size() - shown) + " more";
   }
   return text;
@@ -44,15 +45,17 @@ std::string lines(const std::vector<Violation>& violations) {
 }  // namespace
 
 ConfigError::ConfigError(std::vector<Violation> violations)
-    : std::runtime_error(lines(violations)), violations_(std::move(violations)) {}
+    : std::runtime_error(lines(violations)), violations_(std::move(violations)) {
+  expects(!violations_.empty(), "something is wrong");
+}
 
 std::string warning_line(const Violation& warning) {
   return line(warning, "warning: ");
 }
 
 std::string in_quotes(std::string_view text) {
-  constexpr auto replace = nlohmann::json::error_handler_t::replace;
-  return printable(nlohmann::json(cut(text, longest_quote)).dump(-1, ' ', false, replace));
+  constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
+  return printable(nlohmann::json(cut(text, kLongestQuote)).dump(-1, ' ', false, kReplace));
 }
 
 std::string child_pointer(std::string_view pointer, std::string_view token) {

@@ -1,5 +1,5 @@
-// What is wrong with an owner's file, or hardly meant: every violation, each with the file and the place in
-// it. Value types; thread-safe as any value is.
+// What is wrong or implausible in an owner's file: every violation, with its file and its place. Value types;
+// thread-safe as any value is.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ struct Violation {
   bool operator==(const Violation&) const = default;
 };
 
-// So many are looked for: a file of a megabyte may have half a million.
-inline constexpr std::size_t kMostViolations = 1000;
+// The search ends after so many: a file of a megabyte may have half a million.
+inline constexpr std::size_t kMaxViolations = 1000;
 
 // what() is one line a violation: `FILE: /pointer: message`, fit for a person (printable.hpp); of many, the
 // first 30 and how many there are more, or at least.

@@ -10,11 +10,11 @@ namespace contourd {
 // The program, with its threads and connections, when it has nothing to do.
 inline constexpr std::uint64_t kProgramBytes = 10'000'000;
 
-// Masks of the print and of its analysis, what they are painted from, a lamp's mask, the preview.
+// Masks of the print and of its analysis, what they are painted from, a uniformity mask, the preview.
 [[nodiscard]] constexpr std::uint64_t memory_for_display(Pixels width, Pixels height) {
-  constexpr std::uint64_t bytes_a_pixel = 10, others = 12'000'000;
-  return others + bytes_a_pixel * static_cast<std::uint64_t>(width.count()) *
-                      static_cast<std::uint64_t>(height.count());
+  constexpr std::uint64_t kBytesAPixel = 10, kOthers = 12'000'000;
+  return kOthers + kBytesAPixel * static_cast<std::uint64_t>(width.count()) *
+                       static_cast<std::uint64_t>(height.count());
 }
 
 }  // namespace contourd

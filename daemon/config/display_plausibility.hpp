@@ -1,4 +1,4 @@
-// A display that a printer's file may have, and no projector has. Thread-safe (no shared state).
+// Warns of a display that the schema allows and no projector has. Thread-safe (no shared state).
 #pragma once
 
 #include "daemon/config/json_document.hpp"
@@ -6,6 +6,6 @@
 namespace contourd {
 
 // Adds warnings at the printer's /display.
-void warn_of_doubtful_display(JsonDocument& printer);
+void warn_of_implausible_display(JsonDocument& printer);
 
 }  // namespace contourd

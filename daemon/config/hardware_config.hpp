@@ -8,11 +8,11 @@
 
 namespace contourd {
 
-// Throws ConfigError. REQUIRES: the section has its defaults.
+// Throws ConfigError, also where the section lacks a default.
 [[nodiscard]] GpioLineConfig read_gpio_line(const JsonSection& line);
 
-// `table` is that of the projector's section, where it names one. REQUIRES: printer_schema() and the rules of
-// hardware_rules.hpp found the printer's file good, and its "hardware" is "real".
+// `table` is that of the projector's section, where it names one. What printer_schema() and the rules of
+// hardware_rules.hpp look at is not looked at again. Throws ConfigError where a key is missing.
 [[nodiscard]] RealMachineConfig read_real_machine(const JsonSection& printer,
                                                   std::optional<ProjectorTable> table);
 

@@ -68,14 +68,14 @@ struct UsedLine {
 
 // "gpiochip0" for "/dev/gpiochip0".
 std::string chip_name(const std::string& chip) {
-  constexpr std::string_view folder = "/dev/";
-  return chip.starts_with(folder) ? chip.substr(folder.size()) : chip;
+  constexpr std::string_view kFolder = "/dev/";
+  return chip.starts_with(kFolder) ? chip.substr(kFolder.size()) : chip;
 }
 
 // Digits of a number, however it is written.
 std::string line_name(const JsonDocument& printer, const std::string& pointer) {
-  if (const auto number = printer.sound_number(pointer)) return plain(*number);
-  std::string text = printer.sound_text(pointer).value_or("");
+  if (const auto number = printer.valid_number(pointer)) return plain(*number);
+  std::string text = printer.valid_text(pointer).value_or("");
   const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
   while (digits && text.size() > 1 && text.front() == '0')
     text.erase(0, 1);
@@ -88,7 +88,7 @@ std::vector<UsedLine> used_lines(const JsonDocument& printer) {
        {"/z_axis/step", "/z_axis/direction", "/z_axis/enable", "/z_axis/limit_switch",
         "/z_axis/second_switch", "/z_axis/emergency_stop", "/z_axis/lid", "/z_axis/encoder/a",
         "/z_axis/encoder/b", "/z_axis/encoder/index", "/projector/light"}) {
-    const auto chip = printer.sound_text(std::string(pointer) + "/chip");
+    const auto chip = printer.valid_text(std::string(pointer) + "/chip");
     const std::string line = line_name(printer, std::string(pointer) + "/line");
     if (chip && !line.empty()) lines.push_back({pointer, chip_name(*chip), line});
   }
@@ -108,33 +108,33 @@ void check_double_use(JsonDocument& printer) {
 }
 
 void check_speeds(JsonDocument& printer) {
-  const auto top = printer.sound_number("/z_axis/top_speed_mm_s");
+  const auto top = printer.valid_number("/z_axis/top_speed_mm_s");
   if (!top) return;
   for (const char* pointer : {"/z_axis/homing_speed_mm_s", "/z_axis/travel_speed_mm_s"}) {
-    const auto speed = printer.sound_number(pointer);
+    const auto speed = printer.valid_number(pointer);
     if (speed && *speed > *top) {
       printer.add_violation(pointer,
                             plain(*speed) + " is more than z_axis/top_speed_mm_s, " + plain(*top) + " mm/s");
     }
   }
-  const auto microsteps = printer.sound_number("/z_axis/microsteps_per_mm");
-  const auto pulse_us = printer.sound_number("/z_axis/pulse_width_us");
+  const auto microsteps = printer.valid_number("/z_axis/microsteps_per_mm");
+  const auto pulse_us = printer.valid_number("/z_axis/pulse_width_us");
   if (!microsteps || !pulse_us) return;
   const double rate = *top * *microsteps;
   const std::chrono::duration<double, std::micro> pulse_width(*pulse_us);
-  const double most = std::min(kMostStepsPerSecond, most_steps_per_second(pulse_width));
+  const double most = std::min(kMaxStepsPerSecond, most_steps_per_second(pulse_width));
   if (rate <= most) return;
   printer.add_violation(
       "/z_axis/top_speed_mm_s",
       plain(*top) + " mm/s at " + plain(*microsteps) + " microsteps per mm are " + plain(rate) +
           " steps a second; the limit is " + plain(most) +
-          (most < kMostStepsPerSecond ? ", which z_axis/pulse_width_us leaves room for" : "") + ", that is " +
+          (most < kMaxStepsPerSecond ? ", which z_axis/pulse_width_us leaves room for" : "") + ", that is " +
           plain(most / *microsteps) + " mm/s");
 }
 
 void check_homing(JsonDocument& printer) {
-  const auto travel = printer.sound_number("/z_axis/travel_mm");
-  const auto height = printer.sound_number("/z_axis/switch_height_mm");
+  const auto travel = printer.valid_number("/z_axis/travel_mm");
+  const auto height = printer.valid_number("/z_axis/switch_height_mm");
   if (!travel || !height) return;
   const bool upwards =
       has(printer, "/z_axis/homes_upwards") && printer.value().at(Pointer("/z_axis/homes_upwards")) == true;
@@ -152,10 +152,10 @@ void check_homing(JsonDocument& printer) {
 }
 
 void check_corrections(JsonDocument& printer, double tolerance_um) {
-  if (printer.sound_text("/z_axis/encoder/policy") != "correct") return;
+  if (printer.valid_text("/z_axis/encoder/policy") != "correct") return;
   const EncoderConfig defaults;
   const auto limit_um = [&](const char* key, Nanometers otherwise) {
-    return printer.sound_number(std::string("/z_axis/encoder/") + key)
+    return printer.valid_number(std::string("/z_axis/encoder/") + key)
         .value_or(to_millimeters(otherwise).count() * 1000);
   };
   const double move_um = limit_um("most_correction_um", defaults.most_correction);
@@ -179,16 +179,16 @@ void check_index(JsonDocument& printer, double tolerance_um) {
     printer.add_violation(line ? kIndex : kEvery,
                           "this needs " + key_of(line ? kEvery : kIndex) + ", which is missing");
   }
-  const auto every_mm = printer.sound_number(kEvery);
+  const auto every_mm = printer.valid_number(kEvery);
   if (!every_mm || *every_mm * 1000 > 2 * tolerance_um) return;
   printer.add_violation(kEvery, plain(*every_mm) + " mm are not more than twice tolerance_um, " +
                                     plain(tolerance_um) + " um: no count would ever be found wrong");
 }
 
 void check_encoder(JsonDocument& printer) {
-  const auto counts_per_mm = printer.sound_number("/z_axis/encoder/counts_per_mm");
+  const auto counts_per_mm = printer.valid_number("/z_axis/encoder/counts_per_mm");
   if (!counts_per_mm) return;
-  const double tolerance_um = printer.sound_number("/z_axis/encoder/tolerance_um")
+  const double tolerance_um = printer.valid_number("/z_axis/encoder/tolerance_um")
                                   .value_or(to_millimeters(EncoderConfig{}.tolerance).count() * 1000);
   check_corrections(printer, tolerance_um);
   check_index(printer, tolerance_um);
@@ -211,13 +211,13 @@ void check_projector(JsonDocument& printer) {
 }  // namespace
 
 void check_projector_table(JsonDocument& printer, const ProjectorTable& table) {
-  const std::string name = in_quotes(printer.sound_text("/projector/table").value_or(""));
-  const bool real = printer.sound_text("/hardware") == "real";
+  const std::string name = in_quotes(printer.valid_text("/projector/table").value_or(""));
+  const bool real = printer.valid_text("/hardware") == "real";
   if (real && !table.switches_light() && !has(printer, "/projector/light")) {
     printer.add_violation("/projector/table",
                           "the table " + name + " has no light_on and light_off: give a \"light\" line too");
   }
-  const auto brightness = printer.sound_number("/projector/brightness");
+  const auto brightness = printer.valid_number("/projector/brightness");
   if (!brightness) return;
   if (!table.brightness) {
     printer.add_violation("/projector/brightness", "the table " + name + " has no brightness");
@@ -230,7 +230,7 @@ void check_projector_table(JsonDocument& printer, const ProjectorTable& table) {
 }
 
 void check_hardware_rules(JsonDocument& printer) {
-  if (printer.sound_text("/hardware") == "real") check_what_is_needed(printer);
+  if (printer.valid_text("/hardware") == "real") check_what_is_needed(printer);
   check_double_use(printer);
   check_speeds(printer);
   check_homing(printer);

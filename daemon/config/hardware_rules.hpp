@@ -9,7 +9,7 @@ namespace contourd {
 
 // Adds what is wrong to the printer's document. Keys that only a real machine needs are missed only where
 // "hardware" says "real"; where they stand they are checked whatever it says, so that one file serves both.
-// REQUIRES: the document was checked by printer_schema().
+// Behind printer_schema(): says nothing of what that found wrong.
 void check_hardware_rules(JsonDocument& printer);
 // The same for what depends on the projector's table.
 void check_projector_table(JsonDocument& printer, const ProjectorTable& table);

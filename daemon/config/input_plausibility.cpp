@@ -19,7 +19,7 @@ constexpr std::array kInputs{
 };
 
 // What leaves a broken wire unnoticed, up to what follows from that; empty when nothing does.
-std::string doubt(const std::string& contact, const std::string& bias, bool active_low) {
+std::string warning(const std::string& contact, const std::string& bias, bool active_low) {
   if (contact == "normally_open") return "the contact is normally open, so a broken wire is silent: then ";
   const std::string good = active_low ? "pull_up" : "pull_down", bad = active_low ? "pull_down" : "pull_up";
   if (bias == good) return {};
@@ -34,14 +34,14 @@ std::string doubt(const std::string& contact, const std::string& bias, bool acti
 
 }  // namespace
 
-void warn_of_doubtful_contacts(JsonDocument& printer) {
-  if (printer.sound_text("/hardware") != "real") return;
+void warn_of_implausible_contacts(JsonDocument& printer) {
+  if (printer.valid_text("/hardware") != "real") return;
   for (const Input& input : kInputs) {
     const std::string place = input.pointer;
-    const auto contact = printer.sound_text(place + "/contact"), bias = printer.sound_text(place + "/bias");
-    const auto active_low = printer.sound_boolean(place + "/active_low");
+    const auto contact = printer.valid_text(place + "/contact"), bias = printer.valid_text(place + "/bias");
+    const auto active_low = printer.valid_boolean(place + "/active_low");
     if (!contact || !bias || !active_low) continue;
-    const std::string what = doubt(*contact, *bias, *active_low);
+    const std::string what = warning(*contact, *bias, *active_low);
     if (!what.empty()) printer.add_warning(place, what + input.consequence);
   }
 }

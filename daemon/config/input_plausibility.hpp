@@ -1,12 +1,11 @@
-// What is allowed of a real machine's switches, emergency stop and lid, and would leave a broken wire
-// unnoticed.
+// Warns of switches, an emergency stop or a lid whose broken wire would go unnoticed.
 #pragma once
 
 #include "daemon/config/json_document.hpp"
 
 namespace contourd {
 
-// Adds warnings. REQUIRES: the schema was checked, so that defaults are there.
-void warn_of_doubtful_contacts(JsonDocument& printer);
+// Adds warnings. Says nothing of contacts without their defaults: they come from printer_schema().
+void warn_of_implausible_contacts(JsonDocument& printer);
 
 }  // namespace contourd

@@ -13,24 +13,24 @@ void check_model_rules(JsonDocument& document, const std::string& place) {
   if (!document.value().contains(pointer) || !document.value().at(pointer).is_object()) return;
   const nlohmann::json model = document.value().at(pointer);
   const bool has_scale =
-      document.sound_number(place + "/scale") || model.value("scale", nlohmann::json()).is_object();
+      document.valid_number(place + "/scale") || model.value("scale", nlohmann::json()).is_object();
   if (has_scale && model.value("fit", nlohmann::json()) == true)
     document.add_violation(place + "/scale", "a ticket has either scale or fit, not both");
   if (!model.contains("up")) return;
   if (model.contains("rotation_deg"))
     document.add_violation(place + "/up", "a ticket has either up or rotation_deg, not both");
-  const auto component = [&](const char* axis) { return document.sound_number(place + "/up/" + axis); };
+  const auto component = [&](const char* axis) { return document.valid_number(place + "/up/" + axis); };
   if (component("x") == 0.0 && component("y") == 0.0 && component("z") == 0.0)
     document.add_violation(place + "/up", "a direction must not be zero in x, y and z");
 }
 
 void check_layer_rules(JsonDocument& document) {
-  if (document.sound_number("/layer_height_um") && document.value().contains("adaptive_layers")) {
+  if (document.valid_number("/layer_height_um") && document.value().contains("adaptive_layers")) {
     document.add_violation("/adaptive_layers",
                            "a ticket has either adaptive_layers or layer_height_um, not both");
   }
-  const auto thinnest = document.sound_number("/adaptive_layers/min_um");
-  const auto thickest = document.sound_number("/adaptive_layers/max_um");
+  const auto thinnest = document.valid_number("/adaptive_layers/min_um");
+  const auto thickest = document.valid_number("/adaptive_layers/max_um");
   if (thinnest && thickest && *thinnest > *thickest)
     document.add_violation("/adaptive_layers/min_um", "it is more than max_um");
 }
@@ -77,10 +77,7 @@ JobTicket read_job(const JsonSection& root) {
   return ticket;
 }
 
-}  // namespace
-
-JobTicket load_job_ticket(const std::filesystem::path& path, Links links) {
-  JsonDocument document = JsonDocument::from_file(path, links);
+JobTicket read_job_ticket(JsonDocument document) {
   ticket_schema().check(document);
   check_model_rules(document, "");
   check_layer_rules(document);
@@ -89,6 +86,16 @@ JobTicket load_job_ticket(const std::filesystem::path& path, Links links) {
   JobTicket ticket = read_job(root);
   ticket.models = {read_model(root)};
   return ticket;
+}
+
+}  // namespace
+
+JobTicket load_job_ticket(const std::filesystem::path& path, Links links) {
+  return read_job_ticket(JsonDocument::from_file(path, links));
+}
+
+JobTicket parse_job_ticket(std::string_view text, std::string file) {
+  return read_job_ticket(JsonDocument::from_text(text, std::move(file)));
 }
 
 JobTicket load_plate_ticket(const std::filesystem::path& path, Links links) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/geometry/units.hpp"
@@ -25,6 +26,7 @@ struct RotationDegrees {
 struct PlateOffset {
   Millimeters x;
   Millimeters y;
+  bool operator==(const PlateOffset&) const = default;
 };
 
 // What is to become of a model whose contours cannot be closed without a guess.
@@ -42,12 +44,14 @@ struct ModelTicket {
   bool fit = false;             // fill the display
   std::optional<PlateOffset> position;
   int copies = 1;
+  bool operator==(const ModelTicket&) const = default;
 };
 
 // Layers as thick as the slopes allow; what is not given is the resin's.
 struct AdaptiveTicket {
   Nanometers cusp;
   std::optional<Nanometers> thinnest, thickest;
+  bool operator==(const AdaptiveTicket&) const = default;
 };
 
 // A default-made ticket is what a model without a file gets.
@@ -57,6 +61,7 @@ struct JobTicket {
   std::optional<AdaptiveTicket> adaptive;  // never together with layer_height
   CrackPolicy cracks = CrackPolicy::Repair;
   std::vector<ModelTicket> models{ModelTicket{}};  // exactly one in a model's own ticket
+  bool operator==(const JobTicket&) const = default;
 };
 
 // The name of a plate's ticket in its folder.
@@ -64,6 +69,8 @@ inline constexpr const char* kPlateTicket = "plate.json";
 
 // Reads NAME.json from beside NAME.stl. Throws ConfigError with everything that is wrong with it.
 [[nodiscard]] JobTicket load_job_ticket(const std::filesystem::path& path, Links links = Links::Follow);
+// The same for text at hand; `file` is its name in messages.
+[[nodiscard]] JobTicket parse_job_ticket(std::string_view text, std::string file);
 
 // Reads a plate's plate.json. The files that it names need not be there. Throws ConfigError with everything
 // that is wrong with it.

@@ -40,10 +40,10 @@ std::string read_all(const FileDescriptor& file, const std::string& name) {
 }
 
 void normalize_number(nlohmann::json& number) {
-  constexpr double exact_limit = 9007199254740992.0;  // 2^53: up to here a double holds every whole number
+  constexpr double kExactLimit = 9007199254740992.0;  // 2^53: up to here a double holds every whole number
   if (number.is_number_float()) {
     const auto value = number.get<double>();
-    if (std::fabs(value) <= exact_limit && std::trunc(value) == value)
+    if (std::fabs(value) <= kExactLimit && std::trunc(value) == value)
       number = static_cast<std::int64_t>(value);
   } else if (number.is_number_unsigned()) {
     const auto value = number.get<std::uint64_t>();
@@ -86,9 +86,9 @@ JsonDocument JsonDocument::from_file(const std::filesystem::path& path, Links li
 }
 
 JsonDocument JsonDocument::from_text(std::string_view text, std::string file) {
-  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   check_size(text.size(), file);
-  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   std::vector<Violation> violations = check_json_syntax(text, file);
   nlohmann::json value = nlohmann::json::parse(text.begin(), text.end());
   normalize_numbers(value);
@@ -115,27 +115,27 @@ void JsonDocument::throw_if_violated() const {
   if (!violations_.empty()) throw ConfigError(violations());
 }
 
-const nlohmann::json* JsonDocument::sound_value(const std::string& pointer) const {
+const nlohmann::json* JsonDocument::valid_value(const std::string& pointer) const {
   const auto is_here = [&](const Violation& violation) { return violation.pointer == pointer; };
   if (std::any_of(violations_.begin(), violations_.end(), is_here)) return nullptr;
   const nlohmann::json::json_pointer place(pointer);
   return value_.contains(place) ? &value_.at(place) : nullptr;
 }
 
-std::optional<double> JsonDocument::sound_number(const std::string& pointer) const {
-  const nlohmann::json* value = sound_value(pointer);
+std::optional<double> JsonDocument::valid_number(const std::string& pointer) const {
+  const nlohmann::json* value = valid_value(pointer);
   if (value == nullptr || !value->is_number()) return std::nullopt;
   return value->get<double>();
 }
 
-std::optional<std::string> JsonDocument::sound_text(const std::string& pointer) const {
-  const nlohmann::json* value = sound_value(pointer);
+std::optional<std::string> JsonDocument::valid_text(const std::string& pointer) const {
+  const nlohmann::json* value = valid_value(pointer);
   if (value == nullptr || !value->is_string()) return std::nullopt;
   return value->get<std::string>();
 }
 
-std::optional<bool> JsonDocument::sound_boolean(const std::string& pointer) const {
-  const nlohmann::json* value = sound_value(pointer);
+std::optional<bool> JsonDocument::valid_boolean(const std::string& pointer) const {
+  const nlohmann::json* value = valid_value(pointer);
   if (value == nullptr || !value->is_boolean()) return std::nullopt;
   return value->get<bool>();
 }

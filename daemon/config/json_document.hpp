@@ -35,7 +35,7 @@ class JsonDocument {
   [[nodiscard]] nlohmann::json& value() { return value_; }
 
   void add_violation(std::string pointer, std::string message);
-  // What is allowed, and hardly meant.
+  // What is allowed, but implausible.
   void add_warning(std::string pointer, std::string message);
   // In the order of their pointers.
   [[nodiscard]] std::vector<Violation> violations() const;
@@ -44,13 +44,13 @@ class JsonDocument {
 
   // The value at the pointer, if it is of that kind and nothing was found to be wrong with it: for rules
   // across fields, which have nothing to say about a value that is wrong in itself.
-  [[nodiscard]] std::optional<double> sound_number(const std::string& pointer) const;
-  [[nodiscard]] std::optional<std::string> sound_text(const std::string& pointer) const;
-  [[nodiscard]] std::optional<bool> sound_boolean(const std::string& pointer) const;
+  [[nodiscard]] std::optional<double> valid_number(const std::string& pointer) const;
+  [[nodiscard]] std::optional<std::string> valid_text(const std::string& pointer) const;
+  [[nodiscard]] std::optional<bool> valid_boolean(const std::string& pointer) const;
 
  private:
   JsonDocument(std::string file, nlohmann::json value, std::vector<Violation> violations);
-  [[nodiscard]] const nlohmann::json* sound_value(const std::string& pointer) const;
+  [[nodiscard]] const nlohmann::json* valid_value(const std::string& pointer) const;
 
   std::string file_;
   nlohmann::json value_;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 
 JsonSection::JsonSection(const JsonDocument& document) : JsonSection(document, document.value(), "") {}
@@ -78,30 +80,21 @@ std::int64_t JsonSection::int64(std::string_view key) const {
 }
 
 Nanometers JsonSection::length(std::string_view key) const {
-  double length_mm = number(key);
-  if (key.ends_with("_um")) {
-    length_mm /= 1e3;
-  } else if (!key.ends_with("_mm")) {
-    throw std::logic_error("the key " + std::string(key) + " does not name a length's unit");
-  }
+  const bool in_um = key.ends_with("_um");
+  expects(in_um || key.ends_with("_mm"), "the key ends in a length's unit");
+  const double length_mm = in_um ? number(key) / 1e3 : number(key);
   const std::optional<Nanometers> length = to_nanometers(Millimeters{length_mm});
   if (!length) reject(key, "this length is out of range");
   return *length;
 }
 
 Duration JsonSection::duration(std::string_view key) const {
-  double duration_ns = number(key);
-  if (key.ends_with("_ms")) {
-    duration_ns *= 1e6;
-  } else if (key.ends_with("_us")) {
-    duration_ns *= 1e3;
-  } else if (key.ends_with("_s")) {
-    duration_ns *= 1e9;
-  } else {
-    throw std::logic_error("the key " + std::string(key) + " does not name a duration's unit");
-  }
-  constexpr double hundred_years_ns = 3.2e18;  // int64 nanoseconds overflow after 292 years
-  if (!(std::fabs(duration_ns) <= hundred_years_ns)) reject(key, "this duration is out of range");
+  expects(key.ends_with("_s") || key.ends_with("_ms") || key.ends_with("_us"),
+          "the key ends in a duration's unit");
+  const double unit_ns = key.ends_with("_ms") ? 1e6 : key.ends_with("_us") ? 1e3 : 1e9;
+  const double duration_ns = number(key) * unit_ns;
+  constexpr double kHundredYearsNs = 3.2e18;  // int64 nanoseconds overflow after 292 years
+  if (!(std::fabs(duration_ns) <= kHundredYearsNs)) reject(key, "this duration is out of range");
   return Duration{std::llround(duration_ns)};
 }
 

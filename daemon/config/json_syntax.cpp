@@ -8,14 +8,15 @@
 #include <optional>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "daemon/config/utf_8.hpp"
 
 namespace contourd {
 namespace {
 
-constexpr std::size_t deepest_nesting = 64;
+constexpr std::size_t kDeepestNesting = 64;
 // Also what a regular expression of a schema may have to chew: libstdc++ recurses once a character.
-constexpr std::size_t longest_text_bytes = 1024;
+constexpr std::size_t kLongestTextBytes = 1024;
 
 bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
@@ -34,9 +35,9 @@ std::string place(std::string_view text, std::size_t offset) {
 
 // The run of characters around `offset` that could be one word or number; one character if it is none.
 std::string word_at(std::string_view text, std::size_t offset) {
-  constexpr std::string_view delimiters = " \t\r\n,:{}[]\"";
-  const std::size_t start = text.substr(0, offset).find_last_of(delimiters) + 1;  // npos + 1 is 0
-  const std::size_t end = std::min(text.find_first_of(delimiters, offset), text.size());
+  constexpr std::string_view kDelimiters = " \t\r\n,:{}[]\"";
+  const std::size_t start = text.substr(0, offset).find_last_of(kDelimiters) + 1;  // npos + 1 is 0
+  const std::size_t end = std::min(text.find_first_of(kDelimiters, offset), text.size());
   return std::string(start < end ? text.substr(start, end - start) : text.substr(offset, 1));
 }
 
@@ -106,9 +107,9 @@ std::string SyntaxCheck::pointer() const {
 }
 
 bool SyntaxCheck::check_text(const std::string& text, std::string_view what) {
-  if (text.size() > longest_text_bytes) {
+  if (text.size() > kLongestTextBytes) {
     add(std::string(what) + " is " + std::to_string(text.size()) + " bytes long; the limit is " +
-        std::to_string(longest_text_bytes));
+        std::to_string(kLongestTextBytes));
   } else if (text.find('\0') != std::string::npos) {
     add(std::string(what) + " has a NUL character in it");
   } else {
@@ -126,8 +127,8 @@ bool SyntaxCheck::key(string_t& name) {
 }
 
 bool SyntaxCheck::enter(bool is_array) {
-  if (levels_.size() >= deepest_nesting) {
-    violations_.push_back({file_, "", "it is nested more than " + std::to_string(deepest_nesting) + " deep"});
+  if (levels_.size() >= kDeepestNesting) {
+    violations_.push_back({file_, "", "it is nested more than " + std::to_string(kDeepestNesting) + " deep"});
     return false;
   }
   levels_.push_back({is_array, 0, {}, {}});
@@ -147,8 +148,8 @@ bool SyntaxCheck::end_value() {
 bool SyntaxCheck::parse_error(std::size_t position, const std::string& token,
                               const nlohmann::json::exception& error) {
   const std::size_t offset = position == 0 ? 0 : position - 1;
-  constexpr int out_of_range_number = 406;
-  const std::string sentence = error.id == out_of_range_number
+  constexpr int kOutOfRangeNumber = 406;
+  const std::string sentence = error.id == kOutOfRangeNumber
                                    ? "the number " + in_quotes(token) + " is too large"
                                    : syntax_sentence(text_, offset);
   violations_.push_back({file_, "", place(text_, std::min(offset, text_.size())) + ": " + sentence});
@@ -158,6 +159,7 @@ bool SyntaxCheck::parse_error(std::size_t position, const std::string& token,
 }  // namespace
 
 std::vector<Violation> check_json_syntax(std::string_view text, const std::string& file) {
+  expects(!text.starts_with("\xEF\xBB\xBF"), "there is no byte order mark");
   if (const auto offset = first_invalid_utf_8(text)) {
     throw ConfigError({{file, "", place(text, *offset) + ": this is not UTF-8 text"}});
   }

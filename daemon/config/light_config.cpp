@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "daemon/config/hardware_config.hpp"
 #include "daemon/config/hardware_rules.hpp"
 #include "daemon/config/json_schema.hpp"
@@ -54,8 +55,8 @@ void attempt(const std::string& file, FoundLight& found, Read read) {
 }
 
 void find_projector(JsonDocument& printer, const fs::path& folder, FoundLight& found) {
-  const auto tables = printer.sound_text("/projectors_folder"), name = printer.sound_text("/projector/table"),
-             port = printer.sound_text("/projector/port");
+  const auto tables = printer.valid_text("/projectors_folder"), name = printer.valid_text("/projector/table"),
+             port = printer.valid_text("/projector/port");
   if (!tables || !name || !port) return;
   const fs::path tables_folder = resolved(folder, *tables);
   const auto file = profile_file(tables_folder, *name);
@@ -78,6 +79,7 @@ void find_projector(JsonDocument& printer, const fs::path& folder, FoundLight& f
 }  // namespace
 
 std::string light_record(const JsonDocument& printer, const std::optional<nlohmann::json>& table) {
+  expects(printer.value().contains("projector"), "the printer has a projector");
   const nlohmann::json& projector = printer.value().at("projector");
   nlohmann::json record = nlohmann::json::object();
   if (projector.contains("light")) record["light"] = projector.at("light");
@@ -86,6 +88,7 @@ std::string light_record(const JsonDocument& printer, const std::optional<nlohma
 }
 
 std::string left_dark(const std::string& record) {
+  expects(nlohmann::json::accept(record), "the text is a record's");
   nlohmann::json marked = nlohmann::json::parse(record);
   marked["left_dark"] = true;
   return marked.dump(2) + "\n";
@@ -117,9 +120,9 @@ FoundLight find_light(const fs::path& printer_file) {
     const fs::path folder = folder_of(printer_file);
     printer_schema().check(printer);
     check_hardware_rules(printer);
-    if (const auto socket = printer.sound_text("/control_socket"))
+    if (const auto socket = printer.valid_text("/control_socket"))
       found.control_socket = resolved(folder, *socket);
-    const bool simulated = printer.sound_text("/hardware") == "simulated";
+    const bool simulated = printer.valid_text("/hardware") == "simulated";
     if (!simulated) find_projector(printer, folder, found);
     tell(printer,
          {"/hardware", "/projectors_folder", "/projector/port", "/projector/table", "/projector/light"},

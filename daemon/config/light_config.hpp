@@ -15,7 +15,7 @@
 namespace contourd {
 
 // The record's text (JSON). `table` is that of the projector's section, where it names one, as in its file.
-// REQUIRES: the printer's file is sound, and its "hardware" is "real".
+// The printer's file is sound, and its "hardware" is "real". REQUIRES: it has its section "projector".
 [[nodiscard]] std::string light_record(const JsonDocument& printer,
                                        const std::optional<nlohmann::json>& table);
 

@@ -18,14 +18,14 @@ Duration wire_time(const std::string& bytes, int baud) {
 
 }  // namespace
 
-void warn_of_doubtful_light(JsonDocument& printer, const ProjectorTable& table,
-                            const ExposureTolerance& tolerance, Duration exposure) {
+void warn_of_implausible_light(JsonDocument& printer, const ProjectorTable& table,
+                               const ExposureTolerance& tolerance, Duration exposure) {
   if (!table.switches_light()) return;
   const auto warn = [&printer](const std::string& what) { printer.add_warning("/projector/table", what); };
   const std::string tolerated =
       "the resin's exposure_tolerance_ms is " + in_ms(tolerance.bounds) +
-      (tolerance.doubt == ExposureTolerance::Doubt::Interrupt ? ", so every layer will wait for its owner"
-                                                              : ", so every layer will be warned about");
+      (tolerance.policy == ExposureTolerance::Policy::Interrupt ? ", so every layer will wait for its owner"
+                                                                : ", so every layer will be warned about");
   const Duration commands =
       wire_time(table.light_on->bytes, table.baud) + wire_time(table.light_off->bytes, table.baud);
   if (commands > tolerance.bounds) {

@@ -1,5 +1,4 @@
-// What a projector's table allows, and would leave the light of a layer known less well than its resin
-// tolerates.
+// Warns where a projector's table leaves the light of a layer less certain than its resin tolerates.
 #pragma once
 
 #include "daemon/config/json_document.hpp"
@@ -9,7 +8,7 @@
 namespace contourd {
 
 // Adds warnings at the printer's /projector/table. `exposure` is the resin's shortest.
-void warn_of_doubtful_light(JsonDocument& printer, const ProjectorTable& table,
-                            const ExposureTolerance& tolerance, Duration exposure);
+void warn_of_implausible_light(JsonDocument& printer, const ProjectorTable& table,
+                               const ExposureTolerance& tolerance, Duration exposure);
 
 }  // namespace contourd

@@ -19,18 +19,19 @@ bool is_unprintable(char32_t c) {
   struct Range {
     char32_t first, last;
   };
-  constexpr std::array<Range, 11> ranges{{{0x00, 0x1F},
-                                          {0x7F, 0x9F},
-                                          {0x61C, 0x61C},
-                                          {0x180E, 0x180E},
-                                          {0x200B, 0x200B},
-                                          {0x200E, 0x200F},
-                                          {0x2028, 0x202E},
-                                          {0x2060, 0x206F},
-                                          {0xFEFF, 0xFEFF},
-                                          {0xFFF9, 0xFFFB},
-                                          {0xE0000, 0xE007F}}};
-  return std::ranges::any_of(ranges, [c](const Range& range) { return c >= range.first && c <= range.last; });
+  constexpr std::array<Range, 11> kRanges{{{0x00, 0x1F},
+                                           {0x7F, 0x9F},
+                                           {0x61C, 0x61C},
+                                           {0x180E, 0x180E},
+                                           {0x200B, 0x200B},
+                                           {0x200E, 0x200F},
+                                           {0x2028, 0x202E},
+                                           {0x2060, 0x206F},
+                                           {0xFEFF, 0xFEFF},
+                                           {0xFFF9, 0xFFFB},
+                                           {0xE0000, 0xE007F}}};
+  return std::ranges::any_of(kRanges,
+                             [c](const Range& range) { return c >= range.first && c <= range.last; });
 }
 
 // nlohmann-json replaces broken UTF-8 when it writes a string.

@@ -20,7 +20,7 @@
 #include "daemon/config/profile_file.hpp"
 #include "daemon/config/projector_table.hpp"
 #include "daemon/config/resin_plausibility.hpp"
-#include "hw/png_file.hpp"
+#include "daemon/config/uniformity_mask.hpp"
 
 namespace contourd {
 namespace {
@@ -31,9 +31,9 @@ constexpr std::uint64_t kBytesPerMb = 1'000'000;
 
 // A limit that leaves nothing for a model.
 void check_memory_limit(JsonDocument& document) {
-  const auto limit = document.sound_number("/memory_limit_mb");
-  const auto width = document.sound_number("/display/width_px"),
-             height = document.sound_number("/display/height_px");
+  const auto limit = document.valid_number("/memory_limit_mb");
+  const auto width = document.valid_number("/display/width_px"),
+             height = document.valid_number("/display/height_px");
   if (!limit || !width || !height) return;
   const auto pixels = [](double count) { return Pixels{static_cast<std::int32_t>(count)}; };
   const std::uint64_t least = kProgramBytes + memory_for_display(pixels(*width), pixels(*height));
@@ -45,22 +45,22 @@ void check_memory_limit(JsonDocument& document) {
 }
 
 void check_rules(JsonDocument& document, const fs::path& folder) {
-  const auto start = document.sound_number("/simulation/start_height_mm");
-  const auto travel = document.sound_number("/z_axis/travel_mm");
+  const auto start = document.valid_number("/simulation/start_height_mm");
+  const auto travel = document.valid_number("/z_axis/travel_mm");
   // A real axis begins where it is.
-  if (document.sound_text("/hardware") == "simulated" && start && travel && *start > *travel) {
+  if (document.valid_text("/hardware") == "simulated" && start && travel && *start > *travel) {
     document.add_violation("/simulation/start_height_mm", nlohmann::json(*start).dump() +
                                                               " is more than z_axis/travel_mm, " +
                                                               nlohmann::json(*travel).dump() + " mm");
   }
   check_memory_limit(document);
-  constexpr std::size_t longest_socket_path = 107;  // unix(7): sun_path has 108 bytes, one for the NUL
-  if (const auto socket = document.sound_text("/control_socket")) {
+  constexpr std::size_t kLongestSocketPath = 107;  // unix(7): sun_path has 108 bytes, one for the NUL
+  if (const auto socket = document.valid_text("/control_socket")) {
     const std::size_t length = resolved(folder, *socket).string().size();
-    if (length > longest_socket_path) {
+    if (length > kLongestSocketPath) {
       document.add_violation("/control_socket", "the absolute path is " + std::to_string(length) +
                                                     " bytes long; the limit for a socket is " +
-                                                    std::to_string(longest_socket_path));
+                                                    std::to_string(kLongestSocketPath));
     }
   }
 }
@@ -74,8 +74,8 @@ struct LoadedResin {
 // profile goes to `violations`; that there is none goes to the printer's file.
 std::optional<LoadedResin> load_default_resin(JsonDocument& printer, const fs::path& folder,
                                               std::vector<Violation>& violations) {
-  const auto resins = printer.sound_text("/resins_folder");
-  const auto name = printer.sound_text("/resin");
+  const auto resins = printer.valid_text("/resins_folder");
+  const auto name = printer.valid_text("/resin");
   if (!resins || !name) return std::nullopt;
   const fs::path resins_folder = resolved(folder, *resins);
   const auto file = profile_file(resins_folder, *name);
@@ -84,12 +84,12 @@ std::optional<LoadedResin> load_default_resin(JsonDocument& printer, const fs::p
     return std::nullopt;
   }
   ResinMachine machine{.travel = {},
-                       .irradiance_mw_cm2 = printer.sound_number("/projector/irradiance_mw_cm2"),
+                       .irradiance_mw_cm2 = printer.valid_number("/projector/irradiance_mw_cm2"),
                        .top_speed = {}};
-  if (const auto travel = printer.sound_number("/z_axis/travel_mm")) {
+  if (const auto travel = printer.valid_number("/z_axis/travel_mm")) {
     machine.travel = to_nanometers(Millimeters{*travel});
   }
-  if (const auto speed = printer.sound_number("/z_axis/top_speed_mm_s"))
+  if (const auto speed = printer.valid_number("/z_axis/top_speed_mm_s"))
     machine.top_speed = MillimetersPerSecond{*speed};
   try {
     return LoadedResin{*file, load_resin_profile(*file, machine)};
@@ -108,8 +108,8 @@ struct LoadedTable {
 // The projector's table, as the default resin.
 std::optional<LoadedTable> load_table(JsonDocument& printer, const fs::path& folder,
                                       std::vector<Violation>& violations) {
-  const auto tables = printer.sound_text("/projectors_folder");
-  const auto name = printer.sound_text("/projector/table");
+  const auto tables = printer.valid_text("/projectors_folder");
+  const auto name = printer.valid_text("/projector/table");
   if (!tables || !name) return std::nullopt;
   const fs::path tables_folder = resolved(folder, *tables);
   const auto file = profile_file(tables_folder, *name);
@@ -125,31 +125,6 @@ std::optional<LoadedTable> load_table(JsonDocument& printer, const fs::path& fol
     violations.insert(violations.end(), error.violations().begin(), error.violations().end());
     return std::nullopt;
   }
-}
-
-// The lamp's mask. What is wrong with it goes to the printer's file.
-std::optional<Mask> load_lamp(JsonDocument& printer, const fs::path& folder) {
-  const auto name = printer.sound_text("/display/lamp_mask");
-  if (!name) return std::nullopt;
-  const fs::path file = resolved(folder, *name);
-  const auto refuse = [&](const std::string& why) {
-    printer.add_violation("/display/lamp_mask", file.string() + ": " + why);
-  };
-  const auto width = printer.sound_number("/display/width_px"),
-             height = printer.sound_number("/display/height_px");
-  try {
-    Mask lamp = read_png(file);
-    if (!width || !height || (lamp.width().count() == *width && lamp.height().count() == *height))
-      return lamp;
-    refuse("the picture is " + std::to_string(lamp.width().count()) + "x" +
-           std::to_string(lamp.height().count()) + " pixels, the display " +
-           std::to_string(std::llround(*width)) + "x" + std::to_string(std::llround(*height)));
-  } catch (const std::system_error& error) {
-    refuse(error.code().message());
-  } catch (const std::runtime_error& error) {
-    refuse(error.what());
-  }
-  return std::nullopt;
 }
 
 SimulatedAxisConfig::Switch read_limit_switch(const std::string& word) {
@@ -207,16 +182,16 @@ std::optional<std::uint64_t> read_memory_limit(const JsonSection& root) {
 // What the printer's file refers to.
 struct Companions {
   std::optional<LoadedResin> resin;
-  std::optional<Mask> lamp;
+  std::optional<UniformityMask> uniformity;
   std::optional<LoadedTable> table;
 };
 
 void warn_of_light(JsonDocument& document, const Companions& companions) {
   const ResinProfile& resin = companions.resin->profile;
-  const auto irradiance = document.sound_number("/projector/irradiance_mw_cm2");
+  const auto irradiance = document.valid_number("/projector/irradiance_mw_cm2");
   const int behind_fade = resin.bottom_layers + resin.fade_layers;
-  warn_of_doubtful_light(document, companions.table->table, resin.tolerance,
-                         exposure_time(resin, resin.layer_height, behind_fade, irradiance.value()));
+  warn_of_implausible_light(document, companions.table->table, resin.tolerance,
+                            exposure_time(resin, resin.layer_height, behind_fade, irradiance.value()));
 }
 
 // What only a real machine has.
@@ -233,16 +208,16 @@ std::vector<fs::path> files_of(const JsonDocument& document, const fs::path& fol
                                const Companions& companions) {
   std::vector<fs::path> files{folder / fs::path(document.file()).filename(), companions.resin->file};
   if (companions.table) files.push_back(companions.table->file);
-  if (companions.lamp) files.push_back(resolved(folder, document.sound_text("/display/lamp_mask").value()));
+  if (companions.uniformity) files.push_back(companions.uniformity->file);
   return files;
 }
 
 // The printer's, then the resin's.
 std::vector<Violation> warnings_of(const JsonDocument& document, const LoadedResin& resin) {
   std::vector<Violation> warnings = document.warnings();
-  const double irradiance = document.sound_number("/projector/irradiance_mw_cm2").value();
-  for (Violation& doubt : doubts_about(resin.profile, resin.file, irradiance))
-    warnings.push_back(std::move(doubt));
+  const double irradiance = document.valid_number("/projector/irradiance_mw_cm2").value();
+  for (Violation& warning : implausible_values(resin.profile, resin.file, irradiance))
+    warnings.push_back(std::move(warning));
   return warnings;
 }
 
@@ -272,7 +247,8 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .mirror_y = display.boolean("mirror_y"),
       .anti_aliasing = display.boolean("anti_aliasing"),
       .tone = {.gamma = display.number("gamma"), .threshold = display.integer<std::uint8_t>("threshold")},
-      .lamp = std::move(companions.lamp),
+      .uniformity =
+          companions.uniformity ? std::optional(std::move(companions.uniformity->mask)) : std::nullopt,
       .irradiance_mw_cm2 = root.section("projector").number("irradiance_mw_cm2"),
       .pace = !real && root.section("simulation").text("pace") == "fast" ? Pace::Fast : Pace::Realtime,
       .simulated = read_simulated(root, folder),
@@ -294,12 +270,12 @@ PrinterConfig load_printer_config(const fs::path& path, Places places) {
   check_rules(document, folder);
   if (places == Places::Here) check_places(document, folder);
   check_hardware_rules(document);
-  warn_of_doubtful_contacts(document);
-  warn_of_doubtful_display(document);
+  warn_of_implausible_contacts(document);
+  warn_of_implausible_display(document);
   std::vector<Violation> elsewhere;
   Companions companions;
   companions.resin = load_default_resin(document, folder, elsewhere);
-  companions.lamp = load_lamp(document, folder);
+  companions.uniformity = load_uniformity_mask(document, folder);
   companions.table = load_table(document, folder, elsewhere);
   if (companions.table) check_projector_table(document, companions.table->table);
 
@@ -321,20 +297,20 @@ ResinProfile find_resin(const PrinterConfig& printer, std::string_view name) {
                                     .top_speed = printer.top_speed});
 }
 
-std::vector<Violation> doubts_about_other_resins(const PrinterConfig& printer) {
-  std::vector<Violation> doubts;
+std::vector<Violation> implausible_in_other_resins(const PrinterConfig& printer) {
+  std::vector<Violation> warnings;
   for (const std::string& name : profiles_in(printer.resins_folder)) {
     if (name == printer.resin) continue;
     std::vector<Violation> found;
     try {
       const fs::path file = printer.resins_folder / (name + ".json");
-      found = doubts_about(find_resin(printer, name), file, printer.irradiance_mw_cm2);
+      found = implausible_values(find_resin(printer, name), file, printer.irradiance_mw_cm2);
     } catch (const ConfigError& error) {
       found = error.violations();
     }
-    doubts.insert(doubts.end(), found.begin(), found.end());
+    warnings.insert(warnings.end(), found.begin(), found.end());
   }
-  return doubts;
+  return warnings;
 }
 
 }  // namespace contourd

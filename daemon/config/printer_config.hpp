@@ -46,14 +46,14 @@ struct PrinterConfig {
   bool mirror_y = false;
   bool anti_aliasing = true;
   ToneCurve tone;
-  std::optional<Mask> lamp;  // as large as the display
+  std::optional<Mask> uniformity;  // as large as the display
 
   double irradiance_mw_cm2 = 0.0;  // of a white pixel, on the film
 
   Pace pace = Pace::Realtime;
   SimulatedPrinterConfig simulated;
   std::optional<RealMachineConfig> real;     // nothing when the machine is simulated
-  std::vector<Violation> warnings;           // what is allowed and hardly meant, by its place
+  std::vector<Violation> warnings;           // what is allowed but implausible, by its place
   std::vector<std::filesystem::path> files;  // that were read for it, its own first
   std::string
       light_record;  // what is to be left for `--light-off`; see light_config.hpp. Real machines' only
@@ -70,7 +70,7 @@ enum class Places { Here, Elsewhere };
 // or with the profiles there are when there is none of that name. The name may come from anywhere.
 [[nodiscard]] ResinProfile find_resin(const PrinterConfig& printer, std::string_view name);
 
-// What is wrong with the profiles that a ticket may name, or hardly meant.
-[[nodiscard]] std::vector<Violation> doubts_about_other_resins(const PrinterConfig& printer);
+// What is wrong with the profiles that a ticket may name, or implausible.
+[[nodiscard]] std::vector<Violation> implausible_in_other_resins(const PrinterConfig& printer);
 
 }  // namespace contourd

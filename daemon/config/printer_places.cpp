@@ -35,9 +35,9 @@ fs::path nearest_existing(fs::path folder) {
 
 void check_places(JsonDocument& document, const fs::path& folder) {
   std::error_code code;
-  if (const auto socket = document.sound_text("/control_socket"))
+  if (const auto socket = document.valid_text("/control_socket"))
     check_socket(document, resolved(folder, *socket));
-  if (const auto spool = document.sound_text("/spool_folder")) {
+  if (const auto spool = document.valid_text("/spool_folder")) {
     const fs::path place = resolved(folder, *spool), base = nearest_existing(place);
     const auto refuse = [&](const std::string& why) {
       document.add_violation("/spool_folder", place.string() + " cannot be made: " + base.string() + why);

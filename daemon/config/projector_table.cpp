@@ -91,8 +91,8 @@ std::string wrong_values(const ReplyPattern& pattern, bool is_value) {
 }
 
 void check_reply(JsonDocument& document, const std::string& place, bool of_bytes, bool is_value) {
-  const auto text = document.sound_text(place);
-  const auto checksum = document.sound_text("/checksum");
+  const auto text = document.valid_text(place);
+  const auto checksum = document.valid_text("/checksum");
   if (!text || !checksum) return;
   const auto pattern =
       checked(document, place, [&] { return parse_reply(*text, of_bytes, checksum_of_table(*checksum)); });
@@ -110,8 +110,8 @@ void check_number(JsonDocument& document, const std::string& place, const Messag
 }
 
 void check_command(JsonDocument& document, const std::string& place) {
-  const auto hex = document.sound_text(place + "/hex"), text = document.sound_text(place + "/text");
-  const auto checksum = document.sound_text("/checksum");
+  const auto hex = document.valid_text(place + "/hex"), text = document.valid_text(place + "/text");
+  const auto checksum = document.valid_text("/checksum");
   if (hex && checksum) {
     const auto message =
         checked(document, place + "/hex", [&] { return parse_hex(*hex, checksum_of_table(*checksum)); });
@@ -126,12 +126,12 @@ void check_command(JsonDocument& document, const std::string& place) {
 
 void check_brightness(JsonDocument& document) {
   const std::string place = "/commands/brightness";
-  const auto least = document.sound_number(place + "/minimum"),
-             most = document.sound_number(place + "/maximum");
+  const auto least = document.valid_number(place + "/minimum"),
+             most = document.valid_number(place + "/maximum");
   const auto plain = [](double whole) { return std::to_string(static_cast<std::int64_t>(whole)); };
   if (least && most && *least > *most)
     document.add_violation(place + "/minimum", plain(*least) + " is more than maximum, " + plain(*most));
-  if (most && *most > 255 && document.sound_text(place + "/hex"))
+  if (most && *most > 255 && document.valid_text(place + "/hex"))
     document.add_violation(place + "/maximum", plain(*most) + " does not fit in one byte");
 }
 
@@ -187,12 +187,12 @@ struct WrittenReply {
   }
 };
 
-// Nothing when there is none, or what kind it is nobody knows. REQUIRES: the commands were checked.
+// Nothing when there is none, or what kind it is nobody knows. The commands were checked.
 std::optional<WrittenReply> written_reply(const JsonDocument& document, const std::string& command,
                                           const char* key) {
-  const auto text = document.sound_text(command + "/" + key), checksum = document.sound_text("/checksum");
-  const bool of_bytes = document.sound_text(command + "/hex").has_value();
-  if (!text || !checksum || of_bytes == document.sound_text(command + "/text").has_value())
+  const auto text = document.valid_text(command + "/" + key), checksum = document.valid_text("/checksum");
+  const bool of_bytes = document.valid_text(command + "/hex").has_value();
+  if (!text || !checksum || of_bytes == document.valid_text(command + "/text").has_value())
     return std::nullopt;
   try {
     return WrittenReply{*text, parse_reply(*text, of_bytes, checksum_of_table(*checksum))};
@@ -218,8 +218,8 @@ bool cannot_be_told_apart(const WrittenReply& one, const WrittenReply& other) {
 
 // Of a command that is sound.
 std::optional<std::string> bytes_of(const JsonDocument& document, const std::string& place) {
-  const auto hex = document.sound_text(place + "/hex"), text = document.sound_text(place + "/text");
-  const auto checksum = document.sound_text("/checksum"), line_end = document.sound_text("/line_end");
+  const auto hex = document.valid_text(place + "/hex"), text = document.valid_text(place + "/text");
+  const auto checksum = document.valid_text("/checksum"), line_end = document.valid_text("/line_end");
   if (text && line_end) return parse_text(*text, *line_end).bytes;
   if (!hex || !checksum) return std::nullopt;
   return parse_hex(*hex, checksum_of_table(*checksum)).bytes;

@@ -19,8 +19,8 @@ namespace contourd {
 // Adds what is wrong with the table to its document, and gives that its defaults.
 void check_table(JsonDocument& document);
 // What of a table turns the light off, and asks whether the projector is on where that can be read; nothing
-// where the table cannot switch the light. Looks at nothing else. Throws ConfigError or
-// std::invalid_argument. REQUIRES: the table has its defaults.
+// where the table cannot switch the light. Looks at nothing else. Throws ConfigError,
+// also where the table lacks a default, or std::invalid_argument.
 [[nodiscard]] std::optional<ProjectorTable> read_light_table(const JsonSection& table);
 
 }  // namespace contourd

@@ -1,5 +1,5 @@
-// What a resin's profile allows, and is hardly meant: seconds for milliseconds, a speed a minute for one a
-// second. Pure functions, thread-safe.
+// Warns of values that the schema allows and a resin's profile hardly means: seconds for milliseconds, a
+// speed a minute for one a second. Pure functions, thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@
 namespace contourd {
 
 // `file` is the profile's. REQUIRES: irradiance > 0.
-[[nodiscard]] std::vector<Violation> doubts_about(const ResinProfile& resin,
-                                                  const std::filesystem::path& file,
-                                                  double irradiance_mw_cm2);
+[[nodiscard]] std::vector<Violation> implausible_values(const ResinProfile& resin,
+                                                        const std::filesystem::path& file,
+                                                        double irradiance_mw_cm2);
 
 }  // namespace contourd

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "daemon/config/json_document.hpp"
 #include "daemon/config/json_schema.hpp"
 #include "daemon/config/json_section.hpp"
@@ -41,8 +42,8 @@ ExposureSeconds exposures_s(const ResinProfile& resin, Nanometers layer_height, 
 
 std::optional<std::string> exposure_problem(const std::string& which, double seconds,
                                             Nanometers layer_height) {
-  const double shortest = std::chrono::duration<double>(shortest_exposure).count();
-  const double longest = std::chrono::duration<double>(longest_exposure).count();
+  const double shortest = std::chrono::duration<double>(kShortestExposure).count();
+  const double longest = std::chrono::duration<double>(kLongestExposure).count();
   if (seconds >= shortest && seconds <= longest) return std::nullopt;
   const double rounded_ms = std::round(seconds * 1e6) / 1e3;
   return which + " at a layer height of " + plain(static_cast<double>(layer_height.count()) / 1e3) +
@@ -52,8 +53,8 @@ std::optional<std::string> exposure_problem(const std::string& which, double sec
 
 // Rule: the number at one key is at most that at another.
 void check_order(JsonDocument& document, const std::string& lower, const std::string& upper) {
-  const auto low = document.sound_number("/" + lower);
-  const auto high = document.sound_number("/" + upper);
+  const auto low = document.valid_number("/" + lower);
+  const auto high = document.valid_number("/" + upper);
   if (low && high && *low > *high) {
     document.add_violation("/" + lower, plain(*low) + " is more than " + upper + ", " + plain(*high));
   }
@@ -67,25 +68,25 @@ void check_rules(JsonDocument& document, const ResinMachine& machine) {
   check_order(document, "exposure_ms", "bottom_exposure_ms");
   check_order(document, "working_curve/overcure_um", "working_curve/bottom_overcure_um");
 
-  const auto bottom = document.sound_number("/bottom_layers");
-  const auto fade = document.sound_number("/fade_layers");
+  const auto bottom = document.valid_number("/bottom_layers");
+  const auto fade = document.valid_number("/fade_layers");
   if (bottom && fade && *bottom == 0 && *fade > 0) {
     document.add_violation("/fade_layers",
                            plain(*fade) + " layers to fade, but bottom_layers is 0: from what?");
   }
-  const auto foot = document.sound_number("/elephant_foot_um");
-  const auto foot_height = document.sound_number("/elephant_foot_height_um");
+  const auto foot = document.valid_number("/elephant_foot_um");
+  const auto foot_height = document.valid_number("/elephant_foot_height_um");
   if (foot && foot_height && (*foot > 0) != (*foot_height > 0)) {
     document.add_violation("/elephant_foot_um", plain(*foot) + " um, but elephant_foot_height_um is " +
                                                     plain(*foot_height) + ": both are 0 or neither is");
   }
-  const auto lift = document.sound_number("/lift_mm");
+  const auto lift = document.valid_number("/lift_mm");
   if (lift && machine.travel && *lift >= to_millimeters(*machine.travel).count()) {
     document.add_violation("/lift_mm", plain(*lift) + " is not less than the printer's travel, " +
                                            plain(to_millimeters(*machine.travel).count()) + " mm");
   }
   for (const char* key : {"/lift_speed_mm_s", "/retract_speed_mm_s"}) {
-    const auto speed = document.sound_number(key);
+    const auto speed = document.valid_number(key);
     if (!speed || !machine.top_speed || *speed <= machine.top_speed->count()) continue;
     document.add_violation(key, plain(*speed) + " is more than the printer's top speed, " +
                                     plain(machine.top_speed->count()) + " mm/s");
@@ -130,9 +131,9 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
       .settle = profile.duration("settle_ms"),
       .rest = profile.duration("rest_ms"),
       .tolerance = {.bounds = profile.duration("exposure_tolerance_ms"),
-                    .doubt = profile.text("exposure_doubt") == "interrupt"
-                                 ? ExposureTolerance::Doubt::Interrupt
-                                 : ExposureTolerance::Doubt::Warn},
+                    .policy = profile.text("exposure_doubt") == "interrupt"
+                                  ? ExposureTolerance::Policy::Interrupt
+                                  : ExposureTolerance::Policy::Warn},
   };
 }
 
@@ -156,6 +157,8 @@ ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMa
 
 Duration exposure_time(const ResinProfile& resin, Nanometers layer_height, int layer_index,
                        double irradiance_mw_cm2) {
+  expects(layer_index >= 0 && layer_height > Nanometers{}, "the layer is one of a print");
+  expects(irradiance_mw_cm2 > 0, "there is light");
   const auto [normal, bottom] = exposures_s(resin, layer_height, irradiance_mw_cm2);
   double seconds = normal;
   if (layer_index < resin.bottom_layers) {
@@ -164,13 +167,15 @@ Duration exposure_time(const ResinProfile& resin, Nanometers layer_height, int l
     const int gone = layer_index - resin.bottom_layers + 1;
     seconds = bottom + (normal - bottom) * gone / (resin.fade_layers + 1);
   }
-  constexpr double hundred_years_s = 3.2e9;  // int64 nanoseconds overflow after 292 years
-  if (!(seconds <= hundred_years_s)) throw std::range_error("the exposure is longer than a hundred years");
+  constexpr double kHundredYearsS = 3.2e9;  // int64 nanoseconds overflow after 292 years
+  if (!(seconds <= kHundredYearsS)) throw std::range_error("the exposure is longer than a hundred years");
   return Duration{std::llround(seconds * 1e9)};
 }
 
 std::vector<std::string> layer_height_problems(const ResinProfile& resin, Nanometers layer_height,
                                                double irradiance_mw_cm2) {
+  expects(layer_height > Nanometers{} && irradiance_mw_cm2 > 0,
+          "the layer has a thickness, and there is light");
   const auto um = [](Nanometers height) { return plain(static_cast<double>(height.count()) / 1e3) + " um"; };
   std::vector<std::string> problems;
   if (layer_height < resin.layer_height_min || layer_height > resin.layer_height_max) {

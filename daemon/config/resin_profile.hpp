@@ -18,13 +18,14 @@
 namespace contourd {
 
 // Exposures outside this are mistakes, not resins.
-inline constexpr Duration shortest_exposure = std::chrono::milliseconds{1};
-inline constexpr Duration longest_exposure = std::chrono::seconds{120};
+inline constexpr Duration kShortestExposure = std::chrono::milliseconds{1};
+inline constexpr Duration kLongestExposure = std::chrono::seconds{120};
 
 // Whatever the layer height is.
 struct FixedExposure {
   Duration exposure{};
   Duration bottom_exposure{};
+  bool operator==(const FixedExposure&) const = default;
 };
 
 // Jacobs' working curve Cd = Dp ln(E / Ec), thesis equation 2.1.
@@ -33,13 +34,15 @@ struct WorkingCurve {
   double critical_energy_mj_cm2 = 0.0;  // Ec
   Micrometers overcure;                 // cure depth beyond the layer height
   Micrometers bottom_overcure;
+  bool operator==(const WorkingCurve&) const = default;
 };
 
 // How far apart the bounds of a layer's light may be, and what is done when they are farther.
 struct ExposureTolerance {
   Duration bounds{std::chrono::milliseconds{100}};
-  enum class Doubt { Warn, Interrupt };
-  Doubt doubt = Doubt::Warn;
+  enum class Policy { Warn, Interrupt };
+  Policy policy = Policy::Warn;
+  bool operator==(const ExposureTolerance&) const = default;
 };
 
 struct ResinProfile {
@@ -59,6 +62,7 @@ struct ResinProfile {
   Duration settle{};  // plate still, before the light
   Duration rest{};    // light off, before the lift
   ExposureTolerance tolerance;
+  bool operator==(const ResinProfile&) const = default;
 };
 
 // The machine that the resin is for: the figures that a profile is checked against. Those that are not known
@@ -80,7 +84,7 @@ struct ResinMachine {
                                      double irradiance_mw_cm2);
 
 // What speaks against printing at this layer height, a clause each: the profile's own range, an exposure
-// outside shortest_exposure..longest_exposure. Empty when nothing does. REQUIRES: layer_height > 0,
+// outside kShortestExposure..kLongestExposure. Empty when nothing does. REQUIRES: layer_height > 0,
 // irradiance > 0.
 [[nodiscard]] std::vector<std::string> layer_height_problems(const ResinProfile& resin,
                                                              Nanometers layer_height,

@@ -212,7 +212,7 @@ void check(const SchemaNode& named, const json& value, const std::string& pointe
 }  // namespace
 
 void check_by_schema(const SchemaNode& schema, JsonDocument& document) {
-  Findings findings(kMostViolations);
+  Findings findings(kMaxViolations);
   check(schema, document.value(), "", findings);
   for (const Findings::Finding& finding : findings.all())
     document.add_violation(finding.pointer, finding.message);

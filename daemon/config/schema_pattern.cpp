@@ -18,10 +18,10 @@ std::wstring wide(std::string_view text) {
 }
 
 void check_escapes(std::string_view pattern) {
-  constexpr std::string_view known = "dDwWnrt^$\\.*+?()[]{}|/-";
+  constexpr std::string_view kKnown = "dDwWnrt^$\\.*+?()[]{}|/-";
   for (std::size_t at = pattern.find('\\'); at != std::string_view::npos; at = pattern.find('\\', at + 2)) {
     const std::string_view escape = pattern.substr(at, 2);
-    if (escape.size() < 2 || known.find(escape[1]) == std::string_view::npos)
+    if (escape.size() < 2 || kKnown.find(escape[1]) == std::string_view::npos)
       throw std::invalid_argument("the escape " + in_quotes(escape) + " is not known");
   }
 }

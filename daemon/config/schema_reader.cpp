@@ -43,8 +43,8 @@ const std::string& text_at(const json& value, const Place& place) {
 }
 
 std::size_t size_at(const json& value, const Place& place) {
-  constexpr double exact_limit = 9007199254740992.0;  // 2^53: up to here a double holds every whole number
-  const bool fits = value.is_number() && value >= 0 && value <= exact_limit &&
+  constexpr double kExactLimit = 9007199254740992.0;  // 2^53: up to here a double holds every whole number
+  const bool fits = value.is_number() && value >= 0 && value <= kExactLimit &&
                     std::trunc(value.get<double>()) == value.get<double>();
   expect(fits, place, "a whole number that is not negative");
   return static_cast<std::size_t>(value.get<double>());
@@ -218,7 +218,7 @@ std::vector<const SchemaNode*> of_same_value(const SchemaNode& node) {
   return next;
 }
 
-// What giving defaults goes on with at values that were not there. REQUIRES: no circle of references.
+// What giving defaults goes on with at values that were not there. There is no circle of references.
 std::vector<const SchemaNode*> of_defaults(const SchemaNode& node) {
   std::vector<const SchemaNode*> next;
   for (const auto& [key, property] : node.followed().properties) {

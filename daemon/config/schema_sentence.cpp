@@ -31,7 +31,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string unit_of(std::string_view pointer) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 15> units{{
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 15> kUnits{{
       // Longer endings first: mm/s before s.
       {"_mw_cm2", "mW/cm2"},
       {"_mj_cm2", "mJ/cm2"},
@@ -50,7 +50,7 @@ std::string unit_of(std::string_view pointer) {
       {"_s", "s"},
   }};
   while (!pointer.empty()) {
-    for (const auto& [ending, unit] : units) {
+    for (const auto& [ending, unit] : kUnits) {
       if (pointer.ends_with(ending)) return " " + std::string(unit);
     }
     pointer = pointer.substr(0, pointer.rfind('/'));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 bool continues_character(char byte) {
   return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
@@ -41,8 +43,9 @@ std::string_view cut_utf_8(std::string_view text, std::size_t bytes) {
 }
 
 char32_t code_point(std::string_view character) {
-  constexpr std::array<unsigned, 5> payload{0, 0x7F, 0x1F, 0x0F, 0x07};
-  char32_t value = static_cast<unsigned char>(character[0]) & payload[character.size()];
+  expects(!character.empty() && utf_8_length(character) == character.size(), "it is one character");
+  constexpr std::array<unsigned, 5> kPayload{0, 0x7F, 0x1F, 0x0F, 0x07};
+  char32_t value = static_cast<unsigned char>(character[0]) & kPayload[character.size()];
   for (const char byte : character.substr(1))
     value = value << 6U | (static_cast<unsigned char>(byte) & 0x3FU);
   return value;

@@ -34,8 +34,8 @@ using SteadyClock = std::chrono::steady_clock;
 // A layer's times are the best of so many: what else the machine did meanwhile is not the model's.
 constexpr int kRuns = 3;
 // What a page holds: some four megabytes of contours.
-constexpr std::int32_t kMostPictureLayers = 500;
-constexpr std::size_t kMostPicturePoints = 700'000;
+constexpr std::int32_t kMaxPictureLayers = 500;
+constexpr std::size_t kMaxPicturePoints = 700'000;
 
 struct Subject {
   std::unique_ptr<ContourEngine> engine;
@@ -131,7 +131,7 @@ class Stopwatch {
     LayerMeasurement sum;
     for (const PlateModel& each : engine_.models()) {
       const auto start = SteadyClock::now();
-      slice_at(*each.model, each.model->bounds().min_z + to_millimeters(height).count(), section_);
+      slice_at(*each.model, each.z_at(height), section_);
       const auto sliced = SteadyClock::now();
       linker_.link(section_.segments, engine_.join_tolerance(), contours_);
       const auto joined = SteadyClock::now();
@@ -164,8 +164,8 @@ AnalyzedModel analyze(Subject subject, bool with_contours) {
     model.measurements.push_back(stopwatch.measure(middle));
   model.statistics = statistics_of(model.measurements);
   if (with_contours) {
-    model.contours = stack_contours(*subject.engine, model.display, model.layer_middles, kMostPictureLayers,
-                                    kMostPicturePoints);
+    model.contours = stack_contours(*subject.engine, model.display, model.layer_middles, kMaxPictureLayers,
+                                    kMaxPicturePoints);
   }
   return model;
 }

@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Rows of the table of islands; the largest.
-constexpr std::size_t kMostIslandRows = 50;
+constexpr std::size_t kMaxIslandRows = 50;
 
 // {{name}} in the template becomes the value of that name. What is put in is not looked at again.
 std::string filled(std::string_view text, const std::map<std::string, std::string, std::less<>>& values) {
@@ -74,7 +74,7 @@ std::vector<Island> islands_by_size(const AnalyzedModel& m) {
 std::string island_table(const AnalyzedModel& m) {
   if (m.findings.islands.empty()) return "";
   const std::vector<Island> islands = islands_by_size(m);
-  const std::size_t shown = std::min(islands.size(), kMostIslandRows);
+  const std::size_t shown = std::min(islands.size(), kMaxIslandRows);
   std::string table = fmt::format(
       "<h2>Islands{}</h2>\n<table class=\"figures\" id=\"islands\">\n<tr><th>layer</th><th>height "
       "mm</th><th>x "

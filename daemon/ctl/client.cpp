@@ -20,6 +20,14 @@ void print_analysis(const Json& analysis) {
     fmt::print("warning   {}\n", printable(warning.get<std::string>()));
 }
 
+// How a job ended: "done", or "failed: " and why.
+std::string end_of(const Json& job) {
+  const std::string reason = job.value("reason", "");
+  return printable(job.value("outcome", "")) + (reason.empty() ? "" : ": " + printable_lines(reason));
+}
+
+}  // namespace
+
 void print_status(const Json& status) {
   fmt::print("printer   {}\nstate     {}\n", printable(status.value("printer", "")),
              printable(status.value("state", "")));
@@ -55,25 +63,28 @@ void print_status(const Json& status) {
     fmt::print("waiting   {}\n", printable(status["waiting_for"].get<std::string>()));
   if (status["last"].is_object()) {
     const Json& last = status["last"];
-    const std::string reason = last.value("reason", "");
-    fmt::print("last job  {}: {}{}\n", printable(last.value("job", "")), printable(last.value("outcome", "")),
-               reason.empty() ? "" : ": " + printable_lines(reason));
+    fmt::print("last job  {}: {}\n", printable(last.value("job", "")), end_of(last));
   }
 }
 
-void print_queue(const Json& result) {
-  const Json& queue = result["queue"];
+void print_queue(const Json& waiting) {
+  const Json& queue = waiting["queue"];
   if (queue.empty()) fmt::print("the queue is empty\n");
   for (std::size_t i = 0; i < queue.size(); ++i)
     fmt::print("{:>3}  {}\n", i + 1, printable(queue[i].get<std::string>()));
-  if (const auto more = result.value("more", std::size_t{0}); more > 0) fmt::print("and {} more\n", more);
+  if (const auto more = waiting.value("more", std::size_t{0}); more > 0) fmt::print("and {} more\n", more);
 }
 
-}  // namespace
+void print_history(const Json& history) {
+  const Json& ended = history["ended"];
+  if (ended.empty()) fmt::print("no job has ended since contourd started\n");
+  for (const Json& job : ended)
+    fmt::print("{}: {}\n", printable(job.value("job", "")), end_of(job));
+}
 
-int request(const ClientOptions& options, const std::string& method) {
+int request(const ClientOptions& options, const Request& request, void (*print)(const Json&)) {
   DaemonConnection connection(options.socket);
-  connection.send(method, 1);
+  connection.send(request.method, 1, request.parameters);
   const Json answer = connection.receive();
   if (options.json) fmt::print("{}\n", answer.dump(-1, ' ', true));
   if (answer.contains("error")) {
@@ -81,12 +92,7 @@ int request(const ClientOptions& options, const std::string& method) {
       fmt::print(stderr, "contourctl: {}\n", printable_lines(answer["error"].value("message", "")));
     return kFailed;
   }
-  if (options.json) return kOk;
-  if (method == "queue") {
-    print_queue(answer["result"]);
-  } else {
-    print_status(answer["result"]);
-  }
+  if (!options.json) print(answer["result"]);
   return kOk;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace contourd::ctl {
@@ -11,7 +12,19 @@ struct ClientOptions {
   std::filesystem::path socket;
   bool json = false;
 };
-// Sends one request (`method` as on the socket) and prints its answer for a person, or as it came.
-int request(const ClientOptions& options, const std::string& method);
+
+// As on the socket (docs/control-api.md); the parameters by name.
+struct Request {
+  std::string method;
+  nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
+};
+
+// Sends it, and prints its result for a person, by `print`, or the answer as it came.
+int request(const ClientOptions& options, const Request& request,
+            void (*print)(const nlohmann::ordered_json& result));
+
+void print_status(const nlohmann::ordered_json& status);
+void print_queue(const nlohmann::ordered_json& queue);
+void print_history(const nlohmann::ordered_json& history);
 
 }  // namespace contourd::ctl

@@ -49,7 +49,7 @@ class Stacker {
   void add_layer(std::int32_t layer, Nanometers height) {
     stack_.layers.push_back(layer);
     for (const PlateModel& each : engine_.models()) {
-      slice_at(*each.model, each.model->bounds().min_z + to_millimeters(height).count(), section_);
+      slice_at(*each.model, each.z_at(height), section_);
       linker_.link(section_.segments, engine_.join_tolerance(), contours_);
       for (const ContourLoop& loop : contours_.loops) {
         const std::vector<Point> points = simplified(contours_.points_of(loop), stack_.size_mm * kFinest);

@@ -29,8 +29,9 @@ DaemonConnection::DaemonConnection(const std::filesystem::path& path)
   }
 }
 
-void DaemonConnection::send(const std::string& method, int id) {
-  const std::string line = Json{{"jsonrpc", "2.0"}, {"method", method}, {"id", id}}.dump() + "\n";
+void DaemonConnection::send(const std::string& method, int id, const Json& parameters) {
+  const Json request{{"jsonrpc", "2.0"}, {"method", method}, {"params", parameters}, {"id", id}};
+  const std::string line = request.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n";
   if (::send(socket_.get(), line.data(), line.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(line.size())) {
     throw DaemonError(fmt::format("contourd on {} closed the connection", path_));
   }

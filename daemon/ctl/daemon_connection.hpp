@@ -19,7 +19,8 @@ class DaemonConnection {
   // Throws DaemonError when it cannot be made, as the calls below do when it breaks.
   explicit DaemonConnection(const std::filesystem::path& path);
 
-  void send(const std::string& method, int id);
+  // The parameters by name.
+  void send(const std::string& method, int id, const Json& parameters = Json::object());
   // Blocks.
   Json receive() { return *receive_until(Time::max()); }
   // Nothing when none comes until then.

@@ -20,6 +20,7 @@
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/inspect_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
+#include "daemon/ctl/submit_command.hpp"
 #include "daemon/ctl/watch_command.hpp"
 #include "daemon/job_settings.hpp"
 #include "daemon/readable.hpp"
@@ -41,7 +42,7 @@ struct SliceWords {
   std::string mask, masks, csv, contours;
   double grow_um = 0, elephant_foot_um = 0, elephant_foot_height_um = 0, gamma = 1;
   int threshold = 0;
-  std::string lamp_mask;
+  std::string uniformity_mask;
 };
 
 struct AnalyzeWords {
@@ -93,11 +94,11 @@ void parse_corrections(EngineSettings& engine, const SliceWords& words) {
 
 void check_corrections_go_with_masks(const SliceOptions& options) {
   const bool moves = options.engine.compensation != Compensation{};
-  const bool corrects = moves || options.engine.tone != ToneCurve{} || options.lamp;
+  const bool corrects = moves || options.engine.tone != ToneCurve{} || options.uniformity;
   if (corrects && !options.mask && !options.masks) {
     throw UsageError(
-        "--grow-um, --elephant-foot-um, --lamp-mask, --gamma and --threshold change masks: they go with "
-        "--mask or --masks");
+        "--grow-um, --elephant-foot-um, --uniformity-mask, --gamma and --threshold change masks: they go "
+        "with --mask or --masks");
   }
   // Micrometres of the part are not those of the picture then.
   if (moves && options.fit) throw UsageError("--grow-um and --elephant-foot-um do not go with --fit");
@@ -136,7 +137,7 @@ SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
   options.engine.display = parse_display(words.display);
   options.engine.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
   parse_corrections(options.engine, words);
-  set_if_given(options.lamp, words.lamp_mask);
+  set_if_given(options.uniformity, words.uniformity_mask);
   set_if_given(options.mask, words.mask);
   set_if_given(options.masks, words.masks);
   set_if_given(options.csv, words.csv);
@@ -195,6 +196,7 @@ class CommandLine {
     add_inspect();
     add_slice();
     add_analyze();
+    add_submit();
     add_client_commands();
   }
   CommandLine(const CommandLine&) = delete;
@@ -219,14 +221,14 @@ class CommandLine {
   void add_inspect() {
     CLI::App* command = add_command("inspect", "Say what a model's file holds and what is wrong with it",
                                     [this] { return inspect(inspect_); });
-    command->add_option("MODEL", inspect_.model, "STL file")->required();
+    command->add_option("MODEL", inspect_.model, "A model's file")->required();
     command->add_flag("--json", inspect_.json, "Print JSON");
   }
 
   void add_slice() {
     CLI::App* command = add_command("slice", "Cut a model at one height, or into layers",
                                     [this] { return slice(parse_slice(slice_, words_)); });
-    command->add_option("MODEL", slice_.model, "STL file")->required();
+    command->add_option("MODEL", slice_.model, "A model's file")->required();
     const auto add = [command](const char* name, auto& word, const char* help) {
       return command->add_option(name, word, help)->check(kNotEmpty)->capture_default_str();
     };
@@ -247,8 +249,8 @@ class CommandLine {
     add("--grow-um", words_.grow_um, "Move the masks' contours outwards, um; negative inwards");
     add("--elephant-foot-um", words_.elephant_foot_um, "Move them inwards at the model's bottom, um");
     add("--elephant-foot-height-um", words_.elephant_foot_height_um, "Height over which that fades, um");
-    add("--lamp-mask", words_.lamp_mask,
-        "Multiply the masks by this PNG file, 8-bit grey, 255 leaves as it is");
+    add("--uniformity-mask,--lamp-mask", words_.uniformity_mask,
+        "Multiply the masks by this PNG file, 8-bit grey, 255 leaves as it is (--lamp-mask: its old name)");
     add("--gamma", words_.gamma, "Gamma of the projector, which the masks undo");
     add("--threshold", words_.threshold, "Leave grey below this dark");
     command->add_flag("--force", slice_.force,
@@ -260,7 +262,7 @@ class CommandLine {
   void add_analyze() {
     CLI::App* command = add_command("analyze", "Say what a whole print will be: resin, areas, islands, times",
                                     [this] { return analyze(parse_analyze(analyze_, analyze_words_)); });
-    command->add_option("MODEL", analyze_.model, "STL file")->required();
+    command->add_option("MODEL", analyze_.model, "A model's file")->required();
     command->add_flag("--json", analyze_.json, "Print JSON");
     command->add_option("--html", analyze_words_.html, "Write a page with plots and the contours in 3-D")
         ->check(kNotEmpty);
@@ -285,9 +287,34 @@ class CommandLine {
         ->check(CLI::IsMember({"on", "off"}));
   }
 
+  void add_submit() {
+    CLI::App* command =
+        add_command("submit", "Put models into the queue", [this] { return submit(client_, submit_); });
+    command->add_option("FILE", submit_.models, "Models' files")->required();
+    CLI::Option* ticket = command->add_option("--ticket", submit_.ticket, "Their ticket")->check(kNotEmpty);
+    const auto add = [&](const char* name, auto& option, const char* help) {
+      return command->add_option(name, option, help)->excludes(ticket);
+    };
+    add("--resin", submit_.resin, "Name of the resin's profile")->check(kNotEmpty);
+    add("--layer-height-um", submit_.layer_height_um, "Layer height, um");
+    add("--copies", submit_.copies, "How many of each model");
+    add("--up", submit_.up, "What points up: X,Y,Z in the model's coordinates")->delimiter(',')->expected(3);
+    CLI::Option* scale = add("--scale", submit_.scale, "Factor on the model's size");
+    command->add_flag("--fit", submit_.fit, "Fill the display")->excludes(ticket)->excludes(scale);
+    command->add_option("--spool", submit_.spool, "The spool's folder, if contourd does not run")
+        ->check(kNotEmpty);
+    command->add_flag("--wait", submit_.wait, "Until all of them have ended");
+    add_client_options(command);
+  }
+
   void add_client_commands() {
     add_client("status", "What the printer is doing", "status");
-    add_client("queue", "The jobs that wait", "queue");
+    add_client("queue", "The jobs that wait", "queue", print_queue);
+    CLI::App* history = add_command("history", "How the latest jobs have ended", [this] {
+      return request(client_, {"history", {{"last", last_}}}, print_history);
+    });
+    history->add_option("--last", last_, "So many at most")->check(CLI::Range(1, 100))->capture_default_str();
+    add_client_options(history);
     add_client("pause", "Pause after the layer under way", "pause");
     add_client("resume", "Go on after a pause, or with the queue after a failure", "resume");
     add_client("cancel", "End the print under way: light off, plate up", "cancel");
@@ -298,8 +325,11 @@ class CommandLine {
     add_client_options(command);
   }
 
-  void add_client(const char* name, const char* help, const std::string& method) {
-    add_client_options(add_command(name, help, [this, method] { return request(client_, method); }));
+  // A method without parameters.
+  void add_client(const char* name, const char* help, const char* method,
+                  decltype(&print_status) print = print_status) {
+    add_client_options(
+        add_command(name, help, [this, method, print] { return request(client_, {method}, print); }));
   }
 
   void add_client_options(CLI::App* command) {
@@ -315,8 +345,10 @@ class CommandLine {
   AnalyzeOptions analyze_;
   AnalyzeWords analyze_words_;
   SliceWords words_;
+  SubmitOptions submit_;
   ClientOptions client_;
   std::optional<std::string> job_;
+  int last_ = 20;
   std::function<int()> chosen_;
 };
 

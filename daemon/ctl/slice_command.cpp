@@ -40,21 +40,21 @@ PixelMap map_for(const SliceOptions& options, const Bounds& bounds) {
 
 ContourEngine engine_for(std::shared_ptr<const HeightIndex> model, const SliceOptions& options) {
   const PixelMap map = map_for(options, model->bounds());
-  return ContourEngine({PlateModel{std::move(model), {map}}}, options.engine);
+  return ContourEngine({PlateModel{{std::move(model)}, {map}}}, options.engine);
 }
 
-Mask read_lamp(const std::filesystem::path& path, const DisplayGeometry& display) {
-  Mask lamp;
+Mask read_uniformity_mask(const std::filesystem::path& path, const DisplayGeometry& display) {
+  Mask mask;
   try {
-    lamp = read_png(path);
+    mask = read_png(path);
   } catch (const std::system_error&) {
     throw;
   } catch (const std::runtime_error& error) {
-    throw UsageError(fmt::format("--lamp-mask {}: {}", path.string(), error.what()));
+    throw UsageError(fmt::format("--uniformity-mask {}: {}", path.string(), error.what()));
   }
-  if (lamp.width() == display.width && lamp.height() == display.height) return lamp;
-  throw UsageError(fmt::format("--lamp-mask {}: the picture is {}x{} pixels, the display {}x{}",
-                               path.string(), lamp.width().count(), lamp.height().count(),
+  if (mask.width() == display.width && mask.height() == display.height) return mask;
+  throw UsageError(fmt::format("--uniformity-mask {}: the picture is {}x{} pixels, the display {}x{}",
+                               path.string(), mask.width().count(), mask.height().count(),
                                display.width.count(), display.height.count()));
 }
 
@@ -76,7 +76,7 @@ Json cracks_json(const LayerCracks& cracks) {
 }
 
 int slice_at_height(const SliceOptions& options, const std::shared_ptr<const HeightIndex>& model) {
-  const double z = options.z->count();
+  const Millimeters z = *options.z;
   Section section;
   slice_at(*model, z, section);
   Contours contours;
@@ -85,10 +85,10 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
   const double perimeter = perimeter_mm(contours);
   if (options.mask) {
     warn_if_larger_than_display(options, model->bounds());
-    write_mask(*options.mask, engine_for(model, options).mask_at_z(*options.z));
+    write_mask(*options.mask, engine_for(model, options).mask_at_z(z));
   }
   if (options.json) {
-    Json json{{"z_mm", z},
+    Json json{{"z_mm", z.count()},
               {"intersecting_facets", section.intersecting_facets},
               {"segments", section.segments.size()},
               {"contours", contours.closed_loops()}};
@@ -98,7 +98,7 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
     fmt::print("{}\n", json.dump(2));
     return kOk;
   }
-  fmt::print("z            {:.6g} mm\nsegments     {}\ncontours     {}\n", z, section.segments.size(),
+  fmt::print("z            {:.6g} mm\nsegments     {}\ncontours     {}\n", z.count(), section.segments.size(),
              contours.closed_loops());
   fmt::print("open chains  {}\nturned       {}\ngaps closed  {}, the widest {:.6g} mm\n",
              contours.cracks.open_chains, contours.cracks.turned_chains, contours.cracks.gaps_closed,
@@ -107,13 +107,10 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
   return kOk;
 }
 
-// Where each layer is cut, above the model's lowest point: at its middle.
-std::vector<Nanometers> layer_middles(const SliceOptions& options,
-                                      const std::shared_ptr<const HeightIndex>& model) {
-  const PrintLayers layers =
-      options.adaptive
-          ? PrintLayers({model}, *options.adaptive)
-          : PrintLayers(layers_for(Millimeters{model->bounds().size_z()}, *options.layer_height));
+// Where each layer is cut, above the plate: at its middle.
+std::vector<Nanometers> layer_middles(const SliceOptions& options, const StandingModel& model) {
+  const PrintLayers layers = options.adaptive ? PrintLayers({model}, *options.adaptive)
+                                              : PrintLayers(layers_for(model.top(), *options.layer_height));
   return middles_of(layers.all());
 }
 
@@ -123,9 +120,9 @@ struct MeasuredLayers {
 };
 
 // The thesis's loop of section 3.5: slice, then join, each timed.
-MeasuredLayers measure_layers(const SliceOptions& options, const HeightIndex& model,
+MeasuredLayers measure_layers(const SliceOptions& options, const StandingModel& model,
                               std::span<const Nanometers> layers) {
-  const PixelMap map = map_for(options, model.bounds());
+  const PixelMap map = map_for(options, model.model->bounds());
   const Millimeters tolerance = to_millimeters(options.engine.display.pixel_pitch);
   Section section;
   ContourLinker linker;
@@ -134,13 +131,13 @@ MeasuredLayers measure_layers(const SliceOptions& options, const HeightIndex& mo
   measured.measurements.reserve(layers.size());
   measured.cracks.reserve(layers.size());
   for (const Nanometers middle : layers) {
-    const double z = model.bounds().min_z + to_millimeters(middle).count();
+    const Millimeters z = model.z_at(middle);
     const auto start = SteadyClock::now();
-    slice_at(model, z, section);
+    slice_at(*model.model, z, section);
     const auto sliced = SteadyClock::now();
     linker.link(section.segments, tolerance, contours);
     const auto joined = SteadyClock::now();
-    measured.measurements.push_back({Millimeters{z}, ms_between(start, sliced), ms_between(sliced, joined),
+    measured.measurements.push_back({z, ms_between(start, sliced), ms_between(sliced, joined),
                                      section.intersecting_facets,
                                      static_cast<std::uint32_t>(contours.loops.size())});
     measured.cracks.push_back(contours.cracks);
@@ -202,7 +199,8 @@ void report_measurements(const SliceOptions& options, std::size_t facets, const 
 }
 
 int slice_layers(const SliceOptions& options, const std::shared_ptr<const HeightIndex>& model) {
-  const std::vector<Nanometers> layers = layer_middles(options, model);
+  const StandingModel standing{model};
+  const std::vector<Nanometers> layers = layer_middles(options, standing);
   if (layers.empty()) {
     throw ModelError(fmt::format("{}: the model is {:.6g} mm high, too thin for a layer",
                                  options.model.string(), model->bounds().size_z()));
@@ -213,7 +211,7 @@ int slice_layers(const SliceOptions& options, const std::shared_ptr<const Height
   // Masks alone ask for no measurement; anything else is measured.
   std::vector<LayerCracks> cracks;
   if (options.csv || options.contours || options.json || !options.masks) {
-    MeasuredLayers measured = measure_layers(options, *model, layers);
+    MeasuredLayers measured = measure_layers(options, standing, layers);
     report_measurements(options, model->facets().size(), measured);
     cracks = std::move(measured.cracks);
   }
@@ -228,7 +226,8 @@ int slice_layers(const SliceOptions& options, const std::shared_ptr<const Height
 }  // namespace
 
 int slice(SliceOptions options) {
-  if (options.lamp) options.engine.lamp = read_lamp(*options.lamp, options.engine.display);
+  if (options.uniformity)
+    options.engine.uniformity = read_uniformity_mask(*options.uniformity, options.engine.display);
   const auto model = std::make_shared<const HeightIndex>(read_model(options.model).facets);
   if (model->turned_outwards()) fmt::print(stderr, "contourctl: warning: {}\n", kTurnedOutwardsWarning);
   if (model->repairs() != MeshRepairs{})

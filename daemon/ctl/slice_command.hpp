@@ -21,7 +21,7 @@ struct SliceOptions {
 
   EngineSettings engine;
   bool fit = false;
-  std::optional<std::filesystem::path> lamp;  // to be read into engine.lamp
+  std::optional<std::filesystem::path> uniformity;  // to be read into engine.uniformity
 
   std::optional<std::filesystem::path> mask;      // one PNG, with z
   std::optional<std::filesystem::path> masks;     // a folder of PNGs, with layers

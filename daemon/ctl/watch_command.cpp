@@ -1,17 +1,16 @@
 #include "daemon/ctl/watch_command.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <string>
 
 #include "daemon/ctl/daemon_connection.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/progress_view.hpp"
 #include "daemon/readable.hpp"
 #include "daemon/spool_folders.hpp"
 
@@ -25,60 +24,6 @@ using Json = DaemonConnection::Json;
 // still grow.
 constexpr auto kLongestAbsence = 3s;
 constexpr auto kAskInterval = 500ms;
-
-// The bar on a terminal; elsewhere a line for every tenth of the print.
-class ProgressView {
- public:
-  void show(const Json& status) {
-    if (!status["job"].is_object()) return;
-    const Json& job = status["job"];
-    const std::string name = printable(job.value("name", "")), state = printable(status.value("state", ""));
-    if (!job.contains("layer")) return line(fmt::format("{}: {}", name, state), state);
-    const double layers = std::fmax(job.value("layers", 1), 1);
-    const double part = job.value("layers_done", 0) / layers;
-    constexpr int kBar = 30;
-    std::string bar(kBar, '.');
-    std::fill_n(bar.begin(), static_cast<int>(part * kBar), '#');
-    const std::string text = fmt::format(
-        "{} [{}] {:3.0f} %  layer {}/{}  {:.2f} mm  {} left  {}", name, bar, std::floor(part * 100),
-        job.value("layer", 0), job.value("layers", 0), job.value("height_mm", 0.0), time_left(job),
-        job["interruption"].is_string() ? state + ", " + printable(job["interruption"].get<std::string>())
-                                        : state);
-    line(text, std::to_string(static_cast<int>(part * 10)));
-  }
-
-  // The same of one job, which may be waiting.
-  void show_job(const Json& status, const std::string& name, bool is_under_way) {
-    if (is_under_way) return show(status);
-    std::string text = printable(name) + ": waits";
-    if (status["job"].is_object()) {
-      text += fmt::format(" while {} is printed", printable(status["job"].value("name", "")));
-    } else if (status["waiting_for"].is_string()) {
-      text += ": " + printable(status["waiting_for"].get<std::string>());
-    }
-    line(text, text);
-  }
-
-  void end() {
-    if (terminal_ && shown_) fmt::print("\n");
-  }
-
- private:
-  void line(const std::string& text, const std::string& step) {
-    if (terminal_) {
-      fmt::print("\r\x1B[K{}", text);
-    } else if (step != last_step_) {
-      fmt::print("{}\n", text);
-    }
-    std::fflush(stdout);
-    last_step_ = step;
-    shown_ = true;
-  }
-
-  bool terminal_ = ::isatty(STDOUT_FILENO) != 0;
-  bool shown_ = false;
-  std::string last_step_;
-};
 
 int print_end(const Json& ended, bool json) {
   const std::string outcome = ended.value("outcome", ""), reason = ended.value("reason", "");

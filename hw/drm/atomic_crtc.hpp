@@ -25,8 +25,8 @@ class ModeBlob {
 
 class AtomicCrtc final : public Crtc {
  public:
-  // Throws HardwareError when the kernel takes no mode. The card must outlive it. REQUIRES: the card has
-  // DRM_CLIENT_CAP_ATOMIC.
+  // Throws HardwareError when the kernel takes no mode, as from a card without DRM_CLIENT_CAP_ATOMIC. The
+  // card must outlive it.
   AtomicCrtc(const Card& card, const Connector& connector, const CrtcRoute& route, const Mode& mode);
 
   [[nodiscard]] std::uint32_t id() const noexcept override { return id_; }

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 
 // The properties of one kernel object, as they are at the time of reading.
@@ -49,7 +51,10 @@ class AtomicRequest {
   void set_if_other(const ObjectProperties& object, const std::string& name, std::uint64_t value);
 
   // Of the property that was set last, once more. REQUIRES: one was set.
-  void change_last(std::uint64_t value) noexcept { values_.back() = value; }
+  void change_last(std::uint64_t value) noexcept {
+    expects(!values_.empty(), "a property was set");
+    values_.back() = value;
+  }
 
   // `flags` are DRM_MODE_ATOMIC_* and DRM_MODE_PAGE_FLIP_EVENT. Returns 0 or an errno.
   [[nodiscard]] int commit(int fd, std::uint32_t flags, std::uint64_t user_data = 0) noexcept;

@@ -99,8 +99,8 @@ bool is_television_mode(const Mode& mode) {
   });
 }
 
-std::optional<std::string> range_doubt(const std::string& connector_name, const Mode& mode,
-                                       const ObjectProperties& connector, const std::string& output) {
+std::optional<std::string> range_warning(const std::string& connector_name, const Mode& mode,
+                                         const ObjectProperties& connector, const std::string& output) {
   const bool has_ranges = connector_name.starts_with("HDMI") || connector_name.starts_with("DP");
   if (!has_ranges || !is_television_mode(mode) || connector.value_called(kRange, "Full")) return std::nullopt;
   return output + " has no \"" + kRange +
@@ -113,18 +113,18 @@ std::vector<std::string> settle_color(const Card& card, std::uint32_t crtc_id, c
                                       const Mode& mode, const std::string& output) {
   ObjectProperties crtc(card.fd(), crtc_id, DRM_MODE_OBJECT_CRTC);
   const ObjectProperties on(card.fd(), connector.id, DRM_MODE_OBJECT_CONNECTOR);
-  std::vector<std::string> doubts;
+  std::vector<std::string> warnings;
   if (!crtc.find(kGammaTable) && !reset_legacy_gamma(card, crtc_id))
-    doubts.push_back(output +
-                     " keeps a gamma table that its driver does not reset: grey gets more or less "
-                     "light than the mask says, and black may shine");
+    warnings.push_back(output +
+                       " keeps a gamma table that its driver does not reset: grey gets more or less "
+                       "light than the mask says, and black may shine");
   for (const PropertyChange& change : changes_to_neutral(crtc, on)) {
-    doubts.push_back(output + " keeps its \"" + change.name + "\" though it was told otherwise: " +
-                     (change.name == kRange ? "black may shine at 16 of 255, 6 % of the light"
-                                            : "grey may get more or less light than the mask says"));
+    warnings.push_back(output + " keeps its \"" + change.name + "\" though it was told otherwise: " +
+                       (change.name == kRange ? "black may shine at 16 of 255, 6 % of the light"
+                                              : "grey may get more or less light than the mask says"));
   }
-  if (auto doubt = range_doubt(connector.name, mode, on, output)) doubts.push_back(std::move(*doubt));
-  return doubts;
+  if (auto warning = range_warning(connector.name, mode, on, output)) warnings.push_back(std::move(*warning));
+  return warnings;
 }
 
 }  // namespace contourd

@@ -38,9 +38,9 @@ struct PropertyChange {
 [[nodiscard]] bool is_television_mode(const Mode& mode);
 // A sentence where the driver cannot be told which range to send, and may choose the limited one. `output`
 // names it.
-[[nodiscard]] std::optional<std::string> range_doubt(const std::string& connector_name, const Mode& mode,
-                                                     const ObjectProperties& connector,
-                                                     const std::string& output);
+[[nodiscard]] std::optional<std::string> range_warning(const std::string& connector_name, const Mode& mode,
+                                                       const ObjectProperties& connector,
+                                                       const std::string& output);
 
 // After the mode was set: resets the CRTC's legacy gamma table where that is the only one, reads everything
 // back, and returns a sentence for each thing that is not neutral. May block for some refreshes.

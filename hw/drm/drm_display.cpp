@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "hw/drm/blocking_calls.hpp"
-#include "hw/drm/display_look.hpp"
+#include "hw/drm/display_probe.hpp"
 #include "hw/drm/master_holder.hpp"
 #include "hw/drm/output.hpp"
 #include "hw/drm/uevent_socket.hpp"
@@ -49,9 +49,9 @@ class DrmDisplay::Implementation {
         calls_(watcher) {
     OutputSearch search = find_output(config_);
     if (search.found) {
-      DisplayLook look = opened(std::move(*search.found), config_);
-      take_back(std::move(look.output));
-      use(look.console_warning);
+      DisplayProbe probe = open_display(std::move(*search.found), config_);
+      take_back(std::move(probe.output));
+      use(probe.console_warning);
     } else {
       problem_ = search.why_not;
     }
@@ -87,10 +87,10 @@ class DrmDisplay::Implementation {
 
   // What else has become of it the kernel announces.
   void look_whether_back() {
-    if (problem_) look_again(Tell::Recovery);
+    if (problem_) probe_again(Tell::Recovery);
   }
 
-  void on_disturbance(std::function<void(const Disturbance&)> call) { on_disturbance_ = std::move(call); }
+  void on_event(std::function<void(const MachineEvent&)> call) { on_event_ = std::move(call); }
 
   [[nodiscard]] const DrmDisplayConfig& config() const { return config_; }
   [[nodiscard]] Duration frame() const { return frame_; }
@@ -118,33 +118,33 @@ class DrmDisplay::Implementation {
 
   enum class Tell { Recovery, EverythingNew };
   // Looks whether a lost display is back, on the thread for blocking calls, and takes it up again if so.
-  void look_again(Tell tell) {
+  void probe_again(Tell tell) {
     if (away_) {
-      look_wanted_ = true;
+      probe_wanted_ = true;
       return;
     }
     away_ = true;
     calls_.run(
         [output = give_away_output(), config = config_]() mutable {
-          return output ? relit(std::move(output), config) : found_anywhere(config);
+          return output ? restored(std::move(output), config) : probe_all(config);
         },
-        [this, tell](DisplayLook look) { after_look(std::move(look), tell); });
+        [this, tell](DisplayProbe probe) { after_probe(std::move(probe), tell); });
   }
 
-  void after_look(DisplayLook look, Tell tell_what) {
-    take_back(std::move(look.output));
-    if (look.is_back) {
-      use(look.console_warning);
+  void after_probe(DisplayProbe probe, Tell tell_what) {
+    take_back(std::move(probe.output));
+    if (probe.is_back) {
+      use(probe.console_warning);
       tell_recovery();
-    } else if (tell_what == Tell::EverythingNew && !look.refusal.empty() && look.refusal != *problem_) {
-      problem_ = look.refusal;
-      tell(Disturbance::Kind::Interruption, look.refusal);
+    } else if (tell_what == Tell::EverythingNew && !probe.refusal.empty() && probe.refusal != *problem_) {
+      problem_ = probe.refusal;
+      tell(MachineEvent::Kind::Interlock, probe.refusal);
     }
     look_if_wanted();
   }
 
   void look_if_wanted() {
-    if (std::exchange(look_wanted_, false) && problem_) look_again(Tell::EverythingNew);
+    if (std::exchange(probe_wanted_, false) && problem_) probe_again(Tell::EverythingNew);
   }
 
   void turn_off() {
@@ -164,7 +164,7 @@ class DrmDisplay::Implementation {
   // Of the output that there is now.
   void use(const std::optional<std::string>& console_warning) {
     problem_.reset();
-    warnings_ = output_->color_doubts();
+    warnings_ = output_->color_warnings();
     if (console_warning) warnings_.push_back(*console_warning);
     frame_ = output_->frame();
     description_ =
@@ -183,7 +183,7 @@ class DrmDisplay::Implementation {
   void displays_changed() {
     const std::vector<DisplayChange> changes = uevents_.read_all();
     if (changes.empty()) return;
-    if (problem_) return look_again(Tell::EverythingNew);
+    if (problem_) return probe_again(Tell::EverythingNew);
     const dev_t card = output_->card().number();
     const std::uint32_t connector = output_->connector_id();
     if (std::ranges::any_of(changes, [&](const auto& change) { return concerns(change, card, connector); }))
@@ -200,7 +200,7 @@ class DrmDisplay::Implementation {
                  asking_ = false;
                  if (!problem_) judge(now);
                  const bool again = std::exchange(ask_again_, false);
-                 if (again && problem_) return look_again(Tell::EverythingNew);
+                 if (again && problem_) return probe_again(Tell::EverythingNew);
                  if (again) ask_display();
                });
   }
@@ -213,7 +213,7 @@ class DrmDisplay::Implementation {
     if (has_mode) return;
     lose(output_->name() + " no longer has its mode " + describe(output_->mode()) +
          "; modes: " + describe(now.modes));
-    look_again(Tell::EverythingNew);  // another display may have the like
+    probe_again(Tell::EverythingNew);  // another display may have the like
   }
 
   void keep_looking(bool on) noexcept {
@@ -240,7 +240,7 @@ class DrmDisplay::Implementation {
     const auto deadline = std::chrono::round<std::chrono::milliseconds>(flip_deadline(frame_));
     report_loss(output_->name() + " has not said for " + std::to_string(deadline.count()) +
                 " ms that it shows a picture; it is set anew");
-    look_again(Tell::EverythingNew);
+    probe_again(Tell::EverythingNew);
   }
 
   // A call that should have put a picture on the screen did not.
@@ -268,19 +268,19 @@ class DrmDisplay::Implementation {
     keep_looking(false);
     problem_ = why;
     const Presented waiting = std::exchange(waiting_, nullptr);
-    tell(Disturbance::Kind::Interruption, why);
+    tell(MachineEvent::Kind::Interlock, why);
     if (waiting) waiting(std::nullopt);
   }
 
-  void tell(Disturbance::Kind kind, const std::string& what) {
-    if (on_disturbance_) on_disturbance_({kind, what});
+  void tell(MachineEvent::Kind kind, const std::string& what) {
+    if (on_event_) on_event_({kind, what});
   }
 
   void tell_recovery() {
-    if (on_disturbance_)
-      on_disturbance_({.kind = Disturbance::Kind::Recovery,
-                       .what = "the display is back: " + description_,
-                       .warnings = warnings_});
+    if (on_event_)
+      on_event_({.kind = MachineEvent::Kind::Recovery,
+                 .what = "the display is back: " + description_,
+                 .warnings = warnings_});
   }
 
   // For a show() or black() that must not call back from within itself.
@@ -302,9 +302,9 @@ class DrmDisplay::Implementation {
 
   DescriptorWatcher& watcher_;
   DrmDisplayConfig config_;
-  std::function<void(const Disturbance&)> on_disturbance_;
-  // None before the first was found, while its card is gone, and while the other thread has it. REQUIRES:
-  // there is one when there is no problem.
+  std::function<void(const MachineEvent&)> on_event_;
+  // None before the first was found, while its card is gone, and while the other thread has it. There
+  // is one when there is no problem.
   std::shared_ptr<Output> output_;
   std::optional<std::string> problem_;
   std::vector<std::string> warnings_;
@@ -320,8 +320,8 @@ class DrmDisplay::Implementation {
   FileDescriptor look_;  // a timer's, that runs while a mask is on the screen or a flip waits
   bool looking_ = false;
   bool mask_is_up_ = false;
-  bool away_ = false;         // the other thread has the output, or looks for one
-  bool look_wanted_ = false;  // again, when it is done with that
+  bool away_ = false;          // the other thread has the output, or looks for one
+  bool probe_wanted_ = false;  // again, when it is done with that
   bool asking_ = false, ask_again_ = false;
   std::unique_ptr<DescriptorWatcher::Watch> uevent_watch_, wake_watch_, look_watch_, card_watch_;
   BlockingCalls calls_;  // last: nothing is handed back once the rest goes
@@ -352,12 +352,12 @@ void DrmDisplay::black_now() noexcept {
   implementation_->black_now();
 }
 
-void DrmDisplay::look_again() {
+void DrmDisplay::probe_again() {
   implementation_->look_whether_back();
 }
 
-void DrmDisplay::on_disturbance(std::function<void(const Disturbance&)> call) {
-  implementation_->on_disturbance(std::move(call));
+void DrmDisplay::on_event(std::function<void(const MachineEvent&)> call) {
+  implementation_->on_event(std::move(call));
 }
 std::vector<std::string> DrmDisplay::why_not_ready() const {
   if (const auto problem = implementation_->problem()) return {*problem};

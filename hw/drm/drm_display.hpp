@@ -3,8 +3,8 @@
 //
 // A display that is unplugged, whose mode is gone, whose card another program took, or of which the kernel
 // does not say in time that it shows a picture (flip_deadline()), is lost: a waiting `done` gets nothing, and
-// a Disturbance says why, within 20 ms while a mask is on the screen. It is taken up again, black, when the
-// kernel says that it is back, or at look_again(); show() and black() give nothing as long as it is lost.
+// a MachineEvent says why, within 20 ms while a mask is on the screen. It is taken up again, black, when the
+// kernel says that it is back, or at probe_again(); show() and black() give nothing as long as it is lost.
 //
 // What blocks is done on a thread of its own: asking a display what it is, setting and ending its mode. So
 // the event loop is held up by none of it, in an exposure or out of it, but for the constructor, which a
@@ -55,10 +55,10 @@ class DrmDisplay final : public MaskDisplay {
 
   // `call` runs when the display is lost, before its waiting `done`, and when it has been taken up again;
   // from the event loop.
-  void on_disturbance(std::function<void(const Disturbance&)> call) override;
+  void on_event(std::function<void(const MachineEvent&)> call) override;
 
   // That another program gave the card back the kernel does not say.
-  void look_again() override;
+  void probe_again() override;
 
   // Never for good: it is taken up again by itself.
   [[nodiscard]] bool lost() const override { return false; }

@@ -35,7 +35,7 @@ DrmReport check_drm_display(const DrmDisplayConfig& config) {
     return report;
   }
   const ObjectProperties properties(card.fd(), connector.id, DRM_MODE_OBJECT_CONNECTOR);
-  report.range_doubt = range_doubt(connector.name, mode, properties, output);
+  report.range_warning = range_warning(connector.name, mode, properties, output);
   const Framebuffer picture(card, config.width, config.height, config.format);
   report.atomic = make_crtc(card, connector, mode, picture.id(), config.legacy)->is_atomic();
   return report;
@@ -49,7 +49,7 @@ std::string describe(const DrmReport& report) {
          (report.vblank ? "" : ", no vblank: times are those of the driver") +
          "; formats: " + report.formats +
          (report.console ? "; the text console " + *report.console + " is on this card" : "") +
-         (report.range_doubt ? "; " + *report.range_doubt : "");
+         (report.range_warning ? "; " + *report.range_warning : "");
 }
 
 }  // namespace contourd

@@ -11,10 +11,10 @@ namespace contourd {
 // What --check-hardware tells of an output.
 struct DrmReport {
   std::string card, driver, connector, mode;
-  std::string formats;                     // "XR24 RG16"
-  std::optional<std::string> console;      // the text console on the same card: "/dev/fb0"
-  std::optional<std::string> in_use;       // who has the card, so that the driver could not be asked
-  std::optional<std::string> range_doubt;  // black may be sent as 16: a sentence
+  std::string formats;                       // "XR24 RG16"
+  std::optional<std::string> console;        // the text console on the same card: "/dev/fb0"
+  std::optional<std::string> in_use;         // who has the card, so that the driver could not be asked
+  std::optional<std::string> range_warning;  // black may be sent as 16: a sentence
   bool atomic = false;
   bool vblank = false;  // the driver tells when a picture is on the screen
 };

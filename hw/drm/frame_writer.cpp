@@ -4,6 +4,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -61,10 +63,19 @@ std::size_t write_row(std::span<const std::uint8_t> row, std::span<std::uint8_t>
 
 FrameWriter::FrameWriter(const Layout& layout, std::span<std::byte> memory)
     : layout_(layout), memory_(memory), content_(layout.width, layout.height) {
+  const std::size_t pixel =
+      layout.format == PixelFormat::Xrgb8888 ? sizeof(std::uint32_t) : sizeof(std::uint16_t);
+  expects(layout.stride_bytes >= pixel * static_cast<std::size_t>(layout.width.count()),
+          "a row holds its pixels");
+  expects(memory.size() >= layout.stride_bytes * static_cast<std::size_t>(layout.height.count()),
+          "the memory holds all rows");
+  expects(reinterpret_cast<std::uintptr_t>(memory.data()) % pixel == 0,
+          "the memory is aligned as a pixel is");
   blacken();
 }
 
 std::size_t FrameWriter::write(const Mask& mask) noexcept {
+  expects(mask.width() == layout_.width && mask.height() == layout_.height, "the mask has the layout's size");
   return layout_.format == PixelFormat::Xrgb8888 ? write_as<PixelFormat::Xrgb8888>(mask)
                                                  : write_as<PixelFormat::Rgb565>(mask);
 }

@@ -20,10 +20,10 @@ struct FlagName {
   const char* name;
 };
 // What makes a mode send something else than each pixel of each picture once.
-constexpr FlagName kOddities[] = {{DRM_MODE_FLAG_INTERLACE, "interlaced"},
-                                  {DRM_MODE_FLAG_DBLSCAN, "each line twice"},
-                                  {DRM_MODE_FLAG_DBLCLK, "each pixel twice"},
-                                  {DRM_MODE_FLAG_CLKDIV2, "half the pixel clock"}};
+constexpr FlagName kFlagNames[] = {{DRM_MODE_FLAG_INTERLACE, "interlaced"},
+                                   {DRM_MODE_FLAG_DBLSCAN, "each line twice"},
+                                   {DRM_MODE_FLAG_DBLCLK, "each pixel twice"},
+                                   {DRM_MODE_FLAG_CLKDIV2, "half the pixel clock"}};
 
 struct Ratio {
   int width, height;
@@ -95,8 +95,8 @@ double refresh_hz(const Mode& mode) {
 std::string describe(const Mode& mode) {
   std::string text = std::to_string(mode.hdisplay) + "x" + std::to_string(mode.vdisplay) +
                      format(" at %.2f Hz", refresh_hz(mode));
-  for (const FlagName& oddity : kOddities) {
-    if ((mode.flags & oddity.flag) != 0) text += std::string(", ") + oddity.name;
+  for (const FlagName& named : kFlagNames) {
+    if ((mode.flags & named.flag) != 0) text += std::string(", ") + named.name;
   }
   return text;
 }
@@ -121,9 +121,9 @@ bool same_timing(const Mode& a, const Mode& b) {
   return timing(a) == timing(b);
 }
 
-std::optional<std::string> unfitness(const Mode& mode, PictureSize size) {
-  for (const FlagName& oddity : kOddities) {
-    if ((mode.flags & oddity.flag) != 0) return "it does not send each pixel of each picture once";
+std::optional<std::string> why_unsuitable(const Mode& mode, PictureSize size) {
+  for (const FlagName& named : kFlagNames) {
+    if ((mode.flags & named.flag) != 0) return "it does not send each pixel of each picture once";
   }
   if ((mode.flags & DRM_MODE_FLAG_3D_MASK) != 0) return "it has a picture for each eye";
   if (auto why = unsquare_by_name(mode)) return why;
@@ -141,7 +141,7 @@ Mode choose_mode(std::span<const Mode> modes, PictureSize size, const DrmDisplay
   std::string unfit;
   for (const Mode& mode : modes) {
     if (!has_size(mode, config) || static_cast<double>(distance(mode)) > kRefreshTolerance * 1000) continue;
-    if (const auto why = unfitness(mode, known)) {
+    if (const auto why = why_unsuitable(mode, known)) {
       if (unfit.empty()) unfit = output + " cannot show masks with its mode " + describe(mode) + ": " + *why;
       continue;
     }

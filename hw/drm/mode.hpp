@@ -35,7 +35,7 @@ struct PictureSize {
 //  - the picture's aspect ratio that the mode names (CEA-861), and
 //  - the picture's size, if both sides are known, for some size that rounds to it (EDID has centimetres),
 // give pixels that are as wide as high to 1 %.
-[[nodiscard]] std::optional<std::string> unfitness(const Mode& mode, PictureSize size);
+[[nodiscard]] std::optional<std::string> why_unsuitable(const Mode& mode, PictureSize size);
 
 // The mode that the config asks for: its very size; the refresh nearest to the wanted one, within half a
 // hertz; of equally near ones that which the display prefers. Throws HardwareError, which names `output`

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "hw/drm/color.hpp"
 #include "hw/drm/crtc_choice.hpp"
 #include "hw/drm/crtc_route.hpp"
@@ -91,10 +92,10 @@ void Output::set_mode(const Connector& connector, const DrmDisplayConfig& config
   // 0 where the picture comes by another plane than the CRTC's first.
   if (shown && shown->buffer_id != black_->id() && shown->buffer_id != 0)
     throw HardwareError(name_ + " does not show black though it took it");
-  color_doubts_ = settle_color(card_, crtc_->id(), connector, mode_, name_);
+  color_warnings_ = settle_color(card_, crtc_->id(), connector, mode_, name_);
 }
 
-bool Output::relight(const DrmDisplayConfig& config) {
+bool Output::restore(const DrmDisplayConfig& config) {
   if (flip_waits()) blacken_masks();  // one may be on the screen for as long as the driver hangs
   const Connector now = connector();
   if (now.status == Connector::Status::Disconnected) return false;
@@ -118,6 +119,8 @@ void Output::blacken_masks() noexcept {
 }
 
 std::size_t Output::write(const Mask& mask) noexcept {
+  expects(mask.width().count() == mode_.hdisplay && mask.height().count() == mode_.vdisplay,
+          "the mask has the mode's size");
   return masks_[flips_.mask_to_write()]->writer().write(mask);
 }
 

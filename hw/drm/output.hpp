@@ -40,10 +40,10 @@ class Output {
   // The connector as it is now. Asks the display, some milliseconds, 300 and more with some. From any thread.
   [[nodiscard]] Connector connector() const;
   // A sentence for each thing that the driver does to the pixels and that could not be changed.
-  [[nodiscard]] const std::vector<std::string>& color_doubts() const { return color_doubts_; }
+  [[nodiscard]] const std::vector<std::string>& color_warnings() const { return color_warnings_; }
 
   // Writes the mask where the screen does not look, for show_written(). Returns the bytes written.
-  // REQUIRES: the mask has the mode's size; show_written() or black_now() since the last write.
+  // One that was written and not shown is written over. REQUIRES: the mask has the mode's size.
   std::size_t write(const Mask& mask) noexcept;
   // The picture for the next refresh, or for the one after a flip that is still waiting. Returns 0 or an
   // errno.
@@ -68,9 +68,9 @@ class Output {
   // did not say that a flip was done. False while the display is not connected. May block for 300 ms and
   // more, and for 10 s and more when the driver hangs. Throws HardwareError, also when the kernel does not
   // show black then.
-  [[nodiscard]] bool relight(const DrmDisplayConfig& config);
-  // No signal, until relight(); black in place where the kernel refuses (this process is not DRM master). May
-  // block as relight().
+  [[nodiscard]] bool restore(const DrmDisplayConfig& config);
+  // No signal, until restore(); black in place where the kernel refuses (this process is not DRM master). May
+  // block as restore().
   void turn_off() noexcept;
 
  private:
@@ -86,7 +86,7 @@ class Output {
   std::unique_ptr<Framebuffer> black_;
   std::vector<std::unique_ptr<Framebuffer>> masks_;
   std::unique_ptr<Crtc> crtc_;
-  std::vector<std::string> color_doubts_;
+  std::vector<std::string> color_warnings_;
   PageFlips flips_{0, {}};
 };
 

@@ -25,7 +25,7 @@ class PageFlips {
   [[nodiscard]] std::size_t mask_to_write() noexcept;
 
   // The picture for the next refresh, or for the one after a flip that is still waiting. Returns 0 or an
-  // errno. REQUIRES: mask_to_write() before show_written().
+  // errno. show_written() shows the mask that mask_to_write() gave last.
   [[nodiscard]] int show_written(Crtc& crtc, TimePoint now) noexcept;
   [[nodiscard]] int show_black(Crtc& crtc, TimePoint now) noexcept;
   // Black and nothing else from now on. Neither blocks nor waits: a flip to a mask that is under way cannot

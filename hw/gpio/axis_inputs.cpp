@@ -49,7 +49,7 @@ AxisInputs::AxisInputs(StepEngine& engine, const Lines& lines, StepEngine::Now n
       active_[index(which)] = level;
     }
   }
-  if (active(AxisInput::EmergencyStop)) engine_.bar();
+  if (active(AxisInput::EmergencyStop)) engine_.inhibit();
 }
 
 void AxisInputs::set_limit_rule(LimitRule rule, std::int64_t limit, bool from_above) noexcept {
@@ -73,15 +73,15 @@ void AxisInputs::set_light_cutoff(LightCutoff* cutoff) noexcept {
   release_light();
 }
 
-// Both look again behind what they have undone: the thread says that an input is unsafe before it bars and
-// cuts.
+// Both look again behind what they have undone: the thread says that an input is unsafe before it inhibits
+// and cuts.
 
 void AxisInputs::let_go() noexcept {
   const auto stopped = [this] {
     return lost_ || states_[index(AxisInput::EmergencyStop)] == SafetyState::Unsafe;
   };
-  if (!stopped()) engine_.allow();
-  if (stopped()) engine_.bar();
+  if (!stopped()) engine_.enable();
+  if (stopped()) engine_.inhibit();
   release_light();
 }
 
@@ -115,7 +115,7 @@ void AxisInputs::tell(const InputChange& change) noexcept {
 void AxisInputs::lose() noexcept {
   lost_ = true;
   cut_light();
-  engine_.bar();
+  engine_.inhibit();
   changed_.signal();
 }
 
@@ -199,7 +199,7 @@ void AxisInputs::at_edge(AxisInput which, const LineEdge& edge) noexcept {
   if (!is_safety(which)) return at_switch_edge(which, edge);
   safety_[index(which)].edge(edge.active, edge.at);
   if (active(which)) return;
-  put(which, SafetyState::Doubtful);
+  put(which, SafetyState::Debouncing);
   cut_light();
   cut_again_at_ = now_() + kCutAgain;
 }
@@ -263,7 +263,7 @@ void AxisInputs::settle_safety(AxisInput which, TimePoint now) noexcept {
   if (now >= *contact.due()) contact.read(level_of(which), now_());
   while (const auto change = contact.change(now)) {
     put(which, change->to);
-    if (which == AxisInput::EmergencyStop && change->to == SafetyState::Unsafe) engine_.bar();
+    if (which == AxisInput::EmergencyStop && change->to == SafetyState::Unsafe) engine_.inhibit();
     tell({.which = which,
           .active = change->to != SafetyState::Safe,
           .at = change->since,

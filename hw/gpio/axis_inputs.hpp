@@ -4,8 +4,21 @@
 //
 // The emergency stop and the lid are safety inputs: the light is cut at their first edge, or when their level
 // cannot be read, and stays so until they have settled safe and the owner has let it go. An emergency stop
-// that lasts bars the steps, too. A switch that cannot be read leaves nothing to be known of the inputs: see
-// lost().
+// that lasts inhibits the steps, too. A switch that cannot be read leaves nothing to be known of the inputs:
+// see lost().
+//
+// Invariants of what the two threads share:
+//  1. Only the thread raises told_, behind the entry that it counts; only the owner raises taken_, behind
+//     having read it. told_ - taken_ is kChanges at most: one more change loses the inputs instead.
+//  2. lost_ stays true once it is.
+//  3. The thread says that an input is unsafe before it cuts and inhibits; the owner looks again after
+//  letting
+//     go. So whoever is last leaves the light cut and the steps inhibited while an input is unsafe.
+//  4. A halt by the rule Beyond or by the second switch is told before the steps are halted. One by the rule
+//     AtContact is told when the contact has settled, with the time of its first edge.
+//  5. A rule that has halted is Never from then on, a second switch that has is no longer watched: one halt a
+//     rule.
+//  6. The thread uses cutoff_ only while cutting_ is set.
 //
 // It is larger than other classes: its thread may neither lock nor wait, so that what it knows of the
 // contacts and of the encoder, and what it hands over, are in one place.
@@ -76,15 +89,15 @@ class AxisInputs {
   // A switch: closed. A safety input: not safe.
   [[nodiscard]] bool active(AxisInput which) const noexcept { return active_[index(which)]; }
   // A safety input has moved, and it is not known yet whether that lasts.
-  [[nodiscard]] bool doubtful(AxisInput which) const noexcept {
-    return states_[index(which)] == SafetyState::Doubtful;
+  [[nodiscard]] bool debouncing(AxisInput which) const noexcept {
+    return states_[index(which)] == SafetyState::Debouncing;
   }
   [[nodiscard]] bool readable(AxisInput which) const noexcept { return !unreadable_[index(which)]; }
   [[nodiscard]] std::optional<InputChange> take_change() noexcept;
   // Readable when there are changes to take.
   [[nodiscard]] EventDescriptor& changes() noexcept { return changed_; }
   // Changes came faster than they were taken, a switch cannot be read, or a line's chip has gone: what is
-  // said of the inputs cannot be relied on any more. The steps are barred and the light is cut.
+  // said of the inputs cannot be relied on any more. The steps are inhibited and the light is cut.
   [[nodiscard]] bool lost() const noexcept { return lost_; }
   // Up while A leads B.
   [[nodiscard]] std::int64_t encoder_count() const noexcept { return count_; }
@@ -148,7 +161,8 @@ class AxisInputs {
   std::atomic<std::uint64_t> illegal_{0}, index_pulses_{0};
   std::atomic<std::int64_t> index_count_{0};
 
-  // Three a disturbance of the safety inputs, which may be mains hum: more than a second's.
+  // A spike on a safety input makes three changes. Mains hum makes 50 spikes a second: there is room for more
+  // than a second of it.
   static constexpr std::uint32_t kChanges = 256;
   std::array<InputChange, kChanges> ring_{};
   std::atomic<std::uint32_t> told_{0}, taken_{0};

@@ -18,10 +18,10 @@ std::unique_ptr<InputLine> take_input(const std::optional<GpioInputConfig>& conf
 std::optional<std::string> contradiction(const GpioAxisConfig& config) {
   const double rate = config.top_speed.count() * config.microsteps_per_mm;
   char words[160];
-  if (rate > kMostStepsPerSecond) {
+  if (rate > kMaxStepsPerSecond) {
     std::snprintf(words, sizeof words,
                   "the axis' top speed of %g mm/s is %.0f steps/s; a computer makes %.0f at most",
-                  config.top_speed.count(), rate, kMostStepsPerSecond);
+                  config.top_speed.count(), rate, kMaxStepsPerSecond);
     return words;
   }
   const double most = most_steps_per_second(config.pulse_width);

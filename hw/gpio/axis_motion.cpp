@@ -19,12 +19,12 @@ MotionLimits motion_limits(const GpioAxisConfig& config, MillimetersPerSecond sp
 
 Duration move_duration(const GpioAxisConfig& config, Nanometers distance, MillimetersPerSecond speed) {
   const Screw screw(config.microsteps_per_mm, config.backlash);
-  const std::int64_t steps = screw.nearest_step(distance);
-  const auto taken = [limits = motion_limits(config, speed)](std::int64_t way) {
-    return StepPlanner(std::abs(way), limits).duration();
+  const Microsteps steps = screw.nearest_step(distance);
+  const auto taken = [limits = motion_limits(config, speed)](Microsteps microsteps) {
+    return StepPlanner(std::abs(microsteps.count()), limits).duration();
   };
   const Duration rest = config.encoder ? kEncoderRest : Duration{0};
-  if (steps >= 0 || screw.backlash() == 0) return taken(steps) + rest;
+  if (steps >= Microsteps{0} || screw.backlash() == Microsteps{0}) return taken(steps) + rest;
   return taken(steps - screw.backlash()) + taken(screw.backlash()) + rest;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hw/gpio/axis_words.hpp"
+#include "hw/gpio/axis_text.hpp"
 
 namespace contourd {
 namespace {
@@ -30,7 +30,7 @@ std::optional<std::string> EncoderPlausibility::wrong_edges(std::uint64_t illega
   const double bound = std::max(mm(config_.tolerance) * config_.counts_per_mm / kCountsPerIllegalEdge, 1.0);
   const std::uint64_t edges = illegal - illegal_before_;
   if (static_cast<double>(edges) <= bound) return std::nullopt;
-  return "the encoder (" + words_of(config_.a) + ", " + words_of(config_.b) + ") made " +
+  return "the encoder (" + describe(config_.a) + ", " + describe(config_.b) + ") made " +
          std::to_string(edges) +
          " edges in one move that cannot be: its lines are disturbed, or it is too fast, and its count may "
          "be "

@@ -1,5 +1,5 @@
 // Whether what an encoder says can be believed, and how much of it may be made good by further steps: an
-// encoder that loses counts must not walk the plate away. Pure value; event loop's thread only.
+// encoder that loses counts must not make the plate drift. Pure value; event loop's thread only.
 //
 // A motor loses steps four full ones at a time, in one move: a difference from the steps that came by and by,
 // over several moves, is the encoder's, or that of a scale or a screw that is described wrongly, and never

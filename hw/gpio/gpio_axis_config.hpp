@@ -46,7 +46,7 @@ struct EncoderConfig {
 // Of any move. A thread takes about as long as an interval of 50 us to wake: beyond, it would never sleep,
 // and the kernel, which leaves real-time threads 95 % of the time, would hold it up for 50 ms in every
 // second.
-inline constexpr double kMostStepsPerSecond = 20'000;
+inline constexpr double kMaxStepsPerSecond = 20'000;
 
 // As many as pulses of this width, and pauses as long, leave room for: an interval becomes as short as three
 // quarters behind a late step.

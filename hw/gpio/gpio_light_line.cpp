@@ -68,8 +68,8 @@ void GpioLightLine::off() noexcept {
 }
 
 void GpioLightLine::insist() {
-  if (!std::exchange(told_, true) && disturbed_)
-    disturbed_({Disturbance::Kind::Fault, "the light may be on: " + cannot_be_set()});
+  if (!std::exchange(told_, true) && on_event_)
+    on_event_({MachineEvent::Kind::Fault, "the light may be on: " + cannot_be_set()});
   off();
 }
 

@@ -24,8 +24,8 @@ class GpioLightLine final : public LightLine, public LightCutoff {
   // Of a line that is there; `words` are what an owner calls it: "line 24 of gpiochip0".
   GpioLightLine(std::unique_ptr<CuttableLine> line, std::string words, Clock& clock);
 
-  // The line refuses to go off; said once, and tried again and again until it does.
-  void on_disturbance(std::function<void(const Disturbance&)> call) { disturbed_ = std::move(call); }
+  // Reports once that the line refuses to go off. Off is tried again until it works.
+  void on_event(std::function<void(const MachineEvent&)> call) { on_event_ = std::move(call); }
   // Throws HardwareError too as long as the line refuses to go off.
   void on() override;
   void off() noexcept override;
@@ -48,7 +48,7 @@ class GpioLightLine final : public LightLine, public LightCutoff {
   static constexpr Duration::rep kNotCut = std::numeric_limits<Duration::rep>::min();
   [[nodiscard]] static std::optional<TimePoint> time_of(Duration::rep time);
   std::atomic<Duration::rep> cut_at_{kNotCut}, cut_by_{kNotCut};
-  std::function<void(const Disturbance&)> disturbed_;
+  std::function<void(const MachineEvent&)> on_event_;
   bool refuses_off_ = false;
   bool told_ = false;  // of that
   std::unique_ptr<Timer> again_;

@@ -6,7 +6,7 @@ namespace contourd {
 
 // One or two calls of the kernel, which takes them from any thread and process at any time, whatever
 // interface the line was taken by (libgpiod 1.6: the first; libgpiod 2: the second). True when the line is
-// inactive now. Neither allocates nor locks. REQUIRES: the descriptor holds one line, an output.
+// inactive now; false for what is no line, too. Neither allocates nor locks.
 [[nodiscard]] bool set_line_inactive(int descriptor) noexcept;
 
 }  // namespace contourd

@@ -15,14 +15,14 @@ std::optional<TimePoint> SafetyContact::due() const noexcept {
   if (!moving_) return std::nullopt;
   if (state_ == SafetyState::Safe) return first_;
   if (!unsafe_) return last_ + debounce_;
-  return state_ == SafetyState::Doubtful ? std::optional(first_ + debounce_) : std::nullopt;
+  return state_ == SafetyState::Debouncing ? std::optional(first_ + debounce_) : std::nullopt;
 }
 
 std::optional<SafetyContact::Change> SafetyContact::change(TimePoint now) noexcept {
   if (!moving_) return std::nullopt;
-  if (state_ == SafetyState::Safe) return step_to(SafetyState::Doubtful, first_);
+  if (state_ == SafetyState::Safe) return step_to(SafetyState::Debouncing, first_);
   const Duration lasted = (unsafe_ ? now : last_) - first_;
-  if (state_ == SafetyState::Doubtful && lasted >= debounce_) return step_to(SafetyState::Unsafe, first_);
+  if (state_ == SafetyState::Debouncing && lasted >= debounce_) return step_to(SafetyState::Unsafe, first_);
   if (unsafe_ || now - last_ < debounce_) return std::nullopt;
   moving_ = false;
   return step_to(SafetyState::Safe, last_);

@@ -12,8 +12,8 @@ namespace contourd {
 
 enum class SafetyState : std::uint8_t {
   Safe,
-  Doubtful,  // unsafe, and not yet known for how long
-  Unsafe,    // for the debounce time, or with edges for as long
+  Debouncing,  // unsafe, and not yet known for how long
+  Unsafe,      // for the debounce time, or with edges for as long
 };
 
 class SafetyContact {
@@ -41,8 +41,8 @@ class SafetyContact {
 
   // When to call change(); nothing while nothing is to come without an edge.
   [[nodiscard]] std::optional<TimePoint> due() const noexcept;
-  // What has come of it by now, a step a call, until it returns nothing: Doubtful once a bout, then Unsafe if
-  // it lasts, then Safe.
+  // What has come of it by now, a step a call, until it returns nothing: Debouncing once a bout, then Unsafe
+  // if it lasts, then Safe.
   std::optional<Change> change(TimePoint now) noexcept;
 
   // Of the last change; an edge since then makes it unsafe all the same.

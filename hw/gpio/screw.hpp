@@ -16,10 +16,10 @@ class Screw {
       : per_mm_(microsteps_per_mm), backlash_(nearest_step(backlash)) {}
 
   [[nodiscard]] double microsteps_per_mm() const { return per_mm_; }
-  [[nodiscard]] std::int64_t backlash() const { return backlash_; }
+  [[nodiscard]] Microsteps backlash() const { return backlash_; }
 
-  [[nodiscard]] std::int64_t nearest_step(Nanometers height) const {
-    return std::llround(to_millimeters(height).count() * per_mm_);
+  [[nodiscard]] Microsteps nearest_step(Nanometers height) const {
+    return Microsteps{std::llround(to_millimeters(height).count() * per_mm_)};
   }
   [[nodiscard]] Nanometers height(double steps) const {
     return Nanometers{std::llround(steps / per_mm_ * 1e6)};
@@ -27,18 +27,18 @@ class Screw {
 
   // The motor has stood still at `motor`, the plate `play` above it, and moves one way from there.
   struct Rest {
-    std::int64_t motor = 0;
-    std::int64_t play = 0;  // 0 after a way up, the backlash after a way down
-    [[nodiscard]] std::int64_t plate() const { return motor + play; }
+    Microsteps motor{};
+    Microsteps play{};  // 0 after a way up, the backlash after a way down
+    [[nodiscard]] Microsteps plate() const { return motor + play; }
   };
   // Where it rests, or passes, when the motor is at `motor`.
-  [[nodiscard]] Rest moved(const Rest& from, std::int64_t motor) const {
-    return {motor, std::clamp<std::int64_t>(from.play - (motor - from.motor), 0, backlash_)};
+  [[nodiscard]] Rest moved(const Rest& from, Microsteps motor) const {
+    return {motor, std::clamp(from.play - (motor - from.motor), Microsteps{0}, backlash_)};
   }
 
  private:
   double per_mm_;
-  std::int64_t backlash_;
+  Microsteps backlash_;
 };
 
 }  // namespace contourd

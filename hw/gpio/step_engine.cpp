@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -24,6 +26,7 @@ StepEngine::StepEngine(OutputLine& step, OutputLine& direction, const StepTiming
     : step_(step), direction_(direction), timing_(timing), now_(now) {}
 
 void StepEngine::start(const StepMove& move) noexcept {
+  expects(!moving(), "no move is under way");
   move_ = move;
   sign_ = move.steps < 0 ? -1 : 1;
   from_ = position();
@@ -57,6 +60,7 @@ StepEngine::Ramp StepEngine::ramp() const noexcept {
 }
 
 void StepEngine::set_position(std::int64_t position) noexcept {
+  expects(!moving(), "no move is under way");
   from_ += position - position_;
   position_ = position;
 }
@@ -96,8 +100,8 @@ void StepEngine::halt() noexcept {
     sched_yield();
 }
 
-void StepEngine::bar() noexcept {
-  barred_ = true;
+void StepEngine::inhibit() noexcept {
+  inhibited_ = true;
   halt_soon();
 }
 
@@ -132,7 +136,7 @@ void StepEngine::act() noexcept {
 }
 
 void StepEngine::rise() noexcept {
-  if (halt_ || barred_) return finish(StepEnd::Halted);
+  if (halted()) return finish(StepEnd::Halted);
   const TimePoint now = now_();
   const Duration late = now.time_since_epoch() - Duration{start_ns_} - planned_;
   if (late > harmless_ && come_to_rest(late)) return start_again(now, late);
@@ -148,7 +152,7 @@ void StepEngine::rise() noexcept {
 // False when the move has ended instead.
 bool StepEngine::make_step(TimePoint now) noexcept {
   stepping_ = true;
-  if (halt_ || barred_) {
+  if (halted()) {
     stepping_ = false;
     finish(StepEnd::Halted);
     return false;

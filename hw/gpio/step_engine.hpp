@@ -13,15 +13,19 @@
 // or than 5 ms, a quarter of the swing of a slow rotor (50 Hz) about a field that stands still. A motor above
 // its pull-in speed has stalled then: it may have lost steps. Slower ones have stopped dead and lost none.
 //
-// What is handed from thread to thread by phase_:
+// Invariants, of what phase_ hands from thread to thread:
 //  1. Only the owner makes it Handed, from Idle, and has written move_ and the schedule's start before.
 //  2. Only the thread makes it Running, from Handed; it reads move_ from then on.
 //  3. Only the thread makes it Idle, from Running, and has written end_ before. It touches neither move_ nor
 //     end_ from then on, though it has yet to signal ended(): that may come within the next move.
 //  4. The owner reads end_ and writes move_ only while it is Idle. From start() on, end_ is the next move's.
-//  5. halt_ is forgotten by forget_halt() alone, stop_ by start(), both while it is Idle; barred_ by neither.
+//  5. halt_ is forgotten by forget_halt() alone, stop_ by start(), both while it is Idle; inhibited_ by
+//  neither.
 //     Who halts by a rule is told that rule in between: no step is made without it, however little the owner
 //     runs.
+//  6. position_ and history_ change by the thread, with each step that the line has taken, while stepping_ is
+//     set; set_position() moves position_ while it is Idle, and from_ with it.
+//  7. While it is Idle, the position is from_ and the steps that the history has gained since start().
 //
 // It is larger than other classes: all that the two threads share of a move is in one place, under these
 // rules.
@@ -35,6 +39,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/contract/expects.hpp"
 #include "hw/event_descriptor.hpp"
 #include "hw/gpio/digital_line.hpp"
 #include "hw/gpio/step_history.hpp"
@@ -88,14 +93,20 @@ class StepEngine {
   // The owner's.
 
   // Halts from now on are the next move's. REQUIRES: !moving().
-  void forget_halt() noexcept { halt_ = false; }
+  void forget_halt() noexcept {
+    expects(!moving(), "no move is under way");
+    halt_ = false;
+  }
   // REQUIRES: !moving().
   void start(const StepMove& move) noexcept;
   // Slows the move down to rest.
   void stop() noexcept;
   [[nodiscard]] bool moving() const noexcept { return phase_.load(std::memory_order_acquire) != Phase::Idle; }
   // How the last move ended. REQUIRES: !moving().
-  [[nodiscard]] StepEnd last_end() const noexcept { return end_; }
+  [[nodiscard]] StepEnd last_end() const noexcept {
+    expects(!moving(), "no move is under way");
+    return end_;
+  }
   // Readable when a move has ended.
   [[nodiscard]] EventDescriptor& ended() noexcept { return ended_; }
   // REQUIRES: !moving().
@@ -110,14 +121,16 @@ class StepEngine {
   // Any thread's.
 
   // Once it has returned no further step is made: of the move under way, if any. Waits for a step just being
-  // made. REQUIRES: a thread that does not keep the stepping thread from its processor.
+  // made; for ever, where the waiting keeps the stepping thread from its processor.
   void halt() noexcept;
   // The same without waiting: a step just being made is still made.
   void halt_soon() noexcept { halt_ = true; }
-  // Halts so, and lets no move make a step until allow().
-  void bar() noexcept;
-  void allow() noexcept { barred_ = false; }
-  [[nodiscard]] bool barred() const noexcept { return barred_; }
+  // Halts in the same way; no move makes a step until enable().
+  void inhibit() noexcept;
+  void enable() noexcept { inhibited_ = false; }
+  [[nodiscard]] bool inhibited() const noexcept { return inhibited_; }
+  // Inhibits every engine of the process, which is about to end, for good.
+  static void inhibit_all() noexcept { all_inhibited_ = true; }
   // Steps really made, up less down.
   [[nodiscard]] std::int64_t position() const noexcept { return position_.load(std::memory_order_acquire); }
 
@@ -131,7 +144,8 @@ class StepEngine {
   // harm.
   [[nodiscard]] TimePoint due() const noexcept { return due_; }
   [[nodiscard]] bool interrupted() const noexcept {
-    return halt_.load(std::memory_order_relaxed) || barred_.load(std::memory_order_relaxed) ||
+    return halt_.load(std::memory_order_relaxed) || inhibited_.load(std::memory_order_relaxed) ||
+           all_inhibited_.load(std::memory_order_relaxed) ||
            (stop_.load(std::memory_order_relaxed) && !stopped_);
   }
   void act() noexcept;
@@ -153,6 +167,7 @@ class StepEngine {
     Duration elapsed{};     // from the ramp's start
   };
 
+  [[nodiscard]] bool halted() const noexcept { return halt_ || inhibited_ || all_inhibited_; }
   [[nodiscard]] Ramp ramp() const noexcept;
   [[nodiscard]] StepPlanner planned(const Ramp& ramp) const noexcept;
   void rise() noexcept;
@@ -173,7 +188,8 @@ class StepEngine {
   EventDescriptor work_, ended_;
 
   std::atomic<Phase> phase_{Phase::Idle};
-  std::atomic<bool> stop_{false}, halt_{false}, barred_{false};
+  std::atomic<bool> stop_{false}, halt_{false}, inhibited_{false};
+  inline static std::atomic<bool> all_inhibited_{false};
   std::atomic<bool> stepping_{false};  // between looking for a halt and having made the step
   std::atomic<std::int64_t> position_{0};
   StepHistory history_;

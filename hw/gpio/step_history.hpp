@@ -1,5 +1,11 @@
 // When the last steps were made: written by the stepping thread without a lock, read by another.
 // Preallocated.
+//
+// Invariants:
+//  1. One thread adds, each time no earlier than the one before.
+//  2. count_ only grows, by one, and behind the time that it counts: whoever has read it may read that time.
+//  3. Step n has its time at n % kKept until step n + kKept is added. So a reader that is up to 64 steps
+//     slower than the writer reads none but those that it asked for.
 #pragma once
 
 #include <array>

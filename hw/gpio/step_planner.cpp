@@ -14,19 +14,19 @@ Duration nearest_nanosecond(double s) {
   return Duration{static_cast<Duration::rep>(s * 1e9 + 0.5)};
 }
 
-// Steps whose middle lies within `way`.
-std::int64_t steps_within(double way) {
-  return static_cast<std::int64_t>(way + 0.5);
+// Steps whose middle lies within `distance`.
+std::int64_t steps_within(double distance) {
+  return static_cast<std::int64_t>(distance + 0.5);
 }
 
 }  // namespace
 
-Duration StepPlanner::due(std::int64_t step) const noexcept {
+Duration StepPlanner::time_of(std::int64_t step) const noexcept {
   return nearest_nanosecond(curve_.time_at(static_cast<double>(step) + 0.5));
 }
 
 std::int64_t StepPlanner::due_by(Duration elapsed) const noexcept {
-  return std::min(steps_within(curve_.way_at(seconds(elapsed))), total_);
+  return std::min(steps_within(curve_.position_at(seconds(elapsed))), total_);
 }
 
 double StepPlanner::speed_at(Duration elapsed) const noexcept {

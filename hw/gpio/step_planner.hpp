@@ -9,6 +9,7 @@
 
 #include <cstdint>
 
+#include "core/contract/expects.hpp"
 #include "hw/clock.hpp"
 #include "hw/motion_curve.hpp"
 
@@ -17,7 +18,7 @@ namespace contourd {
 class StepPlanner {
  public:
   StepPlanner() = default;  // no steps
-  // REQUIRES: steps >= 0; limits in steps, every one > 0.
+  // In steps, and with a MotionCurve's requirements.
   StepPlanner(std::int64_t steps, const MotionLimits& limits) noexcept
       : curve_(static_cast<double>(steps), limits), total_(steps) {}
 
@@ -26,9 +27,16 @@ class StepPlanner {
   [[nodiscard]] bool finished() const noexcept { return done_ >= total_; }
 
   // When the next step is due, after the move's start. REQUIRES: !finished().
-  [[nodiscard]] Duration next() const noexcept { return due(done_); }
-  // The same of any step, counted from 0. REQUIRES: 0 <= step < total().
-  [[nodiscard]] Duration due(std::int64_t step) const noexcept;
+  [[nodiscard]] Duration next() const noexcept {
+    expects_costly([this] { return !finished(); }, "a step is still to be made");  // each step's
+    return time_of(done_);
+  }
+  // The same of any step, counted from 0; behind the last one, when the move is over. REQUIRES: 0 <= step <=
+  // total().
+  [[nodiscard]] Duration due(std::int64_t step) const noexcept {
+    expects(0 <= step && step <= total_, "the step is one of the move's");
+    return time_of(step);
+  }
   void advance() noexcept { ++done_; }
 
   // How many steps are due by `elapsed`, those done or not.
@@ -44,6 +52,8 @@ class StepPlanner {
   [[nodiscard]] Duration duration() const noexcept;
 
  private:
+  [[nodiscard]] Duration time_of(std::int64_t step) const noexcept;
+
   MotionCurve curve_;  // in steps
   std::int64_t total_ = 0;
   std::int64_t done_ = 0;

@@ -94,7 +94,7 @@ RealtimeThread::~RealtimeThread() {
 
 void DeadlineWait::sleep(TimePoint now, TimePoint due) noexcept {
   constexpr Duration kUnwatched{std::chrono::milliseconds{10}};
-  constexpr Duration kMostLead{std::chrono::microseconds{200}};
+  constexpr Duration kMaxLead{std::chrono::microseconds{200}};
   const TimePoint wake = std::min(due - lead_, now + kUnwatched);
   if (wake <= now) return;
   const Duration ns = wake.time_since_epoch();
@@ -102,7 +102,7 @@ void DeadlineWait::sleep(TimePoint now, TimePoint due) noexcept {
                       static_cast<long>((ns % std::chrono::seconds{1}).count())};
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr);
   // Down to the least at once, slowly up again.
-  const Duration took = std::min(monotonic_now() - wake, kMostLead);
+  const Duration took = std::min(monotonic_now() - wake, kMaxLead);
   lead_ = took < lead_ ? std::max(took, Duration{0}) : lead_ + (took - lead_) / 64;
 }
 
@@ -118,7 +118,7 @@ StepThread::StepThread(StepEngine& engine, int priority)
 
 StepThread::~StepThread() {
   quit_ = true;
-  engine_.bar();
+  engine_.inhibit();
   engine_.work().signal();
 }
 

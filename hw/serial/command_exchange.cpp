@@ -48,7 +48,7 @@ void CommandExchange::ask_first(Request request) {
   go_on();
 }
 
-void CommandExchange::make_way(bool light_is_off) {
+void CommandExchange::preempt(bool light_is_off) {
   std::erase_if(queue_, [](const Request& request) { return !request.stays; });
   const auto is = [this](const ProjectorCommand& command) { return current_->command == &command; };
   if (!current_ || (table_.light_off && is(*table_.light_off))) return;
@@ -117,11 +117,12 @@ void CommandExchange::take(const ReplyReader::Heard& heard) {
   if (!heard.reply) return;
   free_at_ = clock_.now() + table_.gap;
   const bool own = current_ && heard.reply->request == current_->id;  // else late, and somebody else's
-  const Doubt doubt = current_ && current_->sent > 0 ? current_->doubt : Doubt::Counts;
+  const Ambiguous if_ambiguous = current_ && current_->sent > 0 ? current_->if_ambiguous : Ambiguous::Counts;
   // Of light off's and light on's nobody knows which this one is, where they look alike: light on's may have
   // been lost, or come late, or twice. The next light off's will tell, sooner than a timeout. So it is with
   // power off's.
-  if ((doubt == Doubt::SendsAgainAnyway && !own) || (doubt != Doubt::Counts && heard.reply->doubtful)) {
+  if ((if_ambiguous == Ambiguous::SendsAgainAnyway && !own) ||
+      (if_ambiguous != Ambiguous::Counts && heard.reply->ambiguous)) {
     timer_ = clock_.call_at(free_at_, [this] { send(); });
     return;
   }
@@ -131,7 +132,7 @@ void CommandExchange::take(const ReplyReader::Heard& heard) {
                readable_bytes(heard.reply->text);
     return finish({.reply = ProjectorReply::Refused, .meaning = ReplyMeaning::Refused});
   }
-  finish({.meaning = heard.reply->meaning, .value = heard.reply->value, .doubtful = heard.reply->doubtful});
+  finish({.meaning = heard.reply->meaning, .value = heard.reply->value, .ambiguous = heard.reply->ambiguous});
 }
 
 void CommandExchange::timed_out() {

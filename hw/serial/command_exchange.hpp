@@ -28,19 +28,19 @@ class CommandExchange {
     ProjectorReply reply = ProjectorReply::Ok;
     ReplyMeaning meaning = ReplyMeaning::Accepted;
     std::optional<std::int64_t> value{};
-    bool doubtful = false;  // it may be an earlier command's reply once more
-    bool garbled = false;   // what else came made no sense
-    TimePoint begun{};      // its turn came
+    bool ambiguous = false;  // it may be an earlier command's reply once more
+    bool garbled = false;    // what else came made no sense
+    TimePoint begun{};       // its turn came
   };
-  // A reply that may be another command's counts as any other; or the command is sent again until one comes
-  // that is not; also after a reply to an earlier command.
-  enum class Doubt { Counts, SendsAgain, SendsAgainAnyway };
+  // What follows an ambiguous reply, one that may be another command's: it counts; or the command is sent
+  // again until a reply is unambiguous; or also after a reply to an earlier command.
+  enum class Ambiguous { Counts, SendsAgain, SendsAgainAnyway };
   struct Request {
     const ProjectorCommand* command;  // it must outlive the answer
     std::function<void(const Answer&)> done;
     int retries;         // after the first time
-    bool stays = false;  // make_way() does not drop it
-    Doubt doubt = Doubt::Counts;
+    bool stays = false;  // preempt() does not drop it
+    Ambiguous if_ambiguous = Ambiguous::Counts;
     RequestId id = 0;  // given here, but for ask_first()
     int sent = 0;
     TimePoint begun{};
@@ -66,10 +66,10 @@ class CommandExchange {
   void ask_first(Request request);
   [[nodiscard]] RequestId new_id() { return ++last_id_; }
 
-  // Drops what waits, but for requests that stay: they go on behind what comes first. A light off that is
-  // asked goes on; so does a power off, if `light_is_off`. Sends nothing: to be followed by ask_first() or
-  // go_on().
-  void make_way(bool light_is_off);
+  // Drops the requests that wait, except those that stay: they go on behind what comes first. A light off
+  // that is asked goes on; so does a power off, if `light_is_off`. Sends nothing: to be followed by
+  // ask_first() or go_on().
+  void preempt(bool light_is_off);
   // Drops requests that wait.
   void drop(const ProjectorCommand& command);
   void drop_first() { first_.reset(); }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -17,6 +19,8 @@ ProjectorLight::ProjectorLight(CommandExchange& exchange, Clock& clock, const Pr
 
 // Once: a light on that may have been obeyed is not sent again.
 void ProjectorLight::turn_on(Duration exposure, Projector::LightOn tell) {
+  expects(table_.light_on && table_.light_off, "the table has a light on and off");
+  expects(dark(), "it is known to be dark");
   exposure_ = exposure;
   tell_ = std::move(tell);
   exchange_.ask({.command = &*table_.light_on,
@@ -40,7 +44,7 @@ void ProjectorLight::drop() {
   tell_sent_.reset();
 }
 
-std::string ProjectorLight::doubt() const {
+std::string ProjectorLight::light_off_unconfirmed() const {
   if (!may_be_on()) return {};
   return overdue() ? off_problem_ : exchange_.called() + " has not confirmed that its light is off";
 }
@@ -95,9 +99,9 @@ void ProjectorLight::carry_out(Effect effect) {
     case Effect::TellUnconfirmed:
       return tell_off(off_reply_);
     case Effect::ReportOverdue:
-      return wiring_.report(Disturbance::Kind::Fault, "the light may be on: " + off_problem_);
+      return wiring_.report(MachineEvent::Kind::Fault, "the light may be on: " + off_problem_);
     case Effect::ReportDark:
-      return wiring_.report(Disturbance::Kind::Recovery,
+      return wiring_.report(MachineEvent::Kind::Recovery,
                             exchange_.called() + " has confirmed that its light is off");
   }
 }
@@ -115,11 +119,11 @@ void ProjectorLight::light_off_sent(TimePoint first_byte) {
 void ProjectorLight::light_on_answered(const Answer& answer) {
   on_reply_ = answer.reply;
   const bool accepted = answer.reply == ProjectorReply::Ok;
-  if (accepted && !answer.doubtful) return take(Event::LightOnConfirmed);
+  if (accepted && !answer.ambiguous) return take(Event::LightOnConfirmed);
   if (accepted) exchange_.note_problem(exchange_.called() + " has not confirmed that its light is on");
   const bool sent = last_.has_value();
   if (answer.reply != ProjectorReply::Refused && sent && table_.light) return take(Event::LightOnUnanswered);
-  take(accepted ? Event::LightOnDoubtful : Event::LightOnFailed);
+  take(accepted ? Event::LightOnAmbiguous : Event::LightOnFailed);
 }
 
 void ProjectorLight::ask_whether_lit() {
@@ -139,7 +143,7 @@ void ProjectorLight::send_light_off(bool anew) {
   exchange_.ask_first({.command = &*table_.light_off,
                        .done = [this](const Answer& answer) { light_off_answered(answer); },
                        .retries = overdue() ? 0 : table_.retries,
-                       .doubt = CommandExchange::Doubt::SendsAgainAnyway,
+                       .if_ambiguous = CommandExchange::Ambiguous::SendsAgainAnyway,
                        .id = off_id_});
 }
 

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "core/contract/expects.hpp"
 #include "hw/clock.hpp"
 #include "hw/machine.hpp"
 #include "hw/projector.hpp"
@@ -21,16 +22,20 @@ namespace contourd {
 class ProjectorLight {
  public:
   struct Wiring {
-    std::function<TimePoint()> warm_at;  // until then nobody wonders at a light off that is refused
-    std::function<void(Disturbance::Kind, const std::string&)> report;
+    std::function<TimePoint()> warm_at;  // until then a light off that is refused is no fault
+    std::function<void(MachineEvent::Kind, const std::string&)> report;
   };
 
   // Exchange, clock and table must outlive it.
   ProjectorLight(CommandExchange& exchange, Clock& clock, const ProjectorTable& table, Wiring wiring);
 
-  // See Projector. REQUIRES: the table has a light off, and for turn_on() a light on; dark() holds there.
+  // See Projector. REQUIRES: the table has a light on and off; dark().
   void turn_on(Duration exposure, Projector::LightOn tell);
-  void turn_off() { take(Event::LightOffWanted); }
+  // REQUIRES: the table has a light off.
+  void turn_off() {
+    expects(table_.light_off.has_value(), "the table has a light off");
+    take(Event::LightOffWanted);
+  }
   // Another light on is asked for than the one before, whether it comes to it or not.
   void forget_last();
   void when_dark(std::function<void()> call);
@@ -52,7 +57,7 @@ class ProjectorLight {
   [[nodiscard]] bool off_waits() const { return is_turned_off(state_); }
   [[nodiscard]] bool overdue() const { return is_overdue(state_); }
   // Why it may be on; empty when it is off as far as anybody can tell.
-  [[nodiscard]] std::string doubt() const;
+  [[nodiscard]] std::string light_off_unconfirmed() const;
   [[nodiscard]] std::optional<LightSpan> last() const { return last_; }
   // No light off is under way, or due by the exposure that was asked for before `duration` is over.
   [[nodiscard]] bool leaves_time_for(Duration duration) const;

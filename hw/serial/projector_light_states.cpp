@@ -11,7 +11,7 @@ using F = ProjectorLightEffect;
 
 template <typename... Effects>
 constexpr ProjectorLightTransition row(S from, E on, S to, Effects... effects) {
-  static_assert(sizeof...(effects) <= ProjectorLightTransition::kMostEffects);
+  static_assert(sizeof...(effects) <= ProjectorLightTransition::kMaxEffects);
   return {from, on, to, {effects...}, sizeof...(effects)};
 }
 
@@ -51,7 +51,7 @@ constexpr auto kTable = std::to_array<ProjectorLightTransition>({
     row(S::TurningOff, E::LightOnSent, S::TurningOff, F::NoteLightOn, F::SendLightOff, F::TellUnlit),
     row(S::Overdue, E::LightOnSent, S::Overdue, F::NoteLightOn, F::SendLightOff, F::TellUnlit),
     row(S::TurningOn, E::LightOnConfirmed, S::Lit, F::NoteLit, F::TellLit),
-    row(S::TurningOn, E::LightOnDoubtful, S::Lit, F::TellLit),
+    row(S::TurningOn, E::LightOnAmbiguous, S::Lit, F::TellLit),
     row(S::TurningOn, E::LightOnUnanswered, S::AskedWhetherLit, F::AskWhetherLit),
     // Not confirmed is not off.
     row(S::TurningOn, E::LightOnFailed, S::TurningOff, F::SendLightOff, F::TellUnlit),
@@ -64,7 +64,10 @@ constexpr auto kTable = std::to_array<ProjectorLightTransition>({
     // Power on may be obeyed without an answer.
     row(S::Dark, E::PowerOnSent, S::ComingUp),
     row(S::AskedWhetherOn, E::PowerOnSent, S::LitAskedWhetherOn),
-    row(S::MakingSure, E::PowerOnSent, S::TurningOff),
+    // A reply to a light off before it does not count any more.
+    row(S::MakingSure, E::PowerOnSent, S::TurningOff, F::SendLightOff),
+    row(S::TurningOff, E::PowerOnSent, S::TurningOff, F::SendLightOff),
+    row(S::Overdue, E::PowerOnSent, S::Overdue, F::SendLightOff),
     row(S::Dark, E::Suspected, S::TurningOff, F::SendLightOff),
     row(S::TurningOn, E::Suspected, S::TurningOff, F::SendLightOff, F::TellUnlit),
     row(S::AskedWhetherLit, E::Suspected, S::TurningOff, F::SendLightOff, F::TellUnlit),
@@ -213,8 +216,8 @@ std::string_view name_of(ProjectorLightEvent event) {
       return "light on sent";
     case E::LightOnConfirmed:
       return "light on confirmed";
-    case E::LightOnDoubtful:
-      return "light on doubtful";
+    case E::LightOnAmbiguous:
+      return "light on ambiguous";
     case E::LightOnUnanswered:
       return "light on unanswered";
     case E::LightOnFailed:

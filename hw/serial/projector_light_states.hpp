@@ -32,7 +32,7 @@ enum class ProjectorLightState {
 enum class ProjectorLightEvent {
   LightOnSent,  // its first byte
   LightOnConfirmed,
-  LightOnDoubtful,    // a reply that may be another command's; it cannot be asked whether it is lit
+  LightOnAmbiguous,   // a reply that may be another command's; it cannot be asked whether it is lit
   LightOnUnanswered,  // no reply, or such a one; it can be asked
   LightOnFailed,      // refused, never sent, or no reply and it cannot be asked
   SaysLit,

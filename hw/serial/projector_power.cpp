@@ -121,9 +121,9 @@ void ProjectorPower::carry_out(Effect effect) {
     case Effect::TellWentOff:
       return tell_refused(why_);
     case Effect::ReportWentOff:
-      return wiring_.report(Disturbance::Kind::Fault, why_);
+      return wiring_.report(MachineEvent::Kind::Fault, why_);
     case Effect::ReportLampOn:
-      return wiring_.report(Disturbance::Kind::Fault, "the lamp may be on: " + why_);
+      return wiring_.report(MachineEvent::Kind::Fault, "the lamp may be on: " + why_);
   }
 }
 
@@ -202,7 +202,7 @@ void ProjectorPower::send_power_off() {
                  .done = [this](const Answer& answer) { power_off_answered(answer); },
                  .retries = table_.retries,
                  .stays = true,
-                 .doubt = CommandExchange::Doubt::SendsAgain});
+                 .if_ambiguous = CommandExchange::Ambiguous::SendsAgain});
 }
 
 void ProjectorPower::power_off_answered(const Answer& answer) {

@@ -28,16 +28,16 @@ class ProjectorPower {
     std::function<void()> suspect_light;
     std::function<void(Done)> make_dark;  // suspect_light, and whether it is off then
     std::function<void()> light_is_off;   // since its power is
-    // Nothing is to keep a light off waiting for that long.
+    // Whether a question that takes so long delays no light off.
     std::function<bool(Duration)> may_ask;
-    std::function<void(Disturbance::Kind, const std::string&)> report;
+    std::function<void(MachineEvent::Kind, const std::string&)> report;
   };
 
   // Exchange, clock and table must outlive it. `brightness` is sent after every warm-up.
   ProjectorPower(CommandExchange& exchange, Clock& clock, const ProjectorTable& table,
                  std::optional<ProjectorCommand> brightness, Wiring wiring);
 
-  // Of two that wait, the later one is told.
+  // Where two wait, only the later one is answered.
   void turn_on(Done done);
   void turn_off();
   void turn_off_if_on();
@@ -46,13 +46,13 @@ class ProjectorPower {
 
   void power_on_sent(TimePoint first_byte) { warm_at_ = first_byte + table_.warm_up; }
   void may_warm_up() { warm_at_ = clock_.now() + table_.warm_up; }
-  // It says so by itself; nothing when it was told to.
+  // The projector says by itself that it is off. Ignored when it was told to.
   void went_off(const std::string& what);
 
   [[nodiscard]] bool on() const { return is_on(state_); }
   [[nodiscard]] bool off() const { return is_off(state_); }
   [[nodiscard]] bool off_waits() const { return is_turned_off(state_); }
-  // Until then nobody wonders at what it says.
+  // Until then its answers are those of a projector that warms up.
   [[nodiscard]] TimePoint warm_at() const { return warm_at_; }
 
  private:

@@ -11,7 +11,7 @@ using F = ProjectorPowerEffect;
 
 template <typename... Effects>
 constexpr ProjectorPowerTransition row(S from, E on, S to, Effects... effects) {
-  static_assert(sizeof...(effects) <= ProjectorPowerTransition::kMostEffects);
+  static_assert(sizeof...(effects) <= ProjectorPowerTransition::kMaxEffects);
   return {from, on, to, {effects...}, sizeof...(effects)};
 }
 

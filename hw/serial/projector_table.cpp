@@ -1,8 +1,11 @@
 #include "hw/serial/projector_table.hpp"
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 
 ProjectorCommand BrightnessCommand::with(std::int32_t number) const {
+  expects(least <= number && number <= most, "the number is one of those that the projector takes");
   ProjectorCommand numbered = command;
   if (as_byte) {
     numbered.bytes[number_at] = static_cast<char>(number);

@@ -44,7 +44,7 @@ struct UnaskedLine {
   enum class Kind {
     Nothing,       // worth nothing
     Off,           // it has turned itself off: a fault, unless it was told to
-    Interruption,  // see Disturbance
+    Interruption,  // see MachineEvent
     Fault,
   };
   ReplyPattern pattern;

@@ -5,10 +5,12 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
-constexpr std::size_t most_value_bytes = 4;
+constexpr std::size_t kMaxValueBytes = 4;
 
 std::vector<std::string_view> tokens_of(std::string_view text) {
   std::vector<std::string_view> tokens;
@@ -29,9 +31,9 @@ std::optional<char> hex_byte(std::string_view token) {
 }
 
 std::string hex_of(char c) {
-  constexpr std::string_view digits = "0123456789ABCDEF";
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
   const auto byte = static_cast<unsigned char>(c);
-  return {digits[byte >> 4U], digits[byte & 15U]};
+  return {kDigits[byte >> 4U], kDigits[byte & 15U]};
 }
 
 void require_checksum(Checksum checksum) {
@@ -52,7 +54,8 @@ std::optional<std::int64_t> number_in(std::string_view digits) {
 
 }  // namespace
 
-char checksum_of(std::string_view message, Checksum) {
+char checksum_of(std::string_view message, Checksum kind) {
+  expects(kind != Checksum::None, "there is a checksum");
   unsigned sum = 0;
   for (const char c : message.substr(std::min<std::size_t>(1, message.size())))
     sum += static_cast<unsigned char>(c);
@@ -93,7 +96,7 @@ ReplyPattern ReplyPattern::of_bytes(std::string_view hex, Checksum checksum) {
     if (pattern.bytes_.back().kind == Byte::Kind::Value) ++value_bytes;
   }
   if (pattern.bytes_.empty()) throw std::invalid_argument("there are no bytes in it");
-  if (value_bytes > most_value_bytes) throw std::invalid_argument("a value has at most 4 bytes");
+  if (value_bytes > kMaxValueBytes) throw std::invalid_argument("a value has at most 4 bytes");
   return pattern;
 }
 
@@ -110,11 +113,11 @@ bool ReplyPattern::fits_noise() const {
     return std::none_of(bytes_.begin(), bytes_.end(),
                         [](const Byte& byte) { return byte.kind == Byte::Kind::Exact; });
   }
-  constexpr std::string_view bytes = "\x8f\xe0\x93\xf8\xc7\x9e\xfc\xe3\x87\xf1\x9c\xce\xe7\xf3\x8c\xb9";
-  constexpr std::string_view words = "qZ7jXk3vWz9QbJ4y";
-  for (std::size_t size = 1; size <= words.size(); ++size) {
+  constexpr std::string_view kBytes = "\x8f\xe0\x93\xf8\xc7\x9e\xfc\xe3\x87\xf1\x9c\xce\xe7\xf3\x8c\xb9";
+  constexpr std::string_view kWords = "qZ7jXk3vWz9QbJ4y";
+  for (std::size_t size = 1; size <= kWords.size(); ++size) {
     // One letter may well be a reply.
-    if (match_line(bytes.substr(0, size)) || (size > 1 && match_line(words.substr(0, size)))) return true;
+    if (match_line(kBytes.substr(0, size)) || (size > 1 && match_line(kWords.substr(0, size)))) return true;
   }
   return false;
 }

@@ -7,8 +7,8 @@
 namespace contourd {
 namespace {
 
-constexpr std::size_t longest_line = 256;
-constexpr std::size_t most_kept = 64;
+constexpr std::size_t kLongestLine = 256;
+constexpr std::size_t kMaxKept = 64;
 
 std::string_view trimmed(std::string_view text) {
   const auto is_blank = [](char c) { return static_cast<unsigned char>(c) <= 0x20 || c == 0x7f; };
@@ -21,7 +21,7 @@ std::string_view trimmed(std::string_view text) {
 
 void keep_last(std::string& bytes, char next) {
   bytes += next;
-  if (bytes.size() > most_kept) bytes.erase(0, bytes.size() - most_kept);
+  if (bytes.size() > kMaxKept) bytes.erase(0, bytes.size() - kMaxKept);
 }
 
 bool fits(const ProjectorCommand& command, bool line, std::string_view text) {
@@ -39,6 +39,7 @@ void ReplyReader::expect(RequestId request, const ProjectorCommand& command, Tim
   Owed next{.request = request,
             .command = &command,
             .bytes = table_.echo ? command.bytes : std::string(),
+            .heard = heard_,
             .patience = patience,
             .before = {},
             .until = sent + patience};
@@ -61,13 +62,15 @@ void ReplyReader::give_up(TimePoint now) {
 
 ReplyReader::Heard ReplyReader::take(char byte, TimePoint now) {
   give_up(now);
+  if (trimmed(line_).empty()) line_begin_ = heard_;
+  ++heard_;
   keep_last(received_, byte);
   keep_last(unexplained_, byte);
   const bool ends_line = byte == '\r' || byte == '\n';
   if (!ends_line) line_ += byte;
   if (is_echo(false)) return explained({});
   if (auto reply = match(false, received_, now)) return explained({std::move(reply), nullptr});
-  return ends_line || line_.size() >= longest_line ? end_line(now) : Heard{};
+  return ends_line || line_.size() >= kLongestLine ? end_line(now) : Heard{};
 }
 
 ReplyReader::Heard ReplyReader::end_line(TimePoint now) {
@@ -100,18 +103,25 @@ bool ReplyReader::is_echo(bool of_line) {
   return false;
 }
 
+std::optional<ReplyPattern::Match> ReplyReader::match(const Owed& owed, const ReplyPattern& pattern,
+                                                      bool line, std::string_view text) const {
+  if (line) return line_begin_ < owed.heard ? std::nullopt : pattern.match_line(text);
+  const std::uint64_t since = std::min<std::uint64_t>(heard_ - owed.heard, text.size());
+  return pattern.match_end(text.substr(text.size() - since));
+}
+
 std::optional<ReplyReader::Reply> ReplyReader::match(bool line, std::string_view text, TimePoint now) {
   for (auto owed = owed_.begin(); owed != owed_.end(); ++owed) {
     for (const ExpectedReply& expected : owed->command->replies) {
-      const auto found = line ? expected.pattern.match_line(text) : expected.pattern.match_end(text);
+      const auto found = match(*owed, expected.pattern, line, text);
       if (!found) continue;
       Reply reply{owed->request, expected.meaning, found->value, std::string(text), false};
-      reply.doubtful = std::ranges::any_of(
+      reply.ambiguous = std::ranges::any_of(
           owed->before, [&](const ProjectorCommand* other) { return fits(*other, line, text); });
       const auto repeat = std::ranges::find_if(
-          repeats_, [&](const Repeat& one) { return reply.doubtful && fits(*one.command, line, text); });
+          repeats_, [&](const Repeat& one) { return reply.ambiguous && fits(*one.command, line, text); });
       if (repeat != repeats_.end()) repeats_.erase(repeat);
-      if (owed->repeated || reply.doubtful)
+      if (owed->repeated || reply.ambiguous)
         repeats_.push_back({owed->request, owed->command, now + owed->patience});
       owed_.erase(owed_.begin(), owed + 1);
       for (Owed& next : owed_)

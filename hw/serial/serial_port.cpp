@@ -140,10 +140,10 @@ bool SerialPort::write(std::string_view bytes) noexcept {
 
 void SerialPort::write_and_wait(std::string_view bytes, Duration pause) noexcept {
   if (!write(bytes)) return;
-  constexpr auto step = std::chrono::milliseconds{5};
+  constexpr auto kStep = std::chrono::milliseconds{5};
   for (auto waited = Duration{0}; waited < std::chrono::seconds{1} && sp_output_waiting(port_.get()) > 0;
-       waited += step)
-    std::this_thread::sleep_for(step);
+       waited += kStep)
+    std::this_thread::sleep_for(kStep);
   std::this_thread::sleep_for(pause);
 }
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 
 SerialProjector::SerialProjector(ByteChannel& channel, Clock& clock, ProjectorTable table,
@@ -13,7 +15,7 @@ SerialProjector::SerialProjector(ByteChannel& channel, Clock& clock, ProjectorTa
       power_(exchange_, clock, table_, brightness_command(brightness), power_wiring()),
       light_(exchange_, clock, table_,
              {.warm_at = [this] { return power_.warm_at(); },
-              .report = [this](Disturbance::Kind kind, const std::string& what) { report(kind, what); }}) {}
+              .report = [this](MachineEvent::Kind kind, const std::string& what) { report(kind, what); }}) {}
 
 SerialProjector::SerialProjector(std::unique_ptr<ByteChannel> channel, Clock& clock, ProjectorTable table,
                                  std::optional<std::int32_t> brightness)
@@ -30,8 +32,9 @@ SerialProjector::~SerialProjector() {
 
 std::optional<ProjectorCommand> SerialProjector::brightness_command(
     std::optional<std::int32_t> brightness) const {
+  expects(!brightness || table_.brightness, "the table has a brightness, where one is to be sent");
   if (!brightness) return std::nullopt;
-  return table_.brightness.value().with(*brightness);
+  return table_.brightness->with(*brightness);
 }
 
 CommandExchange::Listener SerialProjector::listener() {
@@ -40,7 +43,7 @@ CommandExchange::Listener SerialProjector::listener() {
           .unasked = [this](const UnaskedLine& line) { unasked(line); },
           .lost =
               [this](const std::string& why) {
-                report(Disturbance::Kind::Fault,
+                report(MachineEvent::Kind::Fault,
                        why + (light_.may_be_on() ? "; the projector's light may be on" : ""));
               }};
 }
@@ -54,7 +57,7 @@ ProjectorPower::Wiring SerialProjector::power_wiring() {
                 if (table_.light_off) light_.power_is_off();
               },
           .may_ask = [this](Duration duration) { return light_.leaves_time_for(duration); },
-          .report = [this](Disturbance::Kind kind, const std::string& what) { report(kind, what); }};
+          .report = [this](MachineEvent::Kind kind, const std::string& what) { report(kind, what); }};
 }
 
 void SerialProjector::note_sent(const ProjectorCommand& command, TimePoint first_byte) {
@@ -74,14 +77,14 @@ void SerialProjector::unasked(const UnaskedLine& line) {
     case UnaskedLine::Kind::Off:
       return power_.went_off(what);
     case UnaskedLine::Kind::Interruption:
-      return report(Disturbance::Kind::Interruption, what);
+      return report(MachineEvent::Kind::Interlock, what);
     case UnaskedLine::Kind::Fault:
-      return report(Disturbance::Kind::Fault, what);
+      return report(MachineEvent::Kind::Fault, what);
   }
 }
 
-void SerialProjector::report(Disturbance::Kind kind, const std::string& what) {
-  if (disturbed_) disturbed_({kind, what});
+void SerialProjector::report(MachineEvent::Kind kind, const std::string& what) {
+  if (on_event_) on_event_({kind, what});
 }
 
 void SerialProjector::suspect_light() {
@@ -113,7 +116,7 @@ void SerialProjector::light_on(Duration exposure, LightOn tell) {
 
 // What turns it off goes on, behind light off where the light may still be on.
 void SerialProjector::light_off() noexcept {
-  exchange_.make_way(!light_.may_be_on());
+  exchange_.preempt(!light_.may_be_on());
   answer_.reset();
   power_.drop();
   light_.drop();
@@ -122,6 +125,7 @@ void SerialProjector::light_off() noexcept {
 }
 
 void SerialProjector::confirm_dark(Done done) {
+  expects(table_.light_off.has_value(), "the table has a light off");
   light_off();
   light_.tell_whether_dark(std::move(done));
 }
@@ -133,7 +137,7 @@ LightSerialPath SerialProjector::light_off_path() const {
 
 std::vector<std::string> SerialProjector::why_not_ready() const {
   if (!light_.overdue()) return {};
-  return {"the light may be on: " + doubt()};
+  return {"the light may be on: " + light_off_unconfirmed()};
 }
 
 std::string SerialProjector::description() const {

@@ -4,8 +4,8 @@
 //
 // Light off is sent at once, or as soon as the table's gap has passed, ahead of all others, and again and
 // again until it is confirmed, from the moment that power on is sent, whatever comes of that. So is power
-// off. While it is on the projector is asked every few seconds whether it still is. What follows what is in
-// the tables of projector_power_states.hpp and projector_light_states.hpp.
+// off. While it is on the projector is asked every few seconds whether it still is. The tables of
+// projector_power_states.hpp and projector_light_states.hpp say what follows what.
 //
 // It has many functions, each of a few lines: those of its interface.
 #pragma once
@@ -31,7 +31,7 @@ namespace contourd {
 class SerialProjector final : public Projector {
  public:
   // `brightness` is sent after every warm-up. Sends nothing yet. The channel and the clock must outlive the
-  // projector. REQUIRES: a brightness only where the table has one, within its range.
+  // projector.
   SerialProjector(ByteChannel& channel, Clock& clock, ProjectorTable table,
                   std::optional<std::int32_t> brightness = {});
   // With a channel of its own.
@@ -53,7 +53,7 @@ class SerialProjector final : public Projector {
   void power_off_if_on() override { power_.turn_off_if_on(); }
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return exchange_.problem(); }
-  [[nodiscard]] std::string doubt() const override { return light_.doubt(); }
+  [[nodiscard]] std::string light_off_unconfirmed() const override { return light_.light_off_unconfirmed(); }
 
   // Of the table's light off.
   [[nodiscard]] LightSerialPath light_off_path() const override;
@@ -67,18 +67,19 @@ class SerialProjector final : public Projector {
   // The projector does not confirm that the light is off, where it is on or its answers make no sense
   // (Recovery, when it has), or that its lamp is; it is off or silent though it was turned on; it says by
   // itself that something is wrong; or its line is lost.
-  void on_disturbance(std::function<void(const Disturbance&)> call) override { disturbed_ = std::move(call); }
+  void on_event(std::function<void(const MachineEvent&)> call) override { on_event_ = std::move(call); }
 
  private:
   using Answer = CommandExchange::Answer;
 
+  // REQUIRES: a brightness only where the table has one, within its range.
   [[nodiscard]] std::optional<ProjectorCommand> brightness_command(
       std::optional<std::int32_t> brightness) const;
   [[nodiscard]] CommandExchange::Listener listener();
   [[nodiscard]] ProjectorPower::Wiring power_wiring();
   void note_sent(const ProjectorCommand& command, TimePoint first_byte);
   void unasked(const UnaskedLine& line);
-  void report(Disturbance::Kind kind, const std::string& what);
+  void report(MachineEvent::Kind kind, const std::string& what);
   void suspect_light();
   void make_dark(Done done);
   void ask_lamp_hours(ProjectorStatus status, StatusDone done);
@@ -90,7 +91,7 @@ class SerialProjector final : public Projector {
   CommandExchange exchange_;
   ProjectorPower power_;
   ProjectorLight light_;
-  std::function<void(const Disturbance&)> disturbed_;
+  std::function<void(const MachineEvent&)> on_event_;
   std::unique_ptr<Timer> answer_;  // that needs no command
 };
 

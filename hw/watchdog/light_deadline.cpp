@@ -10,7 +10,7 @@ void LightDeadline::arm(const WatchedExposure& exposure, TimePoint sent, TimePoi
   heard_ = std::min(sent, now);
 }
 
-void LightDeadline::beat(const WatchedExposure& exposure, TimePoint sent, TimePoint now) {
+void LightDeadline::heartbeat(const WatchedExposure& exposure, TimePoint sent, TimePoint now) {
   if (!exposure_ || exposure_->number != exposure.number) return;
   exposure_ = exposure;
   heard_ = std::max(heard_, std::min(sent, now));
@@ -22,8 +22,8 @@ void LightDeadline::disarm(std::uint64_t number) {
 
 LightTrip LightDeadline::trip(TimePoint now) const {
   if (gone_) return LightTrip::Death;
-  if (now - heard_ >= kMostSilence) return LightTrip::Silence;
-  if (!exposure_->off_asked && now - exposure_->end >= kMostOverrun) return LightTrip::Overrun;
+  if (now - heard_ >= kMaxSilence) return LightTrip::Silence;
+  if (!exposure_->off_asked && now - exposure_->end >= kMaxOverrun) return LightTrip::Overrun;
   return LightTrip::None;
 }
 
@@ -58,8 +58,8 @@ void LightDeadline::tell_off(TimePoint now, Act& act) {
 std::optional<TimePoint> LightDeadline::next() const {
   if (!exposure_) return std::nullopt;
   if (tripped()) return again_;
-  const TimePoint silent = heard_ + kMostSilence;
-  return exposure_->off_asked ? silent : std::min(silent, exposure_->end + kMostOverrun);
+  const TimePoint silent = heard_ + kMaxSilence;
+  return exposure_->off_asked ? silent : std::min(silent, exposure_->end + kMaxOverrun);
 }
 
 }  // namespace contourd

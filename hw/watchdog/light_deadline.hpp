@@ -29,8 +29,8 @@ struct WatchedExposure {
 class LightDeadline {
  public:
   // The light is off 250 ms after the daemon's last sign of life; 50 ms of these are for being woken late.
-  static constexpr Duration kMostSilence{std::chrono::milliseconds{200}};
-  static constexpr Duration kMostOverrun{std::chrono::milliseconds{250}};
+  static constexpr Duration kMaxSilence{std::chrono::milliseconds{200}};
+  static constexpr Duration kMaxOverrun{std::chrono::milliseconds{250}};
   // Light off is told this often in a row: a projector ignores what comes within its gap.
   static constexpr int kTimes = 3;
   // And then again, for as long as the daemon is silent.
@@ -41,7 +41,7 @@ class LightDeadline {
 
   // `sent` is when the daemon sent it: what has lain about is no sign of life.
   void arm(const WatchedExposure& exposure, TimePoint sent, TimePoint now);
-  void beat(const WatchedExposure& exposure, TimePoint sent, TimePoint now);
+  void heartbeat(const WatchedExposure& exposure, TimePoint sent, TimePoint now);
   void disarm(std::uint64_t number);
   // For good.
   void daemon_is_gone() { gone_ = true; }

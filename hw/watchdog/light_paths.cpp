@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include "hw/gpio/line_descriptor.hpp"
@@ -13,9 +15,26 @@ namespace contourd {
 namespace {
 
 // Where there is no serial port, the line is tried again after this.
-constexpr Duration kLeastGap{std::chrono::milliseconds{20}};
+constexpr Duration kMinGap{std::chrono::milliseconds{20}};
 
 }  // namespace
+
+bool turn_line_off(int line) noexcept {
+  return line >= 0 && set_line_inactive(line);
+}
+
+void send_light_off(int port, const SerialMessage& serial) noexcept {
+  const std::size_t size = std::min<std::size_t>(serial.size, serial.light_off.size());
+  if (port >= 0) (void)!::write(port, serial.light_off.data(), size);
+}
+
+void show_black(int card, const DisplayMessage& display) noexcept {
+  if (card < 0) return;
+  auto mode = std::bit_cast<drmModeModeInfo>(display.mode);
+  std::uint32_t connector = display.connector;
+  // The legacy call, also for a card in atomic mode: it needs nothing prepared.
+  (void)drmModeSetCrtc(card, display.crtc, display.black, 0, 0, &connector, 1, &mode);
+}
 
 template <typename Message>
 bool LightPaths::keep(WatchdogPacket& packet, Path<Message>& path) {
@@ -26,31 +45,24 @@ bool LightPaths::keep(WatchdogPacket& packet, Path<Message>& path) {
 }
 
 bool LightPaths::take(WatchdogPacket& packet) {
-  const auto word = packet.word();
-  if (word == WatchdogWord::Line) return keep(packet, line_);
-  if (word == WatchdogWord::Serial) return keep(packet, serial_);
-  return word == WatchdogWord::Display && keep(packet, display_);
+  const auto type = packet.type();
+  if (type == WatchdogMessageType::Line) return keep(packet, line_);
+  if (type == WatchdogMessageType::Serial) return keep(packet, serial_);
+  return type == WatchdogMessageType::Display && keep(packet, display_);
 }
 
 bool LightPaths::light_off() noexcept {
-  const bool line_off = line_.descriptor.valid() && set_line_inactive(line_.descriptor.get());
-  const auto& [port, serial] = serial_;
-  const std::size_t size = std::min<std::size_t>(serial.size, serial.light_off.size());
-  // What the port does not take now it may take the next time.
-  if (port.valid()) (void)!::write(port.get(), serial.light_off.data(), size);
+  const bool line_off = turn_line_off(line_.descriptor.get());
+  send_light_off(serial_.descriptor.get(), serial_.message);
   return line_off;
 }
 
 void LightPaths::display_black() noexcept {
-  auto& [card, display] = display_;
-  if (!card.valid()) return;
-  auto mode = std::bit_cast<drmModeModeInfo>(display.mode);
-  // The legacy call, also for a card in atomic mode: it needs nothing prepared.
-  (void)drmModeSetCrtc(card.get(), display.crtc, display.black, 0, 0, &display.connector, 1, &mode);
+  show_black(display_.descriptor.get(), display_.message);
 }
 
 Duration LightPaths::gap() const {
-  return serial_.descriptor.valid() ? std::max(serial_.message.gap, kLeastGap) : kLeastGap;
+  return serial_.descriptor.valid() ? std::max(serial_.message.gap, kMinGap) : kMinGap;
 }
 
 }  // namespace contourd

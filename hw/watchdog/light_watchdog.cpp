@@ -39,7 +39,9 @@ LightWatchdog::LightWatchdog(Clock& clock, DescriptorWatcher& watcher, Start sta
   wait_until_ready();
 }
 
-LightWatchdog::~LightWatchdog() = default;
+LightWatchdog::~LightWatchdog() {
+  last_light_off().set({});
+}
 
 // --- The process ---
 
@@ -68,7 +70,7 @@ void LightWatchdog::lose(const std::string& why) {
 }
 
 void LightWatchdog::give_up() {
-  beat_.reset();
+  heartbeat_.reset();
   if (std::exchange(watched_, std::nullopt)) tell_trouble(problem_);
 }
 
@@ -92,10 +94,10 @@ void LightWatchdog::start_again() {
 void LightWatchdog::ready(const WatchdogReply& reply) {
   readiness_ = reply;
   const std::string was = std::exchange(problem_, std::string());
-  if (line_.descriptor >= 0) offer(line_);
-  if (serial_.descriptor >= 0) offer(serial_);
-  if (display_.descriptor >= 0) offer(display_);
-  if (watched_) tell(WatchdogWord::Arm);
+  if (offers_.line.descriptor >= 0) offer(offers_.line);
+  if (offers_.serial.descriptor >= 0) offer(offers_.serial);
+  if (offers_.display.descriptor >= 0) offer(offers_.display);
+  if (watched_) tell(WatchdogMessageType::Arm);
   if (recovered_) recovered_(was);
 }
 
@@ -109,31 +111,32 @@ std::vector<std::string> LightWatchdog::refusals() const {
 // --- What it turns the light off by ---
 
 template <typename Message>
-void LightWatchdog::offer(const Offer<Message>& offered) {
+void LightWatchdog::offer(const LightOffer<Message>& offered) {
+  last_light_off().set(offers_);
   if (problem_.empty()) send(offered.message, offered.descriptor);
 }
 
 void LightWatchdog::set_line(int descriptor) {
-  if (descriptor < 0 && line_.descriptor < 0) return;
-  line_.descriptor = descriptor;
-  offer(line_);
+  if (descriptor < 0 && offers_.line.descriptor < 0) return;
+  offers_.line.descriptor = descriptor;
+  offer(offers_.line);
 }
 
 void LightWatchdog::set_serial(const LightSerialPath& path) {
-  const bool fits = !path.light_off.empty() && path.light_off.size() <= SerialMessage::kMostBytes;
-  if (!fits && serial_.descriptor < 0) return;
-  serial_.descriptor = fits ? path.descriptor : -1;
-  serial_.message.size = fits ? static_cast<std::uint32_t>(path.light_off.size()) : 0;
-  serial_.message.gap = path.gap;
-  if (fits) std::ranges::copy(path.light_off, serial_.message.light_off.begin());
-  offer(serial_);
+  const bool fits = !path.light_off.empty() && path.light_off.size() <= SerialMessage::kMaxBytes;
+  if (!fits && offers_.serial.descriptor < 0) return;
+  offers_.serial.descriptor = fits ? path.descriptor : -1;
+  offers_.serial.message.size = fits ? static_cast<std::uint32_t>(path.light_off.size()) : 0;
+  offers_.serial.message.gap = path.gap;
+  if (fits) std::ranges::copy(path.light_off, offers_.serial.message.light_off.begin());
+  offer(offers_.serial);
 }
 
 void LightWatchdog::set_display(const LightDisplayPath& path) {
-  if (path.descriptor < 0 && display_.descriptor < 0) return;
-  display_.descriptor = path.descriptor;
-  display_.message = {WatchdogWord::Display, path.crtc, path.connector, path.black, path.mode};
-  offer(display_);
+  if (path.descriptor < 0 && offers_.display.descriptor < 0) return;
+  offers_.display.descriptor = path.descriptor;
+  offers_.display.message = {WatchdogMessageType::Display, path.crtc, path.connector, path.black, path.mode};
+  offer(offers_.display);
 }
 
 // --- An exposure ---
@@ -142,47 +145,47 @@ void LightWatchdog::arm(Duration exposure, std::function<void()> armed) {
   trip_.reset();
   watched_ = Watched{{++exposures_, clock_.now() + exposure, false}, exposure, false, 0};
   armed_ = std::move(armed);
-  beat_ = clock_.call_after(kBeat, [this] { beat(); });
-  if (problem_.empty()) tell(WatchdogWord::Arm);
+  heartbeat_ = clock_.call_after(kHeartbeat, [this] { heartbeat(); });
+  if (problem_.empty()) tell(WatchdogMessageType::Arm);
 }
 
 void LightWatchdog::begins(TimePoint end) {
   if (!watched_) return;
   watched_->begun = true;
   watched_->exposure.end = end;
-  tell(WatchdogWord::Beat);
+  tell(WatchdogMessageType::Heartbeat);
 }
 
 void LightWatchdog::off_asked() {
   if (!watched_ || watched_->exposure.off_asked) return;
   armed_ = nullptr;
   watched_->exposure.off_asked = true;
-  tell(WatchdogWord::Beat);
+  tell(WatchdogMessageType::Heartbeat);
 }
 
 void LightWatchdog::disarm() {
   if (!watched_) return;
-  beat_.reset();
+  heartbeat_.reset();
   armed_ = nullptr;
   const WatchedExposure exposure = watched_->exposure;
   watched_.reset();
-  if (problem_.empty()) send(ExposureMessage{WatchdogWord::Disarm, exposure, clock_.now()});
+  if (problem_.empty()) send(ExposureMessage{WatchdogMessageType::Disarm, exposure, clock_.now()});
 }
 
-void LightWatchdog::beat() {
-  beat_ = clock_.call_after(kBeat, [this] { beat(); });
+void LightWatchdog::heartbeat() {
+  heartbeat_ = clock_.call_after(kHeartbeat, [this] { heartbeat(); });
   // This process may have slept, and the answers lie there.
   hear_all();
   if (!watched_) return;
-  if (watched_->unanswered < kMostUnanswered) return tell(WatchdogWord::Beat);
+  if (watched_->unanswered < kMaxUnanswered) return tell(WatchdogMessageType::Heartbeat);
   problem_.empty() ? lose("does not answer") : give_up();
 }
 
-void LightWatchdog::tell(WatchdogWord word) {
+void LightWatchdog::tell(WatchdogMessageType type) {
   ++watched_->unanswered;
   // Until light on is sent, the exposure has yet to begin.
   if (!watched_->begun) watched_->exposure.end = clock_.now() + watched_->asked;
-  if (problem_.empty()) send(ExposureMessage{word, watched_->exposure, clock_.now()});
+  if (problem_.empty()) send(ExposureMessage{type, watched_->exposure, clock_.now()});
 }
 
 // What it does not take is found out by the end of the socket, or by the answers that do not come.
@@ -213,9 +216,9 @@ const std::optional<WatchdogTrip>& LightWatchdog::trip() {
 }
 
 void LightWatchdog::hear(const WatchdogReply& reply) {
-  if (reply.word == WatchdogWord::Ready) return ready(reply);
+  if (reply.type == WatchdogMessageType::Ready) return ready(reply);
   if (!watched_ || reply.exposure != watched_->exposure.number) return;
-  if (reply.word == WatchdogWord::Tripped) {
+  if (reply.type == WatchdogMessageType::Tripped) {
     trip_ = WatchdogTrip{reply.trip, reply.at, reply.line_off};
     return tell_trouble(sentence(reply.trip));
   }

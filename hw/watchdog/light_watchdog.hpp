@@ -19,6 +19,7 @@
 #include "hw/clock.hpp"
 #include "hw/descriptor_watcher.hpp"
 #include "hw/watchdog/device_paths.hpp"
+#include "hw/watchdog/last_light_off.hpp"
 #include "hw/watchdog/watchdog_message.hpp"
 
 namespace contourd {
@@ -46,12 +47,13 @@ class LightWatchdog {
   ~LightWatchdog();
 
   void set_line(int descriptor);
-  // A light off that is too long for a message is none.
+  // A light off that is too long for a message is ignored.
   void set_serial(const LightSerialPath& path);
   void set_display(const LightDisplayPath& path);
 
-  // Watches over an exposure that is yet to begin and then lasts this long. `armed` runs when that is so: the
-  // light may go on. If nothing comes of it, or goes wrong later, on_trouble() tells.
+  // Has an exposure watched that is yet to begin and then lasts this long. `armed` runs when the watchdog has
+  // confirmed: the light may go on. If it does not confirm, or something goes wrong later, on_trouble()
+  // tells.
   void arm(Duration exposure, std::function<void()> armed);
   // Light on was sent: the light is to be off by `end`.
   void begins(TimePoint end);
@@ -74,18 +76,13 @@ class LightWatchdog {
   // What the system refused it, though it works; a sentence each.
   [[nodiscard]] std::vector<std::string> refusals() const;
 
-  static constexpr Duration kBeat{std::chrono::milliseconds{50}};
-  // This many beats that were not answered mean that it does not live.
-  static constexpr int kMostUnanswered = 10;
+  static constexpr Duration kHeartbeat{std::chrono::milliseconds{50}};
+  // After so many heartbeats without an answer it counts as dead.
+  static constexpr int kMaxUnanswered = 10;
   static constexpr Duration kStartAgain{std::chrono::milliseconds{100}};
   static constexpr Duration kStartLater{std::chrono::seconds{5}};
 
  private:
-  template <typename Message>
-  struct Offer {
-    int descriptor = -1;
-    Message message{};
-  };
   struct Watched {
     WatchedExposure exposure;
     Duration asked{};
@@ -97,12 +94,12 @@ class LightWatchdog {
   void start_again();
   void wait_until_ready();
   template <typename Message>
-  void offer(const Offer<Message>& offered);
+  void offer(const LightOffer<Message>& offered);
   void hear_all();
   void hear(const WatchdogReply& reply);
   void ready(const WatchdogReply& reply);
-  void beat();
-  void tell(WatchdogWord word);
+  void heartbeat();
+  void tell(WatchdogMessageType type);
   template <typename Message>
   void send(const Message& message, int descriptor = -1);
   void lose(const std::string& why);
@@ -114,13 +111,10 @@ class LightWatchdog {
   Start start_;
   Process process_;
   std::unique_ptr<DescriptorWatcher::Watch> watch_;
-  std::unique_ptr<Timer> beat_, restart_, tell_;
+  std::unique_ptr<Timer> heartbeat_, restart_, tell_;
   WatchdogReply readiness_{};
   std::string problem_;
-  Offer<LineMessage> line_{.message = {WatchdogWord::Line}};
-  Offer<SerialMessage> serial_{
-      .message = {.word = WatchdogWord::Serial, .size = 0, .gap = {}, .light_off = {}}};
-  Offer<DisplayMessage> display_;
+  LightOffers offers_;
   std::uint64_t exposures_ = 0;
   std::optional<Watched> watched_;
   std::optional<WatchdogTrip> trip_;

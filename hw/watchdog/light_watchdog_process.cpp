@@ -41,7 +41,7 @@ WatchdogReply prepare(int socket) noexcept {
   close_range(static_cast<unsigned>(socket) + 1, ~0U, 0);
 
   WatchdogReply ready{};
-  ready.word = WatchdogWord::Ready;
+  ready.type = WatchdogMessageType::Ready;
   sched_param parameter{};
   parameter.sched_priority = kPriority;
   if (sched_setscheduler(0, SCHED_FIFO, &parameter) != 0) ready.no_priority = errno;
@@ -64,7 +64,7 @@ class LightWatchdogProcess {
   // True at the end.
   bool act(const LightDeadline::Act& act) noexcept {
     const bool line_off = act.light_off && paths_.light_off();
-    if (act.trip != LightTrip::None) reply(WatchdogWord::Tripped, act.trip, line_off);
+    if (act.trip != LightTrip::None) reply(WatchdogMessageType::Tripped, act.trip, line_off);
     if (act.display_black) paths_.display_black();
     return act.end;
   }
@@ -97,17 +97,19 @@ class LightWatchdogProcess {
     if (paths_.take(packet)) return deadline_.set_gap(paths_.gap());
     const auto message = packet.as<ExposureMessage>();
     if (!message) return;
-    const auto& [word, exposure, sent] = *message;
-    if (word == WatchdogWord::Disarm) return deadline_.disarm(exposure.number);
-    if (word == WatchdogWord::Arm) deadline_.arm(exposure, sent, now());
-    if (word == WatchdogWord::Beat) deadline_.beat(exposure, sent, now());
-    if (word == WatchdogWord::Arm || word == WatchdogWord::Beat) reply(WatchdogWord::Heard);
+    const auto& [type, exposure, sent] = *message;
+    if (type == WatchdogMessageType::Disarm) return deadline_.disarm(exposure.number);
+    if (type == WatchdogMessageType::Arm) deadline_.arm(exposure, sent, now());
+    if (type == WatchdogMessageType::Heartbeat) deadline_.heartbeat(exposure, sent, now());
+    if (type == WatchdogMessageType::Arm || type == WatchdogMessageType::Heartbeat)
+      reply(WatchdogMessageType::Heard);
   }
 
   // A daemon that does not listen finds it later, or too many of these.
-  void reply(WatchdogWord word, LightTrip trip = LightTrip::None, bool line_off = false) const noexcept {
+  void reply(WatchdogMessageType type, LightTrip trip = LightTrip::None,
+             bool line_off = false) const noexcept {
     WatchdogReply reply{};
-    reply.word = word;
+    reply.type = type;
     reply.trip = trip;
     reply.exposure = deadline_.exposure();
     reply.at = now();

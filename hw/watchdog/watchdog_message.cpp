@@ -23,11 +23,11 @@ int descriptor_in(msghdr& message) {
 
 }  // namespace
 
-std::optional<WatchdogWord> WatchdogPacket::word() const {
-  if (size < sizeof(WatchdogWord)) return std::nullopt;
-  WatchdogWord word;
-  std::memcpy(&word, bytes.data(), sizeof word);
-  return word;
+std::optional<WatchdogMessageType> WatchdogPacket::type() const {
+  if (size < sizeof(WatchdogMessageType)) return std::nullopt;
+  WatchdogMessageType type;
+  std::memcpy(&type, bytes.data(), sizeof type);
+  return type;
 }
 
 Received receive_packet(int socket, WatchdogPacket& packet) noexcept {

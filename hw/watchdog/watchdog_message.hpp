@@ -16,9 +16,9 @@
 
 namespace contourd {
 
-enum class WatchdogWord : std::uint32_t {
+enum class WatchdogMessageType : std::uint32_t {
   Arm = 0x4c574401,  // the daemon's
-  Beat,
+  Heartbeat,
   Disarm,
   Line,
   Serial,
@@ -30,33 +30,33 @@ enum class WatchdogWord : std::uint32_t {
 
 // Arm, Beat, Disarm.
 struct ExposureMessage {
-  WatchdogWord word;
+  WatchdogMessageType type;
   WatchedExposure exposure;
   TimePoint sent;
 };
 
 // What turns the light off, with its descriptor; without one, it is no longer there.
 struct LineMessage {
-  WatchdogWord word;
+  WatchdogMessageType type;
 };
 struct SerialMessage {
-  static constexpr std::size_t kMostBytes = 256;
-  WatchdogWord word;
+  static constexpr std::size_t kMaxBytes = 256;
+  WatchdogMessageType type;
   std::uint32_t size;
   Duration gap;  // from one light off to the next
-  std::array<char, kMostBytes> light_off;
+  std::array<char, kMaxBytes> light_off;
 };
 // A display mode as the kernel has it (struct drm_mode_modeinfo), without that header.
 using DisplayModeBytes = std::array<std::byte, 68>;
 struct DisplayMessage {
-  WatchdogWord word;
+  WatchdogMessageType type;
   std::uint32_t crtc, connector, black;  // the kernel's numbers; `black` is a framebuffer's
   DisplayModeBytes mode;
 };
 
 // Ready, Heard (Arm or Beat), Tripped.
 struct WatchdogReply {
-  WatchdogWord word;
+  WatchdogMessageType type;
   LightTrip trip;
   std::uint64_t exposure;
   TimePoint at;                     // Tripped: light off was told
@@ -78,7 +78,7 @@ struct WatchdogPacket {
     std::memcpy(&message, bytes.data(), sizeof message);
     return message;
   }
-  [[nodiscard]] std::optional<WatchdogWord> word() const;
+  [[nodiscard]] std::optional<WatchdogMessageType> type() const;
 };
 
 enum class Received { Packet, Nothing, End };

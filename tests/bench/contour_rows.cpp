@@ -40,7 +40,7 @@ Totals link_all(const HeightIndex& model, bool quick) {
   Contours contours;
   Totals totals;
   for (const double z : layer_heights(model.bounds(), quick)) {
-    slice_at(model, z, section);
+    slice_at(model, Millimeters{z}, section);
     linker.link(section.segments, kTolerance, contours);
     ++totals.layers;
     totals.segments += section.segments.size();

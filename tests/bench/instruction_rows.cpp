@@ -30,7 +30,7 @@ Work at_planes(const ContourEngine& engine, Function&& at_height) {
   Work work;
   for (const Millimeters z : heights) {
     at_height(z);  // to warm up
-    slice_at(engine.model(), z.count(), section);
+    slice_at(engine.model(), z, section);
     work.parts += static_cast<double>(section.segments.size());
   }
   for (const Millimeters z : heights) {

@@ -51,7 +51,7 @@ std::string segments_of(const Bench& bench, const ContourEngine& engine) {
   std::vector<double> counts;
   double sum = 0;
   for (const Millimeters z : random_heights(engine.model().bounds(), bench.runs(500))) {
-    slice_at(engine.model(), z.count(), section);
+    slice_at(engine.model(), z, section);
     counts.push_back(static_cast<double>(section.segments.size()));
     sum += counts.back();
   }

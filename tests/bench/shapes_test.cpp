@@ -14,7 +14,7 @@ namespace {
 
 Contours contours_at(const models::Facets& facets, double z, std::size_t expected_segments) {
   Section section;
-  slice_at(HeightIndex(facets), z, section);
+  slice_at(HeightIndex(facets), Millimeters{z}, section);
   CHECK(section.balanced);
   CHECK(section.segments.size() == expected_segments);
   Contours contours;

@@ -17,7 +17,7 @@ inline constexpr Millimeters kPixel{0.05};
 
 inline Section section_of(models::Facets facets, double z) {
   Section section;
-  slice_at(HeightIndex(std::move(facets)), z, section);
+  slice_at(HeightIndex(std::move(facets)), Millimeters{z}, section);
   return section;
 }
 

@@ -30,7 +30,7 @@ class Bench {
       eventfd_t count = 0;
       ::eventfd_read(machine_.get(), &count);
       order.emplace_back("machine");
-      if (requests == wanted) loop.stop();
+      if (requests == kWanted) loop.stop();
     });
   }
 
@@ -53,7 +53,7 @@ class Bench {
   EventLoop loop;
   std::vector<std::string> order;
   int requests = 0;
-  static constexpr int wanted = 3;
+  static constexpr int kWanted = 3;
 
  private:
   ControlServer::Json answer() {

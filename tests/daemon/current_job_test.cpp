@@ -103,12 +103,12 @@ TEST_CASE("A print that begins while the queue is held, or something is in its w
   }
   SECTION("in its way") {
     desk.machine.open_lid();
-    why = desk.machine.hindrance();
+    why = desk.machine.why_not_ready();
   }
   SECTION("both: what is in its way is told") {
     desk.hold.hold("the emergency stop was pressed");
     desk.machine.open_lid();
-    why = desk.machine.hindrance();
+    why = desk.machine.why_not_ready();
   }
   desk.begin();
   REQUIRE(desk.run_until([&] { return desk.job.print().state() == PrintState::Held; }));

@@ -53,13 +53,3 @@ TEST_CASE("A durable file is written whatever lies under names like its own") {
   CHECK(content(folder.path() / "a.txt") == "one");
   CHECK(entries(folder.path()) == 3);
 }
-
-TEST_CASE("What was not given its name yet is removed, and nothing else is") {
-  const TemporaryFolder folder;
-  for (const char* name : {".contourd-0123456789abcdef.new", ".contourd-x", "a.new", ".a.new", "a.txt"})
-    (void)folder.write(name, "");
-  remove_unfinished_files(folder.path());
-  CHECK(entries(folder.path()) == 4);
-  CHECK_FALSE(std::filesystem::exists(folder.path() / ".contourd-0123456789abcdef.new"));
-  remove_unfinished_files(folder.path() / "none");
-}

@@ -14,7 +14,8 @@ class Desk {
   EventLoop loop;
   testing::LogText text{loop};
   PrintQueue queue{text.log,
-                   {.check = [](const std::string&, const auto&) {},
+                   {.check = [](const std::string&, JobReader::Keep, const auto&) {},
+                    .forget = [](const std::string&) {},
                     .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
                     .changed = [] {},
                     .refused = [](const std::string&, const std::string&) {}}};
@@ -35,8 +36,9 @@ TEST_CASE("What will not be printed as it is is told, and names do nothing to a 
   Desk desk;
   desk.log.plate_waits("plate\x1b[2J", {"a.stl", "b\x1b.stl"});
   CHECK(desk.text.has("info: plate?[2J: waits for a.stl, b?.stl, which its plate.json names"));
-  desk.log.passed_over("old\x1b.zip", Oddity::Archive);
-  CHECK(desk.text.has("warning: old?.zip: is passed over: " + std::string(sentence_for(Oddity::Archive))));
+  desk.log.passed_over("old\x1b.zip", WhyPassedOver::Archive);
+  CHECK(desk.text.has("warning: old?.zip: is passed over: " +
+                      std::string(sentence_for(WhyPassedOver::Archive))));
   desk.log.more_passed_over(7);
   CHECK(desk.text.has("warning: 7 more in incoming are passed over"));
   CHECK(desk.queue.empty());

@@ -22,7 +22,7 @@ class Desk : public testing::PrinterFixture {
   std::optional<JobRefusal> check(const std::string& file) {
     std::optional<JobRefusal> said;
     bool called = false;
-    reader->check(file, [&](const std::optional<JobRefusal>& refusal) {
+    reader->check(file, JobReader::Keep::Nothing, [&](const std::optional<JobRefusal>& refusal) {
       said = refusal;
       called = true;
     });
@@ -118,7 +118,8 @@ TEST_CASE("Jobs are read in the order in which they were given") {
   desk.put_text(Spool::Folder::Incoming, "b.stl", "no model");
   std::vector<std::string> order;
   for (const std::string file : {"a.stl", "b.stl"})
-    desk.reader->check(file, [&order, file](const auto&) { order.push_back(file); });
+    desk.reader->check(file, JobReader::Keep::Nothing,
+                       [&order, file](const auto&) { order.push_back(file); });
   REQUIRE(desk.run_until([&] { return order.size() == 2; }));
   CHECK(order == std::vector<std::string>{"a.stl", "b.stl"});
 }

@@ -40,11 +40,13 @@ class Desk : public testing::PrinterFixture {
   Names checked;
   QueueHold hold{
       context, spool, {.light_may_be_on = [this] { return lit; }, .retry = [this] { scheduler.run(); }}};
-  PrintQueue queue{log.log,
-                   {.check = [this](const std::string& file, const auto&) { checked.push_back(file); },
-                    .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
-                    .changed = [this] { scheduler.run(); },
-                    .refused = [](const std::string&, const std::string&) {}}};
+  PrintQueue queue{
+      log.log,
+      {.check = [this](const std::string& file, JobReader::Keep, const auto&) { checked.push_back(file); },
+       .forget = [](const std::string&) {},
+       .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
+       .changed = [this] { scheduler.run(); },
+       .refused = [](const std::string&, const std::string&) {}}};
   JobScheduler scheduler{context,
                          spool,
                          queue,

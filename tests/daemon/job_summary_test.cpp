@@ -13,7 +13,7 @@ TEST_CASE("What is done to contours and masks is told in one sentence, and nothi
   summary.resin.compensation.growth = Micrometers{-50.0};
   CHECK(describe_correction(summary) == "contours moved inwards by 50 um");
   summary.resin.compensation.growth = Micrometers{50.0};
-  summary.lamp_mask = true;
+  summary.uniformity_mask = true;
   summary.tone.threshold = 12;
   CHECK(describe_correction(summary) ==
         "contours moved outwards by 50 um, lamp evened out, grey below 12 left dark");
@@ -21,6 +21,8 @@ TEST_CASE("What is done to contours and masks is told in one sentence, and nothi
 
 TEST_CASE("The resin's values are told, those of the bottom layers where there are any") {
   JobSummary summary;
+  summary.layers.thinnest = summary.layers.thickest = Nanometers{50'000};
+  summary.irradiance_mw_cm2 = 5;
   ResinProfile& resin = summary.resin;
   resin.name = "standard";
   resin.exposure = FixedExposure{.exposure = 3s, .bottom_exposure = 30s};

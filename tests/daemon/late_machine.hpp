@@ -1,4 +1,5 @@
-// A simulated printer whose motor could not keep its times, and which a test disturbs. Not thread-safe.
+// A simulated printer whose motor could not keep its times, and whose machine events a test makes. Not
+// thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -44,17 +45,17 @@ class LateMachine final : public Machine {
   [[nodiscard]] ZAxis& z_axis() override { return axis; }
   [[nodiscard]] MaskDisplay& display() override { return rest_.display(); }
   [[nodiscard]] Projector& projector() override { return rest_.projector(); }
-  void on_disturbance(std::function<void(const Disturbance&)> call) override {
-    disturb = call;
-    rest_.on_disturbance(std::move(call));
+  void on_event(std::function<void(const MachineEvent&)> call) override {
+    report = call;
+    rest_.on_event(std::move(call));
   }
-  [[nodiscard]] std::string hindrance() const override { return rest_.hindrance(); }
+  [[nodiscard]] std::string why_not_ready() const override { return rest_.why_not_ready(); }
   std::optional<std::filesystem::path> begin_job(std::string_view name) override {
     return rest_.begin_job(name);
   }
 
   LateAxis axis;
-  std::function<void(const Disturbance&)> disturb;
+  std::function<void(const MachineEvent&)> report;
 
  private:
   Machine& rest_;

@@ -71,3 +71,12 @@ TEST_CASE("A lost ticket goes to where its model is, and what is nobody's to fai
   CHECK(desk.has("failed/both.json"));
   CHECK(desk.has("failed/notes.txt"));
 }
+
+TEST_CASE("What is nobody's takes no other file's place, but waits") {
+  const Desk desk;
+  desk.put("printing/notes.txt", "newer");
+  desk.put("failed/notes.txt", "older");
+  CHECK(desk.left().empty());
+  CHECK(desk.text_of("failed/notes.txt") == "older");
+  CHECK(desk.text_of("printing/notes.txt") == "newer");
+}

@@ -15,8 +15,9 @@ namespace {
 
 const DisplayGeometry kDisplay{Pixels{1920}, Pixels{1080}, Micrometers{50.0}};
 
-ContourEngine engine_of(const models::Facets& facets) {
-  return {HeightIndex(facets), {.display = kDisplay}, {PixelMap::true_scale(kDisplay, {0, 0})}};
+ContourEngine engine_of(const models::Facets& facets, Elevation elevation = {}) {
+  const StandingModel model{std::make_shared<const HeightIndex>(facets), elevation};
+  return {{PlateModel{model, {PixelMap::true_scale(kDisplay, {0, 0})}}}, {.display = kDisplay}};
 }
 
 // As many facets cross each other nearly all at a middle height.
@@ -62,6 +63,9 @@ TEST_CASE("A sample has the layer of each part that cuts the most facets") {
   const std::vector<std::size_t> sample = layers_to_sample(engine.models(), middles);
   CHECK(sample ==
         std::vector<std::size_t>{0, 833, 1666, 2500, 3333, 4166, 5000, 6500, 6666, 7500, 8333, 9166});
+  // 2 mm above the plate it is in those that are 2 mm higher.
+  CHECK(layers_to_sample(engine_of(facets, Elevation(Nanometers{2'000'000})).models(), middles) ==
+        std::vector<std::size_t>{0, 833, 2000, 2500, 3333, 4166, 5000, 5833, 6666, 7500, 8500, 9166});
   CHECK(layers_to_sample(engine.models(), {}).empty());
   CHECK(layers_to_sample(engine.models(), std::span(middles).first(1)) == std::vector<std::size_t>{0});
 }

@@ -50,10 +50,10 @@ TEST_CASE("A model that grew since it was looked at is read no further than it w
 
 TEST_CASE("What is wrong with a model is told with its name where there are several") {
   const testing::TemporaryFolder folder;
-  CHECK(refusal_of(folder.write("bad.stl", "no model")).starts_with("not a usable STL file: "));
+  CHECK(refusal_of(folder.write("bad.stl", "no model")).starts_with("not a usable model: "));
   CHECK(refusal_of(folder.write("bad.stl", "no model"), "bad.stl")
-            .starts_with("bad.stl: not a usable STL file: "));
+            .starts_with("bad.stl: not a usable model: "));
   models::write_binary_stl(folder.path() / "none.stl", {});
-  CHECK(refusal_of(folder.path() / "none.stl") == "the STL file holds no facets");
+  CHECK(refusal_of(folder.path() / "none.stl") == "the file holds no facets");
   CHECK(refusal_of(folder.path() / "gone.stl").ends_with("gone.stl: there is no such file"));
 }

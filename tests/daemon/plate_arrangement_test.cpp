@@ -105,6 +105,15 @@ TEST_CASE("What reaches over an edge is refused with how far over which") {
   CHECK(refusal_of({model("a.stl", 10, 10, at(43, 22))}).empty());
 }
 
+TEST_CASE("A model above another is not in its way") {
+  std::vector<ModelToPlace> models{model("a.stl", 10, 10, at(0, 0)), model("b.stl", 10, 10, at(0, 0))};
+  CHECK_FALSE(refusal_of(models).empty());
+  models[1].elevation = Elevation(Nanometers{5'000'000});
+  CHECK(refusal_of(models).empty());
+  models[1].elevation = Elevation(Nanometers{4'000'000});
+  CHECK(refusal_of(models).find("at a height of 4.025 mm") != std::string::npos);
+}
+
 TEST_CASE("Models in each other's way are refused with both names, the height and the place") {
   CHECK(refusal_of({model("a.stl", 10, 10, at(0, 0)), model("b.stl", 10, 10, at(9, 9), 1, 20)}) ==
         "a.stl and b.stl are in each other's way: at a height of 0.025 mm both are at 4.03, 4.97 mm from the "

@@ -5,6 +5,8 @@
 #include <string>
 #include <thread>
 
+#include "hw/png_file.hpp"
+#include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 #include "tests/temporary_folder.hpp"
@@ -20,7 +22,7 @@ class NoObserver final : public SpoolObserver {
   void model_arrived(const std::string&) override {}
   void model_withdrawn(const std::string&) override {}
   void plate_waits(const std::string&, const std::vector<std::string>&) override {}
-  void passed_over(const std::string&, Oddity) override {}
+  void passed_over(const std::string&, WhyPassedOver) override {}
   void more_passed_over(std::size_t) override {}
   void incoming_lost(const std::string&) override {}
   void incoming_replaced() override {}
@@ -31,17 +33,22 @@ class Bench {
  public:
   Bench() { std::ofstream(spool.folder(Spool::Folder::Printing) / "part.stl") << "a model"; }
 
-  [[nodiscard]] EndedPrint ended(PrintOutcome outcome, const std::string& reason = "") const {
+  [[nodiscard]] EndedPrint ended(PrintOutcome outcome, const std::string& reason = "",
+                                 Elevation elevation = {}) const {
     EndedPrint print;
     print.files = spool.files_of(Spool::Folder::Printing, "part.stl");
     print.report.job = "part";
     print.report.outcome = outcome;
     print.report.reason = reason;
+    print.report.summary.layers.thinnest = print.report.summary.layers.thickest = Nanometers{50'000};
+    print.report.summary.irradiance_mw_cm2 = 5;
     print.report.summary.models.resize(1);
     print.report.summary.models.front().centers = {{0, 0}};
-    HeightIndex box(models::box({0, 0, 0}, {3, 2, 1}));
-    print.engine = std::make_unique<ContourEngine>(std::move(box), EngineSettings{.display = kDisplay},
-                                                   std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
+    const StandingModel box{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {3, 2, 1})),
+                            elevation};
+    print.engine = std::make_unique<ContourEngine>(
+        std::vector{PlateModel{box, {PixelMap::true_scale(kDisplay, {1.5, 1})}}},
+        EngineSettings{.display = kDisplay});
     return print;
   }
 
@@ -75,6 +82,23 @@ TEST_CASE("A print that is done lies in done/ with its report, page and picture"
   for (const char* name : {"part.stl", "part.report.json", "part.report.html", "part.preview.png"})
     CHECK(bench.has(std::string("done/") + name));
   CHECK_FALSE(bench.has("printing/part.stl"));
+}
+
+TEST_CASE("The picture shows what was printed of a model at the height where it stands") {
+  // Layers up to 1 mm above the plate, which are all of a model that stands on it.
+  const auto lit_in_picture = [](Elevation elevation) {
+    Bench bench;
+    EndedPrint print = bench.ended(PrintOutcome::Done, "", elevation);
+    print.report.layers.emplace_back().thickness = Nanometers{1'000'000};
+    CHECK(bench.file(std::move(print)).troubles.empty());
+    return read_png(bench.folder.path() / "spool/done/part.preview.png").lit_pixels();
+  };
+  const std::int64_t whole = lit_in_picture({});
+  CHECK(whole > 0);
+  const std::int64_t half = lit_in_picture(Elevation(Nanometers{500'000}));
+  CHECK(half > 0);
+  CHECK(half < whole);
+  CHECK(lit_in_picture(Elevation(Nanometers{1'100'000})) == 0);
 }
 
 TEST_CASE("A report that cannot be written is told, and the job is filed all the same") {
@@ -168,4 +192,14 @@ TEST_CASE("A print is filed in a folder that was removed meanwhile") {
     CHECK(fs::exists(folder / "part.stl"));
     CHECK(fs::exists(folder / "part.report.json"));
   }
+}
+
+TEST_CASE("An archivist files one print at a time") {
+  Bench bench;
+  PrintArchivist archivist(bench.loop, bench.spool);
+  // In the child alone: a print is filed there, and a second one is not.
+  CHECK(testing::contract_broken_by([&] {
+          for (int print = 0; print < 2; ++print)
+            archivist.file(bench.ended(PrintOutcome::Done), [](const FiledPrint&) {});
+        }) == "no other print is being filed");
 }

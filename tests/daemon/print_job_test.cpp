@@ -81,10 +81,10 @@ TEST_CASE("A cube lies in the middle of the display, at its true size") {
 TEST_CASE("Whatever goes wrong while a job is prepared refuses that job, in a sentence") {
   // On the worker's thread nothing else would catch it, and another job's exposure may be under way.
   Desk desk;
-  desk.printer.lamp.emplace(Pixels{3}, Pixels{2});
+  desk.printer.uniformity.emplace(Pixels{3}, Pixels{2});
   std::string reason;
   CHECK_NOTHROW(reason = desk.refusal_of(kCube));
-  CHECK(reason == "the job cannot be prepared: the lamp's mask is not as large as the display");
+  CHECK(reason == "the job cannot be prepared: the uniformity mask is not as large as the display");
 }
 
 TEST_CASE("A ticket's position moves the part to the right and up") {
@@ -144,7 +144,7 @@ TEST_CASE("What cannot be printed is refused with one sentence that has the figu
       "edge and 0.50 mm over the right edge of the build area (96.00 x 54.00 mm)");
   CHECK(desk.refusal_of(models::box({0, 0, 0}, {10, 10, 155})) ==
         "the model is 155.00 mm high, the machine can print 154.00 mm (its travel less the lift)");
-  CHECK(desk.refusal_of({}) == "the STL file holds no facets");
+  CHECK(desk.refusal_of({}) == "the file holds no facets");
   CHECK(desk.refusal_of(models::box({0, 0, 3}, {10, 10, 3})) ==
         "the model is flat: it has no height to print");
   CHECK(desk.refusal_of(models::box({0, 0, 0}, {1e38F, 1, 1}), R"({"scale": 1000})") ==
@@ -309,7 +309,7 @@ TEST_CASE("A plate is refused with a sentence that names the model that is wrong
   desk.add("none.stl", {});
   CHECK(desk.refusal_of(R"({"models": [{"file": "cube.stl"}, {"file": "flat.stl"}]})") ==
         "flat.stl is flat: it has no height to print");
-  CHECK(desk.refusal_of(R"({"models": [{"file": "none.stl"}]})") == "none.stl: the STL file holds no facets");
+  CHECK(desk.refusal_of(R"({"models": [{"file": "none.stl"}]})") == "none.stl: the file holds no facets");
   CHECK(desk.refusal_of(R"({"models": [{"file": "cube.stl", "position_mm": {"y": -20}}]})") ==
         "cube.stl (20.00 x 20.00 mm, its centre 0.00, -20.00 mm from the plate's) reaches 3.00 mm over the "
         "front "

@@ -76,7 +76,7 @@ TEST_CASE("Light that is known less well than the resin tolerates is warned of")
   SECTION("less well") {
     desk.layer.exposure_least -= 1ms;
     desk.tell_layer();
-    CHECK(desk.text.has("the projector's answers tell no better, the resin tolerates 100 ms"));
+    CHECK(desk.text.has("the projector's answers are no more exact, and the resin tolerates 100 ms"));
   }
 }
 
@@ -110,10 +110,16 @@ TEST_CASE("That the last layer is empty is not warned of") {
 TEST_CASE("Of a model's many warnings the first are told, and how many more there are") {
   Desk desk;
   desk.summary.resin.exposure = FixedExposure{2s};
+  desk.summary.layers.thinnest = desk.summary.layers.thickest = Nanometers{50'000};
+  desk.summary.irradiance_mw_cm2 = 5;
   for (int i = 1; i <= 23; ++i)
     desk.summary.warnings.push_back("warning " + std::to_string(i) + ";");
   desk.print.ready("part", desk.summary, 12ms);
   CHECK(desk.text.has("first mask after 12 ms"));
+  CHECK_FALSE(desk.text.has("while it waited"));
+  desk.summary.prepared_before = true;
+  desk.print.ready("part", desk.summary, 0ms);
+  CHECK(desk.text.has("first mask after 0 ms, prepared while it waited"));
   CHECK(desk.text.has("part: warning 20;"));
   CHECK_FALSE(desk.text.has("part: warning 21;"));
   CHECK(desk.text.has("warning: part: and 3 more"));

@@ -26,9 +26,9 @@ class Bench final : public PrintObserver {
  public:
   explicit Bench(const SimulatedPrinterConfig& config = small_printer())
       : machine(clock, config), process(machine, clock, *this) {
-    machine.on_disturbance([this](const Disturbance& disturbance) {
-      if (disturbance.kind == Disturbance::Kind::Interruption) process.interrupt(disturbance.what);
-      if (disturbance.kind == Disturbance::Kind::Fault) process.fail(disturbance.what);
+    machine.on_event([this](const MachineEvent& event) {
+      if (event.kind == MachineEvent::Kind::Interlock) process.interrupt(event.what);
+      if (event.kind == MachineEvent::Kind::Fault) process.fail(event.what);
     });
   }
 
@@ -205,6 +205,33 @@ TEST_CASE("Each layer is exposed for exactly as long as was asked, at its own he
     // 3 mm by 2 mm at 0.1 mm a pixel: whole pixels, so exact.
     CHECK(layer.area_mm2 == contourd::testing::Approx(6.0).epsilon(1e-12));
     CHECK(layer.loops == 1);
+    CHECK(layer.intersecting_facets == 8);
+    CHECK(layer.cracks == LayerCracks{});
+  }
+}
+
+TEST_CASE("A layer's record has the gaps that were closed in its mask") {
+  Bench bench;
+  PrintPlan plan = Bench::plan(2);
+  models::Facets cracked = models::box({0, 0, 0}, {3, 2, 0.1F});
+  for (Facet& facet : cracked) {
+    const auto& v = facet.vertices;
+    const bool front = v[0].y == 0 && v[1].y == 0 && v[2].y == 0;
+    for (Vertex& vertex : facet.vertices)
+      vertex.y -= front ? 0.02F : 0;
+  }
+  plan.engine = std::make_unique<ContourEngine>(HeightIndex(cracked), EngineSettings{.display = kDisplay},
+                                                std::vector{PixelMap::true_scale(kDisplay, {1.5, 1})});
+  ContourEngine alone(*plan.engine);
+  bench.process.start(std::move(plan));
+  bench.run_out();
+  REQUIRE(bench.layers.size() == 2);
+  for (const LayerRecord& layer : bench.layers) {
+    const Contours& contours = alone.contours_at(layer.mask_height);
+    CHECK(layer.cracks == contours.cracks);
+    CHECK(layer.cracks.gaps_closed == 2);
+    CHECK(layer.loops == contours.loops.size());
+    CHECK(layer.intersecting_facets == 8);
   }
 }
 
@@ -214,10 +241,10 @@ TEST_CASE("Layers of different thickness lie upon each other, each with the ligh
   // A cone's point up: slopes of 45 degrees on a block.
   auto model = std::make_shared<const HeightIndex>(models::cone(2, 2, 64));
   plan.engine = std::make_unique<ContourEngine>(
-      std::vector{PlateModel{model, {PixelMap::true_scale(kDisplay, {0, 0})}}},
+      std::vector{PlateModel{{model}, {PixelMap::true_scale(kDisplay, {0, 0})}}},
       EngineSettings{kDisplay, AntiAliasing::On});
   plan.layers =
-      PrintLayers(std::vector{model, std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 3}))},
+      PrintLayers({{model}, {std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 3}))}},
                   {Nanometers{20'000}, Nanometers{100'000}, Nanometers{35'000}});
   plan.expected_layers = plan.layers.all();
   plan.exposure = [](std::int32_t, Nanometers thickness) { return thickness.count() * 10us; };
@@ -406,7 +433,7 @@ TEST_CASE(
   bench.run_out();
   CHECK(bench.process.state() == S::Paused);
   CHECK(bench.process.interruption() == "the display was unplugged");
-  CHECK(bench.machine.hindrance() == "the display is unplugged");
+  CHECK(bench.machine.why_not_ready() == "the display is unplugged");
   CHECK(bench.layers.size() == 1);
   CHECK_FALSE(bench.machine.light_is_on());
   // Two layers, lift and 30 mm for a look.
@@ -700,8 +727,8 @@ class DeafMachine final : public Machine {
   [[nodiscard]] ZAxis& z_axis() override { return axis; }
   [[nodiscard]] MaskDisplay& display() override { return rest_.display(); }
   [[nodiscard]] Projector& projector() override { return rest_.projector(); }
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}
-  [[nodiscard]] std::string hindrance() const override { return ""; }
+  void on_event(std::function<void(const MachineEvent&)>) override {}
+  [[nodiscard]] std::string why_not_ready() const override { return ""; }
   std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
 
   DeafAxis axis;
@@ -718,8 +745,8 @@ class ChangedMachine final : public Machine {
   [[nodiscard]] ZAxis& z_axis() override { return before.z_axis(); }
   [[nodiscard]] MaskDisplay& display() override { return before.display(); }
   [[nodiscard]] Projector& projector() override { return (changed ? after : before).projector(); }
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}
-  [[nodiscard]] std::string hindrance() const override { return ""; }
+  void on_event(std::function<void(const MachineEvent&)>) override {}
+  [[nodiscard]] std::string why_not_ready() const override { return ""; }
   std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
 
   SimulatedPrinter before, after;

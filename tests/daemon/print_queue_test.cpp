@@ -18,6 +18,7 @@ class Desk {
  public:
   struct RunningCheck {
     std::string file;
+    JobReader::Keep keep;
     std::function<void(const std::optional<JobRefusal>&)> done;
   };
   struct RunningRejection {
@@ -45,13 +46,15 @@ class Desk {
   testing::LogText log{loop};
   std::vector<RunningCheck> checks;
   std::vector<RunningRejection> rejections;
+  Names forgotten;
   Names told;  // "changed", or "refused FILE: REASON"
   PrintQueue queue{
       log.log,
       {.check =
-           [this](const std::string& file, auto done) {
-             checks.push_back({file, std::move(done)});
+           [this](const std::string& file, JobReader::Keep keep, auto done) {
+             checks.push_back({file, keep, std::move(done)});
            },
+       .forget = [this](const std::string& file) { forgotten.push_back(file); },
        .reject =
            [this](const std::string& file, const std::string& reason, Spool::Rejected done) {
              rejections.push_back({file, reason, std::move(done)});
@@ -105,6 +108,28 @@ TEST_CASE("Each job is checked once, one call after the other, the first that wa
   REQUIRE(desk.checks.size() == 2);
   CHECK(desk.checks[0].file == "a.stl");
   CHECK(desk.checks[1].file == "b.stl");
+}
+
+TEST_CASE("What the check of the next job has prepared is kept, and of no other") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  desk.queue.check_next();
+  desk.queue.check_next();
+  REQUIRE(desk.checks.size() == 2);
+  CHECK(desk.checks[0].keep == JobReader::Keep::Prepared);
+  CHECK(desk.checks[1].keep == JobReader::Keep::Nothing);
+}
+
+TEST_CASE("A job that is written again, taken away or put last is not kept") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  CHECK(desk.forgotten.empty());
+  desk.queue.arrived("a.stl");
+  CHECK(desk.forgotten == Names{"a.stl"});
+  desk.queue.put_last(desk.queue.take_first());
+  CHECK(desk.forgotten == Names{"a.stl", "a.stl"});
+  desk.queue.withdrawn("b.stl");
+  CHECK(desk.forgotten == Names{"a.stl", "a.stl", "b.stl"});
 }
 
 TEST_CASE("What a check finds in a file that was written again meanwhile counts for nothing") {
@@ -203,12 +228,37 @@ TEST_CASE("What its owner writes anew while it is refused keeps its place") {
   CHECK_FALSE(desk.log.has("no model"));
 }
 
-TEST_CASE("What arrives anew while the old file is refused is a job of its own") {
+TEST_CASE("What is seen again while it is refused went to failed, or was written anew") {
   Desk desk;
   desk.arrive({"a.stl"});
   desk.begin_to_refuse("no model");
   desk.queue.arrived("a.stl");
+  SECTION("it went, and its owner did not take it") {
+    desk.queue.withdrawn("a.stl");
+    desk.rejections[0].done(Spool::Rejection::Filed, "");
+    CHECK(desk.order().empty());
+    CHECK_FALSE(desk.log.has("taken away"));
+  }
+  SECTION("it is new, and is checked") {
+    desk.rejections[0].done(Spool::Rejection::Unfinished, "");
+    desk.queue.check_next();
+    CHECK(desk.checks.size() == 2);
+  }
+  SECTION("its owner took it away before") {
+    desk.queue.withdrawn("a.stl");
+    desk.queue.arrived("a.stl");
+    desk.rejections[0].done(Spool::Rejection::Unfinished, "");
+    CHECK(desk.order() == Names{"a.stl"});
+    CHECK_FALSE(desk.log.has("taken away"));
+  }
+}
+
+TEST_CASE("What arrives behind a refusal is a job of its own") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  desk.begin_to_refuse("no model");
   desk.rejections[0].done(Spool::Rejection::Filed, "");
+  desk.queue.arrived("a.stl");
   CHECK(desk.order() == Names{"a.stl"});
   CHECK(desk.queue.first_may_begin());
 }
@@ -219,7 +269,7 @@ TEST_CASE("A refused job whose files cannot be moved leaves the queue, and that 
   desk.begin_to_refuse("no model");
   SECTION("they may be deleted") {
     desk.rejections[0].done(Spool::Rejection::LeftThere, "");
-    CHECK(desk.log.has("warning: a.stl: lies in incoming still, as it cannot be moved; it may be deleted"));
+    CHECK(desk.log.has("warning: a.stl: stays in incoming, because it cannot be moved; it may be deleted"));
   }
   SECTION("nobody knows what becomes of them") {
     desk.rejections[0].done(Spool::Rejection::Impossible, "no room");

@@ -68,9 +68,9 @@ class Bench final : public Machine, public PrintObserver {
     light.emplace(std::move(output), "line 24 of gpiochip0", plant.clock);
     lamp.emplace(*light, plant.clock, Duration{1s});
     plant.axis->set_light_cutoff(&*light);
-    plant.axis->on_disturbance([this](const Disturbance& disturbance) {
-      if (disturbance.kind == Disturbance::Kind::Interruption) process->interrupt(disturbance.what);
-      if (disturbance.kind == Disturbance::Kind::Fault) process->fail(disturbance.what);
+    plant.axis->on_event([this](const MachineEvent& event) {
+      if (event.kind == MachineEvent::Kind::Interlock) process->interrupt(event.what);
+      if (event.kind == MachineEvent::Kind::Fault) process->fail(event.what);
     });
     process.emplace(*this, plant.clock, *this);
   }
@@ -82,8 +82,8 @@ class Bench final : public Machine, public PrintObserver {
   [[nodiscard]] ZAxis& z_axis() override { return *plant.axis; }
   [[nodiscard]] MaskDisplay& display() override { return screen.display(); }
   [[nodiscard]] Projector& projector() override { return *lamp; }
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}
-  [[nodiscard]] std::string hindrance() const override {
+  void on_event(std::function<void(const MachineEvent&)>) override {}
+  [[nodiscard]] std::string why_not_ready() const override {
     std::string all;
     for (const std::string& one : plant.axis->why_not_ready())
       all += one;
@@ -125,7 +125,7 @@ class Bench final : public Machine, public PrintObserver {
     while (!outcome) {
       plant.run([&] { return outcome || process->state() == S::Paused || process->state() == S::Held; });
       if (outcome) return;
-      plant.run([&] { return hindrance().empty(); });
+      plant.run([&] { return why_not_ready().empty(); });
       process->resume();
     }
   }
@@ -158,7 +158,7 @@ TEST_CASE(
       bench.press(which, 1ms);
       bench.plant.run_for(100us);  // 60 us until the thread has woken
       CHECK_FALSE(bench.line->level);
-      CHECK_FALSE(bench.hindrance().empty());
+      CHECK_FALSE(bench.why_not_ready().empty());
       CHECK(bench.interruptions.size() == 1);
       bench.run_out();
       CHECK(bench.outcome == PrintOutcome::Done);
@@ -210,7 +210,7 @@ TEST_CASE("Several spikes in one print pause it each time, and it is finished al
     bench.press(i % 2 == 0 ? AxisInput::EmergencyStop : AxisInput::Lid, 1ms);
     REQUIRE(bench.run_to(S::Paused));
     bench.plant.run_for(100ms);
-    REQUIRE(bench.hindrance().empty());
+    REQUIRE(bench.why_not_ready().empty());
     bench.process->resume();
     REQUIRE(bench.run_to(S::Exposing));
     bench.plant.run_for(50ms);

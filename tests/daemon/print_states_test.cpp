@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include "hw/gpio/homing_states.hpp"
 #include "hw/serial/projector_light_states.hpp"
 #include "hw/serial/projector_power_states.hpp"
 #include "tests/catch.hpp"
@@ -221,10 +222,12 @@ TEST_CASE("Nothing moves where there may be light") {
   }
 }
 
-TEST_CASE("The drawing names every state, also of a projector's power and light") {
+TEST_CASE("The drawing names every state, also of homing and of a projector's power and light") {
   const std::string drawing = draw_print_states();
   for (const S state : all_states())
     CHECK(drawing.find("\"" + std::string(name_of(state)) + "\"") != std::string::npos);
+  for (const HomingTransition& t : homing_transitions())
+    CHECK(drawing.find("\"homing: " + std::string(name_of(t.to)) + "\"") != std::string::npos);
   for (const ProjectorPowerTransition& t : projector_power_transitions())
     CHECK(drawing.find("\"projector power: " + std::string(name_of(t.to)) + "\"") != std::string::npos);
   for (const ProjectorLightTransition& t : projector_light_transitions())

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/current_job_fixture.hpp"
@@ -42,11 +43,13 @@ class Desk : public testing::CurrentJobFixture {
     queue.arrived(file);
   }
 
-  PrintQueue queue{log.log,
-                   {.check = [](const std::string&, const auto& done) { done(std::nullopt); },
-                    .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
-                    .changed = [this] { scheduler.run(); },
-                    .refused = [](const std::string&, const std::string&) {}}};
+  PrintQueue queue{
+      log.log,
+      {.check = [](const std::string&, JobReader::Keep, const auto& done) { done(std::nullopt); },
+       .forget = [](const std::string&) {},
+       .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
+       .changed = [this] { scheduler.run(); },
+       .refused = [](const std::string&, const std::string&) {}}};
   JobScheduler scheduler{context,
                          spool,
                          queue,
@@ -140,12 +143,31 @@ TEST_CASE("A cleared plate releases the queue, and the next job begins") {
   CHECK(desk.job.name() == "next");
 }
 
-TEST_CASE("Only what changes something is a command") {
+TEST_CASE("The history is as long as is asked, and a hundred jobs at most") {
+  Desk desk;
+  for (int i = 0; i < 120; ++i)
+    desk.history.add({"job " + std::to_string(i), "done", ""});
+  const auto names = [&](const Json& parameters) {
+    std::vector<std::string> found;
+    const Json history = desk.methods.at("history").call(parameters);
+    for (const Json& job : history["ended"])
+      found.push_back(job["job"]);
+    return found;
+  };
+  CHECK(names({{"last", 2}}) == std::vector<std::string>{"job 118", "job 119"});
+  CHECK(names({{"last", 100}}).size() == 100);
+  CHECK(names(Json::object()).front() == "job 20");
+  for (const Json& wrong : {Json(0), Json(101), Json(-1), Json(1.5), Json("2"), Json(), Json(1e300)}) {
+    CAPTURE(wrong.dump());
+    CHECK_THROWS_AS(names({{"last", wrong}}), InvalidParameters);
+  }
+}
+
+TEST_CASE("Only what changes something is told in the log") {
   Desk desk;
   for (const auto& [name, method] : desk.methods) {
     CAPTURE(name);
     const bool asks = name == "status" || name == "queue" || name == "history";
-    CHECK(is_command(name) != asks);
-    CHECK(method.parameters.empty());
+    CHECK(method.changes != asks);
   }
 }

@@ -165,7 +165,7 @@ TEST_CASE("What an owner should know of a machine is a warning in the log, and t
   bench.run_until("done/one.stl", [&] {
     if (told || !machine.axis.moving()) return;
     told = true;
-    machine.disturb({.kind = Disturbance::Kind::Notice, .what = "0.125 mm are made good"});
+    machine.report({.kind = MachineEvent::Kind::Notice, .what = "0.125 mm are made good"});
   });
   CHECK(told);
   CHECK(log.str().find("[warning] 0.125 mm are made good") != std::string::npos);

@@ -13,9 +13,10 @@ class Desk : public testing::CurrentJobFixture {
  public:
   PrintQueue queue{log.log,
                    {.check =
-                        [](const std::string&, const auto& done) {
+                        [](const std::string&, JobReader::Keep, const auto& done) {
                           done(JobRefusal{"it takes 900 MB", true});
                         },
+                    .forget = [](const std::string&) {},
                     .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
                     .changed = [] {},
                     .refused = [](const std::string&, const std::string&) {}}};
@@ -40,7 +41,7 @@ TEST_CASE("An idle printer's status has all its keys, in their order") {
   for (const auto& [key, value] : status.items())
     keys += key + " ";
   CHECK(keys ==
-        "printer state job queued incomplete incomplete_more postponed postponed_more passed_over "
+        "printer spool state job queued incomplete incomplete_more postponed postponed_more passed_over "
         "passed_over_more deletable deletable_more plate plate_job hindrance held waiting_for last ");
   CHECK(status["state"] == "idle");
   for (const char* nothing : {"job", "plate_job", "hindrance", "held", "waiting_for", "last"})
@@ -89,7 +90,7 @@ TEST_CASE("The history has all ended jobs with their analysis, the status the la
   Desk desk;
   desk.history.add({"one", "done", "", {{"layers", 3}}});
   desk.history.add({"two", "failed", "no model"});
-  const auto ended = desk.status.history()["ended"];
+  const auto ended = desk.status.history(JobHistory::kLongest)["ended"];
   REQUIRE(ended.size() == 2);
   CHECK(ended[0].dump() == R"({"job":"one","outcome":"done","reason":"","analysis":{"layers":3}})");
   CHECK(ended[1]["analysis"].is_null());

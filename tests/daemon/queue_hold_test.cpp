@@ -41,6 +41,7 @@ class Hold : public Desk {
 
 constexpr const char* kHeld = "queue-held";
 constexpr const char* kOccupied = "plate-occupied";
+constexpr const char* kEnded = "ended-print";
 
 std::string record_of(PrintOutcome outcome, const std::string& reason) {
   return R"({"job": "part", "outcome": ")" + std::string(name_of(outcome)) + R"(", "reason": ")" + reason +
@@ -158,6 +159,14 @@ TEST_CASE("A print that ended and was not filed is filed by its end, which holds
   CHECK_FALSE(desk.hold->plate_occupant());
 }
 
+TEST_CASE("How a print ended is forgotten once it is filed, also by the process before") {
+  Hold desk;
+  desk.spool.records().keep_end_of_print(record_of(PrintOutcome::Done, ""));
+  REQUIRE(desk.has_record(kEnded));
+  desk.adopt_left_jobs();
+  CHECK_FALSE(desk.has_record(kEnded));
+}
+
 TEST_CASE("A job whose reading ended the process had not begun: it failed, and nothing is held") {
   Hold desk;
   desk.put(Spool::Folder::Printing, "part.stl");
@@ -183,10 +192,10 @@ TEST_CASE("A print that did not end stays in printing/ until the disk has what i
   desk.adopt_left_jobs();
   CHECK(desk.has("printing/part.stl"));
   CHECK(desk.hold->failed());
-  CHECK(desk.log.count("a restart will not know all that is known now") == 1);
+  CHECK(desk.log.count("the state for the next start is not on the disk") == 1);
   CHECK(desk.log.has("error: part: stays in printing until then"));
   desk.hold->keep();
-  CHECK(desk.log.count("a restart will not know all that is known now") == 1);
+  CHECK(desk.log.count("the state for the next start is not on the disk") == 1);
   desk.clear_away(kHeld);
   desk.hold->keep();
   CHECK_FALSE(desk.hold->failed());

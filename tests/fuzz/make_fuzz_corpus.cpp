@@ -1,8 +1,10 @@
-// Writes the inputs that the fuzzers start from: make-fuzz-corpus FOLDER (which gets stl/ and mask/).
+// Writes the inputs that the fuzzers start from: make-fuzz-corpus FOLDER (which gets a folder for each
+// target).
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
@@ -40,7 +42,7 @@ models::Facets extremes() {
           {{Vertex{1, 2, 3}, Vertex{1, 2, 3}, Vertex{-0.0F, 1e38F, 3}}}};
 }
 
-void write_stl_inputs(const fs::path& folder) {
+void write_model_inputs(const fs::path& folder) {
   const models::Facets box = models::box({0, 0, 0}, {1, 2, 3});
   const std::string text = models::to_ascii_stl(box);
   write(folder / "box.stl", models::to_binary_stl(box));
@@ -82,6 +84,127 @@ void write_mask_inputs(const fs::path& folder) {
   }
 }
 
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write_all_in(const fs::path& config, const fs::path& folder, char kind) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(config))
+    write(folder / entry.path().filename(), kind + text_of(entry.path()));
+}
+
+void write_config_inputs(const fs::path& folder) {
+  const fs::path config = CONTOURD_CONFIG_DIR;
+  for (const char* name : {"contourd.json", "simulated.json", "raspberry-pi.json"})
+    write(folder / name, "c" + text_of(config / name));
+  write_all_in(config / "resins", folder, 'r');
+  write_all_in(config / "projectors", folder, 't');
+  write(folder / "line",
+        R"(c{"hardware": "real", "projector": {"light": {"chip": "gpiochip0", "line": 5}}})");
+  write(
+      folder / "noise",
+      R"(t{"brand": "a", "source": "b", "notes": "c", "baud": 9600, "timeout_ms": 1000, "retries": 2, "gap_ms": 100,
+ "warm_up_s": 1, "commands": {"power_on": {"text": "1", "accepted": "P"}, "power_off": {"text": "2", "accepted": "P"},
+ "light_on": {"text": "3", "accepted": "P"}, "light_off": {"text": "4", "accepted": ".*"}}})");
+  write(folder / "curve", R"(r{"layer_height_um": 50, "layer_height_min_um": 20, "layer_height_max_um": 100,
+ "bottom_layers": 4, "fade_layers": 2, "lift_mm": 5, "lift_speed_mm_s": 1, "retract_speed_mm_s": 2.5,
+ "settle_ms": 500, "rest_ms": 0, "working_curve": {"penetration_depth_um": 120, "critical_energy_mj_cm2": 8,
+ "overcure_um": 60, "bottom_overcure_um": 150}})");
+}
+
+void write_ticket_inputs(const fs::path& folder) {
+  write(folder / "two_sizes", R"(t{"fit": true, "scale": {"x": 2}})");
+  write(folder / "no_direction", R"(p{"models": [{"file": "a.stl", "up": {}}]})");
+  write(folder / "empty", std::string("t{}"));
+  write(folder / "turned",
+        R"(t{"resin": "standard", "layer_height_um": 50, "rotation_deg": {"x": 90}, "scale": 0.5,
+ "position_mm": {"x": -5, "y": 3}, "copies": 4, "cracks": "refuse"})");
+  write(folder / "up",
+        R"(t{"adaptive_layers": {"cusp_um": 15, "min_um": 20, "max_um": 90}, "up": {"x": 1, "z": -1},
+ "scale": {"x": 1.01, "y": 1, "z": 2}})");
+  write(folder / "both",
+        R"(t{"up": {"z": 0}, "rotation_deg": {}, "fit": true, "scale": 2, "copies": 1, "copies": 2})");
+  write(folder / "plate",
+        R"(p{"resin": "standard", "models": [{"file": "a.stl", "fit": true}, {"file": "b.stl",
+ "copies": 3, "rotation_deg": {"z": 45}}]})");
+}
+
+void write_control_inputs(const fs::path& folder) {
+  const std::string request = R"({"jsonrpc":"2.0","method":")", id = R"(","id":1})";
+  for (const char* method : {"status", "pause", "fail", "watch", "none"})
+    write(folder / method, "\x80" + request + method + id + "\r\n");
+  write(folder / "echo",
+        "\x40" + request + R"(echo","params":{"value":[1,{"a":"\u00e9"}],"other":null},"id":"x"})" + "\n");
+  write(folder / "set",
+        "\x41" + request + R"(set","params":[1],"id":null})" + "\n" + request + R"(set"})" + "\n");
+  write(folder / "batch", "\x80[" + request + "status" + id + "," + request + R"(status"},7,)" + request +
+                              "echo" + id + "]\n[]\n");
+  write(folder / "too_long", "\x41" + request + "status" + id);
+  write(folder / "broken", std::string("\x10{\n\n[[[[\n\"\\ud800\"\n{\"id\":[]}\n\xff\n"));
+}
+
+// What the projector sends, as serial_fuzz plays it: at once, or when it was sent something.
+std::string says(const std::string& bytes) {
+  return "r" + std::string(1, static_cast<char>(bytes.size())) + bytes;
+}
+std::string answers(const std::string& bytes) {
+  return "R" + std::string(1, static_cast<char>(bytes.size())) + bytes;
+}
+
+// A table's number, and how its projector says yes, that it is off, and that it is on (nothing where nobody
+// asks).
+struct Language {
+  char table;
+  std::string yes, off, on;
+};
+
+// Power on, a light, darkness, power off.
+std::string a_print(const Language& language) {
+  const auto [table, yes, off, on] = language;
+  const std::string lit = 'o' + answers(yes), dark = 'd' + ('f' + answers(yes));
+  const std::string is_off = off.empty() ? "" : answers(off), is_on = on.empty() ? "" : answers(on);
+  return table + ('p' + is_off) + answers(yes) + answers(yes) + is_on + answers(yes) + 't' + lit + 't' +
+         dark + "tts" + is_on + lit + dark + 'x' + answers(yes) + answers(yes) + is_off + 'T';
+}
+
+void write_serial_inputs(const fs::path& folder) {
+  using namespace std::string_literals;
+  const Language text{0, "P\r", "OK0\r", "OK1\r"};
+  write(folder / "text", a_print(text));
+  write(folder / "bytes", a_print({1, "\x03\x14\x00\x00\x00\x14"s, "\x05\x14\x00\x03\x00\x00\x00\x00\x17"s,
+                                   "\x05\x14\x00\x03\x00\x00\x00\x01\x18"s}));
+  write(folder / "optoma", a_print({2, "P\r", "OK0\r", "OK1\r"}));
+  write(folder / "anhua", a_print({3, "*\xFA\0\r"s, "", ""}));
+  write(folder / "acer", a_print({6, "*000\r", "Lamp 0\r", "Lamp 1\r"}));
+  const std::string on = "\0p"s + answers("OK1\r") + answers("P\r") + "t";
+  write(folder / "refused",
+        on + 'o' + answers("F\r") + answers("F\r") + answers("OK1\r") + "TfTdT" + says("INFO4\r"));
+  write(folder / "whether_lit",
+        on + "ottt" + answers("OK0\r") + 'd' + 'f' + answers("F\r") + answers("OK0\r") + 'T');
+  write(folder / "silent", on + "oTTfdTTxTTu");
+  write(folder / "gone", on + 'o' + answers("P\r") + says("INFO2\r") + "TudpT");
+  write(folder / "left", "\0mc"s + answers("P\r") + "tT" + 'p' + answers("OK1\r") + says("P\r") + 'T');
+  write(folder / "noise", "\1pt"s + says("\x03\x14\x03\x14\0\0"s) + 'f' + says("\0\0\x14"s) + 'T');
+}
+
+void write_record_inputs(const fs::path& folder) {
+  write(folder / "occupied", std::string("opart\n"));
+  write(folder / "held", std::string("hpart failed: the lid is open\nand more"));
+  for (const char* outcome : {"done", "cancelled", "failed"})
+    write(folder / outcome,
+          R"(e{"job":"part","outcome":")" + std::string(outcome) + R"(","reason":"it is full"})");
+  write(folder / "copied", std::string("c@\n17 17:684:5\ncopying 17 @\n"));
+  write(folder / "copying", std::string("ccopying 99 99 99:684:5\n"));
+  write(folder / "reading", std::string("r@\n@\n17 17:684:5"));
+  write(folder / "light", R"(l{"light": {"chip": "gpiochip0", "line": 5, "active_low": false}, "projector":
+ {"port": "/dev/ttyUSB0", "table": )" +
+                              text_of(fs::path(CONTOURD_CONFIG_DIR) / "projectors/optoma.json") + "}}");
+  write(folder / "printing",
+        std::string("ppart.stl\nppart.json\nPplate\niother.json\npother.stl\npnotes.txt\nplost.json\n"
+                    "dlost.stl\nilost.stl\nfnotes.txt\nfother.stl\n"));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -91,10 +214,14 @@ int main(int argc, char** argv) {
   }
   try {
     const fs::path folder = argv[1];
-    fs::create_directories(folder / "stl");
-    fs::create_directories(folder / "mask");
-    write_stl_inputs(folder / "stl");
-    write_mask_inputs(folder / "mask");
+    const std::pair<const char*, void (*)(const fs::path&)> targets[] = {
+        {"model", write_model_inputs},   {"mask", write_mask_inputs},       {"config", write_config_inputs},
+        {"ticket", write_ticket_inputs}, {"control", write_control_inputs}, {"serial", write_serial_inputs},
+        {"records", write_record_inputs}};
+    for (const auto& [target, write_inputs] : targets) {
+      fs::create_directories(folder / target);
+      write_inputs(folder / target);
+    }
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "make-fuzz-corpus: %s\n", error.what());

@@ -1,20 +1,13 @@
 // Fuzz target: any facets, cut and filled. Whatever they are, the mask is the same every time, stays within
 // the model's outline, is dark above and below the model, and facets with their turned selves leave nothing.
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <utility>
 
+#include "tests/fuzz/demand.hpp"
 #include "tests/fuzz/mask_input.hpp"
 
 namespace contourd::fuzz {
 namespace {
-
-void demand(bool condition, const char* what) {
-  if (condition) return;
-  std::fprintf(stderr, "broken: %s\n", what);
-  std::abort();
-}
 
 std::vector<PixelMap> maps_of(const MaskSettings& settings, const Bounds& bounds) {
   const DisplayGeometry display = display_of(settings);

@@ -130,12 +130,12 @@ std::vector<Setting> settings() {
 }
 
 // Three quarters of the light at one edge, all of it at the other.
-Mask lamp_of(const DisplayGeometry& display) {
-  Mask lamp(display.width, display.height);
+Mask uniformity_of(const DisplayGeometry& display) {
+  Mask uniformity(display.width, display.height);
   const std::int32_t height = display.height.count();
   for (std::int32_t y = 0; y < height; ++y)
-    std::ranges::fill(lamp.row(y), static_cast<std::uint8_t>(191 + y * 64 / height));
-  return lamp;
+    std::ranges::fill(uniformity.row(y), static_cast<std::uint8_t>(191 + y * 64 / height));
+  return uniformity;
 }
 
 EngineSettings engine_settings(const Setting& setting) {
@@ -143,7 +143,7 @@ EngineSettings engine_settings(const Setting& setting) {
   if (setting.corrected) {
     settings.compensation = {Micrometers{37}, Micrometers{160}, Nanometers{3'000'000}};
     settings.tone = {2.2, 10};
-    settings.lamp = lamp_of(setting.display);
+    settings.uniformity = uniformity_of(setting.display);
   }
   return settings;
 }
@@ -175,7 +175,7 @@ void print_contours(const std::string& name, const HeightIndex& model) {
   ContourLinker linker;
   Contours contours;
   for (const double part : {0.0, 0.1, 0.37, 0.5, 0.77}) {
-    slice_at(model, model.bounds().min_z + part * model.bounds().size_z(), section);
+    slice_at(model, Millimeters{model.bounds().min_z + part * model.bounds().size_z()}, section);
     linker.link(section.segments, Millimeters{0.05}, contours);
     std::printf("%s, contours, %.2f: %016" PRIx64 ", %zu loops, %u gaps, %u open\n", name.c_str(), part,
                 digest_of(contours), contours.loops.size(), contours.cracks.gaps_closed,
@@ -184,7 +184,7 @@ void print_contours(const std::string& name, const HeightIndex& model) {
 }
 
 void print_adaptive_layers(const std::string& name, const models::Facets& facets) {
-  const auto model = std::make_shared<const HeightIndex>(facets);
+  const StandingModel model{std::make_shared<const HeightIndex>(facets)};
   const PrintLayers layers({model}, {Nanometers{20'000}, Nanometers{200'000}, Nanometers{12'000}});
   Digest digest;
   const std::vector<Nanometers> all = layers.all();

@@ -21,11 +21,11 @@ struct Drawn {
 };
 
 // Ways of a plate in millimetres or in microsteps, with and without a jerk limit.
-Drawn draw_way() {
+Drawn draw_move() {
   const double scale = *rc::gen::element(1.0, 800.0);
-  Drawn way{draw_real(0.0001, 200) * scale, {draw_real(0.1, 50) * scale, draw_real(1, 500) * scale}};
-  if (draw(0, 2) != 0) way.limits.jerk = draw_real(5, 20000) * scale;
-  return way;
+  Drawn move{draw_real(0.0001, 200) * scale, {draw_real(0.1, 50) * scale, draw_real(1, 500) * scale}};
+  if (draw(0, 2) != 0) move.limits.jerk = draw_real(5, 20000) * scale;
+  return move;
 }
 
 // Doubles carry 53 bits; a curve adds up to ten pieces, some of a root or a cube root.
@@ -37,8 +37,8 @@ TEST_CASE("A jerk-limited ramp that reaches its acceleration takes v/A + A/J") {
   // A/J = 0.1 s, v/A = 0.4 s: 0.5 s and 2.5 mm a ramp, 5 mm in between at 10 mm/s.
   const MotionCurve curve(10, {10, 25, 250});
   CHECK(curve.duration_s() == Approx(0.5 + 0.5 + 0.5).margin(kRounding));
-  CHECK(curve.way_at(0.5) == Approx(2.5).margin(kRounding));
-  CHECK(curve.way_at(0.1) == Approx(250 * 0.001 / 6).margin(kRounding));
+  CHECK(curve.position_at(0.5) == Approx(2.5).margin(kRounding));
+  CHECK(curve.position_at(0.1) == Approx(250 * 0.001 / 6).margin(kRounding));
   CHECK(curve.speed_at(0.1) == Approx(1.25).margin(kRounding));
   CHECK(curve.speed_at(0.25) == Approx(5).margin(kRounding));
   CHECK(curve.speed_at(0.75) == Approx(10).margin(kRounding));
@@ -50,7 +50,7 @@ TEST_CASE("A jerk-limited ramp too short for its acceleration takes 2 sqrt(v/J)"
   CHECK(curve.duration_s() == Approx(0.4 + 0.6 + 0.4).margin(kRounding));
 }
 
-TEST_CASE("A way too short for any hold peaks at the cube root of D^2 J / 4") {
+TEST_CASE("A move too short for any hold peaks at the cube root of D^2 J / 4") {
   const MotionCurve curve(2, {1000, 1000, 1});
   CHECK(curve.speed_at(curve.duration_s() / 2) == Approx(1).margin(kRounding));
   CHECK(curve.duration_s() == Approx(4).margin(kRounding));
@@ -58,38 +58,39 @@ TEST_CASE("A way too short for any hold peaks at the cube root of D^2 J / 4") {
 
 TEST_CASE("A curve starts and ends at rest and goes its whole distance") {
   CHECK(rc::check([] {
-    const Drawn way = draw_way();
-    const MotionCurve curve = way.curve();
-    RC_ASSERT(curve.way_at(0) == 0.0);
-    RC_ASSERT(curve.way_at(-1) == 0.0);
-    RC_ASSERT(curve.way_at(curve.duration_s()) == way.distance);
-    RC_ASSERT(curve.way_at(curve.duration_s() + 1) == way.distance);
+    const Drawn move = draw_move();
+    const MotionCurve curve = move.curve();
+    RC_ASSERT(curve.position_at(0) == 0.0);
+    RC_ASSERT(curve.position_at(-1) == 0.0);
+    RC_ASSERT(curve.position_at(curve.duration_s()) == move.distance);
+    RC_ASSERT(curve.position_at(curve.duration_s() + 1) == move.distance);
     // The last picosecond before the end moves next to nothing: the pieces meet the distance by themselves.
-    RC_ASSERT(std::fabs(curve.way_at(std::nextafter(curve.duration_s(), 0.0)) - way.distance) <=
-              kRounding * way.distance);
+    RC_ASSERT(std::fabs(curve.position_at(std::nextafter(curve.duration_s(), 0.0)) - move.distance) <=
+              kRounding * move.distance);
     RC_ASSERT(std::fabs(curve.speed_at(std::nextafter(curve.duration_s(), 0.0))) <=
-              1e-6 * way.limits.speed);  // sqrt of the rounding: speed goes with the root of the way left
+              1e-6 *
+                  move.limits.speed);  // sqrt of the rounding: speed goes with the root of the distance left
   }));
 }
 
 TEST_CASE("A curve keeps within its speed, its acceleration and its jerk") {
   CHECK(rc::check([] {
-    const Drawn way = draw_way();
-    const MotionCurve curve = way.curve();
+    const Drawn move = draw_move();
+    const MotionCurve curve = move.curve();
     constexpr int kSamples = 400;
     const double step = curve.duration_s() / kSamples;
     double last_acceleration = 0, last_speed = 0;
     for (int i = 1; i <= kSamples; ++i) {
       const double speed = curve.speed_at(i * step);
-      RC_ASSERT(speed >= -kRounding * way.limits.speed);
-      RC_ASSERT(speed <= way.limits.speed * (1 + kRounding));
+      RC_ASSERT(speed >= -kRounding * move.limits.speed);
+      RC_ASSERT(speed <= move.limits.speed * (1 + kRounding));
       // Mean values over a sample's time: of quantities within limits they are within limits.
       const double acceleration = (speed - last_speed) / step;
-      const double noise = kRounding * way.limits.speed / step;
-      RC_ASSERT(std::fabs(acceleration) <= way.limits.acceleration + noise);
-      if (i > 1 && std::isfinite(way.limits.jerk)) {
+      const double noise = kRounding * move.limits.speed / step;
+      RC_ASSERT(std::fabs(acceleration) <= move.limits.acceleration + noise);
+      if (i > 1 && std::isfinite(move.limits.jerk)) {
         RC_ASSERT(std::fabs(acceleration - last_acceleration) / step <=
-                  way.limits.jerk * (1 + kRounding) + 2 * noise / step);
+                  move.limits.jerk * (1 + kRounding) + 2 * noise / step);
       }
       last_speed = speed;
       last_acceleration = acceleration;
@@ -99,58 +100,58 @@ TEST_CASE("A curve keeps within its speed, its acceleration and its jerk") {
 
 TEST_CASE("A curve's second half mirrors its first") {
   CHECK(rc::check([] {
-    const Drawn way = draw_way();
-    const MotionCurve curve = way.curve();
+    const Drawn move = draw_move();
+    const MotionCurve curve = move.curve();
     const double t = curve.duration_s() * draw_real(0, 1);
-    RC_ASSERT(std::fabs(curve.way_at(t) + curve.way_at(curve.duration_s() - t) - way.distance) <=
-              kRounding * way.distance);
+    RC_ASSERT(std::fabs(curve.position_at(t) + curve.position_at(curve.duration_s() - t) - move.distance) <=
+              kRounding * move.distance);
   }));
 }
 
-TEST_CASE("The time at a way is the inverse of the way at a time") {
+TEST_CASE("The time at a position is the inverse of the position at a time") {
   CHECK(rc::check([] {
-    const Drawn way = draw_way();
-    const MotionCurve curve = way.curve();
-    const double part = way.distance * draw_real(0, 1);
-    RC_ASSERT(std::fabs(curve.way_at(curve.time_at(part)) - part) <= kRounding * way.distance);
-    RC_ASSERT(curve.time_at(way.distance * 2) == curve.duration_s());
+    const Drawn move = draw_move();
+    const MotionCurve curve = move.curve();
+    const double part = move.distance * draw_real(0, 1);
+    RC_ASSERT(std::fabs(curve.position_at(curve.time_at(part)) - part) <= kRounding * move.distance);
+    RC_ASSERT(curve.time_at(move.distance * 2) == curve.duration_s());
     RC_ASSERT(curve.time_at(0) == 0.0);
   }));
 }
 
-TEST_CASE("A jerk limit makes no way quicker") {
+TEST_CASE("A jerk limit makes no move quicker") {
   CHECK(rc::check([] {
-    Drawn way = draw_way();
-    const double with_jerk = way.curve().duration_s();
-    way.limits.jerk = MotionLimits{}.jerk;
-    RC_ASSERT(way.curve().duration_s() <= with_jerk * (1 + kRounding));
+    Drawn move = draw_move();
+    const double with_jerk = move.curve().duration_s();
+    move.limits.jerk = MotionLimits{}.jerk;
+    RC_ASSERT(move.curve().duration_s() <= with_jerk * (1 + kRounding));
   }));
 }
 
 TEST_CASE("A stop comes to rest within the limits and not behind the end") {
   CHECK(rc::check([] {
-    const Drawn way = draw_way();
-    const MotionCurve whole = way.curve();
+    const Drawn move = draw_move();
+    const MotionCurve whole = move.curve();
     MotionCurve curve = whole;
     const double at = whole.duration_s() * draw_real(0, 1);
     curve.stop_at(at);
     const MotionCurve stopped = curve;
     curve.stop_at(at + (curve.duration_s() - at) * draw_real(0, 1));
     RC_ASSERT(curve.distance() == stopped.distance());  // a second stop changes nothing
-    RC_ASSERT(std::fabs(curve.way_at(at) - whole.way_at(at)) <= kRounding * way.distance);
-    RC_ASSERT(curve.distance() <= way.distance * (1 + kRounding));
+    RC_ASSERT(std::fabs(curve.position_at(at) - whole.position_at(at)) <= kRounding * move.distance);
+    RC_ASSERT(curve.distance() <= move.distance * (1 + kRounding));
     RC_ASSERT(curve.duration_s() <= whole.duration_s() * (1 + kRounding));
     constexpr int kSamples = 400;
     const double step = curve.duration_s() / kSamples;
     double last_acceleration = 0, last_speed = 0;
     for (int i = 1; i <= kSamples; ++i) {
       const double speed = curve.speed_at(i * step), acceleration = (speed - last_speed) / step;
-      const double noise = kRounding * way.limits.speed / step;
-      RC_ASSERT(speed <= way.limits.speed * (1 + kRounding));
-      RC_ASSERT(std::fabs(acceleration) <= way.limits.acceleration + noise);
-      if (i > 1 && std::isfinite(way.limits.jerk)) {
+      const double noise = kRounding * move.limits.speed / step;
+      RC_ASSERT(speed <= move.limits.speed * (1 + kRounding));
+      RC_ASSERT(std::fabs(acceleration) <= move.limits.acceleration + noise);
+      if (i > 1 && std::isfinite(move.limits.jerk)) {
         RC_ASSERT(std::fabs(acceleration - last_acceleration) / step <=
-                  way.limits.jerk * (1 + kRounding) + 2 * noise / step);
+                  move.limits.jerk * (1 + kRounding) + 2 * noise / step);
       }
       last_speed = speed;
       last_acceleration = acceleration;

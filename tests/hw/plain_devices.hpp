@@ -15,7 +15,7 @@ namespace contourd::testing {
 template <typename Interface>
 class PlainDevice : public Interface {
  public:
-  void on_disturbance(std::function<void(const Disturbance&)>) override {}
+  void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
   [[nodiscard]] std::string description() const override { return "plain"; }
@@ -33,7 +33,7 @@ class PlainProjector : public PlainDevice<Projector> {
 
 class PlainDisplay : public PlainDevice<MaskDisplay> {
  public:
-  void look_again() override {}
+  void probe_again() override {}
   [[nodiscard]] LightDisplayPath black_path() const override { return {}; }
 };
 

@@ -54,7 +54,7 @@ class NotedProjector final : public testing::PlainProjector {
   void power_off() noexcept override { note("power off"); }
   void ask_status(StatusDone done) override { done({reply, {}, true, 12}); }
   [[nodiscard]] std::string last_problem() const override { return "the projector's problem"; }
-  [[nodiscard]] std::string doubt() const override { return doubtful; }
+  [[nodiscard]] std::string light_off_unconfirmed() const override { return unconfirmed; }
   void may_warm_up() override { note("may warm up"); }
   void confirm_dark(Done done) override { note("confirm dark"), done(reply); }
   void power_off_if_on() override { note("power off if on"); }
@@ -64,7 +64,7 @@ class NotedProjector final : public testing::PlainProjector {
   [[nodiscard]] std::vector<std::string> warnings() const override { return {"hot"}; }
   [[nodiscard]] LightSerialPath light_off_path() const override { return {7, "off", {}}; }
   ProjectorReply reply = ProjectorReply::Ok;
-  std::string doubtful;
+  std::string unconfirmed;
   std::function<void()> dark;
 
  private:
@@ -186,15 +186,15 @@ TEST_CASE("a light behind a line is dark when both the projector and the line ar
   for (int i = 0; i < 10; ++i)
     bench.clock.run_next();
   CHECK_FALSE(bench.dark);
-  CHECK(bench.projector.doubt() == "the light's line is stuck");
+  CHECK(bench.projector.light_off_unconfirmed() == "the light's line is stuck");
   CHECK_FALSE(bench.projector.last_light()->off_latest);
   bench.line.lit = false;
   bench.run_out();
   CHECK(bench.dark);
   CHECK(bench.projector.last_light()->off_latest);
-  CHECK(bench.projector.doubt().empty());
-  bench.inner.doubtful = "nobody knows";
-  CHECK(bench.projector.doubt() == "nobody knows");
+  CHECK(bench.projector.light_off_unconfirmed().empty());
+  bench.inner.unconfirmed = "nobody knows";
+  CHECK(bench.projector.light_off_unconfirmed() == "nobody knows");
 }
 
 TEST_CASE("a projector whose line was taken from before it calls nobody back") {

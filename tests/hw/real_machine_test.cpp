@@ -55,10 +55,10 @@ TEST_CASE("A machine whose devices are all missing is there, says what is missin
   FileDescriptor process;
   LightWatchdog watchdog = testing::ready_watchdog(clock, watcher, process);
   RealMachine machine(clock, watcher, watchdog, nowhere());
-  const std::string hindrance = machine.hindrance();
-  CHECK(count(hindrance, "gpiochip-of-nobody") >= 2);  // for the light, and for the axis
-  CHECK(count(hindrance, "/dev/dri/card-of-nobody") >= 1);
-  CHECK(count(hindrance, "/dev/tty-of-nobody") >= 1);
+  const std::string not_ready = machine.why_not_ready();
+  CHECK(count(not_ready, "gpiochip-of-nobody") >= 2);  // for the light, and for the axis
+  CHECK(count(not_ready, "/dev/dri/card-of-nobody") >= 1);
+  CHECK(count(not_ready, "/dev/tty-of-nobody") >= 1);
   CHECK(machine.description().empty());
   make_safe(machine);
   CHECK_FALSE(machine.z_axis().height());
@@ -97,13 +97,13 @@ TEST_CASE(
   LightWatchdog watchdog = testing::ready_watchdog(clock, watcher, process);
   RealMachine machine(clock, watcher, watchdog, nowhere());
   int told = 0;
-  machine.on_disturbance([&](const Disturbance&) { ++told; });
+  machine.on_event([&](const MachineEvent&) { ++told; });
   for (int i = 1; i <= 3; ++i) {
     REQUIRE(clock.run_next());
     CHECK(clock.now() == TimePoint{} + i * RealMachine::kSearchInterval);
   }
   CHECK(told == 0);
-  CHECK_FALSE(machine.hindrance().empty());
+  CHECK_FALSE(machine.why_not_ready().empty());
 }
 
 namespace {
@@ -117,7 +117,7 @@ struct AxisBench {
   void start() {
     machine = std::make_unique<RealMachine>(plant.clock, plant, watchdog, config,
                                             RealMachine::Openers{.axis = [this] { return open_axis(); }});
-    machine->on_disturbance([this](const Disturbance& disturbance) { told.push_back(disturbance); });
+    machine->on_event([this](const MachineEvent& event) { told.push_back(event); });
   }
   std::unique_ptr<GpioAxis> open_axis() {
     ++opened;
@@ -130,7 +130,7 @@ struct AxisBench {
   testing::Plant plant{GpioAxisConfig{}};
   bool missing = false;
   int opened = 0;
-  std::vector<Disturbance> told;
+  std::vector<MachineEvent> told;
   FileDescriptor process;
   LightWatchdog watchdog = testing::ready_watchdog(plant.clock, plant, process);
   std::unique_ptr<RealMachine> machine;
@@ -141,16 +141,16 @@ struct AxisBench {
 TEST_CASE("An axis whose chip is pulled stands in the way from then on, and is looked for") {
   AxisBench bench;
   bench.start();
-  CHECK(count(bench.machine->hindrance(), "axis") == 0);
+  CHECK(count(bench.machine->why_not_ready(), "axis") == 0);
   bench.missing = true;
   bench.plant.pull_chip();
   REQUIRE(bench.told.size() == 1);
-  CHECK(bench.told[0].kind == Disturbance::Kind::Fault);
-  CHECK(count(bench.machine->hindrance(), "the axis' inputs on") == 1);
+  CHECK(bench.told[0].kind == MachineEvent::Kind::Fault);
+  CHECK(count(bench.machine->why_not_ready(), "the axis' inputs on") == 1);
   CHECK(bench.opened == 1);
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
   CHECK(bench.opened >= 2);
-  CHECK(count(bench.machine->hindrance(), "the axis is missing") == 1);
+  CHECK(count(bench.machine->why_not_ready(), "the axis is missing") == 1);
   CHECK(bench.told.size() == 1);
 }
 
@@ -162,7 +162,7 @@ TEST_CASE("An axis whose lines the kernel refuses to set is a lost one") {
   bench.machine->z_axis().home([&](HomingResult result) { homed = result; });
   bench.plant.run([&] { return homed.has_value(); });
   CHECK(homed == HomingResult::Fault);
-  CHECK(count(bench.machine->hindrance(), "line") >= 1);
+  CHECK(count(bench.machine->why_not_ready(), "line") >= 1);
   bench.missing = true;
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
   CHECK(bench.opened >= 2);
@@ -176,7 +176,7 @@ TEST_CASE("What an owner should know of a device that comes late is told when it
   bench.missing = false;
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
   REQUIRE(bench.told.size() == 1);
-  CHECK(bench.told[0].kind == Disturbance::Kind::Recovery);
+  CHECK(bench.told[0].kind == MachineEvent::Kind::Recovery);
   CHECK(bench.told[0].warnings == std::vector<std::string>{"no real-time priority"});
 }
 
@@ -203,7 +203,7 @@ struct LightBench {
                                       RealMachine::Openers{.axis = [this] { return open_axis(); },
                                                            .light = [this] { return open_light(); },
                                                            .projector = [this] { return open_projector(); }});
-    machine->on_disturbance([this](const Disturbance& disturbance) { told.push_back(disturbance); });
+    machine->on_event([this](const MachineEvent& event) { told.push_back(event); });
   }
   std::unique_ptr<GpioAxis> open_axis() {
     if (axis_missing) throw HardwareError("the axis is missing");
@@ -242,7 +242,7 @@ struct LightBench {
   // As a light watchdog that lives.
   void answer() {
     testing::watch_over_exposure(watchdog, process);
-    answer_again = plant.clock.call_after(LightWatchdog::kBeat, [this] { answer(); });
+    answer_again = plant.clock.call_after(LightWatchdog::kHeartbeat, [this] { answer(); });
   }
 
   RealMachineConfig config = nowhere();
@@ -250,7 +250,7 @@ struct LightBench {
   testing::PlantOutput* line = nullptr;
   bool chip_gone, axis_missing;
   int opened = 0;
-  std::vector<Disturbance> told;
+  std::vector<MachineEvent> told;
   FileDescriptor process;
   LightWatchdog watchdog = testing::ready_watchdog(plant.clock, plant, process);
   std::unique_ptr<Timer> answer_again;
@@ -269,22 +269,22 @@ TEST_CASE(
   REQUIRE(bench.line->level);
   bench.line->refuses = bench.chip_gone = true;
   bench.machine->projector().light_off();
-  CHECK_FALSE(bench.machine->projector().doubt().empty());
+  CHECK_FALSE(bench.machine->projector().light_off_unconfirmed().empty());
   bench.plant.run_for(std::chrono::milliseconds{100});
   REQUIRE(bench.told.size() == 1);
-  CHECK(bench.told[0].kind == Disturbance::Kind::Fault);
-  CHECK(count(bench.machine->hindrance(), "the light may be on: the light's line 24 of gpiochip7") == 1);
+  CHECK(bench.told[0].kind == MachineEvent::Kind::Fault);
+  CHECK(count(bench.machine->why_not_ready(), "the light may be on: the light's line 24 of gpiochip7") == 1);
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
   CHECK(bench.opened >= 2);
-  CHECK(count(bench.machine->hindrance(), "the light may be on: the light's line 24 of gpiochip7") == 1);
-  CHECK(count(bench.machine->hindrance(), "there is no GPIO chip") == 1);
-  CHECK_FALSE(bench.machine->projector().doubt().empty());
+  CHECK(count(bench.machine->why_not_ready(), "the light may be on: the light's line 24 of gpiochip7") == 1);
+  CHECK(count(bench.machine->why_not_ready(), "there is no GPIO chip") == 1);
+  CHECK_FALSE(bench.machine->projector().light_off_unconfirmed().empty());
   bench.chip_gone = false;
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
-  CHECK(count(bench.machine->hindrance(), "light") == 0);
-  CHECK(bench.machine->projector().doubt().empty());
+  CHECK(count(bench.machine->why_not_ready(), "light") == 0);
+  CHECK(bench.machine->projector().light_off_unconfirmed().empty());
   REQUIRE(bench.told.size() == 2);
-  CHECK(bench.told[1].kind == Disturbance::Kind::Recovery);
+  CHECK(bench.told[1].kind == MachineEvent::Kind::Recovery);
   CHECK(bench.told[1].what == "found light: line 24 of gpiochip7");
 }
 
@@ -299,7 +299,7 @@ TEST_CASE("Before a projector, too, nobody says that it is dark while the light 
   bench.machine->projector().when_dark([&dark] { dark = true; });
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
   CHECK(bench.opened >= 2);
-  CHECK(count(bench.machine->projector().doubt(), "line 24 of gpiochip7 cannot be set") == 1);
+  CHECK(count(bench.machine->projector().light_off_unconfirmed(), "line 24 of gpiochip7 cannot be set") == 1);
   CHECK_FALSE(dark);
   bench.machine->projector().light_off();
   bench.machine->projector().when_dark([&dark] { dark = true; });
@@ -308,7 +308,7 @@ TEST_CASE("Before a projector, too, nobody says that it is dark while the light 
   bench.chip_gone = false;
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
   CHECK(dark);
-  CHECK(bench.machine->projector().doubt().empty());
+  CHECK(bench.machine->projector().light_off_unconfirmed().empty());
 }
 
 TEST_CASE("A light line that goes off after all no longer stands in the way") {
@@ -321,8 +321,8 @@ TEST_CASE("A light line that goes off after all no longer stands in the way") {
   bench.machine->projector().light_off();
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
   CHECK(bench.opened == 1);
-  CHECK(count(bench.machine->hindrance(), "light") == 0);
-  CHECK(bench.told.back().kind == Disturbance::Kind::Recovery);
+  CHECK(count(bench.machine->why_not_ready(), "light") == 0);
+  CHECK(bench.told.back().kind == MachineEvent::Kind::Recovery);
 }
 
 TEST_CASE("The lid cuts the light's line before the event loop hears of it, until it is closed again") {
@@ -342,9 +342,9 @@ TEST_CASE("The lid cuts the light's line before the event loop hears of it, unti
   CHECK(bench.light_on() == ProjectorReply::Interlocked);
   CHECK(count(bench.machine->projector().last_problem(), "stays off") == 1);
   CHECK_FALSE(bench.line->level);
-  CHECK(count(bench.machine->hindrance(), "the lid is open") == 1);
+  CHECK(count(bench.machine->why_not_ready(), "the lid is open") == 1);
   bench.move_lid(false);
-  CHECK(count(bench.machine->hindrance(), "the lid") == 0);
+  CHECK(count(bench.machine->why_not_ready(), "the lid") == 0);
   CHECK(bench.light_on() == ProjectorReply::Ok);
 }
 
@@ -385,16 +385,16 @@ TEST_CASE(
     "Nothing is printed while there is no light watchdog, and its owner hears when there is one again") {
   AxisBench bench;
   bench.start();
-  CHECK(count(bench.machine->hindrance(), "watchdog") == 0);
+  CHECK(count(bench.machine->why_not_ready(), "watchdog") == 0);
   bench.process = FileDescriptor();
   (void)bench.watchdog.trip();  // hears it
-  CHECK(count(bench.machine->hindrance(), "the light watchdog has died") == 1);
+  CHECK(count(bench.machine->why_not_ready(), "the light watchdog has died") == 1);
   CHECK(bench.told.empty());  // no light was on
   bench.plant.run_for(2 * LightWatchdog::kStartLater);
   (void)bench.watchdog.trip();
-  CHECK(count(bench.machine->hindrance(), "watchdog") == 0);
+  CHECK(count(bench.machine->why_not_ready(), "watchdog") == 0);
   REQUIRE(bench.told.size() == 1);
-  CHECK(bench.told[0].kind == Disturbance::Kind::Recovery);
+  CHECK(bench.told[0].kind == MachineEvent::Kind::Recovery);
   CHECK(bench.told[0].warnings.size() == 1);
 }
 
@@ -403,7 +403,7 @@ TEST_CASE("A look at the hardware tells of every device, whatever is wrong with 
   NoDescriptors watcher;
   RealMachineConfig config = nowhere();
   config.axis.lid = GpioInputConfig{.line = {.chip = "gpiochip-of-nobody", .line = "5"}};
-  HardwareCheck check(clock, watcher, config, [](double, int) { return WakeUps{}; });
+  HardwareCheck check(clock, watcher, config, [](double, int) { return WakeUpLatency{}; });
   std::vector<std::string> devices;
   bool done = false;
   check.run(
@@ -424,7 +424,7 @@ TEST_CASE("A look at the hardware tells of every device, whatever is wrong with 
 TEST_CASE("A top speed that the computer does not keep is found, with what it keeps") {
   VirtualClock clock;
   NoDescriptors watcher;
-  const auto finding_with = [&](const WakeUps& wakes) {
+  const auto finding_with = [&](const WakeUpLatency& wakes) {
     HardwareFinding found;
     HardwareCheck check(clock, watcher, nowhere(), [&](double rate, int priority) {
       CHECK(rate == 8'000);
@@ -501,12 +501,12 @@ class OtherProjector final : public Projector {
   void power_off() noexcept override { light_off(); }
   void ask_status(StatusDone done) override { done({}); }
   [[nodiscard]] std::string last_problem() const override { return "the engine is stuck"; }
-  [[nodiscard]] std::string doubt() const override { return lit ? "the engine is lit" : ""; }
+  [[nodiscard]] std::string light_off_unconfirmed() const override { return lit ? "the engine is lit" : ""; }
   void may_warm_up() override { asked_after_find.emplace_back("may warm up"); }
   void confirm_dark(Done done) override { done(lit ? ProjectorReply::Refused : ProjectorReply::Ok); }
   void power_off_if_on() override { asked_after_find.emplace_back("power off if on"); }
   [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
-  void on_disturbance(std::function<void(const Disturbance&)> call) override { tell = std::move(call); }
+  void on_event(std::function<void(const MachineEvent&)> call) override { tell = std::move(call); }
   [[nodiscard]] bool lost() const override { return is_lost; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override {
     if (!stuck) return {};
@@ -518,7 +518,7 @@ class OtherProjector final : public Projector {
   bool lit = true, stuck = false, is_lost = false;
   int light_offs = 0;
   std::vector<std::string> asked_after_find;
-  std::function<void(const Disturbance&)> tell;
+  std::function<void(const MachineEvent&)> tell;
 
  private:
   void answer_later(std::function<void()> call) { answer_ = clock_.call_after(Duration{0}, std::move(call)); }
@@ -543,12 +543,12 @@ TEST_CASE("A projector that is on no serial line is made dark, told of, lost and
                         engine = made.get();
                         return made;
                       }});
-  std::vector<Disturbance> told;
-  machine.on_disturbance([&](const Disturbance& disturbance) { told.push_back(disturbance); });
+  std::vector<MachineEvent> told;
+  machine.on_event([&](const MachineEvent& event) { told.push_back(event); });
   std::unique_ptr<Timer> again;
   const std::function<void()> watch = [&] {
     testing::watch_over_exposure(watchdog, process);
-    again = plant.clock.call_after(LightWatchdog::kBeat, watch);
+    again = plant.clock.call_after(LightWatchdog::kHeartbeat, watch);
   };
   CHECK_FALSE(engine->lit);
   CHECK(engine->asked_after_find == std::vector<std::string>{"may warm up", "power off if on"});
@@ -564,17 +564,17 @@ TEST_CASE("A projector that is on no serial line is made dark, told of, lost and
   CHECK(engine->lit);
   engine->stuck = true;
   machine.projector().light_off();
-  CHECK(count(machine.hindrance(), "the light may be on: the engine is stuck") == 1);
-  CHECK_FALSE(machine.projector().doubt().empty());
+  CHECK(count(machine.why_not_ready(), "the light may be on: the engine is stuck") == 1);
+  CHECK_FALSE(machine.projector().light_off_unconfirmed().empty());
 
   engine->is_lost = true;
-  engine->tell({.kind = Disturbance::Kind::Fault, .what = "the engine does not answer"});
+  engine->tell({.kind = MachineEvent::Kind::Fault, .what = "the engine does not answer"});
   REQUIRE(told.size() == 1);
-  CHECK(count(machine.hindrance(), "the engine does not answer") == 1);
+  CHECK(count(machine.why_not_ready(), "the engine does not answer") == 1);
   plant.run_for(RealMachine::kFirstSearch + std::chrono::milliseconds{100});
   CHECK(opened == 2);
   CHECK_FALSE(engine->lit);
-  CHECK(count(machine.hindrance(), "engine") == 0);
+  CHECK(count(machine.why_not_ready(), "engine") == 0);
   REQUIRE(told.size() == 2);
   CHECK(told[1].what == "found projector: engine at bus 1");
   CHECK(told[1].warnings == std::vector<std::string>{"the engine is hot"});

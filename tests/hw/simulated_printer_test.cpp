@@ -166,21 +166,21 @@ TEST_CASE("A display is unplugged once, tells of it, and comes back") {
   config.display.lost_after_frames = 1;
   config.display.back_after = 60s;
   Bench bench(config);
-  std::vector<Disturbance> told;
-  bench.printer.on_disturbance([&](const Disturbance& disturbance) { told.push_back(disturbance); });
+  std::vector<MachineEvent> told;
+  bench.printer.on_event([&](const MachineEvent& event) { told.push_back(event); });
   bench.start_show(mask_of_grey(200));
   bench.run();
-  CHECK(bench.printer.hindrance().empty());
+  CHECK(bench.printer.why_not_ready().empty());
   bench.start_show(mask_of_grey(200));
   while (told.empty())
     REQUIRE(bench.clock.run_next());
-  CHECK(told[0].kind == Disturbance::Kind::Interruption);
-  CHECK(bench.printer.hindrance() == "the display is unplugged");
+  CHECK(told[0].kind == MachineEvent::Kind::Interlock);
+  CHECK(bench.printer.why_not_ready() == "the display is unplugged");
   CHECK(bench.printer.screen_is_black());
   bench.run();
   REQUIRE(told.size() == 2);
-  CHECK(told[1].kind == Disturbance::Kind::Recovery);
-  CHECK(bench.printer.hindrance().empty());
+  CHECK(told[1].kind == MachineEvent::Kind::Recovery);
+  CHECK(bench.printer.why_not_ready().empty());
   bench.start_show(mask_of_grey(200));
   bench.run();
   CHECK(bench.presented.has_value());
@@ -202,9 +202,8 @@ TEST_CASE("The lid is opened when the light has been on for long enough, and clo
   config.lid_open_for = 4s;
   VirtualClock clock;
   SimulatedPrinter printer(clock, config);
-  std::vector<std::pair<Disturbance::Kind, TimePoint>> told;
-  printer.on_disturbance(
-      [&](const Disturbance& disturbance) { told.emplace_back(disturbance.kind, clock.now()); });
+  std::vector<std::pair<MachineEvent::Kind, TimePoint>> told;
+  printer.on_event([&](const MachineEvent& event) { told.emplace_back(event.kind, clock.now()); });
   printer.projector().power_on([](ProjectorReply) {});
   while (clock.run_next()) {
   }
@@ -218,8 +217,8 @@ TEST_CASE("The lid is opened when the light has been on for long enough, and clo
   }
   // Two seconds of the first light, one of the second.
   REQUIRE(told.size() == 2);
-  CHECK(told[0] == std::pair{Disturbance::Kind::Interruption, lit + 1s});
-  CHECK(told[1] == std::pair{Disturbance::Kind::Recovery, lit + 5s});
+  CHECK(told[0] == std::pair{MachineEvent::Kind::Interlock, lit + 1s});
+  CHECK(told[1] == std::pair{MachineEvent::Kind::Recovery, lit + 5s});
 }
 
 TEST_CASE("A job's masks are kept as PNG files in its own folder") {

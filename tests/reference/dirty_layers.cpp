@@ -10,7 +10,7 @@ namespace contourd::reference {
 namespace {
 
 // Layers that cover less are not judged: the rounding to 255 greys shows in them.
-constexpr double kLeastPixels = 1000;
+constexpr double kMinPixels = 1000;
 
 constexpr int kSide = 640;
 constexpr double kPixelsPerMm = 20;
@@ -27,7 +27,7 @@ WorstLayer worst_layer(const models::Facets& clean, const models::Facets& dirty,
   for (const double part : heights) {
     const double z = bounds.min_z + part * bounds.size_z();
     const auto coverage = coverage_at(clean, z, {kSide, kSide, kPixelsPerMm, center.x, center.y});
-    if (std::accumulate(coverage.begin(), coverage.end(), 0.0) < kLeastPixels) continue;
+    if (std::accumulate(coverage.begin(), coverage.end(), 0.0) < kMinPixels) continue;
     const double overlap = overlap_of(coverage, engine.mask_at_z(Millimeters{z}).pixels());
     worst.overlap = std::min(worst.overlap, overlap);
     worst.told = worst.told && (overlap >= wanted || engine.cracks().has_guesses());

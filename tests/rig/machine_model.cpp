@@ -69,7 +69,7 @@ MachineModel::MachineModel(const Scenario& scenario)
   plant.overrun = 1 + kFieldPeriod;
   model_->changed = screen.changed = [this] { changed(); };
   if (scenario.backlash) plant.slack = 4;
-  plant.on_disturbance = [this] { tell(plant.disturbances.back()); };
+  plant.on_event = [this] { tell(plant.events.back()); };
   plant.build();
   if (has_line(kind_)) open_line();
   if (has_projector(kind_)) open_adapter();
@@ -113,7 +113,7 @@ void MachineModel::open_adapter() {
     });
   };
   serial_ = std::make_unique<SerialProjector>(*port_, loop, table_);
-  serial_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
+  serial_->on_event([this](const MachineEvent& event) { tell(event); });
   serial_->may_warm_up();
 }
 
@@ -128,7 +128,7 @@ void MachineModel::open_line() {
   };
   static_cast<void>(output_->set(false));
   line_ = std::make_unique<GpioLightLine>(std::move(output), "line 24 of gpiochip0", loop);
-  line_->on_disturbance([this](const Disturbance& disturbance) { tell(disturbance); });
+  line_->on_event([this](const MachineEvent& event) { tell(event); });
   plant.axis->set_light_cutoff(line_.get());
 }
 
@@ -169,7 +169,7 @@ void MachineModel::search() {
   const bool missing = (has_line(kind_) && !line_) || (serial_ && serial_->lost());
   if (missing) search_ = loop.call_after(5s, [this] { search(); });
   if (projector_came || (line_lost && line_))
-    tell({.kind = Disturbance::Kind::Recovery, .what = "found what was missing"});
+    tell({.kind = MachineEvent::Kind::Recovery, .what = "found what was missing"});
 }
 
 void MachineModel::lose_display(Duration time) {
@@ -177,7 +177,7 @@ void MachineModel::lose_display(Duration time) {
   screen.unplug();
   screen_timer_ = plant.clock.call_after(time, [this] { screen.plug(); });
   loop.post([this] {
-    tell({.kind = Disturbance::Kind::Interruption, .what = "the display on HDMI-A-1 was unplugged"});
+    tell({.kind = MachineEvent::Kind::Interlock, .what = "the display on HDMI-A-1 was unplugged"});
   });
 }
 
@@ -199,27 +199,27 @@ void MachineModel::heal() {
   write_takes_ = Duration{0};
 }
 
-void MachineModel::tell(const Disturbance& disturbance) {
+void MachineModel::tell(const MachineEvent& event) {
   const bool line_lost = line_ && !line_->refusal().empty();
   if ((serial_ && serial_->lost()) || line_lost) search_ = loop.call_after(500ms, [this] { search(); });
-  if (disturbed_) disturbed_(disturbance);
+  if (on_event_) on_event_(event);
 }
 
-std::string MachineModel::hindrance() const {
+std::string MachineModel::why_not_ready() const {
   if (!no_line_.refusal().empty() || (line_ && !line_->refusal().empty())) return "the light may be on";
   if (serial_ && serial_->lost()) return "the projector is lost";
   if (serial_ && !serial_->why_not_ready().empty()) return "the light may be on";
   if (!screen.there()) return "the display is unplugged";
   if (plant.axis->lost()) return "the axis is lost";
-  const std::vector<std::string> hindrances = plant.axis->why_not_ready();
-  return hindrances.empty() ? "" : hindrances.front();
+  const std::vector<std::string> reasons = plant.axis->why_not_ready();
+  return reasons.empty() ? "" : reasons.front();
 }
 
-bool MachineModel::doubted() const {
+bool MachineModel::light_off_unconfirmed() const {
   if (!no_line_.refusal().empty() || (serial_ && (!heard_ || loop.now() < found_at_ + kFirstAnswers)))
     return true;
   const Projector* present = combined_ ? combined_.get() : serial_.get();
-  return present != nullptr && !present->doubt().empty();
+  return present != nullptr && !present->light_off_unconfirmed().empty();
 }
 
 bool MachineModel::lit() const {

@@ -29,8 +29,8 @@ class MachineModel final : public Machine {
   [[nodiscard]] ZAxis& z_axis() override { return axis_; }
   [[nodiscard]] MaskDisplay& display() override { return screen; }
   [[nodiscard]] Projector& projector() override { return light_; }
-  void on_disturbance(std::function<void(const Disturbance&)> call) override { disturbed_ = std::move(call); }
-  [[nodiscard]] std::string hindrance() const override;
+  void on_event(std::function<void(const MachineEvent&)> call) override { on_event_ = std::move(call); }
+  [[nodiscard]] std::string why_not_ready() const override;
   std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
 
   // What is asked of the devices, before they are.
@@ -56,7 +56,7 @@ class MachineModel final : public Machine {
 
   // That the light may be on is told, or nobody can know better yet: a projector that was just found has not
   // said anything.
-  [[nodiscard]] bool doubted() const;
+  [[nodiscard]] bool light_off_unconfirmed() const;
 
   // The truth.
   [[nodiscard]] bool lit() const;
@@ -94,7 +94,7 @@ class MachineModel final : public Machine {
     void power_off() noexcept override { now().power_off(); }
     void ask_status(StatusDone done) override { now().ask_status(std::move(done)); }
     [[nodiscard]] std::string last_problem() const override { return now().last_problem(); }
-    [[nodiscard]] std::string doubt() const override { return now().doubt(); }
+    [[nodiscard]] std::string light_off_unconfirmed() const override { return now().light_off_unconfirmed(); }
 
    private:
     [[nodiscard]] Projector& now() const { return machine_.present_projector(); }
@@ -141,11 +141,11 @@ class MachineModel final : public Machine {
   void open_line();
   void combine();
   void search();
-  void tell(const Disturbance& disturbance);
+  void tell(const MachineEvent& event);
 
   const LightKind kind_;
   const ProjectorTable table_;
-  std::function<void(const Disturbance&)> disturbed_;
+  std::function<void(const MachineEvent&)> on_event_;
   NotedProjector light_;
   NotedAxis axis_;
   AbsentProjector no_projector_;

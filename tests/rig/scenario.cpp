@@ -119,7 +119,7 @@ Scenario draw_scenario(std::uint64_t seed) {
                                  EncoderKind::Corrects};
   scenario.encoder = kEncoders[dice.next() % kEncoders.size()];
   scenario.backlash = dice.chance(0.3);
-  scenario.interrupts_on_doubt = dice.chance(0.3);
+  scenario.interrupts_beyond_tolerance = dice.chance(0.3);
   scenario.prints = dice.chance(0.3) ? 2 : 1;
   scenario.layers = static_cast<int>(dice.between(1, 3));
   scenario.exposure = dice.spread(20ms, 4s);

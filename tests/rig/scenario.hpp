@@ -59,7 +59,7 @@ struct Scenario {
   LineFaults line;
   EncoderKind encoder = EncoderKind::None;
   bool backlash = false;
-  bool interrupts_on_doubt = false;  // the resin's exposure_doubt
+  bool interrupts_beyond_tolerance = false;  // the resin's exposure_doubt
   int prints = 1;
   int layers = 2;
   Duration exposure{};

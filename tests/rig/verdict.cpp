@@ -65,8 +65,8 @@ void Verdict::look(const Scene& scene) {
   }
   if (scene.lit && !lit_) light_begins(scene);
   if (lit_) check_light(scene);
-  if (scene.lit && !scene.doubted && !may_be_lit(scene.state))
-    break_rule("h: light is off when nobody doubts it",
+  if (scene.lit && !scene.light_off_unconfirmed && !may_be_lit(scene.state))
+    break_rule("h: light is off unless light off is unconfirmed",
                fmt::format("the light is on in the state \"{}\"", name_of(scene.state)), scene.now);
 }
 

@@ -42,7 +42,7 @@ class Verdict {
     bool screen_is_in_use = true;
     Nanometers plate{};  // truly, above the film
     PrintState state = PrintState::Idle;
-    bool doubted = false;  // the machine says that the light may be on
+    bool light_off_unconfirmed = false;  // the machine says that the light may be on
   };
   // After everything that happened.
   void look(const Scene& scene);
@@ -56,7 +56,7 @@ class Verdict {
   void break_rule(const std::string& rule, const std::string& what, TimePoint now);
 
   [[nodiscard]] const std::vector<Violation>& violations() const { return violations_; }
-  // Light of a layer may be longer than asked by this, where nothing has disturbed; nothing: by any time.
+  // Light of a layer may be longer than asked by this, where nothing went wrong; nothing: by any time.
   std::optional<Duration> slack;
   // How much less each part of a whole layer may have had; nothing: that depends on what goes wrong.
   std::optional<Duration> shortfall;

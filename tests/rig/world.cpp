@@ -36,10 +36,10 @@ World::World(const Scenario& scenario)
       machine_(scenario),
       verdict_(scenario.plate_tolerance(MachineModel::kStep)),
       process_(machine_, machine_.loop, *this) {
-  machine_.on_disturbance([this](const Disturbance& disturbance) {
-    tell(disturbance.what);
-    if (disturbance.kind == Disturbance::Kind::Interruption) process_.interrupt(disturbance.what);
-    if (disturbance.kind == Disturbance::Kind::Fault) process_.fail(disturbance.what);
+  machine_.on_event([this](const MachineEvent& event) {
+    tell(event.what);
+    if (event.kind == MachineEvent::Kind::Interlock) process_.interrupt(event.what);
+    if (event.kind == MachineEvent::Kind::Fault) process_.fail(event.what);
   });
   machine_.plant.loses_count = [this] {
     const TimePoint now = machine_.plant.clock.now();
@@ -80,7 +80,7 @@ PrintPlan World::plan() const {
   plan.expected_layers = plan.layers.all();
   plan.exposure = [this](std::int32_t layer, Nanometers) { return scenario_.exposure + 100ms * layer; };
   plan.pixel_area_mm2 = 0.01;
-  if (scenario_.interrupts_on_doubt) plan.tolerance.doubt = ExposureTolerance::Doubt::Interrupt;
+  if (scenario_.interrupts_beyond_tolerance) plan.tolerance.policy = ExposureTolerance::Policy::Interrupt;
   plan.lift = Nanometers{1'000'000};
   plan.lift_speed = MillimetersPerSecond{2};
   plan.retract_speed = plan.travel_speed = plan.homing_speed = MillimetersPerSecond{5};
@@ -97,11 +97,14 @@ void World::run() {
                         machine_.loop.now());
   tell("everything works from now on");
   machine_.heal();
-  const auto dark = [this] { return !machine_.lit() && machine_.projector().doubt().empty(); };
+  const auto dark = [this] {
+    return !machine_.lit() && machine_.projector().light_off_unconfirmed().empty();
+  };
   if (!run_until(dark, kLongestDarkening))
-    verdict_.break_rule("g: the light goes off in the end",
-                        machine_.lit() ? "it is on" : "it is off: " + machine_.projector().doubt(),
-                        machine_.loop.now());
+    verdict_.break_rule(
+        "g: the light goes off in the end",
+        machine_.lit() ? "it is on" : "it is off: " + machine_.projector().light_off_unconfirmed(),
+        machine_.loop.now());
   // A reply to light off that is late and comes twice, behind one that was lost, cannot be told from power
   // off's.
   const bool can_be_told = scenario_.line.reply_late == 0 || scenario_.line.reply_doubled == 0;
@@ -116,7 +119,7 @@ void World::run() {
 
 bool World::print_all() {
   for (print_ = 0; print_ < scenario_.prints; ++print_) {
-    const auto ready = [this] { return machine_.hindrance().empty(); };
+    const auto ready = [this] { return machine_.why_not_ready().empty(); };
     if (!run_until(ready, kLongestPrint)) return true;  // it waits, and says why
     states_ = 0;
     tell("starts");
@@ -153,7 +156,7 @@ void World::look() {
   scene.screen_is_in_use = machine_.screen.in_use();
   scene.plate = machine_.plate();
   scene.state = process_.state();
-  scene.doubted = scene.lit && machine_.doubted();
+  scene.light_off_unconfirmed = scene.lit && machine_.light_off_unconfirmed();
   verdict_.look(scene);
   look_at_motion();
 }
@@ -200,7 +203,7 @@ void World::state_changed(PrintState state) {
 // The owner looks after a print that waits.
 void World::tend() {
   if (process_.state() != PrintState::Paused && process_.state() != PrintState::Held) return;
-  if (!machine_.hindrance().empty()) {
+  if (!machine_.why_not_ready().empty()) {
     owner_timer_ = machine_.loop.call_after(1s, [this] { tend(); });
   } else if (owner_.chance(0.85)) {
     process_.resume();
@@ -219,7 +222,7 @@ void World::happen(const Happening& happening) {
       });
     case Kind::Resume:
       return machine_.loop.post([this] {
-        if (process_.state() != PrintState::Idle && machine_.hindrance().empty()) process_.resume();
+        if (process_.state() != PrintState::Idle && machine_.why_not_ready().empty()) process_.resume();
       });
     case Kind::Cancel:
       return machine_.loop.post([this] { process_.cancel(); });

@@ -74,7 +74,7 @@ class CheckConfig(ConfigTest):
         self.assertIn("a broken wire is silent", warning)
 
     def warnings(self, path):
-        """What is doubted, without the file's name; it is good all the same."""
+        """What is implausible, without the file's name; it is good all the same."""
         result = self.check(path)
         *warnings, good = result.stdout.decode().splitlines()
         self.assertEqual((result.returncode, good), (OK, f"{path}: good"))

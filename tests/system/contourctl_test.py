@@ -326,13 +326,13 @@ class Masks(FolderTest):
         self.assertEqual(widths, [400] + [404] * 19)
         self.assertEqual(self.masks(cube(20), 5000, "--grow-um", "-150")["0004.png"].lit_box(), (763, 343, 1157, 737))
 
-    def test_lamp_mask_gamma_and_threshold_change_the_grey(self):
-        # A lamp's mask made from a mask: 255 over the model, 0 beside it.
+    def test_uniformity_mask_gamma_and_threshold_change_the_grey(self):
+        # A uniformity mask made from a mask: 255 over the model, 0 beside it.
         self.masks(cube(20), 20000)
-        lamp = self.path("masks", "0001.png")
-        os.rename(lamp, self.path("lamp.png"))
-        picture = self.masks(cube(30), 30000, "--lamp-mask", self.path("lamp.png"))["0001.png"]
-        self.assertEqual(picture.lit_box(), (760, 340, 1160, 740))
+        os.rename(self.path("masks", "0001.png"), self.path("even.png"))
+        for option in ("--uniformity-mask", "--lamp-mask"):  # the second is the old name
+            picture = self.masks(cube(30), 30000, option, self.path("even.png"))["0001.png"]
+            self.assertEqual(picture.lit_box(), (760, 340, 1160, 740))
         # A quarter of a pixel is grey 64, 255 (64 / 255) ^ (1 / 2.2) = 136.
         facets = box((0, 0, 0), (20.025, 20, 1))
         self.assertEqual(self.masks(facets, 1000, "--gamma", "2.2")["0001.png"].values(), {0, 136, 255})
@@ -634,13 +634,13 @@ class BadUsage(FolderTest):
             at + ["--display", "99999999999999999999x1"], at + ["--display", " 5x5 "], at + ["--display", ""],
             at + ["--pixel-pitch-um", "0"], at + ["--pixel-pitch-um", "-1"], at + ["--pixel-pitch-um", "nan"],
             at + ["--pixel-pitch-um", "inf"], at + ["--aa", "maybe"], at + ["--aa"], at + ["--z", "6"],
-            at + ["--grow-um", "50"], at + ["--gamma", "2.2"], at + ["--threshold", "9"], layers + ["--lamp-mask", "l"],
+            at + ["--grow-um", "50"], at + ["--gamma", "2.2"], at + ["--threshold", "9"], layers + ["--uniformity-mask", "l"],
             layers + ["--csv", "f", "--grow-um", "5"], at + ["--mask", "f", "--grow-um", "501"],
             at + ["--mask", "f", "--grow-um", "nan"], at + ["--mask", "f", "--elephant-foot-um", "50"],
             at + ["--mask", "f", "--elephant-foot-height-um", "50"], at + ["--mask", "f", "--gamma", "0"],
             at + ["--mask", "f", "--gamma", "nan"], at + ["--mask", "f", "--threshold", "256"],
             at + ["--mask", "f", "--threshold", "1.5"], at + ["--mask", "f", "--grow-um", "5", "--fit"],
-            at + ["--mask", "f", "--lamp-mask", model], at + ["--mask", "f", "--lamp-mask", ""],
+            at + ["--mask", "f", "--uniformity-mask", model], at + ["--mask", "f", "--uniformity-mask", ""],
         ):  # fmt: skip
             with self.subTest(arguments):
                 result = contourctl(*arguments, cwd=self.folder)

@@ -1,12 +1,19 @@
 """The control socket, spoken to by hand and by contourctl."""
 
+import contextlib
+import fcntl
 import json
 import os
+import pty
+import re
 import signal
 import socket
+import struct
 import subprocess
+import termios
 import threading
 import time
+import unicodedata
 
 from harness import (
     BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon,
@@ -66,7 +73,7 @@ class Protocol(ControlTest):
     def test_status_has_every_key_when_idle(self):
         result = self.client.call("status")["result"]
         self.assertEqual(result, {
-            "printer": "Simulated printer", "state": "idle", "job": None, "queued": 0, "incomplete": {},
+            "printer": "Simulated printer", "spool": self.daemon.spool, "state": "idle", "job": None, "queued": 0, "incomplete": {},
             "incomplete_more": 0, "postponed": {}, "postponed_more": 0, "passed_over": {}, "passed_over_more": 0, "deletable": [],
             "deletable_more": 0, "plate": "clear", "plate_job": None, "hindrance": None, "held": None, "waiting_for": None,
             "last": None,
@@ -531,6 +538,28 @@ class Contourctl(ControlTest):
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
         daemon.stop()
 
+    def test_history_has_the_jobs_that_ended(self):
+        daemon = self.fast()
+        self.assertIn("no job has ended", self.ctl("history"))
+        daemon.drop("first.stl", SMALL)
+        daemon.wait_done("first")
+        daemon.drop("sec\x1bond.stl", b"no model")
+        daemon.wait_ended("sec\x1bond")
+        lines = self.ctl("history").splitlines()
+        self.assertEqual(lines[0], "first: done")
+        self.assertRegex(lines[1], r"^sec.*ond: failed: not a usable model")
+        self.assertNotIn("\x1b", lines[1])
+        self.assertEqual(self.ctl("history", "--last", "1").splitlines(), lines[1:])
+        ended = json.loads(self.ctl("history", "--last=1", "--json"))["result"]["ended"]
+        self.assertEqual([job["outcome"] for job in ended], ["failed"])
+        for wrong in (0, 101, "1", None, 1.5):
+            self.assertEqual(daemon.rpc("history", last=wrong)["error"]["code"], INVALID_PARAMS, wrong)
+        for wrong in ("0", "101", "x", ""):
+            result = daemon.ctl("history", "--last", wrong)
+            self.assertEqual(result.returncode, BAD_USAGE, wrong)
+            self.assertIn(b"--last", result.stderr)
+        daemon.stop()
+
     def test_names_with_control_characters_do_not_reach_the_terminal(self):
         daemon = self.printing()
         daemon.drop("two\nlines \x1b[31mred.stl", SMALL)
@@ -575,6 +604,40 @@ class Contourctl(ControlTest):
         self.assertIn(b"%", out)
         self.assertIn(b"part: done", out.splitlines()[-1])
         self.assertNotIn(b"\x1b", out)  # no terminal
+        daemon.stop()
+
+    def drawn(self, columns, *arguments):
+        """What watch draws on a terminal of that many columns until it ends: its lines, each time that they are drawn."""
+        ours, its = pty.openpty()
+        fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+        command = [CONTOURCTL, "watch", "--socket", self.daemon.socket_path, *arguments]
+        watcher = subprocess.Popen(command, stdout=its, stderr=subprocess.PIPE)
+        self.addCleanup(watcher.stderr.close)
+        os.close(its)
+        drawn = b""
+        with contextlib.suppress(OSError):  # its end is closed
+            while data := os.read(ours, 65536):
+                drawn += data
+        os.close(ours)
+        self.assertEqual(watcher.wait(), OK, watcher.stderr.read())
+        return [line for line in re.split(r"\r\x1b\[K|\r\n", drawn.decode()) if line]
+
+    def test_watch_draws_one_line_on_a_terminal_of_any_width(self):
+        island = box((0, 0, 0), (10, 5, 1)) + box((20, 0, 0.5), (25, 5, 1))
+        daemon = self.realtime({})
+        for columns in (200, 80, 60, 20, 2):
+            with self.subTest(columns):
+                name = f"Bär-部品-{columns:020}"
+                daemon.drop(name + ".stl", binary_stl(island))
+                lines = self.drawn(columns, "--job", name)
+                warnings = [line for line in lines if ": warning: " in line]
+                self.assertEqual(len(warnings), 1)
+                self.assertEqual(lines[-1], f"{name}: done")
+                bars = [line for line in lines[:-1] if line not in warnings]
+                self.assertTrue(bars)
+                for bar in bars:
+                    wide = sum(2 if unicodedata.east_asian_width(c) == "W" else 1 for c in bar)
+                    self.assertLess(wide, columns, bar)
         daemon.stop()
 
     def test_watch_of_a_failed_print_fails(self):

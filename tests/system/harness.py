@@ -287,10 +287,11 @@ class Client:
             if accept(message):
                 return message
 
-    def call(self, method):
+    def call(self, method, **parameters):
         """The whole answer. Notifications that come before it are kept for nobody: use another client to watch."""
         number = next(self.ids)
-        self.send(json.dumps({"jsonrpc": "2.0", "method": method, "id": number}).encode() + b"\n")
+        request = {"jsonrpc": "2.0", "method": method, "params": parameters, "id": number}
+        self.send(json.dumps(request).encode() + b"\n")
         return self.wait_for(lambda m: m.get("id") == number, f"the answer to {method}")
 
     def close(self):
@@ -339,6 +340,7 @@ class Daemon:
         self.process = None
         self.environment = {}
         self.rights = {}  # for Popen: user, group and so on
+        self.program = CONTOURD
         self.clients = []
         self.log_path = os.path.join(self.folder, "contourd.log")
         self.spool = os.path.join(self.folder, "spool")
@@ -396,7 +398,7 @@ class Daemon:
         """Starts it without waiting for anything."""
         with open(self.log_path, "ab") as log:
             self.process = subprocess.Popen(
-                [CONTOURD, "--config", self.config_path, *arguments], stdin=subprocess.DEVNULL, stdout=log,
+                [self.program, "--config", self.config_path, *arguments], stdin=subprocess.DEVNULL, stdout=log,
                 stderr=log, env={**os.environ, **self.environment, **environment}, **self.rights)  # fmt: skip
 
     def log(self):
@@ -408,11 +410,11 @@ class Daemon:
         self.clients.append(client)
         return client
 
-    def rpc(self, method):
+    def rpc(self, method, **parameters):
         """One call on a connection of its own."""
         client = self.client()
         try:
-            return client.call(method)
+            return client.call(method, **parameters)
         finally:
             client.close()
 
@@ -440,6 +442,17 @@ class Daemon:
         code = self.process.wait(DEADLINE_S)
         self._close_clients()
         if code != 0:
+            raise AssertionError(f"contourd ended with {code}:\n{self.log()}")
+
+    def reload(self):
+        """As `systemctl reload` does."""
+        self.process.send_signal(signal.SIGUSR1)
+
+    def wait_restart(self):
+        """Its end, for whoever started it to start it again."""
+        code = self.process.wait(DEADLINE_S)
+        self._close_clients()
+        if code != 75:
             raise AssertionError(f"contourd ended with {code}:\n{self.log()}")
 
     @property

@@ -73,7 +73,7 @@ class Journal(harness.FolderTest):
         self.daemon.drop("junk.stl", b"this is no model at all")
         entry = self.next_with("refused")
         self.assertEqual((entry["JOB_ID"], entry["PRIORITY"]), ("junk", "3"))
-        self.assertIn("not a usable STL file", entry["MESSAGE"])
+        self.assertIn("not a usable model", entry["MESSAGE"])
         self.assertEqual(self.daemon.log(), "")
 
     def test_a_journal_that_takes_nothing_holds_up_no_print_and_gets_all_of_it_later(self):

@@ -116,7 +116,7 @@ class Room(MemoryTest):
         self.assertRegex(why, r"for which \d+ MB of memory are needed, and there is room for \d+ MB: memory_limit_mb is")
         self.assertEqual(daemon.status()["postponed_more"], 0)
         self.assertIn(b"postponed second.stl: the model holds", daemon.ctl("status").stdout)
-        self.assertIn("second.stl: is read later, as there is no room in memory now: the model holds", daemon.log())
+        self.assertIn("second.stl: is read later, because there is not enough memory now: the model holds", daemon.log())
         # Small ones are read meanwhile.
         daemon.drop("bad.stl", b"no model")
         daemon.wait_refused("bad")
@@ -136,6 +136,23 @@ class Room(MemoryTest):
         daemon.rpc("cancel")
         wait_until(lambda: not daemon.status()["postponed"], "its reading", 60)
         self.assertEqual(daemon.status()["queued"], 1)
+        daemon.stop()
+
+    def test_the_next_job_is_prepared_once_beside_a_print_and_another_behind_it_at_its_turn(self):
+        daemon = self.daemon({"memory_limit_mb": 400}).start()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        for job in ("next", "last"):
+            daemon.drop(job + ".stl", SMALL)
+        # They are checked in their order.
+        daemon.drop("bad.stl", b"no model")
+        daemon.wait_refused("bad")
+        for job in ("next", "last"):
+            daemon.rpc("cancel")
+            wait_until(lambda job=job: (daemon.status()["job"] or {}).get("name") == job, "its turn")
+            daemon.wait_state("exposing")
+        ready = [line for line in daemon.log().splitlines() if "first mask after" in line]
+        self.assertEqual(["prepared while it waited" in line for line in ready], [False, True, False])
         daemon.stop()
 
     def test_a_plate_that_names_a_file_sixty_times_reads_it_once(self):

@@ -83,13 +83,13 @@ class Masks(PrintTest):
     def test_compensation_and_correction_are_the_same_as_well_and_in_the_report(self):
         data = binary_stl(wedge(10, 5, 1) + box((20, 0, 0), (22, 9, 1)))
         self.write("model.stl", data)
-        contourctl("slice", self.path("model.stl"), "--z", "0.5", "--mask", self.path("lamp.png"))
+        contourctl("slice", self.path("model.stl"), "--z", "0.5", "--mask", self.path("even.png"))
         resin = {**source_json("resins", "standard.json"), "growth_um": 40, "elephant_foot_um": 120,
                  "elephant_foot_height_um": 600}  # fmt: skip
-        report = self.printed(data, config={"display": {"lamp_mask": "lamp.png", "gamma": 1.8, "threshold": 20}},
+        report = self.printed(data, config={"display": {"uniformity_mask": "even.png", "gamma": 1.8, "threshold": 20}},
                               resin=resin)  # fmt: skip
         self.assert_same_as_contourctl(data, report, "--grow-um", "40", "--elephant-foot-um", "120",
-                                       "--elephant-foot-height-um", "600", "--lamp-mask", self.path("lamp.png"),
+                                       "--elephant-foot-height-um", "600", "--uniformity-mask", self.path("even.png"),
                                        "--gamma", "1.8", "--threshold", "20")  # fmt: skip
         settings = report["settings"]
         self.assertEqual((settings["growth_um"], settings["elephant_foot_um"], settings["elephant_foot_height_um"]),
@@ -477,6 +477,66 @@ class HeldQueue(PrintTest):
         daemon.start()
         self.assertIn("part failed: contourd was stopped", daemon.status()["held"])
         daemon.stop()
+
+
+class Reload(PrintTest):
+    def test_an_idle_daemon_is_restarted_at_once(self):
+        daemon = self.daemon()
+        daemon.reload()
+        daemon.wait_restart()
+        daemon.start()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+        daemon.stop()
+
+    def test_a_print_ends_undisturbed_and_the_next_job_is_the_new_daemons(self):
+        daemon = self.daemon(REALTIME, NIMBLE_RESIN)
+        daemon.drop("one.stl", SMALL)
+        daemon.wait_state("exposing")
+        daemon.drop("two.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 1, "the second job")
+        daemon.reload()
+        daemon.wait_restart()
+        self.assertIn("contourd restarts when one is over", daemon.log())
+        report = daemon.report("one", "done")
+        self.assertEqual((report["outcome"], report["layers_exposed"]), ("done", report["layers"]))
+        self.assertTrue(daemon.has("incoming", "two.stl"))
+        daemon.start()
+        daemon.wait_done("two")
+        daemon.stop()
+
+    def test_a_print_whose_analysis_is_under_way_is_filed_with_it(self):
+        daemon = self.daemon(masks=False)
+        # On one processor the analysis gets a tenth of it, so the print is through first.
+        processor = {min(os.sched_getaffinity(0))}
+        for thread in os.listdir(f"/proc/{daemon.process.pid}/task"):
+            os.sched_setaffinity(int(thread), processor)
+        daemon.drop("part.stl", binary_stl(cube(40)))
+        daemon.wait_state("finishing")
+        daemon.reload()
+        daemon.wait_restart()
+        self.assertIsNotNone(daemon.report("part")["analysis"])
+
+    def test_a_paused_print_goes_on_before_the_restart(self):
+        daemon = self.daemon(REALTIME, NIMBLE_RESIN)
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        daemon.rpc("pause")
+        daemon.wait_state("paused")
+        daemon.reload()
+        wait_until(lambda: "contourd restarts when part is over" in daemon.log(), "the reload")
+        self.assertEqual(daemon.status()["state"], "paused")
+        daemon.rpc("resume")
+        daemon.wait_restart()
+        self.assertTrue(daemon.has("done", "part.stl"))
+
+    def test_a_stop_that_comes_before_the_restart_is_a_stop(self):
+        daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, **ENDLESS})
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        daemon.reload()
+        daemon.stop()
+        self.assertTrue(daemon.has("failed", "part.stl"))
 
 
 class Fault(PrintTest):

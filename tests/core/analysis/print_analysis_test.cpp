@@ -249,7 +249,7 @@ TEST_CASE("Islands beyond the most that are kept are still counted") {
   }
   analysis.add_layer(mask, {kLayer, 0s, {}});
   CHECK(analysis.findings().island_count == 10'000);
-  CHECK(analysis.findings().islands.size() == PrintFindings::kMostIslands);
+  CHECK(analysis.findings().islands.size() == PrintFindings::kMaxIslands);
 }
 
 TEST_CASE("An analysis that is told to stop gives nothing") {
@@ -265,4 +265,20 @@ TEST_CASE("An analysis that is told to stop gives nothing") {
       source.get_token());
   CHECK(!found);
   CHECK(asked == 2);
+}
+
+TEST_CASE("On a first layer whose mask was abandoned nothing is an island, and above that it is told again") {
+  const DisplayGeometry display{Pixels{8}, Pixels{6}, Micrometers{50.0}};
+  const auto lit_at = [&](std::int32_t row) {
+    Mask mask(display.width, display.height);
+    for (std::uint8_t& grey : mask.row(row))
+      grey = 255;
+    return mask;
+  };
+  PrintAnalysis analysis(display);
+  analysis.add_abandoned_layer({});
+  analysis.add_layer(lit_at(1), {});
+  CHECK(analysis.findings().island_count == 0);
+  analysis.add_layer(lit_at(4), {});
+  CHECK(analysis.findings().island_count == 1);
 }

@@ -337,7 +337,7 @@ TEST_CASE("A closed mesh's loops are its segments and nothing else") {
   CHECK(rc::check([] {
     const HeightIndex model(testing::draw_blobs(8));
     Section section;
-    slice_at(model, testing::draw_real(model.bounds().min_z, model.bounds().max_z), section);
+    slice_at(model, Millimeters{testing::draw_real(model.bounds().min_z, model.bounds().max_z)}, section);
     const Contours contours = linked(section.segments);
     RC_ASSERT(contours.cracks.open_chains == 0U);
     RC_ASSERT(contours.cracks.gaps_closed == 0U);
@@ -351,7 +351,7 @@ TEST_CASE("Whatever the order of the segments the loops are the same") {
   CHECK(rc::check([] {
     const HeightIndex model(models::gyroid_sphere(10, 6, 12));
     Section section;
-    slice_at(model, testing::draw_real(1, 19), section);
+    slice_at(model, Millimeters{testing::draw_real(1, 19)}, section);
     const Contours contours = linked(section.segments);
     for (std::size_t i = section.segments.size(); i > 1; --i) {
       const auto other = static_cast<std::size_t>(testing::draw(0, static_cast<std::int64_t>(i) - 1));

@@ -38,24 +38,28 @@ models::Facets tower(float crack, bool missing) {
   return facets;
 }
 
+StandingModel standing(const models::Facets& facets, Elevation elevation = {}) {
+  return {std::make_shared<const HeightIndex>(facets), elevation};
+}
+
 }  // namespace
 
 TEST_CASE("A sound model has no cracks in any layer") {
-  const CrackSurvey survey = survey_cracks(HeightIndex(tower(0, false)), layers(7), kPixel);
+  const CrackSurvey survey = survey_cracks(standing(tower(0, false)), layers(7), kPixel);
   CHECK(survey.open_layers == 0);
   CHECK_FALSE(survey.first_open.has_value());
   CHECK(survey.cracks == LayerCracks{});
 }
 
 TEST_CASE("Layers with gaps within the tolerance are counted but not open") {
-  const CrackSurvey survey = survey_cracks(HeightIndex(tower(0.02F, false)), layers(7), kPixel);
+  const CrackSurvey survey = survey_cracks(standing(tower(0.02F, false)), layers(7), kPixel);
   CHECK(survey.open_layers == 0);
   CHECK(survey.cracks.gaps_closed == 4 * 2);
   CHECK(survey.cracks.widest_gap.count() == testing::Approx(0.02).epsilon(1e-5));
 }
 
 TEST_CASE("The first layer with a hole is named and the layers with holes counted") {
-  const CrackSurvey survey = survey_cracks(HeightIndex(tower(0, true)), layers(7), kPixel);
+  const CrackSurvey survey = survey_cracks(standing(tower(0, true)), layers(7), kPixel);
   CHECK(survey.first_open == 3);
   CHECK(survey.open_layers == 4);
   CHECK(survey.cracks.open_chains == 4);
@@ -73,9 +77,19 @@ TEST_CASE("Layers whose contours close only when a facet is turned back are gues
   // Beside its neighbours, so that they do not tell how it is turned.
   for (Vertex& v : turned->vertices)
     v.y -= 0.001F;
-  const CrackSurvey survey = survey_cracks(HeightIndex(facets), layers(7), kPixel);
+  const CrackSurvey survey = survey_cracks(standing(facets), layers(7), kPixel);
   CHECK(survey.first_open == 3);
   CHECK(survey.open_layers == 4);
   CHECK(survey.cracks.open_chains == 0);
   CHECK(survey.cracks.turned_chains == 4);
+}
+
+TEST_CASE("The open layers of a model above the plate lie as much higher") {
+  const Elevation raised(Nanometers{5'000'000});
+  const CrackSurvey low = survey_cracks(standing(tower(0, true)), layers(7), kPixel);
+  const CrackSurvey high = survey_cracks(standing(tower(0, true), raised), layers(12), kPixel);
+  REQUIRE(low.first_open);
+  CHECK(high.first_open == *low.first_open + 5);
+  CHECK(high.open_layers == low.open_layers);
+  CHECK(high.cracks == low.cracks);
 }

@@ -52,7 +52,7 @@ TEST_CASE("The segments that leave a point are found from the last to the first"
   }));
 }
 
-TEST_CASE("A point is uneven that more segments leave than reach, or fewer") {
+TEST_CASE("A point is unbalanced that more segments leave than reach, or fewer") {
   CHECK(rc::check([] {
     const std::vector<Segment> segments = few_points_many_segments();
     SegmentEnds ends;
@@ -64,8 +64,8 @@ TEST_CASE("A point is uneven that more segments leave than reach, or fewer") {
     }
     std::size_t starts = 0;
     for (const auto& [place, more] : surplus) {
-      const SegmentEnds::UnevenPoint* uneven = ends.uneven_at({place.first, place.second});
-      RC_ASSERT((uneven == nullptr ? 0 : uneven->leaving_minus_arriving) == more);
+      const SegmentEnds::UnbalancedPoint* unbalanced = ends.unbalanced_at({place.first, place.second});
+      RC_ASSERT((unbalanced == nullptr ? 0 : unbalanced->leaving_minus_arriving) == more);
       if (more > 0) ++starts;
     }
     RC_ASSERT(ends.starts().size() == starts);

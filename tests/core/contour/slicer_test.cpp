@@ -177,12 +177,12 @@ TEST_CASE("A closed mesh's section closes at every height and at every vertex's 
     const HeightIndex index(facets);
     Section section;
     for (const double z : vertex_heights(facets)) {
-      slice_at(index, z, section);
+      slice_at(index, Millimeters{z}, section);
       RC_ASSERT(section.balanced);
       RC_ASSERT(closes(section));
     }
     for (int i = 0; i < 10; ++i) {
-      slice_at(index, testing::draw_real(index.bounds().min_z, index.bounds().max_z), section);
+      slice_at(index, Millimeters{testing::draw_real(index.bounds().min_z, index.bounds().max_z)}, section);
       RC_ASSERT(section.balanced);
     }
   }));
@@ -222,10 +222,10 @@ TEST_CASE("A section replaces what was there before") {
   const HeightIndex index(models::box({0, 0, 0}, {10, 10, 5}));
   Section section = section_of({models::box({0, 0, 0}, {1, 1, 1})[4]}, 0.5);
   CHECK_FALSE(section.balanced);
-  slice_at(index, 2.5, section);
+  slice_at(index, Millimeters{2.5}, section);
   CHECK(section.segments.size() == 8);
   CHECK(section.balanced);
-  slice_at(index, 99.0, section);
+  slice_at(index, Millimeters{99.0}, section);
   CHECK(section.segments.empty());
   CHECK(section.intersecting_facets == 0);
   CHECK(section.balanced);

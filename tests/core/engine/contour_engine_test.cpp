@@ -141,9 +141,9 @@ TEST_CASE("The copies of a cracked model are lit alike") {
 TEST_CASE("Two models on a plate are lit together and each stands on it") {
   const auto low = std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {2, 2, 5}));
   const auto sunk = std::make_shared<const HeightIndex>(models::box({0, 0, -90}, {2, 2, -88}));
-  ContourEngine engine(
-      {{low, {PixelMap::true_scale(kDisplay, {6, 1})}}, {sunk, {PixelMap::true_scale(kDisplay, {-4, 1})}}},
-      {kDisplay, AntiAliasing::On});
+  ContourEngine engine({{{low}, {PixelMap::true_scale(kDisplay, {6, 1})}},
+                        {{sunk}, {PixelMap::true_scale(kDisplay, {-4, 1})}}},
+                       {kDisplay, AntiAliasing::On});
   CHECK(engine.mask_at(Nanometers{1'000'000}).lit_area() == 2 * 40.0 * 40.0);
   CHECK(engine.intersecting_facets() == 16);
   CHECK(engine.mask_at(Nanometers{3'000'000}).lit_area() == 40.0 * 40.0);
@@ -292,8 +292,8 @@ std::shared_ptr<const HeightIndex> shared_index(models::Facets facets) {
 std::vector<PlateModel> slab_and_ball() {
   models::Facets floating = models::sphere(3, 16);
   models::translate(floating, 100, 100, 75);
-  return {{shared_index(slab_and_post()), {PixelMap::true_scale(kDisplay, {12, 10})}},
-          {shared_index(floating),
+  return {{{shared_index(slab_and_post())}, {PixelMap::true_scale(kDisplay, {12, 10})}},
+          {{shared_index(floating)},
            {PixelMap::true_scale(kDisplay, {91, 100}), PixelMap::true_scale(kDisplay, {100, 93})}}};
 }
 
@@ -365,10 +365,35 @@ TEST_CASE("The gaps of several models are counted together") {
       chains.push_back(engine.contours_at(Nanometers{um * 1000}).cracks.open_chains);
     return chains;
   };
-  const auto one = chains_at({{model, {map}}}), two = chains_at({{model, {map}}, {model, {map}}});
+  const auto one = chains_at({{{model}, {map}}}), two = chains_at({{{model}, {map}}, {{model}, {map}}});
   CHECK(std::ranges::max(one) > 0);
   for (std::size_t i = 0; i < one.size(); ++i)
     CHECK(two[i] == 2 * one[i]);
+}
+
+TEST_CASE("The loops of a mask are counted from its own cut, whatever became of it") {
+  models::Facets cracked = slab_and_post();
+  cracked.erase(cracked.begin() + 5);
+  for (const Micrometers growth : {Micrometers{0}, Micrometers{100}}) {
+    for (const models::Facets& facets : {slab_and_post(), ball(), cracked}) {
+      const auto model = shared_index(facets);
+      const PixelMap map = PixelMap::true_scale(kDisplay, {10, 10});
+      const std::vector<PlateModel> models{{{model}, {map}}, {{model}, {map, map}}};
+      ContourEngine engine(models, with_compensation({growth})), other(models, {.display = kDisplay});
+      for (std::int64_t um = -250; um < 10'500; um += 250) {
+        (void)engine.mask_at(Nanometers{um * 1000});
+        const std::uint32_t facets_cut = engine.intersecting_facets();
+        const LayerCracks cracks = engine.cracks();
+        const Contours& contours = other.contours_at(Nanometers{um * 1000});
+        CHECK(engine.count_loops() == contours.loops.size());
+        CHECK(engine.count_loops() == contours.loops.size());
+        CHECK(other.count_loops() == contours.loops.size());
+        CHECK(facets_cut == other.intersecting_facets());
+        CHECK(cracks == contours.cracks);
+        CHECK(engine.cracks() == cracks);
+      }
+    }
+  }
 }
 
 TEST_CASE("A plate without models is dark") {
@@ -457,27 +482,27 @@ TEST_CASE("Every copy of a compensated model is lit alike, mirrored or not") {
   CHECK(near(area(engine.mask_at(Nanometers{1})), 2 * one, 2 * 0.63 * 0.0005 + 360 * 0.5 / 255 * 0.0025));
 }
 
-TEST_CASE("The lamp's mask, threshold and gamma are applied to the mask and not to its coverage") {
+TEST_CASE("The uniformity mask, threshold and gamma are applied to the mask and not to its coverage") {
   EngineSettings settings = with_compensation({});
   settings.tone = {2.2, 10};
-  settings.lamp.emplace(kDisplay.width, kDisplay.height);
+  settings.uniformity.emplace(kDisplay.width, kDisplay.height);
   for (std::int32_t y = 0; y < kDisplay.height.count(); ++y)
-    std::ranges::fill(settings.lamp->row(y), static_cast<std::uint8_t>(155 + y % 100));
+    std::ranges::fill(settings.uniformity->row(y), static_cast<std::uint8_t>(155 + y % 100));
   ContourEngine engine = engine_with(settings, ball()), plain = engine_for(ball());
   for (const std::int64_t nm : {8'000'000, 1'000'000}) {
     const Mask& mask = engine.mask_at(Nanometers{nm});
     const Mask& coverage = plain.mask_at(Nanometers{nm});
     CHECK(engine.coverage() == coverage);
     Mask expected(kDisplay.width, kDisplay.height);
-    ExposureCorrection(settings.tone, settings.lamp).apply(coverage, expected);
+    ExposureCorrection(settings.tone, settings.uniformity).apply(coverage, expected);
     CHECK(mask == expected);
     CHECK(mask != coverage);
     CHECK(plain.coverage() == coverage);
   }
 }
 
-TEST_CASE("A lamp's mask of another size than the display is refused") {
+TEST_CASE("A uniformity mask of another size than the display is refused") {
   EngineSettings settings = with_compensation({});
-  settings.lamp.emplace(kDisplay.height, kDisplay.width);
+  settings.uniformity.emplace(kDisplay.height, kDisplay.width);
   CHECK_THROWS_AS(engine_with(settings, ball()), std::invalid_argument);
 }

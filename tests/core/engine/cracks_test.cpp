@@ -214,7 +214,7 @@ Layer layer_of(const HeightIndex& model, const PixelMap& map, double z) {
   ContourEngine engine(model, {kDisplay, AntiAliasing::On}, {map});
   Layer layer{engine.mask_at_z(Millimeters{z}), {}};
   Section section;
-  slice_at(model, z, section);
+  slice_at(model, Millimeters{z}, section);
   ContourLinker().link(section.segments, engine.join_tolerance(), layer.contours);
   return layer;
 }
@@ -264,7 +264,7 @@ Holes holes_in(const Facets& lost, double z) {
   std::vector<Segment> segments;
   for (const Facet& facet : lost) {
     Section section;
-    slice_at(HeightIndex({facet}), z, section);
+    slice_at(HeightIndex({facet}), Millimeters{z}, section);
     segments.insert(segments.end(), section.segments.begin(), section.segments.end());
   }
   holes.count = static_cast<std::uint32_t>(segments.size());
@@ -336,7 +336,7 @@ TEST_CASE("No bridge of a shaken lattice is longer than two of its sides") {
     const auto at = static_cast<std::size_t>(testing::draw(0, static_cast<std::int64_t>(whole.size()) - 1));
     const double z = whole[at].vertices[0].z + testing::draw_real(-kReachMm, kReachMm);
     Section section;
-    slice_at(broken, z, section);
+    slice_at(broken, Millimeters{z}, section);
     Contours contours;
     ContourLinker().link(section.segments, Millimeters{0.05}, contours);
     RC_ASSERT(contours.cracks.widest_gap.count() <= 2 * longest);

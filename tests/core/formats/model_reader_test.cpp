@@ -226,8 +226,8 @@ TEST_CASE("Facets followed by as many bytes as their attribute says are refused"
 }
 
 TEST_CASE("A binary coordinate that is not finite is refused with its facet and byte") {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), infinity, -infinity}) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), kInfinity, -kInfinity}) {
     for (std::size_t coordinate_index = 0; coordinate_index < 9; ++coordinate_index) {
       CAPTURE(bad, coordinate_index);
       std::vector<std::byte> bytes = binary();
@@ -245,10 +245,10 @@ TEST_CASE("Infinities of both signs in one facet do not cancel") {
 }
 
 TEST_CASE("The largest finite coordinates are kept") {
-  constexpr float largest = std::numeric_limits<float>::max();
+  constexpr float kLargest = std::numeric_limits<float>::max();
   models::Facets facets = tetrahedron();
   for (Vertex& v : facets[1].vertices)
-    v = {largest, -largest, std::numeric_limits<float>::denorm_min()};
+    v = {kLargest, -kLargest, std::numeric_limits<float>::denorm_min()};
   CHECK(same(read_model(models::to_binary_stl(facets)).facets, facets));
 }
 
@@ -612,19 +612,19 @@ TEST_CASE("A binary file that begins with solid is outlined as what it is") {
 TEST_CASE("An outline is made of a file's beginning alone") {
   const testing::TemporaryFolder folder;
   std::vector<std::byte> header(84);
-  constexpr std::uint32_t facets = 85'000'000;
-  std::memcpy(header.data() + kCountOffset, &facets, sizeof facets);
+  constexpr std::uint32_t kFacets = 85'000'000;
+  std::memcpy(header.data() + kCountOffset, &kFacets, sizeof kFacets);
   const auto path =
       folder.write("huge.stl", std::string_view(reinterpret_cast<const char*>(header.data()), 84));
-  std::filesystem::resize_file(path, 84 + std::uintmax_t{50} * facets);  // sparse
-  CHECK(outline_of_model(path).most_facets == facets);
+  std::filesystem::resize_file(path, 84 + std::uintmax_t{50} * kFacets);  // sparse
+  CHECK(outline_of_model(path).most_facets == kFacets);
   CHECK_THROWS_AS((void)outline_of_model(folder.path() / "none.stl"), std::system_error);
 }
 
 TEST_CASE("A model's file is known by its name's end, in either case") {
-  CHECK(has_model_extension("part.stl"));
-  CHECK(has_model_extension("PART.StL"));
-  CHECK_FALSE(has_model_extension("part.stl.txt"));
-  CHECK_FALSE(has_model_extension("stl"));
-  CHECK_FALSE(has_model_extension(".stl"));
+  CHECK(model_extension("part.stl") == ".stl");
+  CHECK(model_extension("PART.StL") == ".stl");
+  CHECK(model_extension("part.stl.txt").empty());
+  CHECK(model_extension("stl").empty());
+  CHECK(model_extension(".stl").empty());
 }

@@ -62,11 +62,11 @@ TEST_CASE("Millimetres round to the nearest nanometre, halves away from zero") {
 }
 
 TEST_CASE("A length beyond the range of nanometres has none") {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   CHECK(to_nanometers(Millimeters{9e12}) == Nanometers{9'000'000'000'000'000'000});
   CHECK(to_nanometers(Millimeters{-9e12}) == Nanometers{-9'000'000'000'000'000'000});
   for (const double beyond :
-       {9.0001e12, -9.0001e12, 1e300, infinity, -infinity, std::numeric_limits<double>::quiet_NaN()}) {
+       {9.0001e12, -9.0001e12, 1e300, kInfinity, -kInfinity, std::numeric_limits<double>::quiet_NaN()}) {
     CAPTURE(beyond);
     CHECK_FALSE(to_nanometers(Millimeters{beyond}).has_value());
   }

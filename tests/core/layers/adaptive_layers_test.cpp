@@ -29,10 +29,11 @@ struct Layer {
   Nanometers bottom, thickness;
 };
 
-std::vector<Layer> layers_of(const std::vector<models::Facets>& all, const AdaptiveLayers& limits = kLimits) {
-  std::vector<std::shared_ptr<const HeightIndex>> models;
+std::vector<Layer> layers_of(const std::vector<models::Facets>& all, const AdaptiveLayers& limits = kLimits,
+                             Elevation elevation = {}) {
+  std::vector<StandingModel> models;
   for (const models::Facets& facets : all)
-    models.push_back(std::make_shared<const HeightIndex>(facets));
+    models.push_back({std::make_shared<const HeightIndex>(facets), elevation});
   std::vector<Layer> layers;
   Nanometers bottom{};
   for (const Nanometers thickness : PrintLayers(models, limits).all()) {
@@ -96,6 +97,23 @@ TEST_CASE("A flat face too near to the one below is passed by the thinnest layer
   const std::vector<Layer> layers = layers_of({stairs});
   CHECK(layers[0].thickness == um(20));
   CHECK(layers[1].thickness == um(100));
+}
+
+TEST_CASE("Below a model above the plate layers are as thick as can be, and its own are as on the plate") {
+  const std::vector<Layer> low = layers_of({models::cone(9, 1, 40)});
+  const std::vector<Layer> high = layers_of({models::cone(9, 1, 40)}, kLimits, Elevation(um(5'000)));
+  REQUIRE(high.size() == low.size() + 50);
+  for (std::size_t i = 0; i < 50; ++i)
+    CHECK(high[i].thickness == um(100));
+  for (std::size_t i = 0; i < low.size(); ++i)
+    CHECK(high[i + 50].thickness == low[i].thickness);
+}
+
+TEST_CASE("A layer ends where a model above the plate begins") {
+  const std::vector<Layer> layers =
+      layers_of({models::box({0, 0, 3}, {5, 5, 4})}, kLimits, Elevation(um(330)));
+  const auto begins = [](const Layer& layer) { return layer.bottom == um(330); };
+  CHECK(std::ranges::any_of(layers, begins));
 }
 
 TEST_CASE("A tip without a flat face leaves its last layer the thinnest, and no less") {
@@ -193,12 +211,13 @@ TEST_CASE("Layers of one thickness are as many as the stack has") {
 
 TEST_CASE("Adaptive layers of a model of any height are counted up to the most a print can have") {
   const auto tower = [](float height_mm) {
-    return std::vector{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {5, 5, height_mm}))};
+    return std::vector{
+        StandingModel{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {5, 5, height_mm}))}};
   };
   constexpr AdaptiveLayers kThin{um(1), um(1), um(1)};
   // Refused before any is counted, and only when one too many was.
   CHECK_THROWS_AS((void)PrintLayers(tower(3e38F), kLimits).all(), TooManyLayers);
   CHECK_THROWS_AS((void)PrintLayers(tower(10'001), kThin).all(), TooManyLayers);
   // The next layer of such a model is one like any other.
-  CHECK(next_thickness(*tower(3e38F).front(), Nanometers{}, kLimits) == um(100));
+  CHECK(next_thickness(tower(3e38F).front(), Nanometers{}, kLimits) == um(100));
 }

@@ -37,7 +37,7 @@ TEST_CASE("64 bytes of 0 or 1 are as many bits") {
   for (std::size_t i = 0; i < 64; ++i) {
     bytes[i] = 1;
     CHECK(bits_of(bytes.data()) == (i == 63 ? ~std::uint64_t{0} : (std::uint64_t{2} << i) - 1));
-    CHECK(bits_of_plainly(bytes.data()) == bits_of(bytes.data()));
+    CHECK(bits_of_scalar(bytes.data()) == bits_of(bytes.data()));
   }
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("A block painted by vector instructions is the one painted plainly") {
     Greys greys{}, plain_greys{};
     const std::uint32_t before = small ? start % (2 * kOneWinding) : start;
     const std::uint32_t end = paint_block(cells.data(), before, greys.data());
-    const std::uint32_t plain_end = paint_block_plainly(plain_cells.data(), before, plain_greys.data());
+    const std::uint32_t plain_end = paint_block_scalar(plain_cells.data(), before, plain_greys.data());
     RC_ASSERT(end == plain_end);
     RC_ASSERT(greys == plain_greys);
     RC_ASSERT(cells == plain_cells);
@@ -131,10 +131,10 @@ TEST_CASE("A block without overlaps painted by vector instructions is the one pa
     Cells plain_cells = cells;
     Greys greys{}, plain_greys{};
     WindingRange range;
-    PlainWindingRange plain_range;
+    ScalarWindingRange plain_range;
     const std::uint32_t end = paint_covered_block(cells.data(), kNoWinding, greys.data(), range);
     const std::uint32_t plain_end =
-        paint_covered_block_plainly(plain_cells.data(), kNoWinding, plain_greys.data(), plain_range);
+        paint_covered_block_scalar(plain_cells.data(), kNoWinding, plain_greys.data(), plain_range);
     RC_ASSERT(end == plain_end);
     RC_ASSERT(greys == plain_greys);
     RC_ASSERT(range.is_zero_to_one() == plain_range.is_zero_to_one());

@@ -71,18 +71,19 @@ TEST_CASE("A correction that is none says so") {
   CHECK_FALSE(ExposureCorrection({}, Mask(Pixels{1}, Pixels{1})).is_none());
 }
 
-TEST_CASE("Every pixel is thresholded, dimmed by the lamp's mask, then sent through the tone curve") {
+TEST_CASE("Every pixel is thresholded, dimmed by the uniformity mask, then sent through the tone curve") {
   CHECK(rc::check([] {
     const auto width = static_cast<int>(draw(1, 70)), height = static_cast<int>(draw(1, 5));
     const Mask mask = draw_mask(width, height);
     const ToneCurve tone{static_cast<double>(draw(1, 40)) / 10, static_cast<std::uint8_t>(draw(0, 255))};
-    const bool has_lamp = draw(0, 1) == 1;
-    const Mask lamp = draw_mask(width, height);
+    const bool has_uniformity = draw(0, 1) == 1;
+    const Mask uniformity = draw_mask(width, height);
     Mask corrected = draw_mask(width, height);
-    ExposureCorrection(tone, has_lamp ? std::optional(lamp) : std::nullopt).apply(mask, corrected);
+    ExposureCorrection(tone, has_uniformity ? std::optional(uniformity) : std::nullopt)
+        .apply(mask, corrected);
     const auto curve = grey_for_light(tone.gamma);
     for (std::size_t i = 0; i < mask.pixels().size(); ++i) {
-      const int grey = mask.pixels()[i], share = has_lamp ? lamp.pixels()[i] : 255;
+      const int grey = mask.pixels()[i], share = has_uniformity ? uniformity.pixels()[i] : 255;
       const auto dimmed = static_cast<std::size_t>(std::lround(grey * share / 255.0));
       RC_ASSERT(corrected.pixels()[i] == (grey < tone.threshold ? 0 : curve[dimmed]));
     }

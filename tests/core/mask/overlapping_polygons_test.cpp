@@ -118,3 +118,79 @@ TEST_CASE("Polygons of any kind cover what the non-zero set of them does") {
     RC_ASSERT(worst < kTolerance || !(reference.winds_once() || reference.tells()));
   }));
 }
+
+namespace {
+
+Polygon any_disc() {
+  return disc({draw_real(-5, 53), draw_real(-5, 53)}, draw_real(0.3, 30), static_cast<int>(draw(3, 9)));
+}
+
+void add(const Polygon& polygon, Rasterizer& rasterizer) {
+  for (std::size_t i = 0; i < polygon.size(); ++i)
+    rasterizer.add_side(polygon[i], polygon[(i + 1) % polygon.size()]);
+}
+
+}  // namespace
+
+TEST_CASE("A plane that is wound the wrong way is not cancelled by the next") {
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    Rasterizer rasterizer(Pixels{kSide}, Pixels{kSide}, mode);
+    for (int pass = 0; pass < 2; ++pass) {
+      MaskBudget unlimited;
+      add(turned_round(box(10, 10, 30, 30)), rasterizer);
+      REQUIRE(rasterizer.end_plane(unlimited));
+      add(box(20, 20, 40, 40), rasterizer);
+      CHECK(rasterizer.paint().lit_area() == 400 + 400 - 100);
+    }
+    // In one plane they cancel where they overlap.
+    add(turned_round(box(10, 10, 30, 30)), rasterizer);
+    add(box(20, 20, 40, 40), rasterizer);
+    CHECK(rasterizer.paint().lit_area() == 400 + 400 - 200);
+  }
+}
+
+TEST_CASE("Without anti-aliasing two planes of any polygons are both pictures' union") {
+  CHECK(rc::check([] {
+    Rasterizer both(Pixels{kSide}, Pixels{kSide}, AntiAliasing::Off), one = both, other = both;
+    MaskBudget unlimited;
+    for (std::int64_t i = draw(1, 4); i > 0; --i) {
+      const Polygon polygon = any_disc();
+      const Polygon wound = draw(0, 1) == 0 ? polygon : turned_round(polygon);
+      add(wound, both);
+      add(wound, one);
+    }
+    RC_ASSERT(both.end_plane(unlimited));
+    for (std::int64_t i = draw(1, 4); i > 0; --i) {
+      const Polygon polygon = any_disc();
+      add(polygon, both);
+      add(polygon, other);
+    }
+    const Mask &united = both.paint(), &first = one.paint(), &second = other.paint();
+    for (std::size_t i = 0; i < united.pixels().size(); ++i)
+      RC_ASSERT(united.pixels()[i] == std::max(first.pixels()[i], second.pixels()[i]));
+  }));
+}
+
+TEST_CASE("Two planes of which one is empty are the other") {
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    Rasterizer rasterizer(Pixels{kSide}, Pixels{kSide}, mode);
+    MaskBudget unlimited;
+    REQUIRE(rasterizer.end_plane(unlimited));
+    add(box(3, 4, 10, 9), rasterizer);
+    CHECK(rasterizer.paint().lit_pixels() == 35);
+    add(box(3, 4, 10, 9), rasterizer);
+    REQUIRE(rasterizer.end_plane(unlimited));
+    CHECK(rasterizer.paint().lit_pixels() == 35);
+    CHECK(rasterizer.paint().lit_pixels() == 0);
+  }
+}
+
+TEST_CASE("A plane for which there is no time is given up, and the next mask is as any other") {
+  Rasterizer rasterizer(Pixels{kSide}, Pixels{kSide}, AntiAliasing::On);
+  MaskBudget none(std::nullopt, 1);
+  add(box(3, 4, 10, 9), rasterizer);
+  CHECK_FALSE(rasterizer.end_plane(none));
+  rasterizer.clear();
+  add(box(3, 4, 10, 9), rasterizer);
+  CHECK(rasterizer.paint().lit_pixels() == 35);
+}

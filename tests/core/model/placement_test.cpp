@@ -24,7 +24,7 @@ Vertex oriented(Vertex v, const Orientation& orientation) {
 
 double area_at(const HeightIndex& model, double z) {
   Section section;
-  slice_at(model, z, section);
+  slice_at(model, Millimeters{z}, section);
   Contours contours;
   ContourLinker().link(section.segments, Millimeters{0.01}, contours);
   return filled_area_mm2(contours);

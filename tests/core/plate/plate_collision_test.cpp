@@ -16,8 +16,8 @@ namespace {
 const DisplayGeometry kDisplay{Pixels{200}, Pixels{160}, Micrometers{100.0}};
 constexpr Nanometers kLayer{100'000};
 
-PlacedModel placed(const models::Facets& facets, Point center) {
-  return {std::make_shared<const HeightIndex>(facets), center};
+PlacedModel placed(const models::Facets& facets, Point center, Elevation elevation = {}) {
+  return {{std::make_shared<const HeightIndex>(facets), elevation}, center};
 }
 
 // 12 x 12 x 5 mm with a hole of 8 x 8 mm.
@@ -54,6 +54,24 @@ TEST_CASE("Models that meet high above the plate collide at that height") {
   CHECK(std::fabs(collision->place.y - 4.45) < 1e-9);
 }
 
+TEST_CASE(
+    "A model that stands above the plate collides at the height where it is, or stands above the other") {
+  const models::Facets cube = models::box({0, 0, 7}, {3, 3, 10}), taller = models::box({0, 0, 0}, {3, 3, 8});
+  const Elevation raised(Nanometers{5'000'000});
+  CHECK_FALSE(find_collision(placed(cube, {0, 0}), placed(cube, {0, 0}, raised), kDisplay, kLayer));
+  for (const bool raised_first : {false, true}) {
+    const PlacedModel above = placed(cube, {0, 0}, raised), below = placed(taller, {1, 0});
+    const auto collision = raised_first ? find_collision(above, below, kDisplay, kLayer)
+                                        : find_collision(below, above, kDisplay, kLayer);
+    REQUIRE(collision);
+    CHECK(collision->height == Nanometers{5'050'000});
+  }
+  const auto alike =
+      find_collision(placed(cube, {0, 0}, raised), placed(cube, {0, 0}, raised), kDisplay, kLayer);
+  REQUIRE(alike);
+  CHECK(alike->height == Nanometers{5'050'000});
+}
+
 TEST_CASE("Boxes that share a wall do not collide") {
   const models::Facets cube = models::box({0, 0, 0}, {3, 3, 3});
   CHECK_FALSE(bounds_overlap(placed(cube, {-1.5, 0}), placed(cube, {1.5, 0})));
@@ -70,7 +88,7 @@ TEST_CASE("A collision is what the masks of both alone say, wherever they stand"
       const Point middle = model.model->bounds().center();
       return ContourEngine(
           {PlateModel{
-              model.model,
+              {model.model},
               {PixelMap::true_scale(kDisplay, {middle.x - model.center.x, middle.y - model.center.y})}}},
           EngineSettings{kDisplay, AntiAliasing::On});
     };

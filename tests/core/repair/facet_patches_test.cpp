@@ -9,15 +9,15 @@
 
 using namespace contourd;
 
-TEST_CASE("A closed model is one patch without rims, whose facets are turned alike") {
+TEST_CASE("A closed model is one patch without boundary edges, whose facets are turned alike") {
   const FacetPatches mesh = patches_of(models::box({0, 0, 0}, {2, 3, 4}));
   CHECK(mesh.faces.size() == 12);
   REQUIRE(mesh.patches.size() == 1);
   const Patch& patch = mesh.patches[0];
   CHECK(patch.is_even());
   CHECK(patch.net == 12);
-  CHECK(patch.rims == 0);
-  CHECK(mesh.rims.empty());
+  CHECK(patch.boundary_edges == 0);
+  CHECK(mesh.boundary_edges.empty());
   CHECK(mesh.junctions == 0);
   CHECK(patch.area == 52);
   CHECK(patch.six_volumes == 6 * 24);

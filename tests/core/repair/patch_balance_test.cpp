@@ -31,13 +31,13 @@ int imbalance(const FacetPatches& mesh, const std::vector<std::int32_t>& winding
 
 }  // namespace
 
-TEST_CASE("Solids that do not meet are groups of their own, and undoubted") {
+TEST_CASE("Solids that do not meet are groups of their own, and consistent") {
   const FacetPatches mesh = patches_of(together(box(), models::box({9, 0, 0}, {12, 3, 3})));
   const PatchGroups groups = balance_patches(mesh);
   REQUIRE(groups.groups.size() == 2);
   CHECK(groups.windings == std::vector<std::int32_t>{1, 1});
   for (const PatchGroups::Group& group : groups.groups) {
-    CHECK_FALSE(group.in_doubt);
+    CHECK_FALSE(group.inconsistent);
     CHECK_FALSE(group.double_sided);
   }
 }
@@ -48,7 +48,7 @@ TEST_CASE("Most of a patch's facets say how it is turned") {
   const FacetPatches mesh = patches_of(facets);
   const PatchGroups groups = balance_patches(mesh);
   REQUIRE(groups.groups.size() == 1);
-  CHECK(groups.groups[0].in_doubt);
+  CHECK(groups.groups[0].inconsistent);
   // As the first facet is turned, which is one of the many.
   CHECK(groups.windings[0] == 1);
 }
@@ -64,7 +64,7 @@ TEST_CASE("A solid that is there in both directions is known as such and counts 
 TEST_CASE("A solid that is there twice counts twice") {
   const PatchGroups groups = balance_patches(patches_of(together(box(), box())));
   CHECK(groups.windings == std::vector<std::int32_t>{2});
-  CHECK_FALSE(groups.groups[0].in_doubt);
+  CHECK_FALSE(groups.groups[0].inconsistent);
 }
 
 TEST_CASE("Turned patches are turned back until all junctions are balanced") {

@@ -9,11 +9,11 @@ using namespace contourd;
 
 namespace {
 
-std::vector<std::string> doubted(double width, double height, double pitch_um = 50) {
+std::vector<std::string> implausible(double width, double height, double pitch_um = 50) {
   const nlohmann::json file{
       {"display", {{"width_px", width}, {"height_px", height}, {"pixel_pitch_um", pitch_um}}}};
   JsonDocument printer = JsonDocument::from_text(file.dump(), "printer.json");
-  warn_of_doubtful_display(printer);
+  warn_of_implausible_display(printer);
   std::vector<std::string> places;
   for (const Violation& warning : printer.warnings())
     places.push_back(warning.pointer);
@@ -24,28 +24,29 @@ using Places = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("displays that projectors have are not doubted") {
-  CHECK(doubted(1024, 768, 100).empty());
-  CHECK(doubted(1280, 720, 80).empty());
-  CHECK(doubted(1280, 800).empty());
-  CHECK(doubted(1280, 1024).empty());
-  CHECK(doubted(1920, 1080).empty());
-  CHECK(doubted(2560, 1440, 51).empty());
-  CHECK(doubted(3840, 2160, 30).empty());
-  CHECK(doubted(2560, 1080).empty());
+TEST_CASE("displays that projectors have are not implausible") {
+  CHECK(implausible(1024, 768, 100).empty());
+  CHECK(implausible(1280, 720, 80).empty());
+  CHECK(implausible(1280, 800).empty());
+  CHECK(implausible(1280, 1024).empty());
+  CHECK(implausible(1920, 1080).empty());
+  CHECK(implausible(2560, 1440, 51).empty());
+  CHECK(implausible(3840, 2160, 30).empty());
+  CHECK(implausible(2560, 1080).empty());
 }
 
-TEST_CASE("width and height exchanged, a digit that is missing, and a pitch in another unit are doubted") {
-  CHECK(doubted(1080, 1920) == Places{"/display/height_px"});
-  CHECK(doubted(1920, 108) == Places{"/display/width_px"});
-  CHECK(doubted(192, 1080) == Places{"/display/height_px"});
-  CHECK(doubted(1080, 1080) == Places{"/display/width_px"});
-  CHECK(doubted(1920, 1080, 5) == Places{"/display/pixel_pitch_um"});
-  CHECK(doubted(1920, 1080, 500) == Places{"/display/pixel_pitch_um"});
+TEST_CASE(
+    "width and height exchanged, a digit that is missing, and a pitch in another unit are implausible") {
+  CHECK(implausible(1080, 1920) == Places{"/display/height_px"});
+  CHECK(implausible(1920, 108) == Places{"/display/width_px"});
+  CHECK(implausible(192, 1080) == Places{"/display/height_px"});
+  CHECK(implausible(1080, 1080) == Places{"/display/width_px"});
+  CHECK(implausible(1920, 1080, 5) == Places{"/display/pixel_pitch_um"});
+  CHECK(implausible(1920, 1080, 500) == Places{"/display/pixel_pitch_um"});
 }
 
-TEST_CASE("of a display that is wrong in itself nothing is doubted") {
+TEST_CASE("of a display that is wrong in itself nothing is implausible") {
   JsonDocument printer = JsonDocument::from_text(R"({"display": {"width_px": "wide"}})", "printer.json");
-  warn_of_doubtful_display(printer);
+  warn_of_implausible_display(printer);
   CHECK(printer.warnings().empty());
 }

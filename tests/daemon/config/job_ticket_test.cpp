@@ -176,16 +176,16 @@ TEST_CASE("a plate's ticket lists its models, each with what a ticket has for on
 }
 
 TEST_CASE("a plate's mistakes are told with the model's number, from 0") {
-  CHECK(
-      complaints_about_plate(R"({"models": [{"file": "a.stl"}, {"file": "b.stl", "copies": 0, "clour": 1},
+  CHECK(complaints_about_plate(R"({"models": [{"file": "a.stl"}, {"file": "b.stl", "copies": 0, "clour": 1},
                                                {"up": {"z": 0}, "scale": []}]})") ==
-      Complaints{"/models/1/clour: there is no key \"clour\" here; the known ones are \"copies\", \"file\", "
-                 "\"position_mm\", \"rotation_deg\", \"scale\", \"up\"",
-                 "/models/1/copies: 0 is less than the least allowed, 1",
-                 "/models/2/file: this key is missing: An STL file in the same folder: its name, without '/' "
-                 "and with no '.' at its start",
-                 "/models/2/scale: expected an object or a number, found an array",
-                 "/models/2/up: a direction must not be zero in x, y and z"});
+        Complaints{
+            "/models/1/clour: there is no key \"clour\" here; the known ones are \"copies\", \"file\", "
+            "\"position_mm\", \"rotation_deg\", \"scale\", \"up\"",
+            "/models/1/copies: 0 is less than the least allowed, 1",
+            "/models/2/file: this key is missing: A model's file in the same folder: its name, without '/' "
+            "and with no '.' at its start",
+            "/models/2/scale: expected an object or a number, found an array",
+            "/models/2/up: a direction must not be zero in x, y and z"});
   CHECK(complaints_about_plate(R"({"models": [{"file": "../a.stl"}]})").size() == 1);
   CHECK(complaints_about_plate(R"({"models": []})") ==
         Complaints{"/models: there are 0 in this list; it must have at least 1"});

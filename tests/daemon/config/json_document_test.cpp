@@ -208,14 +208,14 @@ TEST_CASE("a quoted value is short, printable and valid UTF-8") {
 
 TEST_CASE("a sound value is one of the right kind with no violation at its place") {
   JsonDocument document = parse(R"({"a": 1.5, "b": "x", "c": {"d": 2}})");
-  CHECK(document.sound_number("/a") == 1.5);
-  CHECK(document.sound_number("/c/d") == 2.0);
-  CHECK(document.sound_text("/b") == "x");
-  CHECK_FALSE(document.sound_number("/b"));
-  CHECK_FALSE(document.sound_number("/a/b"));
-  CHECK_FALSE(document.sound_number("/missing"));
+  CHECK(document.valid_number("/a") == 1.5);
+  CHECK(document.valid_number("/c/d") == 2.0);
+  CHECK(document.valid_text("/b") == "x");
+  CHECK_FALSE(document.valid_number("/b"));
+  CHECK_FALSE(document.valid_number("/a/b"));
+  CHECK_FALSE(document.valid_number("/missing"));
   document.add_violation("/a", "wrong");
-  CHECK_FALSE(document.sound_number("/a"));
+  CHECK_FALSE(document.valid_number("/a"));
 }
 
 }  // namespace

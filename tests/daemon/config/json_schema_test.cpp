@@ -17,7 +17,7 @@ using nlohmann::json;
 using testing::Complaints;
 using testing::complaints_of;
 
-constexpr std::string_view tank_schema = R"({
+constexpr std::string_view kTankSchema = R"({
   "type": "object",
   "additionalProperties": false,
   "required": ["name"],
@@ -35,7 +35,7 @@ constexpr std::string_view tank_schema = R"({
 })";
 
 JsonDocument checked(std::string_view text) {
-  static const JsonSchema schema(tank_schema);
+  static const JsonSchema schema(kTankSchema);
   JsonDocument document = JsonDocument::from_text(text, "tank.json");
   schema.check(document);
   return document;

@@ -23,7 +23,7 @@ std::vector<std::string> warnings_of(const ProjectorTable& table, const Exposure
                                      Duration exposure = 3s) {
   const testing::ConfigFolder folder;
   JsonDocument printer = JsonDocument::from_file(folder.write_json("printer.json", nlohmann::json::object()));
-  warn_of_doubtful_light(printer, table, tolerance, exposure);
+  warn_of_implausible_light(printer, table, tolerance, exposure);
   std::vector<std::string> warnings;
   for (const Violation& warning : printer.warnings()) {
     CHECK(warning.pointer == "/projector/table");
@@ -50,11 +50,11 @@ TEST_CASE("a table whose light cannot be known as well as the resin wants is a w
   ProjectorTable late = plausible_table();
   late.latency = 150ms;
   CHECK(
-      warnings_of(late, {100ms, ExposureTolerance::Doubt::Interrupt}) ==
+      warnings_of(late, {100ms, ExposureTolerance::Policy::Interrupt}) ==
       std::vector<std::string>{"its latency_ms is 150 ms, and light_off is hardly faster than light_on: the "
                                "resin's exposure_tolerance_ms is 100 ms, so every layer will wait for its "
                                "owner"});
-  CHECK(warnings_of(late, {200ms, ExposureTolerance::Doubt::Warn}).empty());
+  CHECK(warnings_of(late, {200ms, ExposureTolerance::Policy::Warn}).empty());
 }
 
 TEST_CASE("a table that waits for a reply for longer than the exposure is a warning") {

@@ -336,33 +336,21 @@ TEST_CASE("a default resin that is not there is named with those that are") {
                    "\"; there are \"clear\", \"standard\""});
 }
 
-TEST_CASE("gamma, threshold and the lamp's mask arrive, and are none by default") {
+TEST_CASE("gamma, threshold and the uniformity mask arrive, and are none by default") {
   CHECK(PrinterFolder().load().tone == ToneCurve{});
-  CHECK_FALSE(PrinterFolder().load().lamp);
+  CHECK_FALSE(PrinterFolder().load().uniformity);
   json printer = smallest_printer();
   printer["display"]["width_px"] = 30;
   printer["display"]["height_px"] = 20;
   printer["display"]["gamma"] = 2.2;
   printer["display"]["threshold"] = 40;
-  printer["display"]["lamp_mask"] = "lamp.png";
+  printer["display"]["uniformity_mask"] = "even.png";
   const PrinterFolder folder(printer);
-  Mask lamp(Pixels{30}, Pixels{20});
-  lamp.row(3)[4] = 200;
-  write_png(folder.path() / "lamp.png", lamp);
+  Mask even(Pixels{30}, Pixels{20});
+  even.row(3)[4] = 200;
+  write_png(folder.path() / "even.png", even);
   CHECK(folder.load().tone == ToneCurve{2.2, 40});
-  CHECK(folder.load().lamp == lamp);
-}
-
-TEST_CASE("a lamp's mask that cannot be used is refused with its path and the reason") {
-  json printer = smallest_printer();
-  printer["display"]["lamp_mask"] = "lamp.png";
-  const PrinterFolder folder(printer);
-  const std::string place = "/display/lamp_mask: " + (folder.path() / "lamp.png").string() + ": ";
-  CHECK(folder.complaints() == Complaints{place + "No such file or directory"});
-  write_png(folder.path() / "lamp.png", Mask(Pixels{1080}, Pixels{1920}));
-  CHECK(folder.complaints() == Complaints{place + "the picture is 1080x1920 pixels, the display 1920x1080"});
-  std::ofstream(folder.path() / "lamp.png") << "no picture";
-  CHECK(folder.complaints() == Complaints{place + "the file is not a PNG file"});
+  CHECK(folder.load().uniformity == even);
 }
 
 TEST_CASE("a resin is found by its name") {

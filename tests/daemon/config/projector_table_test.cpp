@@ -49,7 +49,7 @@ struct Conversation {
         if (sent == message) channel.send(answer);
       }
     };
-    projector.on_disturbance([this](const Disturbance& one) { disturbances.push_back(one.what); });
+    projector.on_event([this](const MachineEvent& one) { events.push_back(one.what); });
   }
 
   void pass(Duration time) {
@@ -99,7 +99,7 @@ struct Conversation {
   VirtualClock clock;
   testing::ScriptedChannel channel{clock};
   std::vector<std::pair<std::string, std::string>> answers;
-  std::vector<std::string> disturbances;
+  std::vector<std::string> events;
   SerialProjector projector;
 };
 
@@ -136,7 +136,7 @@ TEST_CASE("Optoma's table drives power, AV mute, queries and what the projector 
   CHECK(talk.status().lamp_hours == 815);
   talk.channel.send("INFO7\r");
   talk.pass(std::chrono::seconds{1});
-  CHECK(talk.disturbances == Messages{"the projector at /dev/ttyUSB7 says: it is too hot"});
+  CHECK(talk.events == Messages{"the projector at /dev/ttyUSB7 says: it is too hot"});
   talk.answers[2].second = "F\r";
   CHECK(talk.light_on() == ProjectorReply::Refused);
   talk.power_off();

@@ -26,12 +26,12 @@ json curve_profile() {
   return resin;
 }
 
-constexpr double irradiance_mw_cm2 = 5.0;
+constexpr double kIrradianceMwCm2 = 5.0;
 
 ResinProfile load(const json& resin) {
   const ConfigFolder folder;
   return load_resin_profile(folder.write_json("grey.json", resin),
-                            {.travel = Nanometers{160'000'000}, .irradiance_mw_cm2 = irradiance_mw_cm2});
+                            {.travel = Nanometers{160'000'000}, .irradiance_mw_cm2 = kIrradianceMwCm2});
 }
 
 Complaints complaints_about(const json& resin) {
@@ -82,7 +82,7 @@ TEST_CASE("a resin's shrinkage becomes the factors that make it good") {
 TEST_CASE("an exposure given outright is the bottom one, fades linearly, then stays") {
   const ResinProfile resin = load(shipped("resins/standard.json"));
   const auto layer = [&](int index) {
-    return exposure_time(resin, resin.layer_height, index, irradiance_mw_cm2);
+    return exposure_time(resin, resin.layer_height, index, kIrradianceMwCm2);
   };
   CHECK(layer(0) == milliseconds{30000});
   CHECK(layer(4) == milliseconds{30000});

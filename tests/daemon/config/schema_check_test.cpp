@@ -70,8 +70,8 @@ TEST_CASE("what fits nothing is not allowed") {
 }
 
 TEST_CASE("the keys that a schema does not name may have a schema of their own") {
-  constexpr std::string_view schema = R"({"properties": {"a": {}}, "additionalProperties": {"maximum": 3}})";
-  CHECK(complaints_about(schema, R"({"a": 9, "b_mm": 9})") ==
+  constexpr std::string_view kSchema = R"({"properties": {"a": {}}, "additionalProperties": {"maximum": 3}})";
+  CHECK(complaints_about(kSchema, R"({"a": 9, "b_mm": 9})") ==
         Complaints{"/b_mm: 9 is more than the limit, 3 mm"});
 }
 
@@ -86,9 +86,9 @@ TEST_CASE("a choice between sets of keys names them, any other how many fit") {
         Complaints{"give either \"a\" and \"b\", or \"c\"; found only \"a\""});
   CHECK(complaints_about(keys, R"({"b": 1, "c": 1})") ==
         Complaints{"give either \"a\" and \"b\", or \"c\"; found \"b\" and \"c\""});
-  constexpr std::string_view values = R"({"oneOf": [{"type": "integer"}, {"minimum": 2}]})";
-  CHECK(fits(values, "1"));
-  CHECK(complaints_about(values, "3") ==
+  constexpr std::string_view kValues = R"({"oneOf": [{"type": "integer"}, {"minimum": 2}]})";
+  CHECK(fits(kValues, "1"));
+  CHECK(complaints_about(kValues, "3") ==
         Complaints{"it must fit exactly one of the schema's 2 alternatives; it fits 2"});
 }
 

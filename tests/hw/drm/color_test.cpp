@@ -56,14 +56,15 @@ TEST_CASE("Televisions' modes are known by their timing; computers' of the same 
 TEST_CASE(
     "Where the range cannot be set a sentence says what follows, for the plugs and modes that have one") {
   const Mode television = timing(1920, 1080, 2200);
-  const auto doubt = range_doubt("HDMI-A-1", television, kNoProperties, "HDMI-A-1 of /dev/dri/card0 (vc4)");
-  REQUIRE(doubt);
-  CHECK(doubt->starts_with("HDMI-A-1 of /dev/dri/card0 (vc4) has no \"Broadcast RGB\""));
-  CHECK(doubt->find("16 of 255, 6 % of the light") != std::string::npos);
-  CHECK(range_doubt("DP-1", television, kNoProperties, "DP-1"));
-  CHECK_FALSE(range_doubt("DVI-D-1", television, kNoProperties, "DVI-D-1"));
-  CHECK_FALSE(range_doubt("Virtual-1", television, kNoProperties, "Virtual-1"));
-  CHECK_FALSE(range_doubt("HDMI-A-1", timing(1280, 800, 1680), kNoProperties, "HDMI-A-1"));
+  const auto warning =
+      range_warning("HDMI-A-1", television, kNoProperties, "HDMI-A-1 of /dev/dri/card0 (vc4)");
+  REQUIRE(warning);
+  CHECK(warning->starts_with("HDMI-A-1 of /dev/dri/card0 (vc4) has no \"Broadcast RGB\""));
+  CHECK(warning->find("16 of 255, 6 % of the light") != std::string::npos);
+  CHECK(range_warning("DP-1", television, kNoProperties, "DP-1"));
+  CHECK_FALSE(range_warning("DVI-D-1", television, kNoProperties, "DVI-D-1"));
+  CHECK_FALSE(range_warning("Virtual-1", television, kNoProperties, "Virtual-1"));
+  CHECK_FALSE(range_warning("HDMI-A-1", timing(1280, 800, 1680), kNoProperties, "HDMI-A-1"));
 }
 
 TEST_CASE("Where there are no properties, none is to be changed") {

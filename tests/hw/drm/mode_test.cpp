@@ -105,31 +105,31 @@ TEST_CASE(
         "HDMI-A-1 of /dev/dri/card0 (vc4) cannot show masks with its mode 1920x1080 at 60.00 Hz, interlaced: "
         "it "
         "does not send each pixel of each picture once; modes: 1920x1080 at 60.00 Hz, interlaced");
-  CHECK(unfitness(mode_of(640, 480, 60, DRM_MODE_FLAG_DBLSCAN), {}).has_value());
-  CHECK(unfitness(mode_of(1440, 480, 60, DRM_MODE_FLAG_DBLCLK), {}).has_value());
-  CHECK(unfitness(mode_of(1920, 1080, 60, DRM_MODE_FLAG_3D_FRAME_PACKING), {}).has_value());
+  CHECK(why_unsuitable(mode_of(640, 480, 60, DRM_MODE_FLAG_DBLSCAN), {}).has_value());
+  CHECK(why_unsuitable(mode_of(1440, 480, 60, DRM_MODE_FLAG_DBLCLK), {}).has_value());
+  CHECK(why_unsuitable(mode_of(1920, 1080, 60, DRM_MODE_FLAG_3D_FRAME_PACKING), {}).has_value());
 }
 
 TEST_CASE("A mode whose picture ratio makes its pixels other than square is refused") {
-  CHECK_FALSE(unfitness(mode_of(1920, 1080, 60, DRM_MODE_FLAG_PIC_AR_16_9), {}).has_value());
-  CHECK_FALSE(unfitness(mode_of(640, 480, 60, DRM_MODE_FLAG_PIC_AR_4_3), {}).has_value());
-  CHECK(unfitness(mode_of(720, 576, 50, DRM_MODE_FLAG_PIC_AR_16_9), {}) ==
+  CHECK_FALSE(why_unsuitable(mode_of(1920, 1080, 60, DRM_MODE_FLAG_PIC_AR_16_9), {}).has_value());
+  CHECK_FALSE(why_unsuitable(mode_of(640, 480, 60, DRM_MODE_FLAG_PIC_AR_4_3), {}).has_value());
+  CHECK(why_unsuitable(mode_of(720, 576, 50, DRM_MODE_FLAG_PIC_AR_16_9), {}) ==
         "its pixels are not square: in a picture of 16:9 they are 1.42 times as wide as high");
-  CHECK(unfitness(mode_of(720, 480, 60, DRM_MODE_FLAG_PIC_AR_4_3), {}).has_value());
+  CHECK(why_unsuitable(mode_of(720, 480, 60, DRM_MODE_FLAG_PIC_AR_4_3), {}).has_value());
 }
 
 TEST_CASE(
     "A picture's size that makes the pixels other than square is refused, unless the config says it is "
     "wrong") {
   const Mode mode = mode_of(1920, 1080, 60);
-  CHECK_FALSE(unfitness(mode, {}).has_value());          // projectors have no size
-  CHECK_FALSE(unfitness(mode, {530, 300}).has_value());  // a 24 inch panel in whole centimetres
-  CHECK_FALSE(unfitness(mode_of(1280, 800, 60), {70, 40}).has_value());  // 65x41 mm in whole centimetres
-  CHECK_FALSE(unfitness(mode, {160, 90}).has_value());                   // the ratio in place of a size
-  CHECK_FALSE(unfitness(mode, {120, 0}).has_value());                    // one side says nothing
-  CHECK(unfitness(mode, {400, 300}) ==
+  CHECK_FALSE(why_unsuitable(mode, {}).has_value());          // projectors have no size
+  CHECK_FALSE(why_unsuitable(mode, {530, 300}).has_value());  // a 24 inch panel in whole centimetres
+  CHECK_FALSE(why_unsuitable(mode_of(1280, 800, 60), {70, 40}).has_value());  // 65x41 mm in whole centimetres
+  CHECK_FALSE(why_unsuitable(mode, {160, 90}).has_value());                   // the ratio in place of a size
+  CHECK_FALSE(why_unsuitable(mode, {120, 0}).has_value());                    // one side says nothing
+  CHECK(why_unsuitable(mode, {400, 300}) ==
         "its pixels are not square: on a picture of 400x300 mm they are 0.75 times as wide as high");
-  CHECK(unfitness(mode_of(1024, 768, 60), {530, 300}).has_value());  // stretched over a wide panel
+  CHECK(why_unsuitable(mode_of(1024, 768, 60), {530, 300}).has_value());  // stretched over a wide panel
   DrmDisplayConfig config = wanting(1920, 1080, 60);
   CHECK_FALSE(refusal({mode}, config, {400, 300}).empty());
   config.ignore_edid_size = true;

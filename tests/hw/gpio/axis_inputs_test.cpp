@@ -125,7 +125,7 @@ TEST_CASE("The light is cut at the first edge of either safety input, and releas
   bench.set(wire, true);
   CHECK(bench.lamp.is_cut());
   bench.pass(100ms);
-  CHECK(bench.engine.barred() == !lid);
+  CHECK(bench.engine.inhibited() == !lid);
   bench.set(wire, false);
   bench.pass(kDebounce - 1ns);
   (void)bench.told();
@@ -134,7 +134,7 @@ TEST_CASE("The light is cut at the first edge of either safety input, and releas
   CHECK(bench.lamp.is_cut());  // until its owner has heard of it
   CHECK(bench.told().size() == 1);
   CHECK_FALSE(bench.lamp.is_cut());
-  CHECK_FALSE(bench.engine.barred());
+  CHECK_FALSE(bench.engine.inhibited());
 }
 
 TEST_CASE("A chatter at 125 Hz keeps the light cut from its first edge to its end and the debounce time") {
@@ -169,7 +169,7 @@ TEST_CASE("The light is cut until both safety inputs are safe") {
   bench.set(bench.stop, false);
   bench.pass(100ms);
   CHECK(states_of(bench.told(), AxisInput::EmergencyStop) ==
-        States{SafetyState::Doubtful, SafetyState::Safe});
+        States{SafetyState::Debouncing, SafetyState::Safe});
   CHECK(bench.lamp.is_cut());
   bench.set(bench.lid, false);
   bench.pass(100ms);
@@ -177,7 +177,7 @@ TEST_CASE("The light is cut until both safety inputs are safe") {
   CHECK_FALSE(bench.lamp.is_cut());
 }
 
-TEST_CASE("What was let go and is unsafe again before the owner hears of it stays cut and barred") {
+TEST_CASE("What was let go and is unsafe again before the owner hears of it stays cut and inhibited") {
   Bench bench;
   bench.set(bench.stop, true);
   bench.pass(100ms);
@@ -187,7 +187,7 @@ TEST_CASE("What was let go and is unsafe again before the owner hears of it stay
   bench.pass(100ms);
   (void)bench.told();  // among others that it was safe
   CHECK(bench.lamp.is_cut());
-  CHECK(bench.engine.barred());
+  CHECK(bench.engine.inhibited());
 }
 
 TEST_CASE("A safety input that is unsafe from the start has the light cut as soon as there is one") {
@@ -197,7 +197,7 @@ TEST_CASE("A safety input that is unsafe from the start has the light cut as soo
   bench.build();
   CHECK(bench.active(AxisInput::Lid));
   CHECK(bench.lamp.is_cut());
-  CHECK_FALSE(bench.engine.barred());
+  CHECK_FALSE(bench.engine.inhibited());
   Lamp other;
   bench.inputs->set_light_cutoff(&other);
   CHECK(other.is_cut());
@@ -225,7 +225,7 @@ TEST_CASE(
   bench.pass(20ms);
   CHECK(bench.lamp.is_cut());
   bench.pass(kDebounce);
-  CHECK(bench.engine.barred());
+  CHECK(bench.engine.inhibited());
 }
 
 TEST_CASE("A safety input that cannot be read is unsafe: an interruption when that does not last") {
@@ -237,7 +237,7 @@ TEST_CASE("A safety input that cannot be read is unsafe: an interruption when th
   CHECK_FALSE(bench.inputs->readable(AxisInput::Lid));
   const auto told = bench.told();
   REQUIRE(told.size() >= 1);
-  CHECK(told[0].to == SafetyState::Doubtful);
+  CHECK(told[0].to == SafetyState::Debouncing);
   CHECK_FALSE(told[0].readable);
   bench.lid.unreadable = false;
   bench.pass(100ms);
@@ -246,25 +246,25 @@ TEST_CASE("A safety input that cannot be read is unsafe: an interruption when th
   CHECK_FALSE(bench.inputs->lost());
 }
 
-TEST_CASE("An emergency stop that stays unreadable bars the steps") {
+TEST_CASE("An emergency stop that stays unreadable inhibits the steps") {
   Bench bench;
   bench.stop.unreadable = true;
   bench.pass(20ms + kDebounce);
-  CHECK(bench.engine.barred());
+  CHECK(bench.engine.inhibited());
   CHECK(states_of(bench.told(), AxisInput::EmergencyStop) ==
-        States{SafetyState::Doubtful, SafetyState::Unsafe});
+        States{SafetyState::Debouncing, SafetyState::Unsafe});
 }
 
-TEST_CASE("A limit switch that cannot be read leaves nothing to rely on: light cut, steps barred") {
+TEST_CASE("A limit switch that cannot be read leaves nothing to rely on: light cut, steps inhibited") {
   Bench bench;
   bench.limit.unreadable = true;
   bench.pass(20ms);
   CHECK(bench.inputs->lost());
-  CHECK(bench.engine.barred());
+  CHECK(bench.engine.inhibited());
   CHECK(bench.lamp.is_cut());
   CHECK_FALSE(bench.inputs->readable(AxisInput::LimitSwitch));
   bench.inputs->let_go();
-  CHECK(bench.engine.barred());
+  CHECK(bench.engine.inhibited());
   CHECK(bench.lamp.is_cut());
 }
 
@@ -312,7 +312,7 @@ TEST_CASE(
       truth.last = test_time;
       if (!truth.first) {
         truth.first = test_time;
-        expected[i].push_back(SafetyState::Doubtful);
+        expected[i].push_back(SafetyState::Debouncing);
       }
       bench.set(*wires[i], truth.level);
       settle(i, test_time);
@@ -324,8 +324,52 @@ TEST_CASE(
         RC_ASSERT(bench.active(inputs[each]) == truths[each].first.has_value());
       }
       RC_ASSERT(bench.lamp.is_cut() == (truths[0].first || truths[1].first));
-      RC_ASSERT(bench.engine.barred() == truths[0].lasted);
+      RC_ASSERT(bench.engine.inhibited() == truths[0].lasted);
     }
     RC_ASSERT(!bench.inputs->lost());
   }));
+}
+
+TEST_CASE(
+    "Changes that nobody takes lose the inputs when there is room for no more, and none is overwritten") {
+  Bench bench;
+  // Each bout is debouncing, then safe.
+  int bouts = 0;
+  for (; !bench.inputs->lost() && bouts < 1'000; ++bouts) {
+    bench.set(bench.lid, true);
+    bench.set(bench.lid, false);
+    bench.pass(2 * kDebounce);
+  }
+  REQUIRE(bench.inputs->lost());
+  CHECK(bench.lamp.is_cut());
+  CHECK(bench.engine.inhibited());
+  int taken = 0;
+  for (; const auto change = bench.inputs->take_change(); ++taken)
+    CHECK(change->to == (taken % 2 == 0 ? SafetyState::Debouncing : SafetyState::Safe));
+  CHECK(taken == 2 * (bouts - 1));
+  // There is room again, and what was lost stays so.
+  bench.set(bench.lid, true);
+  bench.set(bench.lid, false);
+  bench.pass(2 * kDebounce);
+  CHECK(bench.inputs->take_change());
+  bench.inputs->let_go();
+  CHECK(bench.inputs->lost());
+  CHECK(bench.lamp.is_cut());
+  CHECK(bench.engine.inhibited());
+}
+
+TEST_CASE("A rule halts the steps once, and what it halted them for is told by then") {
+  Bench bench;
+  bench.inputs->set_limit_rule(LimitRule::Beyond, -1);
+  bench.set(bench.limit, true);
+  bench.pass(2 * kDebounce);
+  REQUIRE(bench.engine.interrupted());
+  const auto told = bench.told();
+  REQUIRE(told.size() == 2);
+  CHECK_FALSE(told[0].halted);  // it has settled
+  CHECK(told[1].halted);
+  bench.engine.forget_halt();
+  bench.pass(100ms);
+  CHECK_FALSE(bench.engine.interrupted());
+  CHECK(bench.told().empty());
 }

@@ -215,7 +215,7 @@ TEST_CASE("An axis knows where it is or knows nothing, whatever is asked of it a
   CHECK(reached > 0);
 }
 
-TEST_CASE("An engine started, stopped, halted and barred at random makes the steps that it counts",
+TEST_CASE("An engine started, stopped, halted and inhibited at random makes the steps that it counts",
           "[threads]") {
   std::atomic<int> made{0};
   Output step, direction;
@@ -239,7 +239,7 @@ TEST_CASE("An engine started, stopped, halted and barred at random makes the ste
     const auto what = random() % 5;
     if (what == 0) engine.stop();
     if (what == 1) engine.halt();
-    if (what == 2) engine.bar();
+    if (what == 2) engine.inhibit();
     if (what == 3) contact.set(true);
     while (engine.moving())
       engine.ended().wait();
@@ -251,6 +251,6 @@ TEST_CASE("An engine started, stopped, halted and barred at random makes the ste
     while (inputs.active(AxisInput::EmergencyStop))
       (void)inputs.take_change();
     inputs.let_go();
-    engine.allow();
+    engine.enable();
   }
 }

@@ -42,8 +42,8 @@ bool believed_is_true(const Plant& plant, Nanometers within = Nanometers{0}) {
 
 std::size_t notices(const Plant& plant) {
   return static_cast<std::size_t>(
-      std::count_if(plant.disturbances.begin(), plant.disturbances.end(),
-                    [](const Disturbance& d) { return d.kind == Disturbance::Kind::Notice; }));
+      std::count_if(plant.events.begin(), plant.events.end(),
+                    [](const MachineEvent& d) { return d.kind == MachineEvent::Kind::Notice; }));
 }
 
 }  // namespace
@@ -65,12 +65,12 @@ TEST_CASE(
       CHECK(plant.move_to(50) == MoveResult::Fault);
       CHECK(plant.pulses.size() == made);
       CHECK_FALSE(plant.axis->height());
-      REQUIRE(plant.disturbances.size() == 1);
-      CHECK(plant.disturbances[0].kind == Disturbance::Kind::Fault);
+      REQUIRE(plant.events.size() == 1);
+      CHECK(plant.events[0].kind == MachineEvent::Kind::Fault);
       const std::string ms =
           std::to_string(held / 1ms - 1);  // or so much more than the time to the next step
-      INFO(plant.disturbances[0].what << " for " << ms);
-      CHECK(plant.disturbances[0].what.find("at 5 mm/s a step came ") != std::string::npos);
+      INFO(plant.events[0].what << " for " << ms);
+      CHECK(plant.events[0].what.find("at 5 mm/s a step came ") != std::string::npos);
       CHECK(plant.move_to(1) == MoveResult::NotHomed);
       CHECK(plant.home() == HomingResult::Homed);
       CHECK(plate_above_switch(plant) == 0);
@@ -87,7 +87,7 @@ TEST_CASE("Up to its pull-in speed a motor that was held up ramps up again, and 
   CHECK(plant.move_to(20, 2.5) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 16'000);
   CHECK(plant.axis->height() == Nanometers{20'000'000});
-  CHECK(plant.disturbances.empty());
+  CHECK(plant.events.empty());
 }
 
 TEST_CASE("Homing goes on when its motor was held up, says so, and is exact") {
@@ -98,7 +98,7 @@ TEST_CASE("Homing goes on when its motor was held up, says so, and is exact") {
     const auto hold_up = plant.clock.call_after(at, [&] { plant.hold_up_steps(700ms); });
     CHECK(plant.home() == HomingResult::Homed);
     CHECK(plate_above_switch(plant) == 0);
-    CHECK(plant.disturbances.size() == notices(plant));
+    CHECK(plant.events.size() == notices(plant));
     if (at == 300ms) CHECK(notices(plant) == 1);
   }
 }
@@ -116,7 +116,7 @@ TEST_CASE(
       const auto look = plant.clock.call_after(2'020ms, [&] { told_at_once = notices(plant) == 1; });
       CHECK(plant.move_to(10) == MoveResult::Reached);
       CHECK(told_at_once);
-      CHECK(plant.disturbances.size() == 1);
+      CHECK(plant.events.size() == 1);
       CHECK(believed_is_true(plant));
       CHECK(std::llabs(plate_above_switch(plant) - 8'000) <= 1);  // the step at which it overran
     }

@@ -16,7 +16,7 @@ using testing::Plant;
 
 namespace {
 
-using Kind = Disturbance::Kind;
+using Kind = MachineEvent::Kind;
 using Sentences = std::vector<std::string>;
 
 // A 4 mm screw at 16 microsteps: 1.25 um a step, 4,000 steps/s at 5 mm/s. All inputs there are, of 5 ms each.
@@ -44,8 +44,8 @@ std::int64_t plate_above_switch(const Plant& plant) {
 
 std::vector<Kind> kinds(const Plant& plant) {
   std::vector<Kind> all;
-  for (const Disturbance& disturbance : plant.disturbances)
-    all.push_back(disturbance.kind);
+  for (const MachineEvent& event : plant.events)
+    all.push_back(event.kind);
   return all;
 }
 using Kinds = std::vector<Kind>;
@@ -81,7 +81,7 @@ TEST_CASE("An emergency stop slows the motor from its first edge on, and halts i
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   bool answered_before = true;
-  plant.on_disturbance = [&] { answered_before = !plant.axis->moving(); };
+  plant.on_event = [&] { answered_before = !plant.axis->moving(); };
   const Press press(plant, AxisInput::EmergencyStop, 2s, kForGood);
   CHECK(plant.move_to(50) == MoveResult::Fault);
   CHECK_FALSE(answered_before);  // told before the move's answer
@@ -90,12 +90,12 @@ TEST_CASE("An emergency stop slows the motor from its first edge on, and halts i
   // Slower from the first edge on: 5 mm/s less 50 mm/s^2 for 5 ms is a twentieth, half of it on average, of
   // 20 steps.
   CHECK(press.steps_since(plant) <= 20);
-  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Fault});
-  CHECK(plant.disturbances[0].what ==
+  CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Fault});
+  CHECK(plant.events[0].what ==
         "the emergency stop was touched, or its line disturbed (line 5 of gpiochip0)");
-  CHECK(plant.disturbances[1].what == "the emergency stop is pressed (line 5 of gpiochip0)");
-  CHECK_FALSE(plant.disturbances[0].owner_decides);
-  CHECK(plant.disturbances[1].owner_decides);
+  CHECK(plant.events[1].what == "the emergency stop is pressed (line 5 of gpiochip0)");
+  CHECK_FALSE(plant.events[0].owner_decides);
+  CHECK(plant.events[1].owner_decides);
   CHECK_FALSE(plant.axis->height());
 }
 
@@ -121,18 +121,18 @@ TEST_CASE("While an emergency stop is pressed nothing moves; let go, the owner d
   plant.build();
   plant.press(AxisInput::EmergencyStop, true);
   plant.run_for(100ms);
-  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Fault});
+  CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Fault});
   CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop is pressed"});
-  plant.disturbances.clear();
+  plant.events.clear();
   CHECK(plant.home() == HomingResult::Fault);
   CHECK(plant.pulses.empty());
   CHECK(kinds(plant) == Kinds{Kind::Fault});
-  plant.disturbances.clear();
+  plant.events.clear();
   plant.press(AxisInput::EmergencyStop, false);
   plant.run_for(100ms);
   REQUIRE(kinds(plant) == Kinds{Kind::Recovery});
-  CHECK(plant.disturbances[0].what == "the emergency stop was let go (line 5 of gpiochip0)");
-  CHECK(plant.disturbances[0].owner_decides);  // the motor does not start for that alone
+  CHECK(plant.events[0].what == "the emergency stop was let go (line 5 of gpiochip0)");
+  CHECK(plant.events[0].owner_decides);  // the motor does not start for that alone
   CHECK(plant.axis->why_not_ready().empty());
   CHECK(plant.home() == HomingResult::Homed);
 }
@@ -142,7 +142,7 @@ TEST_CASE("Who is told of an emergency stop may abort: the move's answer is drop
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   bool answered = false;
-  plant.on_disturbance = [&] { plant.axis->abort(); };
+  plant.on_event = [&] { plant.axis->abort(); };
   plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult) { answered = true; });
   plant.run_for(1s);
   plant.press(AxisInput::EmergencyStop, true);
@@ -159,9 +159,9 @@ TEST_CASE("A spike on the emergency stop's line rests a move, which then goes on
   CHECK(plant.move_to(20) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 16'000);
   CHECK(plant.axis->height() == mm(20));
-  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Recovery});
-  CHECK(plant.disturbances[1].what == "the emergency stop is not pressed (line 5 of gpiochip0)");
-  CHECK_FALSE(plant.disturbances[1].owner_decides);
+  CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Recovery});
+  CHECK(plant.events[1].what == "the emergency stop is not pressed (line 5 of gpiochip0)");
+  CHECK_FALSE(plant.events[1].owner_decides);
   // Slowed down from 5 mm/s at 50 mm/s^2, a tenth of a second, and sped up again: once at walking pace in
   // between.
   const auto slowest = [&] {
@@ -232,10 +232,10 @@ TEST_CASE(
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   REQUIRE(plant.move_to(30) == MoveResult::Reached);
-  plant.on_disturbance = [&] { plant.axis->stop(); };  // as a print does on its way down
+  plant.on_event = [&] { plant.axis->stop(); };  // as a print does on its way down
   const Press spike(plant, AxisInput::EmergencyStop, 1s, 1ms);
   CHECK(plant.move_to(10) == MoveResult::Stopped);
-  plant.on_disturbance = nullptr;
+  plant.on_event = nullptr;
   CHECK(plant.axis->height() == Nanometers{plate_above_switch(plant) * 1'250});
   CHECK(plant.move_to(31) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 24'800);
@@ -254,15 +254,15 @@ TEST_CASE("A spike while homing does not make it find the switch elsewhere") {
                                                std::chrono::microseconds{draw(10, 1'500)}));
     RC_ASSERT(plant.home() == HomingResult::Homed);
     RC_ASSERT(plate_above_switch(plant) == 0);
-    for (const Disturbance& disturbance : plant.disturbances)
-      RC_ASSERT(disturbance.kind != Kind::Fault);
+    for (const MachineEvent& event : plant.events)
+      RC_ASSERT(event.kind != Kind::Fault);
   }));
 }
 
 TEST_CASE("A spike while homing whose owner aborts leaves the axis to be homed again") {
   Plant plant(config());
   plant.build();
-  plant.on_disturbance = [&] { plant.axis->abort(); };  // as a print does, which is held then
+  plant.on_event = [&] { plant.axis->abort(); };  // as a print does, which is held then
   const Press spike(plant, AxisInput::EmergencyStop, 500ms, 1ms);
   bool answered = false;
   plant.axis->home([&](HomingResult) { answered = true; });
@@ -292,9 +292,9 @@ TEST_CASE("Moves with spikes on both safety inputs end where they should, and on
     RC_ASSERT(plate_above_switch(plant) == 1'600);
     RC_ASSERT(plant.axis->height() == mm(2));
     RC_ASSERT(plant.axis->why_not_ready().empty());
-    RC_ASSERT(plant.disturbances.size() == 2 * spikes.size());
-    for (std::size_t i = 0; i < plant.disturbances.size(); ++i)
-      RC_ASSERT(plant.disturbances[i].kind == (i % 2 == 0 ? Kind::Interruption : Kind::Recovery));
+    RC_ASSERT(plant.events.size() == 2 * spikes.size());
+    for (std::size_t i = 0; i < plant.events.size(); ++i)
+      RC_ASSERT(plant.events[i].kind == (i % 2 == 0 ? Kind::Interlock : Kind::Recovery));
   }));
 }
 
@@ -308,7 +308,7 @@ TEST_CASE("An emergency stop that chatters for longer than its debounce time is 
   CHECK(plant.move_to(50) == MoveResult::Fault);
   CHECK(plant.pulses.back() - touches[0]->at() <= 8ms + 60us);  // the first touch at 5 ms or later
   plant.run_for(5s);
-  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Fault, Kind::Recovery});
+  CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Fault, Kind::Recovery});
 }
 
 TEST_CASE("A spike while nothing moves hinders until it has settled, and is told as such") {
@@ -319,7 +319,7 @@ TEST_CASE("A spike while nothing moves hinders until it has settled, and is told
   CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop is pressed"});
   plant.run_for(10ms);
   CHECK(plant.axis->why_not_ready().empty());
-  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Recovery});
+  CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Recovery});
 }
 
 TEST_CASE("Lid and emergency stop at once are an interruption each, and one fault") {
@@ -330,8 +330,7 @@ TEST_CASE("Lid and emergency stop at once are an interruption each, and one faul
   CHECK(plant.move_to(50) == MoveResult::Fault);
   CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop is pressed", "the lid is open"});
   plant.run_for(3s);
-  CHECK(kinds(plant) ==
-        Kinds{Kind::Interruption, Kind::Interruption, Kind::Fault, Kind::Recovery, Kind::Recovery});
+  CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Interlock, Kind::Fault, Kind::Recovery, Kind::Recovery});
   CHECK(plant.axis->why_not_ready().empty());
 }
 
@@ -343,9 +342,9 @@ TEST_CASE(
   const Duration lasting = GENERATE(Duration{1ms}, Duration{2s});
   const Press open(plant, AxisInput::Lid, 1s, lasting);
   CHECK(plant.move_to(20) == MoveResult::Reached);
-  REQUIRE(kinds(plant) == Kinds{Kind::Interruption, Kind::Recovery});
-  CHECK(plant.disturbances[0].what == "the lid was opened (line 6 of gpiochip0)");
-  CHECK(plant.disturbances[1].what == "the lid was closed (line 6 of gpiochip0)");
+  REQUIRE(kinds(plant) == Kinds{Kind::Interlock, Kind::Recovery});
+  CHECK(plant.events[0].what == "the lid was opened (line 6 of gpiochip0)");
+  CHECK(plant.events[1].what == "the lid was closed (line 6 of gpiochip0)");
   CHECK(plant.axis->why_not_ready().empty());
 }
 
@@ -355,19 +354,19 @@ TEST_CASE("A safety input that cannot be read is told as such, and stands in the
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.lines[static_cast<std::size_t>(AxisInput::Lid)]->unreadable = true;
   plant.run_for(100ms);
-  CHECK(kinds(plant) == Kinds{Kind::Interruption});
-  CHECK(plant.disturbances[0].what == "the lid cannot be read, which counts as open (line 6 of gpiochip0)");
+  CHECK(kinds(plant) == Kinds{Kind::Interlock});
+  CHECK(plant.events[0].what == "the lid cannot be read, which counts as open (line 6 of gpiochip0)");
   CHECK(plant.axis->why_not_ready() == Sentences{"the lid cannot be read"});
   plant.lines[static_cast<std::size_t>(AxisInput::Lid)]->unreadable = false;
   plant.run_for(100ms);
   CHECK(plant.axis->why_not_ready().empty());
-  plant.disturbances.clear();
+  plant.events.clear();
 
   plant.lines[static_cast<std::size_t>(AxisInput::EmergencyStop)]->unreadable = true;
   CHECK(plant.move_to(10) == MoveResult::Fault);
-  CHECK(kinds(plant) == Kinds{Kind::Interruption, Kind::Fault});
-  CHECK(plant.disturbances[0].what == "the emergency stop cannot be read (line 5 of gpiochip0)");
-  CHECK(plant.disturbances[1].what == "the emergency stop cannot be read (line 5 of gpiochip0)");
+  CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Fault});
+  CHECK(plant.events[0].what == "the emergency stop cannot be read (line 5 of gpiochip0)");
+  CHECK(plant.events[1].what == "the emergency stop cannot be read (line 5 of gpiochip0)");
   CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop cannot be read"});
 }
 
@@ -387,11 +386,11 @@ TEST_CASE(
     CHECK(plant.move_to(50) == MoveResult::Fault);
   }
   REQUIRE(kinds(plant) == Kinds{Kind::Fault});
-  CHECK(plant.disturbances[0].what == (which == AxisInput::LimitSwitch
-                                           ? "the limit switch cannot be read (line 23 of gpiochip0)"
-                                           : "the second switch cannot be read (line 24 of gpiochip0)"));
+  CHECK(plant.events[0].what == (which == AxisInput::LimitSwitch
+                                     ? "the limit switch cannot be read (line 23 of gpiochip0)"
+                                     : "the second switch cannot be read (line 24 of gpiochip0)"));
   CHECK(plant.axis->lost());
   CHECK_FALSE(plant.axis->height());
   plant.run_for(1s);
-  CHECK(plant.disturbances.size() == 1);
+  CHECK(plant.events.size() == 1);
 }

@@ -52,10 +52,10 @@ std::int64_t plate_above_switch(const Plant& plant) {
   return plant.plate() - plant.limit.at;
 }
 
-bool only_disturbance_says(const Plant& plant, Disturbance::Kind kind, const std::string& words) {
-  if (plant.disturbances.size() != 1) return false;
-  UNSCOPED_INFO(plant.disturbances[0].what);
-  return plant.disturbances[0].kind == kind && plant.disturbances[0].what.find(words) != std::string::npos;
+bool only_event_says(const Plant& plant, MachineEvent::Kind kind, const std::string& words) {
+  if (plant.events.size() != 1) return false;
+  UNSCOPED_INFO(plant.events[0].what);
+  return plant.events[0].kind == kind && plant.events[0].what.find(words) != std::string::npos;
 }
 
 }  // namespace
@@ -76,7 +76,7 @@ TEST_CASE("Homing brings the plate to the switch's height to the step") {
   CHECK(plate_above_switch(plant) == 0);
   CHECK(axis.height() == Nanometers{0});
   CHECK_FALSE(axis.moving());
-  CHECK(plant.disturbances.empty());
+  CHECK(plant.events.empty());
 }
 
 TEST_CASE("Homing is exact whatever the switch bounces, and however late the edges are read") {
@@ -201,7 +201,7 @@ TEST_CASE("A motor that turns the wrong way round is noticed by the other switch
   plant.second.at = 5'000;
   plant.build();
   CHECK(plant.home() == HomingResult::WrongSwitch);
-  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "line 24 of gpiochip0"));
+  CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "line 24 of gpiochip0"));
 }
 
 TEST_CASE("Moves end on the nearest microstep, whichever way and however often") {
@@ -296,7 +296,7 @@ TEST_CASE("An enable line that cannot be set is a fault and nothing moves") {
   plant.build();
   plant.enable->refuses = true;
   CHECK(plant.home() == HomingResult::Fault);
-  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "line 22 of gpiochip0"));
+  CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "line 22 of gpiochip0"));
   CHECK(plant.pulses.empty());
 }
 
@@ -305,7 +305,7 @@ TEST_CASE("A step line that cannot be set is a fault") {
   plant.build();
   const auto refuse = plant.clock.call_after(500ms, [&] { plant.step->refuses = true; });
   CHECK(plant.home() == HomingResult::Fault);
-  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "line 17 of gpiochip0"));
+  CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "line 17 of gpiochip0"));
 }
 
 TEST_CASE("Stop slows down, and the position stays known") {
@@ -489,8 +489,8 @@ TEST_CASE("A limit switch that closes in the middle of a move is a fault that ha
   CHECK(plant.move_to(50) == MoveResult::Fault);
   // Debounced for 5 ms, and read 0.1 ms late: 21 steps.
   CHECK(plant.pulses.size() - made <= 22);
-  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault,
-                              "the limit switch (line 23 of gpiochip0) is closed at"));
+  CHECK(only_event_says(plant, MachineEvent::Kind::Fault,
+                        "the limit switch (line 23 of gpiochip0) is closed at"));
   CHECK_FALSE(plant.axis->height());
 }
 
@@ -502,7 +502,7 @@ TEST_CASE("A limit switch may close in a move where it should") {
   CHECK(plant.move_to(10) == MoveResult::Reached);
   CHECK(plant.move_to(0) == MoveResult::Reached);
   CHECK(plant.move_to(10) == MoveResult::Reached);
-  CHECK(plant.disturbances.empty());
+  CHECK(plant.events.empty());
 }
 
 TEST_CASE("The other end's switch halts a move as a fault") {
@@ -511,8 +511,8 @@ TEST_CASE("The other end's switch halts a move as a fault") {
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   CHECK(plant.move_to(60) == MoveResult::Fault);
-  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "(line 24 of gpiochip0) closed at 50."));
-  plant.disturbances.clear();
+  CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "(line 24 of gpiochip0) closed at 50."));
+  plant.events.clear();
   CHECK(plant.home() == HomingResult::Homed);  // away from it, though it is closed yet
   CHECK(plate_above_switch(plant) == 0);
 }
@@ -526,7 +526,7 @@ TEST_CASE("With an encoder the height is the measured one") {
   CHECK(plant.move_to(10) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 7'980);
   CHECK(plant.axis->height() == mm(9.975));
-  CHECK(plant.disturbances.empty());
+  CHECK(plant.events.empty());
 }
 
 TEST_CASE("Steps lost beyond the tolerance are a fault, while the motor turns") {
@@ -538,7 +538,7 @@ TEST_CASE("Steps lost beyond the tolerance are a fault, while the motor turns") 
   CHECK(plant.move_to(50) == MoveResult::Fault);
   // 50 um and what top speed makes in 5 ms: 80 steps; 10 ms to look at it: 40 more.
   CHECK(plant.pulses.size() <= std::size_t{7'800 + 130});
-  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "the encoder says"));
+  CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "the encoder says"));
   CHECK_FALSE(plant.axis->height());
 }
 
@@ -548,7 +548,7 @@ TEST_CASE("A dead motor is noticed while homing") {
   plant.build();
   CHECK(plant.home() == HomingResult::NoMovement);
   CHECK(plant.pulses.size() < 200);
-  CHECK(only_disturbance_says(plant, Disturbance::Kind::Fault, "the encoder says 0.000 mm where"));
+  CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "the encoder says 0.000 mm where"));
 }
 
 TEST_CASE("Lost steps are made good where that is the policy") {
@@ -570,9 +570,9 @@ TEST_CASE("A motor that dies is a fault even where lost steps are made good") {
   plant.pulses.clear();
   CHECK(plant.move_to(0.2) == MoveResult::Fault);  // short enough to be tried again, once
   CHECK(plant.pulses.size() == 2 * 160);
-  REQUIRE(plant.disturbances.size() == 2);
-  CHECK(plant.disturbances[0].kind == Disturbance::Kind::Notice);
-  CHECK(plant.disturbances[1].kind == Disturbance::Kind::Fault);
+  REQUIRE(plant.events.size() == 2);
+  CHECK(plant.events[0].kind == MachineEvent::Kind::Notice);
+  CHECK(plant.events[1].kind == MachineEvent::Kind::Fault);
 }
 
 TEST_CASE("An encoder that counts the other way is read the other way") {

@@ -45,8 +45,8 @@ class FakeLine final : public CuttableLine {
 
 struct Bench {
   Bench() {
-    line.on_disturbance([this](const Disturbance& one) {
-      disturbances.push_back(one);
+    line.on_event([this](const MachineEvent& one) {
+      events.push_back(one);
       line.off();  // as a print does that ends
     });
   }
@@ -59,7 +59,7 @@ struct Bench {
 
   VirtualClock clock;
   Wire wire;
-  std::vector<Disturbance> disturbances;
+  std::vector<MachineEvent> events;
   GpioLightLine line{std::make_unique<FakeLine>(wire), "line 24 of gpiochip0", clock};
 };
 
@@ -71,12 +71,12 @@ TEST_CASE("a light line that refuses to go off is a fault, told once and not fro
   bench.wire.refuses_off = true;
   bench.line.off();
   bench.line.off();  // again before anybody could be told
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
   CHECK(bench.line.refusal() == "the light's line 24 of gpiochip0 cannot be set: the kernel refuses");
   bench.pass(10s);
-  REQUIRE(bench.disturbances.size() == 1);
-  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
-  CHECK(bench.disturbances[0].what ==
+  REQUIRE(bench.events.size() == 1);
+  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
+  CHECK(bench.events[0].what ==
         "the light may be on: the light's line 24 of gpiochip0 cannot be set: the kernel refuses");
 }
 
@@ -95,14 +95,14 @@ TEST_CASE("a light line that refuses to go off is tried again until it does, and
   bench.wire.sets = 0;
   bench.pass(10s);
   CHECK(bench.wire.sets == 0);
-  CHECK(bench.disturbances.size() == 1);
+  CHECK(bench.events.size() == 1);
   bench.line.on();
   CHECK(bench.wire.active);
   // And another time it is told again.
   bench.wire.refuses_off = true;
   bench.line.off();
   bench.pass(2s);
-  CHECK(bench.disturbances.size() == 2);
+  CHECK(bench.events.size() == 2);
 }
 
 TEST_CASE("a light line that refuses to go on goes off, and is no fault of its own") {
@@ -110,7 +110,7 @@ TEST_CASE("a light line that refuses to go on goes off, and is no fault of its o
   bench.wire.refuses_on = true;
   CHECK_THROWS_AS(bench.line.on(), HardwareError);
   bench.pass(10s);
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
   CHECK(bench.wire.sets == 2);
 }
 
@@ -127,7 +127,7 @@ TEST_CASE("a light line that was cut is off, and goes on only when it was releas
   CHECK_FALSE(bench.wire.active);  // not by itself
   bench.line.on();
   CHECK(bench.wire.active);
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
 }
 
 TEST_CASE("a light line that is cut while it is turned on goes off again, whichever comes first") {
@@ -143,8 +143,8 @@ TEST_CASE("a light line that refuses to be cut is a fault when the event loop tu
   bench.line.on();
   bench.wire.refuses_off = true;
   bench.line.cut(bench.clock.now());
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
   bench.line.off();
   bench.pass(100ms);
-  CHECK(bench.disturbances.size() == 1);
+  CHECK(bench.events.size() == 1);
 }

@@ -135,9 +135,9 @@ class Plant final : public DescriptorWatcher {
       return std::make_unique<Threads>(*this, engine, axis_inputs);
     };
     axis = std::make_unique<GpioAxis>(loop != nullptr ? *loop : clock, *this, config, std::move(parts));
-    axis->on_disturbance([this](const Disturbance& disturbance) {
-      disturbances.push_back(disturbance);
-      if (on_disturbance) on_disturbance();
+    axis->on_event([this](const MachineEvent& event) {
+      events.push_back(event);
+      if (on_event) on_event();
     });
     return *axis;
   }
@@ -207,9 +207,9 @@ class Plant final : public DescriptorWatcher {
   std::function<bool()> loop_is_held_up = [] { return false; };
   GpioAxisConfig config;
   std::unique_ptr<GpioAxis> axis;
-  std::vector<Disturbance> disturbances;
+  std::vector<MachineEvent> events;
   std::vector<std::string> refusals;  // of the threads
-  std::function<void()> on_disturbance;
+  std::function<void()> on_event;
 
   std::int64_t motor = 4'000;
   std::int64_t slack = 0;

@@ -19,7 +19,7 @@ std::vector<SafetyState> states(SafetyContact& contact, Duration now) {
   return all;
 }
 using States = std::vector<SafetyState>;
-constexpr SafetyState kSafe = SafetyState::Safe, kDoubtful = SafetyState::Doubtful,
+constexpr SafetyState kSafe = SafetyState::Safe, kDoubtful = SafetyState::Debouncing,
                       kUnsafe = SafetyState::Unsafe;
 
 }  // namespace

@@ -28,10 +28,12 @@ double seconds(Duration duration) {
 class Line final : public OutputLine {
  public:
   [[nodiscard]] bool set(bool active) noexcept override {
+    if (active && refuses_from && std::ssize(rises) >= *refuses_from) return false;
     if (active) rises.push_back(engine_time);
     return true;
   }
   std::vector<TimePoint> rises;
+  std::optional<std::int64_t> refuses_from;
 };
 
 // The thread comes to nothing for so long from that time on, after the move's start.
@@ -258,5 +260,60 @@ TEST_CASE("What is foreseen of a move is what it makes of it, held up, ramping a
     // A step's time is rounded to a nanosecond, and due at the very time: a step.
     for (const auto& [time, position] : foreseen)
       RC_ASSERT(std::llabs(position - sign * run.made_by(time)) <= 1);
+  }));
+}
+
+TEST_CASE(
+    "A stop ends with its move, a halt holds until it is forgotten, steps stay inhibited until they are "
+    "enabled") {
+  Run run;
+  run.move({500, kTrapezoid}, {}, 0ms);
+  CHECK(run.engine.last_end() == StepEnd::Stopped);
+  CHECK(run.engine.position() == 0);
+  run.move({500, kTrapezoid}, {});
+  CHECK(run.engine.last_end() == StepEnd::Completed);
+
+  run.engine.halt();
+  for (int moves = 0; moves < 2; ++moves) {
+    run.move({500, kTrapezoid}, {});
+    CHECK(run.engine.last_end() == StepEnd::Halted);
+    CHECK(run.engine.position() == 500);
+  }
+  run.engine.forget_halt();
+  run.engine.inhibit();
+  run.engine.forget_halt();
+  run.move({500, kTrapezoid}, {});
+  CHECK(run.engine.last_end() == StepEnd::Halted);
+  CHECK(run.engine.position() == 500);
+  run.engine.enable();
+  run.engine.forget_halt();
+  run.move({500, kTrapezoid}, {});
+  CHECK(run.engine.last_end() == StepEnd::Completed);
+  CHECK(run.engine.position() == 1'000);
+}
+
+TEST_CASE("Whatever a move's end, its position is where it began and the steps that its line has taken") {
+  CHECK(rc::check([] {
+    Run run;
+    std::int64_t position = 0;
+    for (int moves = 0; moves < 5; ++moves) {
+      const std::int64_t steps = draw(-400, 400);
+      const auto rises = std::ssize(run.step.rises);
+      run.said_stop = false;
+      run.step.refuses_from = draw(0, 3) == 0 ? std::optional(rises + draw(0, 400)) : std::nullopt;
+      run.move(
+          {steps, kTrapezoid}, {{10ms, std::chrono::milliseconds{draw(0, 50)}}},
+          draw(0, 1) != 0 ? std::optional(Duration{std::chrono::milliseconds{draw(0, 100)}}) : std::nullopt);
+      position += (steps < 0 ? -1 : 1) * (std::ssize(run.step.rises) - rises);
+      RC_ASSERT(!run.engine.moving());
+      RC_ASSERT(run.engine.position() == position);
+      RC_ASSERT(run.engine.position_at(engine_time) == position);
+      const std::int64_t elsewhere = draw(-100, 100);
+      run.engine.set_position(elsewhere);
+      RC_ASSERT(run.engine.position_at(engine_time) == elsewhere);
+      position = elsewhere;
+      run.engine.forget_halt();
+      engine_time += 1ms;
+    }
   }));
 }

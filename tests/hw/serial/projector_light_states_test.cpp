@@ -33,7 +33,7 @@ const std::vector<Row> kExpected{
     {S::TurningOff, E::LightOnSent, S::TurningOff, {F::NoteLightOn, F::SendLightOff, F::TellUnlit}},
     {S::Overdue, E::LightOnSent, S::Overdue, {F::NoteLightOn, F::SendLightOff, F::TellUnlit}},
     {S::TurningOn, E::LightOnConfirmed, S::Lit, {F::NoteLit, F::TellLit}},
-    {S::TurningOn, E::LightOnDoubtful, S::Lit, {F::TellLit}},
+    {S::TurningOn, E::LightOnAmbiguous, S::Lit, {F::TellLit}},
     {S::TurningOn, E::LightOnUnanswered, S::AskedWhetherLit, {F::AskWhetherLit}},
     {S::TurningOn, E::LightOnFailed, S::TurningOff, {F::SendLightOff, F::TellUnlit}},
     {S::AskedWhetherLit, E::SaysLit, S::Lit, {F::NoteLit, F::TellLit}},
@@ -42,7 +42,9 @@ const std::vector<Row> kExpected{
     {S::AskedWhetherOn, E::LightOnFailed, S::MakingSure, {F::SendLightOff, F::TellUnlit}},
     {S::Dark, E::PowerOnSent, S::ComingUp, {}},
     {S::AskedWhetherOn, E::PowerOnSent, S::LitAskedWhetherOn, {}},
-    {S::MakingSure, E::PowerOnSent, S::TurningOff, {}},
+    {S::MakingSure, E::PowerOnSent, S::TurningOff, {F::SendLightOff}},
+    {S::TurningOff, E::PowerOnSent, S::TurningOff, {F::SendLightOff}},
+    {S::Overdue, E::PowerOnSent, S::Overdue, {F::SendLightOff}},
     {S::Dark, E::Suspected, S::TurningOff, {F::SendLightOff}},
     {S::TurningOn, E::Suspected, S::TurningOff, {F::SendLightOff, F::TellUnlit}},
     {S::AskedWhetherLit, E::Suspected, S::TurningOff, {F::SendLightOff, F::TellUnlit}},
@@ -200,6 +202,17 @@ TEST_CASE("A light is taken as on from the first byte of light on or of power on
       CAPTURE(name_of(state), name_of(sent));
       const ProjectorLightTransition* found = find(state, sent);
       CHECK(may_shine(found != nullptr ? found->to : state));
+    }
+  }
+}
+
+TEST_CASE(
+    "A light off under way is sent anew behind what may light: a reply to an earlier one does not count") {
+  for (const S state : {S::MakingSure, S::TurningOff, S::Overdue}) {
+    for (const E sent : {E::LightOnSent, E::PowerOnSent}) {
+      CAPTURE(name_of(state), name_of(sent));
+      REQUIRE(find(state, sent) != nullptr);
+      CHECK(has(*find(state, sent), F::SendLightOff));
     }
   }
 }

@@ -76,6 +76,7 @@ TEST_CASE("a brightness goes in as digits or as a byte, and the checksum follows
   hex.command.bytes = parse_hex_message("2A 01 {} sum", Checksum::SumAfterFirst, number_at);
   hex.number_at = number_at.value();
   hex.as_byte = true;
+  hex.most = 255;
   hex.checksum = Checksum::SumAfterFirst;
   CHECK(hex.with(0x80).bytes == "\x2A\x01\x80\x81");
 }

@@ -52,6 +52,48 @@ TEST_CASE("a command before one that was answered has gone unanswered") {
   CHECK(reader.unexplained() == "P\r");
 }
 
+TEST_CASE("what began to come before a command was sent is no reply to it") {
+  SECTION("a line") {
+    const ProjectorTable table = text_table();
+    ReplyReader reader(table);
+    CHECK(heard(reader, "P").empty());
+    reader.expect(1, *table.light_off, kNow, kPatience);
+    SECTION("that ends behind it") {
+      CHECK(heard(reader, "\r").empty());
+    }
+    SECTION("that ends with silence") {
+      CHECK_FALSE(reader.end_line(kNow).reply);
+    }
+    CHECK(heard(reader, "P\r") == Words{"1 P"});
+  }
+  SECTION("a line of the command before it is that one's") {
+    const ProjectorTable table = text_table();
+    ReplyReader reader(table);
+    reader.expect(1, table.power_on, kNow, kPatience);
+    CHECK(heard(reader, "P").empty());
+    reader.expect(2, *table.light_off, kNow, kPatience);
+    CHECK(heard(reader, "\rP\r") == Words{"1 P", "2 P"});
+  }
+  SECTION("blanks before it are no line's beginning") {
+    const ProjectorTable table = text_table();
+    ReplyReader reader(table);
+    CHECK(heard(reader, " \x7F").empty());
+    reader.expect(1, *table.light_off, kNow, kPatience);
+    CHECK(heard(reader, "P\r") == Words{"1 P"});
+  }
+  SECTION("bytes") {
+    const ProjectorTable table = bytes_table();
+    const std::string reply("\x03\x14\x00\x00\x00\x14", 6);
+    for (std::size_t early = 0; early <= reply.size(); ++early) {
+      CAPTURE(early);
+      ReplyReader reader(table);
+      (void)heard(reader, reply.substr(0, early));
+      reader.expect(1, table.power_on, kNow, kPatience);
+      CHECK(heard(reader, reply.substr(early)).size() == (early == 0 ? 1U : 0U));
+    }
+  }
+}
+
 TEST_CASE("a command is waited for as long as one before it is, and as long again behind that one's reply") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
@@ -66,9 +108,9 @@ TEST_CASE("a command is waited for as long as one before it is, and as long agai
   CHECK(heard(reader, "P\r", late + kPatience + 1ns).empty());
 }
 
-TEST_CASE("a reply is doubtful where the like was still to come for another request when its command went") {
+TEST_CASE("a reply is ambiguous where the like was still to come for another request when its command went") {
   const ProjectorTable table = text_table();
-  const auto doubtful = [&table](const ProjectorCommand& before, ReplyReader::RequestId id) {
+  const auto ambiguous = [&table](const ProjectorCommand& before, ReplyReader::RequestId id) {
     ReplyReader reader(table);
     reader.expect(1, before, kNow, kPatience);
     reader.expect(id, *table.light_off, kNow, kPatience);
@@ -77,35 +119,35 @@ TEST_CASE("a reply is doubtful where the like was still to come for another requ
       ReplyReader::Heard one = reader.take(byte, kNow);
       if (one.reply) last = std::move(one);
     }
-    return last.reply.value().doubtful;
+    return last.reply.value().ambiguous;
   };
-  CHECK(doubtful(*table.light_on, 2));
-  CHECK_FALSE(doubtful(*table.light_on, 1));  // the same request, sent once more
-  CHECK_FALSE(doubtful(*table.power, 2));     // that answers otherwise
+  CHECK(ambiguous(*table.light_on, 2));
+  CHECK_FALSE(ambiguous(*table.light_on, 1));  // the same request, sent once more
+  CHECK_FALSE(ambiguous(*table.power, 2));     // that answers otherwise
 }
 
 TEST_CASE(
-    "a reply is doubtful where the like had answered a request that was sent more than once, while one may "
+    "a reply is ambiguous where the like had answered a request that was sent more than once, while one may "
     "follow") {
   const ProjectorTable table = text_table();
-  const auto doubtful = [&table](int sent, TimePoint then) {
+  const auto ambiguous = [&table](int sent, TimePoint then) {
     ReplyReader reader(table);
     for (int i = 0; i < sent; ++i)
       reader.expect(1, table.power_on, kNow, kPatience);
     CHECK(heard(reader, "P\rP\r", kNow).size() == static_cast<std::size_t>(sent));
-    std::size_t doubts = 0;
-    for (bool doubted = true; doubted; doubts += doubted ? 1 : 0) {
+    std::size_t ambiguous_replies = 0;
+    for (bool is_ambiguous = true; is_ambiguous; ambiguous_replies += is_ambiguous ? 1 : 0) {
       reader.expect(2, *table.light_off, then, kPatience);
       ReplyReader::Heard last;
       for (const char byte : std::string("P\r"))
         last = reader.take(byte, then);
-      doubted = last.reply.value().doubtful;
+      is_ambiguous = last.reply.value().ambiguous;
     }
-    return doubts;
+    return ambiguous_replies;
   };
-  CHECK(doubtful(1, kNow) == 0);
-  CHECK(doubtful(2, kNow) == 2);  // each of both may come once more
-  CHECK(doubtful(2, kNow + kPatience + 1ns) == 0);
+  CHECK(ambiguous(1, kNow) == 0);
+  CHECK(ambiguous(2, kNow) == 2);  // each of both may come once more
+  CHECK(ambiguous(2, kNow + kPatience + 1ns) == 0);
 }
 
 TEST_CASE("behind a reply that may have been another's, a request's own may still come for a later one's") {
@@ -114,22 +156,22 @@ TEST_CASE("behind a reply that may have been another's, a request's own may stil
   reader.expect(1, *table.light_off, kNow, kPatience);
   reader.expect(2, table.power_on, kNow, kPatience);
   CHECK(heard(reader, "F\rF\r") == Words{"1 F", "2 F"});  // light off's, twice
-  const auto doubtful = [&reader](const std::string& bytes, TimePoint then) {
+  const auto ambiguous = [&reader](const std::string& bytes, TimePoint then) {
     ReplyReader::Heard last;
     for (const char byte : bytes)
       last = reader.take(byte, then);
-    return last.reply.value().doubtful;
+    return last.reply.value().ambiguous;
   };
   SECTION("while it may") {
     reader.expect(1, *table.light_off, kNow, kPatience);
-    CHECK(doubtful("P\r", kNow));  // power on's
+    CHECK(ambiguous("P\r", kNow));  // power on's
     reader.expect(1, *table.light_off, kNow, kPatience);
-    CHECK_FALSE(doubtful("P\r", kNow));
+    CHECK_FALSE(ambiguous("P\r", kNow));
   }
   SECTION("and no longer") {
     const TimePoint then = kNow + kPatience + 1ns;
     reader.expect(1, *table.light_off, then, kPatience);
-    CHECK_FALSE(doubtful("P\r", then));
+    CHECK_FALSE(ambiguous("P\r", then));
   }
 }
 

@@ -22,7 +22,7 @@ using Messages = std::vector<std::string>;
 struct Bench {
   explicit Bench(ProjectorTable table = text_table()) : projector(channel, clock, std::move(table)) {
     channel.projector = [this](const std::string& message) { behave(message); };
-    projector.on_disturbance([this](const Disturbance& one) { disturbances.push_back(one); });
+    projector.on_event([this](const MachineEvent& one) { events.push_back(one); });
   }
 
   void behave(const std::string& message) {
@@ -84,7 +84,7 @@ struct Bench {
   Duration reply = 20ms;
   TimePoint deaf_until{};
   bool is_on = false, light = false;
-  std::vector<Disturbance> disturbances;
+  std::vector<MachineEvent> events;
   std::optional<ProjectorReply> answer;
   TimePoint answered_at{};
   std::optional<TimePoint> sent_at;
@@ -125,10 +125,10 @@ TEST_CASE("a projector that refuses light off while it warms up is told again an
   CHECK_FALSE(bench.answer);  // it is not warm yet
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::Ok);
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
 }
 
-TEST_CASE("a projector that is deaf while it warms up is made dark behind that, and is no disturbance") {
+TEST_CASE("a projector that is deaf while it warms up is made dark behind that, and is no machine event") {
   Bench bench;
   std::optional<TimePoint> on_at;
   bench.channel.projector = [&](const std::string& message) {
@@ -140,7 +140,7 @@ TEST_CASE("a projector that is deaf while it warms up is made dark behind that, 
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::Ok);
   CHECK_FALSE(bench.light);
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
 }
 
 TEST_CASE("a projector that refuses light off when it is warm is told of") {
@@ -154,7 +154,7 @@ TEST_CASE("a projector that refuses light off when it is warm is told of") {
   CHECK(bench.answer == ProjectorReply::Refused);
   CHECK(bench.now() >= 30s);
   CHECK(bench.now() < 33s);  // an attempt a second
-  CHECK(bench.disturbances.size() == 1);
+  CHECK(bench.events.size() == 1);
 }
 
 TEST_CASE("a projector that warms up a second time can be turned off") {
@@ -209,7 +209,7 @@ TEST_CASE("light off is sent in the very call, ahead of a light on that waits fo
   CHECK(bench.channel.sent[0].at == asked);
   bench.pass(5s);
   CHECK_FALSE(bench.answer);  // dropped
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
   CHECK_FALSE(bench.light);
 }
 
@@ -238,7 +238,7 @@ TEST_CASE("the late reply to a light on does not confirm the light off behind it
   bench.pass(200ms);
   bench.projector.light_off();
   bench.pass(10s);
-  CHECK(bench.disturbances.size() == 1);
+  CHECK(bench.events.size() == 1);
   CHECK(bench.channel.sent.size() > 4);
 }
 
@@ -294,11 +294,11 @@ TEST_CASE(
   bench.fall_silent();
   bench.projector.light_off();
   bench.pass(2900ms);
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
   bench.pass(300ms);
-  REQUIRE(bench.disturbances.size() == 1);
-  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
-  CHECK(bench.disturbances[0].what ==
+  REQUIRE(bench.events.size() == 1);
+  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
+  CHECK(bench.events[0].what ==
         "the light may be on: the projector at /dev/ttyUSB7 did not answer \"light off\" in 3 tries of 1000 "
         "ms: is it "
         "connected, and set to 9600 baud?");
@@ -306,19 +306,19 @@ TEST_CASE(
   CHECK(bench.channel.sent.size() > 15);
   for (const std::string& message : bench.channel.messages())
     CHECK(message == "~0002 1\r");
-  CHECK(bench.disturbances.size() == 1);
+  CHECK(bench.events.size() == 1);
 
   CHECK_FALSE(bench.projector.why_not_ready().empty());
-  CHECK(bench.projector.doubt().find("did not answer \"light off\"") != std::string::npos);
+  CHECK(bench.projector.light_off_unconfirmed().find("did not answer \"light off\"") != std::string::npos);
 
   bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
   bench.pass(2s);
   CHECK_FALSE(bench.light);
   CHECK(bench.projector.why_not_ready().empty());
-  CHECK(bench.projector.doubt().empty());
-  REQUIRE(bench.disturbances.size() == 2);
-  CHECK(bench.disturbances[1].kind == Disturbance::Kind::Recovery);
-  CHECK(bench.disturbances[1].what == "the projector at /dev/ttyUSB7 has confirmed that its light is off");
+  CHECK(bench.projector.light_off_unconfirmed().empty());
+  REQUIRE(bench.events.size() == 2);
+  CHECK(bench.events[1].kind == MachineEvent::Kind::Recovery);
+  CHECK(bench.events[1].what == "the projector at /dev/ttyUSB7 has confirmed that its light is off");
   bench.channel.sent.clear();
   bench.pass(60s);
   for (const std::string& message : bench.channel.messages())
@@ -336,8 +336,8 @@ TEST_CASE("why the light may be on is still told when another command fails behi
   bench.projector.power_off();
   for (int second = 0; second < 20; ++second) {
     bench.pass(1s);
-    CHECK_FALSE(bench.projector.doubt().empty());
-    CHECK(bench.projector.doubt().find("power off") == std::string::npos);
+    CHECK_FALSE(bench.projector.light_off_unconfirmed().empty());
+    CHECK(bench.projector.light_off_unconfirmed().find("power off") == std::string::npos);
   }
   CHECK_FALSE(bench.projector.why_not_ready().empty());
 }
@@ -377,7 +377,7 @@ TEST_CASE("light on that is not confirmed is followed by light off") {
   CHECK_FALSE(bench.light);
 }
 
-TEST_CASE("a projector that is silent from the start is asked whether it is on, and is no disturbance") {
+TEST_CASE("a projector that is silent from the start is asked whether it is on, and is no machine event") {
   Bench bench;
   bench.fall_silent();
   bench.projector.light_off();
@@ -385,7 +385,7 @@ TEST_CASE("a projector that is silent from the start is asked whether it is on, 
   bench.pass(60s);
   CHECK(bench.channel.messages() ==
         Messages{"~0002 1\r", "~0002 1\r", "~0002 1\r", "~00124 1\r", "~00124 1\r", "~00124 1\r"});
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
 }
 
 TEST_CASE("a projector that is off and refuses light off is dark") {
@@ -397,7 +397,7 @@ TEST_CASE("a projector that is off and refuses light off is dark") {
   bench.projector.light_off();
   bench.pass(60s);
   CHECK(bench.channel.messages() == Messages{"~0002 1\r", "~00124 1\r"});
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
 }
 
 TEST_CASE(
@@ -410,9 +410,9 @@ TEST_CASE(
   };
   bench.projector.light_off();
   bench.pass(60s);
-  REQUIRE(bench.disturbances.size() == 1);
-  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
-  CHECK(bench.disturbances[0].what.starts_with(
+  REQUIRE(bench.events.size() == 1);
+  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
+  CHECK(bench.events[0].what.starts_with(
       "the light may be on: the projector at /dev/ttyUSB7 did not answer \"light off\""));
   CHECK(bench.channel.sent.size() > 15);
   hears = true;
@@ -421,8 +421,8 @@ TEST_CASE(
   bench.channel.sent.clear();
   bench.pass(60s);
   CHECK(bench.channel.sent.empty());
-  REQUIRE(bench.disturbances.size() == 2);
-  CHECK(bench.disturbances[1].kind == Disturbance::Kind::Recovery);
+  REQUIRE(bench.events.size() == 2);
+  CHECK(bench.events[1].kind == MachineEvent::Kind::Recovery);
 }
 
 TEST_CASE("garbage for an answer to the first light off is told of once") {
@@ -430,12 +430,12 @@ TEST_CASE("garbage for an answer to the first light off is told of once") {
   bench.answer_always("\x8f\xe0\x03\xff");
   bench.projector.light_off();
   bench.pass(60s);
-  REQUIRE(bench.disturbances.size() == 1);
-  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
+  REQUIRE(bench.events.size() == 1);
+  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
   CHECK(
-      bench.disturbances[0].what.starts_with("the light may be on: the projector at /dev/ttyUSB7 answered "
-                                             "\"light off\" in 3 tries of 1000 ms with what "
-                                             "is no reply of its kind"));
+      bench.events[0].what.starts_with("the light may be on: the projector at /dev/ttyUSB7 answered "
+                                       "\"light off\" in 3 tries of 1000 ms with what "
+                                       "is no reply of its kind"));
 }
 
 TEST_CASE("whether the light is off is told when the projector has said so, or was asked often enough") {
@@ -512,7 +512,7 @@ TEST_CASE("a print that begins while the light is not yet known to be off gets i
   bench.start_power_on();
   bench.pass(20s);
   CHECK(bench.answer == ProjectorReply::NoAnswer);
-  CHECK(bench.disturbances.size() == 1);
+  CHECK(bench.events.size() == 1);
 }
 
 TEST_CASE("a silent projector is asked again as often as its table says, then given up") {
@@ -595,7 +595,7 @@ TEST_CASE("a reply that comes after a command was sent again answers it, and its
   bench.fall_silent();
   bench.projector.light_off();
   bench.pass(5s);
-  CHECK(bench.disturbances.empty());  // no light was ever asked for
+  CHECK(bench.events.empty());  // no light was ever asked for
   CHECK(bench.channel.messages().back() != "~0002 0\r");
 }
 
@@ -685,7 +685,7 @@ TEST_CASE("a reply to light on that may be an earlier light off's once more does
       };
       bench.projector.light_off();
       bench.pass(1500ms);
-      REQUIRE(bench.projector.doubt().empty());
+      REQUIRE(bench.projector.light_off_unconfirmed().empty());
       bench.start_light_on();
       bench.wait_for_answer();
       CHECK(bench.answer == (asked && !obeyed ? ProjectorReply::NoAnswer : ProjectorReply::Ok));
@@ -777,7 +777,7 @@ TEST_CASE("a power off that no projector answers is checked where it can be aske
   bench.channel.sent.clear();
   bench.pass(60s);
   CHECK(bench.channel.sent.empty());  // it has said that it is off
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
 }
 
 TEST_CASE(
@@ -791,8 +791,8 @@ TEST_CASE(
   };
   bench.projector.power_off();
   bench.pass(60s);
-  REQUIRE(bench.disturbances.size() == 1);
-  CHECK(bench.disturbances[0].what ==
+  REQUIRE(bench.events.size() == 1);
+  CHECK(bench.events[0].what ==
         "the lamp may be on: the projector at /dev/ttyUSB7 has not confirmed that it is off");
 }
 
@@ -880,8 +880,8 @@ TEST_CASE("power off follows a light off that is never confirmed, and ends the l
   bench.projector.power_off();
   bench.pass(10s);
   CHECK_FALSE(bench.is_on);
-  REQUIRE(bench.disturbances.size() == 2);
-  CHECK(bench.disturbances[1].kind == Disturbance::Kind::Recovery);
+  REQUIRE(bench.events.size() == 2);
+  CHECK(bench.events[1].kind == MachineEvent::Kind::Recovery);
   bench.channel.sent.clear();
   bench.projector.light_off();
   bench.pass(60s);
@@ -895,7 +895,7 @@ TEST_CASE("power off comes soon once it is known that light off is not heard") {
   bench.fall_silent();
   bench.projector.light_off();
   bench.pass(10s);
-  REQUIRE(bench.disturbances.size() == 1);
+  REQUIRE(bench.events.size() == 1);
   bench.channel.sent.clear();
   const TimePoint asked = bench.clock.now();
   bench.projector.power_off();
@@ -917,30 +917,30 @@ TEST_CASE("light off does not call back a power off that waits") {
   CHECK_FALSE(bench.light);
 }
 
-TEST_CASE("what a projector says by itself is a disturbance when it matters") {
+TEST_CASE("what a projector says by itself is a machine event when it matters") {
   Bench bench;
   bench.power_on();
   bench.channel.send("INFO1\r");
   bench.pass(1s);
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
   bench.channel.send("INFO4\r");
   bench.pass(1s);
-  REQUIRE(bench.disturbances.size() == 1);
-  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
-  CHECK(bench.disturbances[0].what == "the projector at /dev/ttyUSB7 says: the lamp failed");
+  REQUIRE(bench.events.size() == 1);
+  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
+  CHECK(bench.events[0].what == "the projector at /dev/ttyUSB7 says: the lamp failed");
   bench.channel.send("INFO2\r");
   bench.pass(1s);
-  CHECK(bench.disturbances.size() == 2);
+  CHECK(bench.events.size() == 2);
 }
 
-TEST_CASE("a projector that cools down because it was told to is no disturbance") {
+TEST_CASE("a projector that cools down because it was told to is no machine event") {
   Bench bench;
   bench.power_on();
   bench.projector.power_off();
   bench.pass(1s);
   bench.channel.send("INFO2\r");
   bench.pass(1s);
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
 }
 
 TEST_CASE("a line of the projector's own between a command and its reply is not taken for the reply") {
@@ -965,9 +965,9 @@ TEST_CASE("a serial line that is lost is a fault, and every command is answered 
   CHECK(bench.answered_at == unplugged);
   bench.projector.light_off();
   bench.pass(60s);
-  REQUIRE(bench.disturbances.size() == 1);
-  CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
-  CHECK(bench.disturbances[0].what ==
+  REQUIRE(bench.events.size() == 1);
+  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
+  CHECK(bench.events[0].what ==
         "the serial port /dev/ttyUSB7 was lost: it was unplugged; the projector's light may be on");
   bench.start_power_on();
   bench.wait_for_answer();
@@ -1037,7 +1037,7 @@ TEST_CASE("a table without a light has its projector shine as long as it is on")
   bench.projector.light_off();
   bench.pass(4s);
   CHECK(bench.channel.sent.empty());
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
 }
 
 TEST_CASE(
@@ -1101,7 +1101,7 @@ TEST_CASE("light off between power on and its reply is repeated until the projec
   bench.projector.light_off();
   bench.pass(35s);
   CHECK_FALSE(bench.light);
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
 }
 
 TEST_CASE(
@@ -1124,7 +1124,7 @@ TEST_CASE(
   bench.pass(60s);
   CHECK_FALSE(bench.light);
   CHECK_FALSE(bench.is_on);
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.events.empty());
 }
 
 TEST_CASE("power on that is refused by a projector that is off is no light") {
@@ -1139,8 +1139,8 @@ TEST_CASE("power on that is refused by a projector that is off is no light") {
   bench.projector.light_off();
   bench.projector.power_off();
   bench.pass(120s);
-  CHECK(bench.projector.doubt().empty());
-  CHECK(bench.disturbances.empty());
+  CHECK(bench.projector.light_off_unconfirmed().empty());
+  CHECK(bench.events.empty());
   bench.channel.sent.clear();
   bench.pass(600s);
   CHECK(bench.channel.sent.empty());
@@ -1184,16 +1184,16 @@ TEST_CASE("power off is repeated until the projector confirms it or says that it
     bench.projector.power_off();
     bench.pass(25s);
     CHECK(bench.is_on);
-    CHECK(bench.disturbances.empty());
+    CHECK(bench.events.empty());
     bench.pass(20s);
-    REQUIRE(bench.disturbances.size() == 1);
-    CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
-    CHECK(bench.disturbances[0].what.starts_with("the lamp may be on: the projector at /dev/ttyUSB7 "));
-    CHECK(bench.disturbances[0].what.find("\"power off\"") != std::string::npos);
+    REQUIRE(bench.events.size() == 1);
+    CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
+    CHECK(bench.events[0].what.starts_with("the lamp may be on: the projector at /dev/ttyUSB7 "));
+    CHECK(bench.events[0].what.find("\"power off\"") != std::string::npos);
     takes = true;
     bench.pass(65s);
     CHECK_FALSE(bench.is_on);
-    CHECK(bench.disturbances.size() == 1);
+    CHECK(bench.events.size() == 1);
     bench.channel.sent.clear();
     bench.pass(600s);
     CHECK(bench.channel.sent.empty());
@@ -1226,7 +1226,7 @@ TEST_CASE("a projector that falls silent or turns itself off in a print is a fau
       Bench bench(table);
       bench.power_on();
       bench.pass(60s);
-      CHECK(bench.disturbances.empty());
+      CHECK(bench.events.empty());
       bench.is_on = false;
       if (silent) bench.fall_silent();
       // As in a print without light commands: light off comes in between, and nothing is asked.
@@ -1234,14 +1234,14 @@ TEST_CASE("a projector that falls silent or turns itself off in a print is a fau
         if (!switches_light) bench.projector.light_off();
         bench.pass(1s);
       }
-      REQUIRE(bench.disturbances.size() == 1);
-      CHECK(bench.disturbances[0].kind == Disturbance::Kind::Fault);
-      CHECK(bench.disturbances[0].what ==
+      REQUIRE(bench.events.size() == 1);
+      CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
+      CHECK(bench.events[0].what ==
             (silent ? "the projector at /dev/ttyUSB7 did not answer \"power\" in 3 tries of 1000 ms: is it "
                       "connected, and set to 9600 baud?"
                     : "the projector at /dev/ttyUSB7 says that it is off, though nobody has turned it off"));
       bench.pass(60s);
-      CHECK(bench.disturbances.size() == 1);
+      CHECK(bench.events.size() == 1);
     }
   }
 }
@@ -1324,7 +1324,7 @@ TEST_CASE("a projector that warms up is not dark because it says that it is off"
   while (!bench.answer) {
     bench.clock.run_next();
     const bool has_a_picture = is_warm() && !bench.light;
-    if (has_a_picture) CHECK_FALSE(bench.projector.doubt().empty());
+    if (has_a_picture) CHECK_FALSE(bench.projector.light_off_unconfirmed().empty());
   }
   CHECK(bench.answer == ProjectorReply::Ok);
 }

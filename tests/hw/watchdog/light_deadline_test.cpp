@@ -40,7 +40,7 @@ std::vector<Done> run_with_beats(LightDeadline& deadline, const WatchedExposure&
                                  Duration until) {
   std::vector<Done> all;
   for (Duration at = from; at <= until; at += 50ms) {
-    deadline.beat(watched, kStart + at, kStart + at);
+    deadline.heartbeat(watched, kStart + at, kStart + at);
     for (const Done& done : run(deadline, at, at + 49ms))
       all.push_back(done);
   }
@@ -161,13 +161,13 @@ TEST_CASE("The end moves with the exposure's, which begins when light on is sent
 TEST_CASE("Words that have lain about are no sign of life, nor are those from the future") {
   LightDeadline deadline;
   deadline.arm(exposure(10s), kStart, kStart);
-  deadline.beat(exposure(10s), kStart + 10ms, kStart + 199ms);
+  deadline.heartbeat(exposure(10s), kStart + 10ms, kStart + 199ms);
   CHECK(run(deadline, 199ms, 209ms).empty());
   CHECK(deadline.due(kStart + 210ms).trip == LightTrip::Silence);
 
   LightDeadline another;
   another.arm(exposure(10s), kStart + 5s, kStart);
-  another.beat(exposure(10s), kStart + 5s, kStart + 10ms);
+  another.heartbeat(exposure(10s), kStart + 5s, kStart + 10ms);
   CHECK(another.due(kStart + 210ms).trip == LightTrip::Silence);
 
   LightDeadline third;
@@ -178,7 +178,7 @@ TEST_CASE("Words that have lain about are no sign of life, nor are those from th
 TEST_CASE("Words about another exposure neither keep one alive nor end it") {
   LightDeadline deadline;
   deadline.arm(exposure(10s, false, 7), kStart, kStart);
-  deadline.beat(exposure(10s, true, 6), kStart + 150ms, kStart + 150ms);
+  deadline.heartbeat(exposure(10s, true, 6), kStart + 150ms, kStart + 150ms);
   deadline.disarm(6);
   CHECK(deadline.exposure() == 7);
   CHECK(deadline.due(kStart + 200ms).trip == LightTrip::Silence);

@@ -76,7 +76,7 @@ struct Watchdog {
     REQUIRE(process >= 0);
     if (process == 0) ::_exit(serve_alone(its));
     socket = std::move(ours);
-    REQUIRE(reply().word == WatchdogWord::Ready);
+    REQUIRE(reply().type == WatchdogMessageType::Ready);
   }
   // One that somebody else has forked.
   explicit Watchdog(FileDescriptor ours) : socket(std::move(ours)) {}
@@ -94,21 +94,21 @@ struct Watchdog {
   }
   void give(const Projector& projector) {
     SerialMessage message{};
-    message.word = WatchdogWord::Serial;
+    message.type = WatchdogMessageType::Serial;
     message.size = static_cast<std::uint32_t>(kOff.size());
     message.gap = kGap;
     kOff.copy(message.light_off.data(), kOff.size());
     REQUIRE(send_message(socket.get(), message, projector.port.get()));
   }
-  void say(WatchdogWord word, Duration until_end, bool off_asked = false) {
+  void say(WatchdogMessageType type, Duration until_end, bool off_asked = false) {
     REQUIRE(
-        send_message(socket.get(), ExposureMessage{word, {exposure, now() + until_end, off_asked}, now()}));
+        send_message(socket.get(), ExposureMessage{type, {exposure, now() + until_end, off_asked}, now()}));
   }
   void arm(Duration exposure_time = 1h) {
     ++exposure;
-    say(WatchdogWord::Arm, exposure_time);
+    say(WatchdogMessageType::Arm, exposure_time);
     const WatchdogReply answer = reply();
-    REQUIRE(answer.word == WatchdogWord::Heard);
+    REQUIRE(answer.type == WatchdogMessageType::Heard);
     REQUIRE(answer.exposure == exposure);
   }
   // Its exit status, when it has ended.
@@ -131,7 +131,7 @@ TEST_CASE("A light watchdog whose daemon ends without a light on ends too, and s
   watchdog.give(projector);
   projector.port = FileDescriptor();
   watchdog.arm();
-  watchdog.say(WatchdogWord::Disarm, 0s);
+  watchdog.say(WatchdogMessageType::Disarm, 0s);
   watchdog.socket = FileDescriptor();
   CHECK(watchdog.ended() == 0);
   CHECK(projector.heard(1).empty());
@@ -157,15 +157,15 @@ TEST_CASE("A daemon that says nothing any more has its light turned off, and is 
   const TimePoint armed = now();
   watchdog.arm();
   CHECK(projector.heard(kOff.size()) == kOff);
-  CHECK(now() - armed >= LightDeadline::kMostSilence);
+  CHECK(now() - armed >= LightDeadline::kMaxSilence);
   const WatchdogReply told = watchdog.reply();
-  CHECK(told.word == WatchdogWord::Tripped);
+  CHECK(told.type == WatchdogMessageType::Tripped);
   CHECK(told.trip == LightTrip::Silence);
   CHECK(told.exposure == watchdog.exposure);
   CHECK(projector.heard(2 * kOff.size()) == kOff + kOff);
 
   // And is served again.
-  watchdog.say(WatchdogWord::Disarm, 0s);
+  watchdog.say(WatchdogMessageType::Disarm, 0s);
   watchdog.arm();
   CHECK_FALSE(projector.has_heard_something());
   CHECK(projector.heard(kOff.size()) == kOff);
@@ -180,17 +180,17 @@ TEST_CASE("A daemon that lives has its light turned off when the exposure is ove
   LightTrip trip = LightTrip::Silence;
   // A test that was itself held up for that long was silent: once more.
   for (int attempt = 0; attempt < 20 && trip == LightTrip::Silence; ++attempt) {
-    watchdog.say(WatchdogWord::Disarm, 0s);
+    watchdog.say(WatchdogMessageType::Disarm, 0s);
     armed = now();
     watchdog.arm(20ms);
     trip = LightTrip::None;
     while (trip == LightTrip::None && now() - armed < std::chrono::milliseconds{kPatienceMs}) {
-      watchdog.say(WatchdogWord::Beat, armed + 20ms - now());
+      watchdog.say(WatchdogMessageType::Heartbeat, armed + 20ms - now());
       trip = watchdog.reply().trip;
     }
   }
   CHECK(trip == LightTrip::Overrun);
-  CHECK(now() - armed >= 20ms + LightDeadline::kMostOverrun);
+  CHECK(now() - armed >= 20ms + LightDeadline::kMaxOverrun);
   CHECK(projector.heard(kOff.size()) == kOff);
 }
 
@@ -225,7 +225,7 @@ TEST_CASE("A port that is taken away is given back, and the light watchdog goes 
   watchdog.give(projector);
   projector.port = FileDescriptor();
   SerialMessage none{};
-  none.word = WatchdogWord::Serial;
+  none.type = WatchdogMessageType::Serial;
   REQUIRE(send_message(watchdog.socket.get(), none));
   CHECK(projector.heard(1).empty());
   watchdog.arm();
@@ -240,10 +240,10 @@ TEST_CASE("What is no message is passed over, and a descriptor with it closed") 
   for (const std::string& bytes : {std::string("x"), std::string("garbage"), long_one, longest})
     REQUIRE(send_packet(watchdog.socket.get(), bytes.data(), bytes.size(), stray.port.get()));
   ExposureMessage odd{};
-  odd.word = WatchdogWord::Serial;
+  odd.type = WatchdogMessageType::Serial;
   REQUIRE(send_message(watchdog.socket.get(), odd, stray.port.get()));
   SerialMessage lies{};
-  lies.word = WatchdogWord::Line;
+  lies.type = WatchdogMessageType::Line;
   REQUIRE(send_message(watchdog.socket.get(), lies));
   stray.port = FileDescriptor();
   watchdog.arm();
@@ -255,14 +255,14 @@ TEST_CASE("A message that claims more bytes than it has room for sends no more t
   Projector projector;
   Watchdog watchdog;
   SerialMessage lies{};
-  lies.word = WatchdogWord::Serial;
+  lies.type = WatchdogMessageType::Serial;
   lies.size = 1'000'000;
   lies.light_off.fill('o');
   REQUIRE(send_message(watchdog.socket.get(), lies, projector.port.get()));
   watchdog.arm();
   projector.port = FileDescriptor();
   watchdog.socket = FileDescriptor();
-  CHECK(projector.heard(1'000'000).size() == 3 * SerialMessage::kMostBytes);
+  CHECK(projector.heard(1'000'000).size() == 3 * SerialMessage::kMaxBytes);
 }
 
 namespace {
@@ -276,7 +276,7 @@ struct Daemon {
     if (watchdog == 0) ::_exit(serve_alone(its));
     its = FileDescriptor();
     process = ::fork();
-    if (process == 0) ::_exit(beat(ours, there, projector));
+    if (process == 0) ::_exit(heartbeat(ours, there, projector));
     REQUIRE(process > 0);
     report = std::move(here);
     projector.port = FileDescriptor();
@@ -290,23 +290,23 @@ struct Daemon {
   }
 
   // As a real one, but five times as often: a busy machine keeps it from that.
-  static int beat(FileDescriptor& socket, FileDescriptor& to_test, Projector& projector) {
+  static int heartbeat(FileDescriptor& socket, FileDescriptor& to_test, Projector& projector) {
     Watchdog watchdog(std::move(socket));
     watchdog.exposure = 1;
     watchdog.give(projector);
     projector.port = FileDescriptor();
-    for (WatchdogWord word = WatchdogWord::Arm;; word = WatchdogWord::Beat) {
-      watchdog.say(word, 1h);
+    for (WatchdogMessageType type = WatchdogMessageType::Arm;; type = WatchdogMessageType::Heartbeat) {
+      watchdog.say(type, 1h);
       ::poll(nullptr, 0, 10);  // as often as that
       WatchdogPacket packet;
       while (receive_packet(watchdog.socket.get(), packet) == Received::Packet) {
         const auto reply = packet.as<WatchdogReply>();
-        const char kind = reply->word == WatchdogWord::Tripped ? 'T' : 'h';
+        const char kind = reply->type == WatchdogMessageType::Tripped ? 'T' : 'h';
         if (::write(to_test.get(), &kind, 1) != 1) return 1;
       }
     }
   }
-  // Waits for that word; false when it does not come.
+  // Waits for that type; false when it does not come.
   bool reports(char wanted) {
     char kind = 0;
     while (readable(report) && ::read(report.get(), &kind, 1) == 1) {

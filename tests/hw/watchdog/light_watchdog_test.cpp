@@ -50,13 +50,13 @@ struct Bench {
     int ends[2];
     REQUIRE(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) == 0);
     process = FileDescriptor(ends[1]);
-    if (gets_ready) reply(WatchdogWord::Ready);
+    if (gets_ready) reply(WatchdogMessageType::Ready);
     return {FileDescriptor(ends[0]), -1};
   }
 
-  void reply(WatchdogWord word, std::uint64_t exposure = 0, LightTrip trip = LightTrip::None) {
+  void reply(WatchdogMessageType type, std::uint64_t exposure = 0, LightTrip trip = LightTrip::None) {
     WatchdogReply message{};
-    message.word = word;
+    message.type = type;
     message.exposure = exposure;
     message.trip = trip;
     message.at = clock.now();
@@ -65,16 +65,17 @@ struct Bench {
     CHECK(send_message(process.get(), message));
   }
 
-  // What came, by word; ExposureMessage's are kept.
-  std::vector<WatchdogWord> received() {
-    std::vector<WatchdogWord> came;
+  // What came, by type; ExposureMessage's are kept.
+  std::vector<WatchdogMessageType> received() {
+    std::vector<WatchdogMessageType> came;
     WatchdogPacket packet;
     while (receive_packet(process.get(), packet) == Received::Packet) {
-      came.push_back(packet.word().value());
+      came.push_back(packet.type().value());
       if (const auto exposure = packet.as<ExposureMessage>()) last = *exposure;
       if (packet.descriptor.valid()) ++descriptors[came.back()];
-      if (answers && (came.back() == WatchdogWord::Arm || came.back() == WatchdogWord::Beat))
-        reply(WatchdogWord::Heard, last.exposure.number);
+      if (answers &&
+          (came.back() == WatchdogMessageType::Arm || came.back() == WatchdogMessageType::Heartbeat))
+        reply(WatchdogMessageType::Heard, last.exposure.number);
     }
     return came;
   }
@@ -90,16 +91,16 @@ struct Bench {
     bool over = false;
     const auto end = clock.call_at(until, [&] { over = true; });
     while (!over && clock.run_next()) {
-      for (const WatchdogWord word : received())
-        ++words[word];
+      for (const WatchdogMessageType type : received())
+        ++words[type];
       readiness.serve();
     }
   }
   bool arm(Duration exposure = 2s) {
     bool armed = false;
     watchdog->arm(exposure, [&] { armed = true; });
-    for (const WatchdogWord word : received())
-      ++words[word];
+    for (const WatchdogMessageType type : received())
+      ++words[type];
     readiness.serve();
     return armed;
   }
@@ -107,7 +108,7 @@ struct Bench {
   bool can_start = true, gets_ready = true, answers = true;
   int no_priority = 0, started = 0;
   std::vector<std::string> troubles, recovered;
-  std::map<WatchdogWord, int> words, descriptors;
+  std::map<WatchdogMessageType, int> words, descriptors;
   ExposureMessage last{};
   FileDescriptor process;
   VirtualClock clock;
@@ -125,11 +126,11 @@ TEST_CASE("An exposure is armed when the watchdog says that it has heard, and no
   bench.watchdog->arm(2s, [&] { armed = true; });
   bench.readiness.serve();
   CHECK_FALSE(armed);
-  REQUIRE(bench.received() == std::vector{WatchdogWord::Arm});
-  bench.reply(WatchdogWord::Heard, bench.last.exposure.number + 1);  // of another
+  REQUIRE(bench.received() == std::vector{WatchdogMessageType::Arm});
+  bench.reply(WatchdogMessageType::Heard, bench.last.exposure.number + 1);  // of another
   bench.readiness.serve();
   CHECK_FALSE(armed);
-  bench.reply(WatchdogWord::Heard, bench.last.exposure.number);
+  bench.reply(WatchdogMessageType::Heard, bench.last.exposure.number);
   bench.readiness.serve();
   CHECK(armed);
 }
@@ -138,12 +139,12 @@ TEST_CASE("The daemon tells every 50 ms that it lives, from arming until darknes
   Bench bench;
   REQUIRE(bench.arm());
   bench.run_for(1010ms);
-  CHECK(bench.words[WatchdogWord::Beat] == 20);
+  CHECK(bench.words[WatchdogMessageType::Heartbeat] == 20);
   CHECK(bench.last.sent == TimePoint{1s});
   bench.watchdog->disarm();
-  CHECK(bench.received() == std::vector{WatchdogWord::Disarm});
+  CHECK(bench.received() == std::vector{WatchdogMessageType::Disarm});
   bench.run_for(1s);
-  CHECK(bench.words[WatchdogWord::Beat] == 20);
+  CHECK(bench.words[WatchdogMessageType::Heartbeat] == 20);
   CHECK(bench.troubles.empty());
 }
 
@@ -159,14 +160,14 @@ TEST_CASE(
   CHECK(bench.last.exposure.end == end);
   CHECK_FALSE(bench.last.exposure.off_asked);
   bench.watchdog->off_asked();
-  CHECK(bench.received() == std::vector{WatchdogWord::Beat});  // at once
+  CHECK(bench.received() == std::vector{WatchdogMessageType::Heartbeat});  // at once
   CHECK(bench.last.exposure.off_asked);
 }
 
 TEST_CASE("A watchdog that has turned the light off is told of, and watches on until darkness is confirmed") {
   Bench bench;
   REQUIRE(bench.arm());
-  bench.reply(WatchdogWord::Tripped, bench.last.exposure.number, LightTrip::Silence);
+  bench.reply(WatchdogMessageType::Tripped, bench.last.exposure.number, LightTrip::Silence);
   bench.hear();
   REQUIRE(bench.troubles.size() == 1);
   CHECK(bench.troubles[0] ==
@@ -176,7 +177,7 @@ TEST_CASE("A watchdog that has turned the light off is told of, and watches on u
   CHECK(bench.watchdog->trip()->at == TimePoint{});
   CHECK(bench.watchdog->trip()->line_off);
   bench.run_for(110ms);
-  CHECK(bench.words[WatchdogWord::Beat] == 2);
+  CHECK(bench.words[WatchdogMessageType::Heartbeat] == 2);
   bench.watchdog->disarm();
   CHECK(bench.arm());
 }
@@ -186,7 +187,7 @@ TEST_CASE("A trip of an exposure that is over is nobody's") {
   REQUIRE(bench.arm());
   const std::uint64_t number = bench.last.exposure.number;
   bench.watchdog->disarm();
-  bench.reply(WatchdogWord::Tripped, number, LightTrip::Silence);
+  bench.reply(WatchdogMessageType::Tripped, number, LightTrip::Silence);
   bench.hear();
   CHECK(bench.troubles.empty());
 }
@@ -263,18 +264,19 @@ TEST_CASE("What the light is turned off by is handed over as it comes, and again
   LightDisplayPath display;
   display.descriptor = device.get();
   bench.watchdog->set_display(display);
-  CHECK(bench.received() == std::vector{WatchdogWord::Line, WatchdogWord::Serial, WatchdogWord::Display});
+  CHECK(bench.received() ==
+        std::vector{WatchdogMessageType::Line, WatchdogMessageType::Serial, WatchdogMessageType::Display});
   CHECK(bench.descriptors.size() == 3);
   bench.watchdog->set_line(-1);
-  CHECK(bench.received() == std::vector{WatchdogWord::Line});
-  CHECK(bench.descriptors[WatchdogWord::Line] == 1);  // that one came without
+  CHECK(bench.received() == std::vector{WatchdogMessageType::Line});
+  CHECK(bench.descriptors[WatchdogMessageType::Line] == 1);  // that one came without
 
   bench.process = FileDescriptor();
   bench.readiness.serve();
   bench.run_for(LightWatchdog::kStartLater);
-  CHECK(bench.words[WatchdogWord::Line] == 0);
-  CHECK(bench.words[WatchdogWord::Serial] == 1);
-  CHECK(bench.words[WatchdogWord::Display] == 1);
+  CHECK(bench.words[WatchdogMessageType::Line] == 0);
+  CHECK(bench.words[WatchdogMessageType::Serial] == 1);
+  CHECK(bench.words[WatchdogMessageType::Display] == 1);
 }
 
 TEST_CASE("A watchdog that cannot be started is looked for again, and says why there is no light") {

@@ -17,7 +17,7 @@ inline LightWatchdog ready_watchdog(Clock& clock, DescriptorWatcher& watcher, Fi
       throw std::runtime_error("no socket pair");
     process = FileDescriptor(ends[1]);
     WatchdogReply ready{};
-    ready.word = WatchdogWord::Ready;
+    ready.type = WatchdogMessageType::Ready;
     if (!send_message(ends[1], ready)) throw std::runtime_error("the socket pair takes nothing");
     return LightWatchdog::Process{FileDescriptor(ends[0]), -1};
   });
@@ -28,9 +28,9 @@ inline void watch_over_exposure(LightWatchdog& watchdog, const FileDescriptor& p
   WatchdogPacket packet;
   while (receive_packet(process.get(), packet) == Received::Packet) {
     const auto asked = packet.as<ExposureMessage>();
-    if (!asked || asked->word == WatchdogWord::Disarm) continue;
+    if (!asked || asked->type == WatchdogMessageType::Disarm) continue;
     WatchdogReply heard{};
-    heard.word = WatchdogWord::Heard;
+    heard.type = WatchdogMessageType::Heard;
     heard.exposure = asked->exposure.number;
     if (!send_message(process.get(), heard)) throw std::runtime_error("the socket pair takes nothing");
   }

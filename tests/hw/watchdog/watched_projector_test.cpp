@@ -32,7 +32,7 @@ class NotedProjector final : public testing::PlainProjector {
   void power_off() noexcept override { note("power off"); }
   void ask_status(StatusDone done) override { done({}); }
   [[nodiscard]] std::string last_problem() const override { return "the projector's problem"; }
-  [[nodiscard]] std::string doubt() const override { return "the projector's doubt"; }
+  [[nodiscard]] std::string light_off_unconfirmed() const override { return "light off is not confirmed"; }
 
   std::vector<std::string> told;
   LightOn answer;
@@ -50,18 +50,18 @@ struct Bench {
   }
 
   // What the watchdog was told since.
-  std::vector<WatchdogWord> came() {
-    std::vector<WatchdogWord> words;
+  std::vector<WatchdogMessageType> came() {
+    std::vector<WatchdogMessageType> words;
     WatchdogPacket packet;
     while (receive_packet(process.get(), packet) == Received::Packet) {
-      words.push_back(packet.word().value());
+      words.push_back(packet.type().value());
       if (const auto exposure = packet.as<ExposureMessage>()) last = exposure->exposure;
     }
     return words;
   }
-  void reply(WatchdogWord word, LightTrip trip = LightTrip::None, bool line_off = false) {
+  void reply(WatchdogMessageType type, LightTrip trip = LightTrip::None, bool line_off = false) {
     WatchdogReply message{};
-    message.word = word;
+    message.type = type;
     message.exposure = last.number;
     message.trip = trip;
     message.at = clock.now();
@@ -77,7 +77,7 @@ struct Bench {
   void shine() {
     turn_on();
     (void)came();
-    reply(WatchdogWord::Heard);
+    reply(WatchdogMessageType::Heard);
     inner.light = LightSpan{clock.now(), clock.now(), {}, {}};
     inner.answer.sent(clock.now());
     inner.answer.done(ProjectorReply::Ok);
@@ -87,7 +87,7 @@ struct Bench {
     const auto end = clock.call_after(duration, [&] { over = true; });
     while (!over && clock.run_next()) {
       const bool asked = !came().empty();
-      if (asked && answers) reply(WatchdogWord::Heard);
+      if (asked && answers) reply(WatchdogMessageType::Heard);
     }
   }
 
@@ -113,9 +113,9 @@ TEST_CASE("No light on is sent before the watchdog has said that it watches") {
   bench.turn_on();
   CHECK(bench.inner.told.empty());
   CHECK(bench.offered == 1);
-  CHECK(bench.came() == std::vector{WatchdogWord::Arm});
+  CHECK(bench.came() == std::vector{WatchdogMessageType::Arm});
   CHECK_FALSE(bench.projector.last_light());  // its command was never sent
-  bench.reply(WatchdogWord::Heard);
+  bench.reply(WatchdogMessageType::Heard);
   CHECK(bench.inner.told == std::vector<std::string>{"light on"});
   bench.inner.answer.sent(TimePoint{300ms});
   CHECK(bench.sent == TimePoint{300ms});
@@ -143,14 +143,14 @@ TEST_CASE("The light is off before the watchdog is told, and watched over until 
   (void)bench.came();
   bench.projector.light_off();
   CHECK(bench.inner.told.back() == "light off");
-  CHECK(bench.came() == std::vector{WatchdogWord::Beat});
+  CHECK(bench.came() == std::vector{WatchdogMessageType::Heartbeat});
   CHECK(bench.last.off_asked);
   bool dark = false;
   bench.projector.when_dark([&] { dark = true; });
   CHECK(bench.came().empty());
   bench.inner.dark();
   CHECK(dark);
-  CHECK(bench.came() == std::vector{WatchdogWord::Disarm});
+  CHECK(bench.came() == std::vector{WatchdogMessageType::Disarm});
 }
 
 TEST_CASE("Darkness that nobody else waits for ends the watch too") {
@@ -161,7 +161,7 @@ TEST_CASE("Darkness that nobody else waits for ends the watch too") {
     (void)bench.came();
     REQUIRE(bench.inner.dark);
     bench.inner.dark();
-    CHECK(bench.came() == std::vector{WatchdogWord::Disarm});
+    CHECK(bench.came() == std::vector{WatchdogMessageType::Disarm});
   }
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("A light off that overtakes the watchdog's word leaves the light off")
   bench.turn_on();
   (void)bench.came();
   bench.projector.light_off();
-  bench.reply(WatchdogWord::Heard);
+  bench.reply(WatchdogMessageType::Heard);
   CHECK(bench.inner.told == std::vector<std::string>{"light off"});
 }
 
@@ -191,7 +191,7 @@ TEST_CASE(
     bench.shine();
     (void)bench.came();
     bench.wait(1s);
-    bench.reply(WatchdogWord::Tripped, LightTrip::Silence, by_line);
+    bench.reply(WatchdogMessageType::Tripped, LightTrip::Silence, by_line);
     bench.wait(20s);
     bench.inner.light->off_earliest = bench.inner.light->off_latest = bench.clock.now();
     const LightSpan light = bench.projector.last_light().value();
@@ -205,7 +205,7 @@ TEST_CASE("What the watchdog did to the light before is nothing of the next") {
   Bench bench;
   bench.shine();
   (void)bench.came();
-  bench.reply(WatchdogWord::Tripped, LightTrip::Silence, true);
+  bench.reply(WatchdogMessageType::Tripped, LightTrip::Silence, true);
   bench.projector.light_off();
   bench.inner.dark();
   bench.wait(5s);
@@ -221,5 +221,5 @@ TEST_CASE("Another projector takes the place of one that is gone") {
   bench.projector.light_off();
   CHECK(bench.inner.told.empty());
   CHECK(another.told == std::vector<std::string>{"light off"});
-  CHECK(bench.projector.doubt() == "the projector's doubt");
+  CHECK(bench.projector.light_off_unconfirmed() == "light off is not confirmed");
 }

@@ -90,3 +90,33 @@ def power_cut():
             assert machine.run(f"ls -A {SPOOL}/printing {SPOOL}/incoming").count(".stl") == 0
             machine.power_off()
     return reason.strip()
+
+
+@vm_test("full")
+def reload():
+    """systemctl reload in a print: the print ends undisturbed, then a new process takes over, with what was waiting. A
+    configuration that is wrong is told, and the running contourd goes on."""
+    with guests.written(_guest(exposure_ms=2000, bottom_exposure_ms=2000)) as initramfs, disk_over(root_image()) as disk:
+        with booted(initramfs, disk) as machine:
+            install(machine)
+            submit(machine, "first")
+            machine.wait_for("contourctl status --json | grep -q '\"layer\"'", limit_s=60)
+            before = unit_property(machine, "MainPID")
+            machine.run("systemctl reload contourd")
+            submit(machine, "second")
+            machine.run("contourctl status --json | grep -q '\"name\":\"first\"'")
+            assert unit_property(machine, "MainPID") == before, "it was restarted in a print"
+            machine.wait_for(f"test -e {SPOOL}/done/first.stl", limit_s=120)
+            machine.wait_for(f"test $(systemctl show -P MainPID contourd) != {before}", limit_s=60)
+            machine.wait_for(f"test -e {SPOOL}/done/second.stl", limit_s=120)
+            layers = [(entry["JOB_ID"], entry["LAYER"]) for entry in journal(machine, "layer")]
+            assert layers == [(job, str(i)) for job in ("first", "second") for i in range(1, _LAYERS + 1)], layers
+            machine.run(f"test -z \"$(ls -A {SPOOL}/failed {SPOOL}/printing | grep stl)\"")
+            now = unit_property(machine, "MainPID")
+            machine.run("cp /etc/contourd/contourd.json /root/good.json && echo '{' >/etc/contourd/contourd.json")
+            machine.run("! systemctl reload contourd")
+            machine.run("cp /root/good.json /etc/contourd/contourd.json")
+            submit(machine, "third")
+            machine.wait_for(f"test -e {SPOOL}/done/third.stl", limit_s=120)
+            assert unit_property(machine, "MainPID") == now, "it was restarted for a wrong configuration"
+            machine.power_off()

@@ -1,0 +1,54 @@
+#include "daemon/config/uniformity_mask.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include "daemon/config/profile_file.hpp"
+#include "hw/png_file.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr const char* kKey = "/display/uniformity_mask";
+constexpr const char* kOldKey = "/display/lamp_mask";
+
+// The key that names the mask; null when none does.
+const char* key_in_use(JsonDocument& printer) {
+  const bool named = printer.valid_text(kKey).has_value();
+  if (!printer.valid_text(kOldKey)) return named ? kKey : nullptr;
+  if (named) {
+    printer.add_violation(kOldKey, "this is the old name of \"uniformity_mask\", which is there too");
+    return kKey;
+  }
+  printer.add_warning(kOldKey, "this key is now called \"uniformity_mask\"; the old name still works");
+  return kOldKey;
+}
+
+}  // namespace
+
+std::optional<UniformityMask> load_uniformity_mask(JsonDocument& printer,
+                                                   const std::filesystem::path& folder) {
+  const char* const key = key_in_use(printer);
+  if (key == nullptr) return std::nullopt;
+  const std::filesystem::path file = resolved(folder, printer.valid_text(key).value());
+  const auto refuse = [&](const std::string& why) { printer.add_violation(key, file.string() + ": " + why); };
+  const auto width = printer.valid_number("/display/width_px"),
+             height = printer.valid_number("/display/height_px");
+  try {
+    Mask mask = read_png(file);
+    if (!width || !height || (mask.width().count() == *width && mask.height().count() == *height))
+      return UniformityMask{file, std::move(mask)};
+    refuse("the picture is " + std::to_string(mask.width().count()) + "x" +
+           std::to_string(mask.height().count()) + " pixels, the display " +
+           std::to_string(std::llround(*width)) + "x" + std::to_string(std::llround(*height)));
+  } catch (const std::system_error& error) {
+    refuse(error.code().message());
+  } catch (const std::runtime_error& error) {
+    refuse(error.what());
+  }
+  return std::nullopt;
+}
+
+}  // namespace contourd

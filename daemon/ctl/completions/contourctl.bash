@@ -1,0 +1,42 @@
+# Completion of contourctl in bash. Commands and options are what the program says of itself; jobs and resins are those
+# that are there.
+
+_contourctl_words() {
+  local name
+  case $1 in
+    commands) contourctl --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z-]*\) .*/\1/p' ;;
+    options) contourctl "$2" --help 2>/dev/null | grep -oE '^ +(-[a-z],)?--[a-z,-]+' | grep -oE -- '--[a-z-]+' ;;
+    jobs)
+      contourctl status 2>/dev/null | sed -n 's/^job  *//p'
+      contourctl queue 2>/dev/null | sed -n 's/^ *[0-9]*  \(.*\)\.[^.]*$/\1/p'
+      ;;
+    resins)
+      for name in /etc/contourd/resins/*.json; do
+        name=${name##*/}
+        [[ $name == '*.json' ]] || echo "${name%.json}"
+      done
+      ;;
+  esac
+}
+
+_contourctl() {
+  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words='' each
+  case $before in
+    --job) words=$(_contourctl_words jobs) ;;
+    --resin) words=$(_contourctl_words resins) ;;
+    --aa) words=$'on\noff' ;;
+    *)
+      if ((COMP_CWORD == 1)); then
+        words=$(_contourctl_words commands)
+      elif [[ $word == -* ]]; then
+        words=$(_contourctl_words options "${COMP_WORDS[1]}")
+      fi
+      ;;
+  esac
+  # Files where there are no words. Not by compgen -W, which would run what stands in a job's name.
+  COMPREPLY=()
+  while read -r each; do
+    if [[ -n $each && $each == "$word"* ]]; then COMPREPLY+=("$each"); fi
+  done <<<"$words"
+}
+complete -o default -o filenames -F _contourctl contourctl

@@ -1,0 +1,29 @@
+# Completion of contourctl in fish. Commands and options are what the program says of itself; jobs and resins are those
+# that are there.
+
+function __contourctl_commands
+    contourctl --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z-]*\)  *\(.*\)/\1\t\2/p'
+end
+function __contourctl_options
+    set -l words (commandline -opc)
+    contourctl $words[2] --help 2>/dev/null | grep -oE '^ +(-[a-z],)?--[a-z,-]+' | grep -oE -- '--[a-z-]+'
+end
+function __contourctl_jobs
+    contourctl status 2>/dev/null | sed -n 's/^job  *//p'
+    contourctl queue 2>/dev/null | sed -n 's/^ *[0-9]*  \(.*\)\.[^.]*$/\1/p'
+end
+function __contourctl_resins
+    for file in /etc/contourd/resins/*.json
+        basename $file .json
+    end
+end
+function __contourctl_before
+    set -l words (commandline -opc)
+    test "$words[-1]" = $argv[1]
+end
+
+complete -c contourctl -n __fish_use_subcommand -f -a '(__contourctl_commands)'
+complete -c contourctl -n '__contourctl_before --job' -f -a '(__contourctl_jobs)'
+complete -c contourctl -n '__contourctl_before --resin' -f -a '(__contourctl_resins)'
+complete -c contourctl -n '__contourctl_before --aa' -f -a 'on off'
+complete -c contourctl -n 'not __fish_use_subcommand; and string match -q -- "-*" (commandline -ct)' -f -a '(__contourctl_options)'

@@ -1,0 +1,167 @@
+#include "daemon/ctl/submit_command.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <functional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "core/formats/model_reader.hpp"
+#include "daemon/config/config_error.hpp"
+#include "daemon/config/job_ticket.hpp"
+#include "daemon/config/regular_file.hpp"
+#include "daemon/ctl/daemon_connection.hpp"
+#include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/watch_command.hpp"
+#include "daemon/durable_file.hpp"
+#include "daemon/new_file.hpp"
+#include "daemon/readable.hpp"
+#include "daemon/spool_folders.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+fs::path spool_of(const ClientOptions& client, const SubmitOptions& options) {
+  if (options.spool) return *options.spool;
+  DaemonConnection connection(client.socket);
+  connection.send("status", 1);
+  const std::string spool = connection.receive().value("/result/spool"_json_pointer, "");
+  if (spool.empty())
+    throw DaemonError(
+        fmt::format("contourd on {} does not tell its spool: --spool does", client.socket.string()));
+  return spool;
+}
+
+// Calls `take` with one piece after the other. Throws UnreadableFile, and what `take` throws.
+void read_all(const fs::path& path, const std::function<void(std::string_view)>& take) {
+  const FileDescriptor file = open_regular_file(path, Links::Follow);
+  std::vector<char> buffer(std::size_t{1} << 20U);
+  while (true) {
+    const ssize_t bytes = ::read(file.get(), buffer.data(), buffer.size());
+    if (bytes < 0 && errno == EINTR) continue;
+    if (bytes < 0) throw UnreadableFile({errno, std::generic_category()}, std::strerror(errno));
+    if (bytes == 0) return;
+    take({buffer.data(), static_cast<std::size_t>(bytes)});
+  }
+}
+
+// As text; empty when there is none.
+std::string ticket_of(const SubmitOptions& options) {
+  if (options.ticket) {
+    (void)load_job_ticket(*options.ticket);  // so it is no longer than a ticket may be
+    std::string text;
+    read_all(*options.ticket, [&text](std::string_view bytes) { text += bytes; });
+    return text;
+  }
+  Json ticket = Json::object();
+  if (options.resin) ticket["resin"] = *options.resin;
+  if (options.layer_height_um) ticket["layer_height_um"] = *options.layer_height_um;
+  if (!options.up.empty()) ticket["up"] = {{"x", options.up[0]}, {"y", options.up[1]}, {"z", options.up[2]}};
+  if (options.scale) ticket["scale"] = *options.scale;
+  if (options.fit) ticket["fit"] = true;
+  if (options.copies) ticket["copies"] = *options.copies;
+  if (ticket.empty()) return "";
+  std::string text = ticket.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  try {
+    (void)parse_job_ticket(text, "the options");
+  } catch (const ConfigError& error) {
+    throw UsageError(error.what());
+  }
+  return text;
+}
+
+// What can be told without reading it whole.
+void check_model(const fs::path& path) {
+  if (!is_model_name(path.filename().string()))
+    throw ModelError(fmt::format("{}: is no model by its name, which ends in {} and begins with no dot",
+                                 path.string(), fmt::join(model_extensions(), " or ")));
+  try {
+    (void)outline_of_model(path);
+  } catch (const ModelError& error) {
+    throw ModelError(path.string() + ": " + error.what());
+  }
+}
+
+class Submission {
+ public:
+  explicit Submission(const fs::path& spool)
+      : folders_(spool), incoming_(folders_.path(SpoolFolder::Incoming)) {}
+
+  // Returns the job's name.
+  std::string put(const fs::path& model, const std::string& ticket) const {
+    try {
+      return put_unused(model, ticket);
+    } catch (const UnreadableFile& error) {
+      throw std::system_error(error.code(), "cannot read " + model.string());
+    } catch (const std::system_error& error) {
+      throw OutputError(fmt::format("cannot put {} into {}: {}", model.string(), incoming_.string(),
+                                    why_not_written(error.code())));
+    }
+  }
+
+ private:
+  [[nodiscard]] std::string put_unused(const fs::path& model, const std::string& ticket) const {
+    NewFile file(incoming_);
+    file.let_group_read();
+    read_all(model, [&file](std::string_view bytes) { file.write(bytes); });
+    while (true) {
+      const JobFiles files = folders_.unused_anywhere({model.stem().string(), model, model});
+      if (!ticket.empty() && !put_ticket(files, ticket)) continue;
+      if (file.appear(files.model.filename().string())) {
+        sync_folder(incoming_);
+        return files.name;
+      }
+      if (!ticket.empty()) fs::remove(*files.ticket);
+    }
+  }
+
+  [[nodiscard]] bool put_ticket(const JobFiles& files, const std::string& ticket) const {
+    NewFile file(incoming_);
+    file.let_group_read();
+    file.write(ticket);
+    return file.appear(files.ticket->filename().string());
+  }
+
+  SpoolFolders folders_;
+  fs::path incoming_;
+};
+
+void tell(const ClientOptions& client, const fs::path& model, const std::string& job) {
+  if (client.json) {
+    const Json told{{"file", model.string()}, {"job", job}};
+    fmt::print("{}\n", told.dump(-1, ' ', true, Json::error_handler_t::replace));
+  } else {
+    fmt::print("{}: job {}\n", printable(model.string()), printable(job));
+  }
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int submit(const ClientOptions& client, const SubmitOptions& options) {
+  const std::string ticket = ticket_of(options);
+  std::ranges::for_each(options.models, check_model);
+  const Submission submission(spool_of(client, options));
+  std::vector<std::string> jobs;
+  for (const fs::path& model : options.models) {
+    jobs.push_back(submission.put(model, ticket));
+    tell(client, model, jobs.back());
+  }
+  int result = kOk;
+  if (!options.wait) return result;
+  for (const std::string& job : jobs)
+    result = std::max(result, watch(client, job));
+  return result;
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,33 @@
+// contourctl submit. Prints its result and returns the exit code; what is wrong with the data or the daemon
+// comes out as an exception (see exit_codes.hpp).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/ctl/client.hpp"
+
+namespace contourd::ctl {
+
+struct SubmitOptions {
+  std::vector<std::filesystem::path> models;
+  // The tickets' keys of these names (config/ticket.schema.json); what is not given is not in the ticket.
+  std::optional<std::string> resin;
+  std::optional<double> layer_height_um, scale;
+  std::optional<int> copies;
+  std::vector<double> up;  // x, y, z; or none
+  bool fit = false;
+  // In the place of all these.
+  std::optional<std::filesystem::path> ticket;
+  std::optional<std::filesystem::path> spool;  // contourd is asked for it when it is not given
+  bool wait = false;
+};
+
+// Puts the models into the queue, in their order, under names that no job has. Each appears there whole, its
+// ticket before it. What can be seen to be wrong with any is told before the first is put there. With `wait`,
+// until all have ended.
+int submit(const ClientOptions& client, const SubmitOptions& options);
+
+}  // namespace contourd::ctl

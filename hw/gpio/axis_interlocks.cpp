@@ -1,0 +1,115 @@
+#include "hw/gpio/axis_interlocks.hpp"
+
+#include <utility>
+
+#include "hw/gpio/axis_text.hpp"
+
+namespace contourd {
+namespace {
+
+using Kind = MachineEvent::Kind;
+
+}  // namespace
+
+AxisInterlocks::AxisInterlocks(const GpioAxisConfig& config, const StepEngine& engine, AxisInputs& inputs,
+                               Wiring wiring)
+    : config_(config), engine_(engine), inputs_(inputs), wiring_(std::move(wiring)) {}
+
+void AxisInterlocks::take_changes() {
+  inputs_.changes().clear();
+  if (inputs_.lost() && !loss_told_) blocked();
+  while (const auto change = inputs_.take_change())
+    take_change(*change);
+}
+
+void AxisInterlocks::take_change(const InputChange& change) {
+  switch (change.which) {
+    case AxisInput::EmergencyStop:
+      return take_emergency_stop(change);
+    case AxisInput::Lid:
+      return take_lid(change);
+    case AxisInput::SecondSwitch:
+      if (!change.halted) return;
+      return wiring_.halted_for({HomingResult::WrongSwitch, "the switch at the end that is not homed to (" +
+                                                                describe(config_.second_switch->line) +
+                                                                ") closed" + wiring_.where()});
+    case AxisInput::LimitSwitch:
+      return take_limit_switch(change);
+  }
+}
+
+void AxisInterlocks::take_emergency_stop(const InputChange& change) {
+  const std::string line = " (" + describe(config_.emergency_stop->line) + ")";
+  if (change.to == SafetyState::Unsafe) {
+    if (!emergency_told_) blocked();
+    return;
+  }
+  if (change.to == SafetyState::Debouncing) {
+    // The fault that it has become meanwhile says all.
+    if (engine_.inhibited()) return;
+    wiring_.slow_down();
+    return wiring_.report(
+        {Kind::Interlock, change.readable ? "the emergency stop was touched, or its line disturbed" + line
+                                          : "the emergency stop cannot be read" + line});
+  }
+  inputs_.let_go();
+  if (inputs_.lost()) return;
+  const bool lasted = change.from == SafetyState::Unsafe;
+  emergency_told_ = false;
+  wiring_.report({Kind::Recovery,
+                  (lasted ? "the emergency stop was let go" : "the emergency stop is not pressed") + line,
+                  lasted});
+}
+
+void AxisInterlocks::take_lid(const InputChange& change) {
+  const std::string line = " (" + describe(config_.lid->line) + ")";
+  if (change.to == SafetyState::Unsafe) return;  // told by its first edge
+  if (change.to == SafetyState::Debouncing) {
+    return wiring_.report(
+        {Kind::Interlock,
+         (change.readable ? "the lid was opened" : "the lid cannot be read, which counts as open") + line});
+  }
+  inputs_.let_go();
+  wiring_.report({Kind::Recovery, "the lid was closed" + line});
+}
+
+void AxisInterlocks::take_limit_switch(const InputChange& change) {
+  if (!change.halted || wiring_.takes_contact(change)) return;
+  wiring_.halted_for({.what = "the limit switch (" + describe(config_.limit_switch.line) + ") is closed" +
+                              wiring_.where() + ", where it should be open"});
+}
+
+void AxisInterlocks::blocked() {
+  if (inputs_.lost()) {
+    loss_told_ = true;
+    return wiring_.fail({.what = loss()});
+  }
+  emergency_told_ = true;
+  const bool readable = inputs_.readable(AxisInput::EmergencyStop);
+  wiring_.fail(
+      {.what = (readable ? "the emergency stop is pressed (" : "the emergency stop cannot be read (") +
+               describe(config_.emergency_stop->line) + ")",
+       .owner_decides = true});
+}
+
+std::string AxisInterlocks::loss() const {
+  if (!inputs_.readable(AxisInput::LimitSwitch))
+    return "the limit switch cannot be read (" + describe(config_.limit_switch.line) + ")";
+  if (!inputs_.readable(AxisInput::SecondSwitch))
+    return "the second switch cannot be read (" + describe(config_.second_switch->line) + ")";
+  return "the axis' inputs on " + config_.limit_switch.line.chip +
+         " can no longer be read: their chip has gone, or they change without end";
+}
+
+std::vector<std::string> AxisInterlocks::why_not_ready() const {
+  std::vector<std::string> sentences;
+  const auto add = [&](AxisInput which, const std::string& name, const char* unsafe) {
+    if (inputs_.active(which))
+      sentences.push_back(name + (inputs_.readable(which) ? unsafe : " cannot be read"));
+  };
+  add(AxisInput::EmergencyStop, "the emergency stop", " is pressed");
+  add(AxisInput::Lid, "the lid", " is open");
+  return sentences;
+}
+
+}  // namespace contourd

@@ -1,0 +1,29 @@
+// That each header of core/analysis checks what it requires.
+#include "core/analysis/island_finder.hpp"
+#include "core/analysis/print_analysis.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using testing::contract_broken_by;
+
+TEST_CASE("PrintAnalysis takes masks of the display's size alone") {
+  const DisplayGeometry display{Pixels{8}, Pixels{6}, Micrometers{50.0}};
+  PrintAnalysis analysis(display);
+  CHECK(contract_broken_by([&] { analysis.add_layer(Mask(Pixels{8}, Pixels{6}), {}); }).empty());
+  const std::string size = "the mask has the display's size";
+  CHECK(contract_broken_by([&] { analysis.add_layer(Mask(Pixels{8}, Pixels{7}), {}); }) == size);
+  CHECK(contract_broken_by([&] { analysis.add_layer(Mask(Pixels{7}, Pixels{6}), {}); }) == size);
+}
+
+TEST_CASE("IslandFinder takes the runs of masks of one size alone") {
+  IslandFinder::Layer layer, taller;
+  for (auto [each, rows] : {std::pair(&layer, 4), std::pair(&taller, 5)}) {
+    const Mask mask(Pixels{4}, Pixels{rows});
+    each->lit.extract(mask);
+    each->bright.extract_bright(mask, each->lit, 1);
+  }
+  IslandFinder finder;
+  CHECK(contract_broken_by([&] { (void)finder.find(layer, layer, 1); }).empty());
+  CHECK(contract_broken_by([&] { (void)finder.find(layer, taller, 1); }) == "all masks have one size");
+}

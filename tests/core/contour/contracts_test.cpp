@@ -1,0 +1,34 @@
+// That each header of core/contour checks what it requires.
+#include "core/contour/contour_offset.hpp"
+#include "core/contour/contour_union.hpp"
+#include "core/contour/point_grid.hpp"
+#include "core/contour/slicer.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using testing::contract_broken_by;
+
+TEST_CASE("ContourOffset and ContourUnion do not write over what they read") {
+  Contours contours;
+  CHECK(contract_broken_by([&] { ContourOffset().offset(contours, Millimeters{0.1}, contours); }) ==
+        "the moved contours are an object of their own");
+  CHECK(contract_broken_by([&] {
+          ContourUnion().unite(contours, FillRule::NonZero, ContourUnion::kDoubleRounding, contours);
+        }) == "the outline is an object of its own");
+}
+
+TEST_CASE("PointGrid sorts by a reach that is more than nothing") {
+  CHECK(contract_broken_by([] { PointGrid().sort({}, {}, 1e-3); }).empty());
+  for (const double reach : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
+    CHECK(contract_broken_by([&] { PointGrid().sort({}, {}, reach); }) == "the reach is more than nothing");
+}
+
+TEST_CASE("A side that does not cross the plane is not intersected with it") {
+  if (testing::costly_checks_are_off()) return;
+  const Vertex lower{0, 0, 1}, upper{1, 1, 2};
+  CHECK(contract_broken_by([&] { (void)intersect_side(lower, upper, 1); }).empty());
+  for (const double z : {0.5, 2.0})
+    CHECK(contract_broken_by([&] { (void)intersect_side(lower, upper, z); }) == "the side crosses the plane");
+  CHECK(contract_broken_by([&] { (void)intersect_side(upper, lower, 1.5); }) == "the side crosses the plane");
+}

@@ -1,0 +1,190 @@
+#include "core/engine/section_source.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <vector>
+
+#include "core/engine/contour_engine.hpp"
+#include "tests/catch.hpp"
+#include "tests/core/section_fixture.hpp"
+
+using namespace contourd;
+
+namespace {
+
+const DisplayGeometry kDisplay{Pixels{240}, Pixels{220}, Micrometers{100.0}};
+constexpr double kPixelMm2 = 0.01;
+
+// Upright boxes on the plate, from its centre, in millimetres.
+struct Box {
+  double left, front, right, back;
+  Nanometers bottom, top;
+};
+
+class Boxes final : public SectionSource {
+ public:
+  explicit Boxes(std::vector<Box> boxes) : boxes_(std::move(boxes)) {}
+
+  void section_at(Nanometers height, Contours& contours) const override {
+    contours.points.clear();
+    contours.loops.clear();
+    for (const Box& box : boxes_) {
+      if (height < box.bottom || height >= box.top) continue;
+      contours.loops.push_back({static_cast<std::uint32_t>(contours.points.size()), 4});
+      for (const Point corner : {Point{box.left, box.front}, Point{box.right, box.front},
+                                 Point{box.right, box.back}, Point{box.left, box.back}})
+        contours.points.push_back(corner);
+    }
+  }
+
+ private:
+  std::vector<Box> boxes_;
+};
+
+constexpr Nanometers mm(std::int64_t count) {
+  return Nanometers{count * 1'000'000};
+}
+
+// Alone on the plate, its point (0, 0) on the plate's centre.
+PlateModel plate_model(const models::Facets& facets, Elevation elevation = {},
+                       const DisplayGeometry& display = kDisplay) {
+  return {{std::make_shared<const HeightIndex>(facets), elevation}, {PixelMap::true_scale(display, {0, 0})}};
+}
+
+ContourEngine engine_for(std::vector<PlateModel> models, std::vector<Box> boxes,
+                         EngineSettings settings = {}) {
+  if (settings.display.width == Pixels{1920}) settings.display = kDisplay;
+  return {std::move(models), settings, std::make_shared<const Boxes>(std::move(boxes))};
+}
+
+EngineSettings with(AntiAliasing anti_aliasing, Micrometers growth = {}) {
+  EngineSettings settings{kDisplay, anti_aliasing};
+  settings.compensation.growth = growth;
+  return settings;
+}
+
+double area_mm2(const Mask& mask) {
+  return mask.lit_area() * kPixelMm2;
+}
+
+}  // namespace
+
+TEST_CASE("What stands beside the models is exposed at its place and its heights") {
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    ContourEngine engine = engine_for({}, {{-3, 1, -1, 4, mm(1), mm(3)}}, with(mode));
+    CHECK(engine.mask_at(Nanometers{999'999}).lit_pixels() == 0);
+    const Mask mask = engine.mask_at(mm(1));
+    CHECK(mask.lit_pixels() == 20 * 30);
+    // 240 x 220 pixels of 0.1 mm: the plate's centre is (120, 110), and what lies at the back is above it.
+    CHECK(mask.row(70)[90] == 255);
+    CHECK(mask.row(99)[109] == 255);
+    CHECK(mask.row(69)[90] == 0);
+    CHECK(mask.row(70)[89] == 0);
+    CHECK(engine.mask_at(mm(3)).lit_pixels() == 0);
+  }
+}
+
+TEST_CASE("A mirrored display mirrors what stands beside the models as it does the models") {
+  DisplayGeometry mirrored = kDisplay;
+  mirrored.mirror_x = true;
+  const Box box{1, 1, 3, 4, mm(0), mm(5)};
+  for (const DisplayGeometry& display : {kDisplay, mirrored}) {
+    ContourEngine beside = engine_for({}, {box}, {display, AntiAliasing::On});
+    ContourEngine model({plate_model(models::box({1, 1, 0}, {3, 4, 5}), {}, display)},
+                        {display, AntiAliasing::On});
+    CHECK(beside.mask_at(mm(1)) == model.mask_at(mm(1)));
+  }
+}
+
+TEST_CASE("The mask is the union of models and what is beside them, to the pixel's part") {
+  // They share a wall within a pixel, overlap, or one holds the other; edges that are no whole pixels.
+  const std::vector<std::pair<Box, double>> cases{
+      {{2.03, -2, 4.07, 2, mm(0), mm(5)}, (4.03 + 2.04) * 4},
+      {{1.01, -3.02, 4.07, 1.05, mm(0), mm(5)}, 4.03 * 4 + 3.06 * 4.07 - 1.02 * 3.05},
+      {{-1.04, -1, 1.02, 1.06, mm(0), mm(5)}, 4.03 * 4},
+      {{-4.04, -4, 4.02, 4.06, mm(0), mm(5)}, 8.06 * 8.06}};
+  const models::Facets model = models::box({-2, -2, 0}, {2.03F, 2, 5});
+  for (const auto& [box, area] : cases) {
+    ContourEngine engine = engine_for({plate_model(model)}, {box});
+    CAPTURE(area);
+    // Half a grey value for each of the outline's pixels, of which there are fewer than 400.
+    CHECK(std::fabs(area_mm2(engine.mask_at(mm(1))) - area) < 400 * 0.5 / 255 * kPixelMm2);
+  }
+}
+
+TEST_CASE("Without anti-aliasing the union is that of both pictures") {
+  const models::Facets model = models::sphere(4, 16);
+  const Box box{1.01, -3.02, 7.07, 1.05, mm(0), mm(9)};
+  ContourEngine both = engine_for({plate_model(model)}, {box}, with(AntiAliasing::Off));
+  ContourEngine alone = engine_for({plate_model(model)}, {}, with(AntiAliasing::Off));
+  ContourEngine beside = engine_for({}, {box}, with(AntiAliasing::Off));
+  for (Nanometers height = mm(0); height < mm(10); height += Nanometers{700'000}) {
+    const Mask united = both.mask_at(height), one = alone.mask_at(height), other = beside.mask_at(height);
+    for (std::size_t i = 0; i < united.pixels().size(); ++i) {
+      if (united.pixels()[i] != std::max(one.pixels()[i], other.pixels()[i])) FAIL("pixel " << i);
+    }
+  }
+}
+
+TEST_CASE("What does not touch the models changes nothing in their pixels") {
+  const models::Facets model =
+      testing::together(models::gyroid_sphere(4, 5, 24), models::box({-4, -4, -4}, {1, 1, 2}));
+  const Box box{6.03, -3, 8.01, 4, mm(0), mm(9)};
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    ContourEngine both = engine_for({plate_model(model)}, {box}, with(mode));
+    ContourEngine alone = engine_for({plate_model(model)}, {}, with(mode));
+    ContourEngine beside = engine_for({}, {box}, with(mode));
+    for (Nanometers height = mm(0); height < mm(8); height += Nanometers{700'000}) {
+      const Mask united = both.mask_at(height), one = alone.mask_at(height), other = beside.mask_at(height);
+      for (std::size_t i = 0; i < united.pixels().size(); ++i) {
+        if (united.pixels()[i] != one.pixels()[i] + other.pixels()[i]) FAIL("pixel " << i);
+      }
+    }
+  }
+}
+
+TEST_CASE("Compensation moves the models and not what is beside them") {
+  for (const Micrometers growth : {Micrometers{200}, Micrometers{-200}}) {
+    ContourEngine engine = engine_for({plate_model(models::box({-4, -4, 0}, {0, 0, 5}))},
+                                      {{2, 2, 5, 5, mm(0), mm(5)}}, with(AntiAliasing::On, growth));
+    ContourEngine alone =
+        engine_for({plate_model(models::box({-4, -4, 0}, {0, 0, 5}))}, {}, with(AntiAliasing::On, growth));
+    const double model_mm2 = area_mm2(alone.mask_at(mm(1)));
+    CHECK(std::fabs(model_mm2 - 16) > 2);
+    CHECK(area_mm2(engine.mask_at(mm(1))) - model_mm2 == contourd::testing::Approx(9.0).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("Loops, gaps and facets are told of the models alone") {
+  models::Facets cracked = models::box({-4, -4, 0}, {4, 4, 5});
+  cracked.erase(cracked.begin() + 5);
+  ContourEngine both = engine_for({plate_model(cracked)}, {{-5, -1, 5, 1, mm(0), mm(5)}});
+  ContourEngine alone = engine_for({plate_model(cracked)}, {});
+  (void)both.mask_at(mm(1));
+  (void)alone.mask_at(mm(1));
+  CHECK(both.cracks() == alone.cracks());
+  CHECK(both.intersecting_facets() == alone.intersecting_facets());
+  CHECK(both.count_loops() == alone.count_loops());
+  CHECK(both.contours_at(mm(1)).loops.size() == alone.contours_at(mm(1)).loops.size());
+}
+
+TEST_CASE("A model that stands above the plate is held by what stands on it") {
+  ContourEngine engine = engine_for({plate_model(models::box({-4, -4, 0}, {4, 4, 5}), Elevation(mm(5)))},
+                                    {{-1, -1, 1, 1, mm(0), Nanometers{5'200'000}}});
+  CHECK(engine.mask_at(mm(1)).lit_pixels() == 20 * 20);
+  CHECK(engine.mask_at(Nanometers{5'100'000}).lit_pixels() == 80 * 80);
+  CHECK(engine.mask_at(mm(6)).lit_pixels() == 80 * 80);
+  // The same by the model's own z.
+  CHECK(engine.mask_at_z(Millimeters{-4}).lit_pixels() == 20 * 20);
+}
+
+TEST_CASE("A budget that is overrun by what is beside the models leaves the engine as it was") {
+  std::vector<Box> boxes(4000, Box{-5, -5, 5, 5, mm(0), mm(5)});
+  ContourEngine engine = engine_for({plate_model(models::box({-4, -4, 0}, {4, 4, 5}))}, std::move(boxes));
+  MaskBudget small(std::nullopt, 1000);
+  CHECK(engine.mask_within(mm(1), small) == nullptr);
+  CHECK(small.overrun());
+  CHECK(engine.mask_at(mm(1)).lit_pixels() == 100 * 100);
+}

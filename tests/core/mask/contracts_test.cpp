@@ -1,0 +1,72 @@
+// That each header of core/mask checks what it requires.
+#include "core/mask/coverage_band.hpp"
+#include "core/mask/exact_side.hpp"
+#include "core/mask/exposure_correction.hpp"
+#include "core/mask/mask.hpp"
+#include "core/mask/mask_runs.hpp"
+#include "core/mask/pixel_map.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using testing::contract_broken_by;
+
+TEST_CASE("Mask has rows from 0 to its height") {
+  Mask mask(Pixels{4}, Pixels{3});
+  const Mask& same = mask;
+  for (const std::int32_t row : {0, 2})
+    CHECK(contract_broken_by([&] { (void)mask.row(row); }).empty());
+  for (const std::int32_t row : {-1, 3}) {
+    CHECK(contract_broken_by([&] { (void)mask.row(row); }) == "the row is one of the mask's");
+    CHECK(contract_broken_by([&] { (void)same.row(row); }) == "the row is one of the mask's");
+  }
+}
+
+TEST_CASE("MaskRuns has the rows of the mask that it was extracted from") {
+  MaskRuns runs;
+  CHECK(contract_broken_by([&] { (void)runs.in_row(0); }) == "the row is one of the mask's");
+  runs.extract(Mask(Pixels{4}, Pixels{3}));
+  CHECK(contract_broken_by([&] { (void)runs.in_row(2); }).empty());
+  CHECK(contract_broken_by([&] { (void)runs.in_row(3); }) == "the row is one of the mask's");
+  MaskRuns bright;
+  CHECK(contract_broken_by([&] { bright.extract_bright(Mask(Pixels{4}, Pixels{2}), runs, 1); }) ==
+        "the lit pixels are this mask's");
+}
+
+TEST_CASE("PixelMap is at true scale where a pixel has a size") {
+  for (const double um : {0.0, -50.0}) {
+    const DisplayGeometry display{Pixels{8}, Pixels{6}, Micrometers{um}};
+    CHECK(contract_broken_by([&] { (void)PixelMap::true_scale(display, {0, 0}); }) == "a pixel has a size");
+  }
+}
+
+TEST_CASE("ExposureCorrection takes a gamma from 0.1 to 10, and masks of one size") {
+  for (const double gamma : {0.09, 10.1})
+    CHECK(contract_broken_by([&] { (void)grey_for_light(gamma); }) == "gamma is 0.1 to 10");
+  const ExposureCorrection plain({}, std::nullopt), uneven({}, Mask(Pixels{4}, Pixels{3}));
+  Mask from(Pixels{5}, Pixels{3}), to(Pixels{5}, Pixels{3}), other(Pixels{5}, Pixels{4});
+  CHECK(contract_broken_by([&] { plain.apply(from, to); }).empty());
+  CHECK(contract_broken_by([&] { plain.apply(from, other); }) == "all masks have one size");
+  CHECK(contract_broken_by([&] { uneven.apply(from, to); }) == "all masks have one size");
+  CHECK(contract_broken_by([&] { plain.apply(from, from); }) == "the corrected mask is an object of its own");
+}
+
+TEST_CASE("CoverageBand has as many rows as it says, and their cells") {
+  CoverageBand band(100);
+  CHECK(contract_broken_by([&] { (void)band.row(band.rows() - 1); }).empty());
+  for (const std::int32_t row : {-1, band.rows()})
+    CHECK(contract_broken_by([&] { (void)band.row(row); }) == "the row is one of the band's");
+  if (testing::costly_checks_are_off()) return;
+  CHECK(contract_broken_by([&] { band.row(0).add(102, 1); }).empty());
+  CHECK(contract_broken_by([&] { band.row(0).add(200, 1); }) == "the column is one of the row's");
+  CHECK(contract_broken_by([&] { band.row(0).add(100, 1, 1, 1); }).empty());
+  CHECK(contract_broken_by([&] { band.row(0).add(200, 1, 1, 1); }) == "the columns are some of the row's");
+}
+
+TEST_CASE("Which side a point lies on is exact for coordinates below 1e100") {
+  if (testing::costly_checks_are_off()) return;
+  CHECK(contract_broken_by([] { (void)side_of({0, 0}, {1, 9e99}, {2, 3}); }).empty());
+  CHECK(contract_broken_by([] {
+          (void)side_of({0, 0}, {1, 1e100}, {2, 3});
+        }) == "coordinates are below 1e100");
+}

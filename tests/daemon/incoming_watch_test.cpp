@@ -1,0 +1,102 @@
+#include "daemon/incoming_watch.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <string>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/printer_fixture.hpp"
+#include "tests/daemon/spool_fixture.hpp"
+
+using namespace contourd;
+using Names = std::vector<std::string>;
+
+namespace {
+
+// A spool's incoming/ that is watched, and what is told of it.
+class Desk : public testing::NoSpoolObserver {
+ public:
+  // Turns the loop until incoming/`file` has arrived, and calls `when` for every file that does. Once.
+  bool run_until_arrived(const std::string& file, std::function<void(const std::string&)> when) {
+    using namespace std::chrono_literals;
+    when_arrived_ = [this, file, when = std::move(when)](const std::string& each) {
+      when(each);
+      if (each == file) loop.stop();
+    };
+    const auto given_up =
+        loop.at(std::chrono::steady_clock::now() + 20s, "the test", [this] { loop.stop(); });
+    loop.run();
+    return !arrived.empty() && arrived.back() == file;
+  }
+  // The disk has answered all that it was asked for, and its answers are not told yet.
+  void wait_for_disk() {
+    std::promise<void> answered;
+    disk.run(
+        [&answered] {
+          answered.set_value();
+          return true;
+        },
+        [](bool) {});
+    answered.get_future().wait();
+  }
+
+  testing::SpoolFixture spool;
+  EventLoop loop;
+  Worker disk{loop};
+  CopiedOriginals copied{spool.folder.path() / "copied-originals"};
+  Names arrived, withdrawn;
+  IncomingWatch watch{spool.folders, copied, [] {}, loop, disk, *this};
+
+ private:
+  void model_arrived(const std::string& file) override {
+    arrived.push_back(file);
+    when_arrived_(file);
+  }
+  void model_withdrawn(const std::string& file) override { withdrawn.push_back(file); }
+
+  std::function<void(const std::string&)> when_arrived_;
+};
+
+}  // namespace
+
+TEST_CASE("What a look found in a file that the spool moved away meanwhile is not told") {
+  Desk desk;
+  desk.spool.put("incoming/part.stl");
+  desk.watch.open();
+  const bool last_arrived = desk.run_until_arrived("next.stl", [&](const std::string& file) {
+    if (file != "part.stl") return;
+    desk.watch.wait_for("part.stl");
+    desk.wait_for_disk();
+    std::filesystem::rename(desk.spool.folder.path() / "incoming/part.stl",
+                            desk.spool.folder.path() / "printing/part.stl");
+    desk.watch.moved_away("part.stl");
+    desk.spool.put("incoming/next.stl");
+  });
+  CHECK(last_arrived);
+  CHECK(desk.arrived == Names{"part.stl", "next.stl"});
+  CHECK(desk.withdrawn.empty());
+}
+
+TEST_CASE("What comes under the name of a file that the spool moved away has arrived") {
+  Desk desk;
+  desk.spool.put("incoming/part.stl");
+  desk.watch.open();
+  int times = 0;
+  const bool last_arrived = desk.run_until_arrived("next.stl", [&](const std::string& file) {
+    if (file != "part.stl" || ++times > 2) return;
+    if (times == 1) {
+      std::filesystem::rename(desk.spool.folder.path() / "incoming/part.stl",
+                              desk.spool.folder.path() / "printing/part.stl");
+      desk.watch.moved_away("part.stl");
+      desk.spool.put("incoming/part.stl", "another model");
+    } else {
+      desk.spool.put("incoming/next.stl");
+    }
+  });
+  CHECK(last_arrived);
+  CHECK(times >= 2);
+  CHECK(desk.withdrawn.empty());
+}

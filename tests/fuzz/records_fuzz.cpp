@@ -1,0 +1,196 @@
+// Fuzz target: any bytes where the daemon left something for its next start, by the first byte: o
+// plate-occupied, h queue-held, e ended-print, c what was copied, r what was being read, l light.json, p the
+// names in printing/ and beside it. What is kept reads back the same, what makes no sense is nothing, and no
+// file is lost. An '@' in c and r is the mark of a job that is there.
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/config/light_config.hpp"
+#include "daemon/copied_originals.hpp"
+#include "daemon/left_in_printing.hpp"
+#include "daemon/print_archivist.hpp"
+#include "daemon/reading_record.hpp"
+#include "daemon/state_records.hpp"
+#include "tests/daemon/spool_fixture.hpp"
+#include "tests/fuzz/told.hpp"
+
+namespace contourd::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What StateRecords keeps and gives.
+using Get = std::optional<std::string> (StateRecords::*)() const;
+using Set = void (StateRecords::*)(const std::optional<std::string>&) const;
+
+void check_line(const char* name, Get get, Set set, std::string_view bytes) {
+  static const testing::TemporaryFolder left, next;
+  (void)left.write(name, bytes);
+  const std::optional<std::string> read = (StateRecords(left.path()).*get)();
+  demand(read.has_value(), "a record that is there is not read");
+  demand(*read == bytes.substr(0, bytes.find('\n')), "a record is not its first line");
+  (StateRecords(next.path()).*set)(read);
+  demand((StateRecords(next.path()).*get)() == read, "a record does not read back");
+  (StateRecords(next.path()).*set)(std::nullopt);
+  demand(!(StateRecords(next.path()).*get)(), "a record that was taken away is there");
+}
+
+class Deaf final : public SpoolObserver {
+  void model_arrived(const std::string&) override {}
+  void model_withdrawn(const std::string&) override {}
+  void plate_waits(const std::string&, const std::vector<std::string>&) override {}
+  void passed_over(const std::string&, WhyPassedOver) override {}
+  void more_passed_over(std::size_t) override {}
+  void incoming_lost(const std::string&) override {}
+  void incoming_replaced() override {}
+};
+
+void check_end(std::string_view bytes) {
+  static const testing::TemporaryFolder folder;
+  static EventLoop loop;
+  static Deaf deaf;
+  static const Spool spool(folder.path() / "spool", loop, deaf);
+  for (const std::string job : {"part", "b\xE4r"}) {
+    spool.records().keep_end_of_print(std::string(bytes));
+    const std::optional<PrintEnd> end = recorded_end(spool, job);
+    if (!end) continue;
+    demand(reason_text(*end).empty() == (end->outcome == PrintOutcome::Done), "a good print has a reason");
+    demand(!recorded_end(spool, job + "2"), "a print's end is another's");
+  }
+}
+
+std::string with_mark(std::string_view bytes, const JobFiles& job) {
+  std::string text;
+  for (const char byte : bytes)
+    text += byte == '@' ? mark_of(job) : std::string(1, byte);
+  return text;
+}
+
+void check_copied(const testing::SpoolFixture& spool, std::string_view bytes) {
+  const JobFiles job = spool.folders.files_of(SpoolFolder::Incoming, "part.stl");
+  const std::string mark = mark_of(job);
+  const fs::path record = spool.folder.write("copied", with_mark(bytes, job));
+  CopiedOriginals copied(record);
+  copied.settle(spool.folders.path(SpoolFolder::Printing));
+  const bool had = copied.contains(job);
+  demand(CopiedOriginals(record).contains(job) == had, "what was copied does not read back");
+  copied.keep_those_in(spool.folders.path(SpoolFolder::Incoming));
+  demand(copied.contains(job) == had, "an original that is there is forgotten");
+  copied.add(mark);
+  demand(CopiedOriginals(record).contains(job), "an original that was copied is taken once more");
+  copied.remove(mark);
+  demand(!CopiedOriginals(record).contains(job), "an original is never taken again");
+}
+
+void check_reading(const testing::SpoolFixture& spool, std::string_view bytes) {
+  const JobFiles job = spool.folders.files_of(SpoolFolder::Incoming, "part.stl");
+  std::string boot;
+  std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
+  const fs::path file = spool.folder.write("reading", boot + "\n" + with_mark(bytes, job));
+  ReadingRecord record(file);
+  (void)record.take_ended(job);
+  demand(!record.take_ended(job), "an end is told twice");
+  demand(!ReadingRecord(file).take_ended(job), "an end that was told is told again");
+}
+
+void check_light(const testing::TemporaryFolder& folder, const std::string& text) {
+  try {
+    const LightConfig light = read_light_record(folder.write("light.json", text));
+    const LightConfig dark = read_light_record(folder.write("light.json", left_dark(text)));
+    demand(dark.left_dark, "darkness does not read back");
+    demand(dark.line.has_value() == light.line.has_value(), "a light's line is lost");
+    demand(dark.projector.has_value() == light.projector.has_value(), "a light's projector is lost");
+  } catch (const ConfigError& error) {
+    demand_told(error);
+  }
+}
+
+std::string folder_called(char letter) {
+  switch (letter) {
+    case 'i':
+      return "incoming/";
+    case 'd':
+      return "done/";
+    case 'f':
+      return "failed/";
+    default:
+      return "printing/";
+  }
+}
+
+bool is_file_name(std::string_view name) {
+  constexpr std::string_view separators("/\0", 2);
+  return !name.empty() && name.size() <= 200 && name.find_first_of(separators) == std::string_view::npos &&
+         name != "." && name != "..";
+}
+
+// Every line is a folder's letter and a file's name there; P a plate's in printing/.
+void put_files(const testing::SpoolFixture& spool, std::string_view lines) {
+  for (std::size_t files = 0; !lines.empty() && files < 20; ++files) {
+    const std::string_view line = lines.substr(0, lines.find('\n'));
+    lines.remove_prefix(std::min(line.size() + 1, lines.size()));
+    if (line.empty() || !is_file_name(line.substr(1))) continue;
+    const std::string path = folder_called(line[0]) + std::string(line.substr(1));
+    if (!spool.has(path)) spool.put(path + (line[0] == 'P' ? "/plate.json" : ""), line);
+  }
+}
+
+std::vector<std::string> files_in(const testing::SpoolFixture& spool) {
+  std::vector<std::string> texts;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(spool.folder.path()))
+    if (entry.is_regular_file())
+      texts.push_back(spool.text_of(fs::relative(entry.path(), spool.folder.path())));
+  std::ranges::sort(texts);
+  return texts;
+}
+
+void check_printing(std::string_view names) {
+  const testing::SpoolFixture spool;
+  put_files(spool, names);
+  const std::vector<std::string> files = files_in(spool);
+  const std::vector<JobFiles> jobs = jobs_left_in_printing(spool.folders);
+  demand(files_in(spool) == files, "a file is lost");
+  for (const JobFiles& job : jobs)
+    demand(fs::exists(job.model) && !job.name.empty(), "a job without a model");
+  demand(jobs_left_in_printing(spool.folders).size() == jobs.size(), "the next start finds other jobs");
+}
+
+void check(char kind, std::string_view bytes) {
+  static const testing::TemporaryFolder folder;
+  static const testing::SpoolFixture spool;
+  spool.put("incoming/part.stl");
+  switch (kind) {
+    case 'o':
+      return check_line("plate-occupied", &StateRecords::plate_occupant, &StateRecords::set_plate_occupant,
+                        bytes);
+    case 'h':
+      return check_line("queue-held", &StateRecords::hold, &StateRecords::set_hold, bytes);
+    case 'e':
+      return check_end(bytes);
+    case 'c':
+      return check_copied(spool, bytes);
+    case 'r':
+      return check_reading(spool, bytes);
+    case 'l':
+      return check_light(folder, std::string(bytes));
+    case 'p':
+      return check_printing(bytes);
+    default:
+      return;
+  }
+}
+
+}  // namespace
+}  // namespace contourd::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size > 0)
+    contourd::fuzz::check(static_cast<char>(data[0]), {reinterpret_cast<const char*>(data) + 1, size - 1});
+  return 0;
+}

@@ -1,0 +1,51 @@
+// That each header of hw checks what it requires.
+#include "hw/motion_curve.hpp"
+#include "hw/motion_profile.hpp"
+#include "hw/simulated_axis.hpp"
+#include "hw/simulated_printer.hpp"
+#include "hw/virtual_clock.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+using testing::contract_broken_by;
+
+TEST_CASE("MotionCurve goes a distance that is no less than nothing, within limits that are more") {
+  const auto curve = [](double distance, const MotionLimits& limits) {
+    return contract_broken_by([&] { MotionCurve(distance, limits); });
+  };
+  CHECK(curve(0, {1, 1, 1}).empty());
+  CHECK(curve(-1, {1, 1, 1}) == "a distance is no less than nothing");
+  for (const MotionLimits& limits : {MotionLimits{0, 1, 1}, MotionLimits{1, 0, 1}, MotionLimits{1, 1, 0}})
+    CHECK(curve(1, limits) == "every limit is more than nothing");
+  CHECK(contract_broken_by([] {
+          MotionProfile(Nanometers{-1'000'000}, MillimetersPerSecond{0}, MillimetersPerSecondSquared{1});
+        }) == "every limit is more than nothing");
+}
+
+TEST_CASE("ZAxis neither homes nor moves while it moves") {
+  VirtualClock clock;
+  SimulatedAxis axis(clock, {});
+  axis.home([](HomingResult) {});
+  CHECK(contract_broken_by([&] { axis.home([](HomingResult) {}); }) == "the axis does not move");
+  CHECK(contract_broken_by([&] {
+          axis.move_to(Nanometers{0}, MillimetersPerSecond{1}, [](MoveResult) {});
+        }) == "the axis does not move");
+  axis.abort();
+  CHECK(contract_broken_by([&] { axis.home([](HomingResult) {}); }).empty());
+}
+
+TEST_CASE("MaskDisplay shows masks of its size alone") {
+  VirtualClock clock;
+  SimulatedPrinterConfig config;
+  config.display.width = Pixels{8};
+  config.display.height = Pixels{6};
+  SimulatedPrinter printer(clock, config);
+  const auto show = [&](Pixels width, Pixels height) {
+    return contract_broken_by(
+        [&] { printer.display().show(Mask(width, height), [](std::optional<TimePoint>) {}); });
+  };
+  CHECK(show(Pixels{8}, Pixels{6}).empty());
+  CHECK(show(Pixels{6}, Pixels{8}) == "the mask has the display's size");
+}

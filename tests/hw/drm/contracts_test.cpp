@@ -1,0 +1,47 @@
+// That each header of hw/drm checks what it requires. An Output needs a card: its masks are those of its
+// frame writers, whose size is its mode's.
+#include <array>
+
+#include "hw/drm/atomic_request.hpp"
+#include "hw/drm/frame_writer.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using testing::contract_broken_by;
+
+namespace {
+
+alignas(4) std::array<std::byte, 4 * 5 * 3 + 1> memory;
+
+FrameWriter::Layout layout(std::size_t stride_bytes) {
+  return {.width = Pixels{5}, .height = Pixels{3}, .stride_bytes = stride_bytes};
+}
+
+std::string writing(std::size_t stride_bytes, std::size_t begin, std::size_t bytes) {
+  return contract_broken_by(
+      [=] { FrameWriter(layout(stride_bytes), std::span(memory).subspan(begin, bytes)); });
+}
+
+}  // namespace
+
+TEST_CASE("FrameWriter writes to memory that holds its rows, and is aligned") {
+  CHECK(writing(20, 0, 60).empty());
+  CHECK(writing(19, 0, 60) == "a row holds its pixels");
+  CHECK(writing(20, 0, 59) == "the memory holds all rows");
+  CHECK(writing(20, 1, 60) == "the memory is aligned as a pixel is");
+}
+
+TEST_CASE("FrameWriter writes masks of its size alone") {
+  FrameWriter writer(layout(20), std::span(memory).first(60));
+  CHECK(contract_broken_by([&] { writer.write(Mask(Pixels{5}, Pixels{3})); }).empty());
+  CHECK(contract_broken_by([&] { writer.write(Mask(Pixels{5}, Pixels{4})); }) ==
+        "the mask has the layout's size");
+}
+
+TEST_CASE("AtomicRequest changes a property that was set") {
+  AtomicRequest request;
+  CHECK(contract_broken_by([&] { request.change_last(1); }) == "a property was set");
+  request.set(1, 2, 3);
+  CHECK(contract_broken_by([&] { request.change_last(1); }).empty());
+}

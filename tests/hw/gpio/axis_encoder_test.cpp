@@ -1,0 +1,184 @@
+#include "hw/gpio/axis_encoder.hpp"
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+
+namespace {
+
+using Policy = EncoderConfig::Policy;
+
+// 800 steps and 400 counts a mm; 0.05 mm are 40 steps, or 20 counts.
+GpioAxisConfig config(Policy policy = Policy::Fault) {
+  EncoderConfig encoder;
+  encoder.a.line = "7";
+  encoder.b.line = "8";
+  encoder.counts_per_mm = 400;
+  encoder.policy = policy;
+  encoder.index = GpioLineConfig{"gpiochip0", "9", false};
+  encoder.index_every = Nanometers{4'000'000};
+  GpioAxisConfig config;
+  config.encoder = encoder;
+  return config;
+}
+
+AxisEncoder encoder_of(const GpioAxisConfig& axis) {
+  return {axis, axis.encoder.value()};
+}
+
+EncoderReading counted(std::int64_t count) {
+  return {.count = count};
+}
+EncoderReading passed_index(std::uint64_t pulses, std::int64_t count) {
+  return {.count = count, .index_pulses = pulses, .index_count = count};
+}
+
+bool says(const std::optional<std::string>& sentence, const std::string& words) {
+  UNSCOPED_INFO(sentence.value_or("nothing"));
+  return sentence && sentence->find(words) != std::string::npos;
+}
+
+bool is_well(const AxisEncoder::Finding& finding) {
+  return !finding.fault && !finding.notice;
+}
+
+}  // namespace
+
+TEST_CASE("An encoder puts the plate where it was agreed to be and as far on as it has counted") {
+  AxisEncoder encoder = encoder_of(config());
+  encoder.agree(counted(1'000), -80);
+  CHECK(encoder.plate(counted(1'000)) == -80);
+  CHECK(encoder.plate(counted(1'400)) == 720);  // 1 mm
+  CHECK(encoder.plate(counted(600)) == -880);
+}
+
+TEST_CASE("A reversed encoder counts down as the plate rises") {
+  GpioAxisConfig reversed = config();
+  reversed.encoder->reversed = true;
+  AxisEncoder encoder = encoder_of(reversed);
+  encoder.agree(counted(-50), 0);
+  CHECK(encoder.plate(counted(-450)) == 800);
+  CHECK(encoder.plate(counted(350)) == -800);
+}
+
+TEST_CASE("At rest, a difference up to the tolerance is none") {
+  AxisEncoder encoder = encoder_of(config());
+  encoder.agree(counted(0), 0);
+  CHECK(is_well(encoder.compare(counted(20), 0)));
+  CHECK(is_well(encoder.compare(counted(-20), 0)));
+  CHECK_FALSE(is_well(encoder.compare(counted(21), 0)));
+  CHECK_FALSE(is_well(encoder.compare(counted(-21), 0)));
+}
+
+TEST_CASE("At rest, a difference beyond the tolerance is a fault with its figures, or to be made good") {
+  const std::string words = "the encoder says 0.900 mm where the motor's steps make 1.000 mm";
+  AxisEncoder strict = encoder_of(config());
+  strict.agree(counted(0), 0);
+  CHECK(says(strict.compare(counted(360), 800).fault, words));
+
+  AxisEncoder lenient = encoder_of(config(Policy::Correct));
+  lenient.agree(counted(0), 0);
+  lenient.move_begins(counted(0));
+  const AxisEncoder::Finding finding = lenient.compare(counted(360), 800);
+  CHECK_FALSE(finding.fault);
+  CHECK(says(finding.notice, words));
+  CHECK(says(finding.notice, "they are made good, as 0.100 mm since homing"));
+}
+
+TEST_CASE("More than may be made good, in a move or since homing, is a fault; homing begins anew") {
+  AxisEncoder encoder = encoder_of(config(Policy::Correct));
+  encoder.agree(counted(0), 0);
+  encoder.move_begins(counted(0));
+  CHECK(says(encoder.compare(counted(-101), 0).fault, "0.250 mm are allowed"));
+  encoder.agree(counted(0), 0);
+  for (int move = 0; move < 2; ++move) {
+    encoder.move_begins(counted(0));
+    CHECK_FALSE(encoder.compare(counted(-99), 0).fault);
+  }
+  encoder.move_begins(counted(0));
+  CHECK(says(encoder.compare(counted(-99), 0).fault, "0.500 mm are allowed"));
+  encoder.agree(counted(0), 0);
+  encoder.move_begins(counted(0));
+  CHECK_FALSE(encoder.compare(counted(-99), 0).fault);
+}
+
+TEST_CASE("A difference that came by and by is a fault, whatever the policy") {
+  AxisEncoder encoder = encoder_of(config(Policy::Correct));
+  encoder.agree(counted(0), 0);
+  encoder.move_begins(counted(0));
+  CHECK(is_well(encoder.compare(counted(-18), 0)));
+  encoder.move_begins(counted(0));
+  CHECK(says(encoder.compare(counted(-30), 0).fault, "by and by"));
+}
+
+TEST_CASE("While the motor turns, an encoder may be behind by the tolerance and five milliseconds' way") {
+  // 0.05 mm, and 10 mm/s for 5 ms: 0.1 mm, 40 counts.
+  AxisEncoder encoder = encoder_of(config());
+  encoder.agree(counted(0), 0);
+  CHECK_FALSE(encoder.runaway(counted(40), 0, true));
+  CHECK(says(encoder.runaway(counted(41), 0, true), "steps were lost"));
+  CHECK(says(encoder.runaway(counted(-41), 0, true), "steps were lost"));
+}
+
+TEST_CASE("While the motor turns, what may be made good is no runaway, unless the position is unknown") {
+  // 0.25 mm and 0.05 mm: 120 counts.
+  AxisEncoder encoder = encoder_of(config(Policy::Correct));
+  encoder.agree(counted(0), 0);
+  CHECK_FALSE(encoder.runaway(counted(-120), 0, true));
+  CHECK(encoder.runaway(counted(-121), 0, true));
+  CHECK(encoder.runaway(counted(-41), 0, false));
+}
+
+TEST_CASE("While the position is unknown, the screw's play is no runaway, and ways count from the start") {
+  // 0.05 mm, 0.05 mm and 0.1 mm of play: 80 counts.
+  GpioAxisConfig c = config();
+  c.backlash = Nanometers{100'000};
+  AxisEncoder encoder = encoder_of(c);
+  encoder.agree(counted(0), 8'000);
+  CHECK_FALSE(encoder.runaway(counted(80), 8'000, false));
+  CHECK(says(encoder.runaway(counted(0), 7'200, false),
+             "the encoder says 0.000 mm where the motor's steps make -1.000 mm"));
+  CHECK(encoder.runaway(counted(41), 8'000, true));
+}
+
+TEST_CASE("An encoder with more illegal edges in a move than the tolerance allows is not believed") {
+  AxisEncoder encoder = encoder_of(config());
+  encoder.move_begins({.illegal_edges = 3});
+  CHECK(is_well(encoder.check({.illegal_edges = 13}, false)));
+  CHECK(says(encoder.check({.illegal_edges = 14}, false).fault, "made 11 edges in one move"));
+  encoder.move_begins({.illegal_edges = 14});
+  CHECK(is_well(encoder.check({.illegal_edges = 24}, true)));
+}
+
+TEST_CASE("An index that disagrees is a fault, or puts the count right and says so") {
+  // The index is passed every 1,600 counts; the count is off by 100, 0.25 mm.
+  AxisEncoder strict = encoder_of(config());
+  strict.agree(counted(0), 0);
+  CHECK(is_well(strict.check(passed_index(1, 200), true)));
+  CHECK(is_well(strict.check(passed_index(2, 1'800), true)));
+  CHECK(says(strict.check(passed_index(3, 300), true).fault,
+             "the encoder's index (line 9 of gpiochip0) says that its count is 0.250 mm off"));
+
+  for (const bool reversed : {false, true}) {
+    CAPTURE(reversed);
+    GpioAxisConfig c = config(Policy::Correct);
+    c.encoder->reversed = reversed;
+    AxisEncoder lenient = encoder_of(c);
+    lenient.agree(counted(0), 0);
+    lenient.move_begins(counted(0));
+    CHECK(is_well(lenient.check(passed_index(1, 200), true)));
+    CHECK(says(lenient.check(passed_index(2, 300), true).notice, "it is put right"));
+    CHECK(lenient.plate(counted(300)) == (reversed ? -400 : 400));
+    // The same pulse is looked at once.
+    CHECK(is_well(lenient.check(passed_index(2, 300), true)));
+  }
+}
+
+TEST_CASE("While the position is unknown the index says nothing, nor do pulses from before it was known") {
+  AxisEncoder encoder = encoder_of(config());
+  CHECK(is_well(encoder.check(passed_index(1, 200), false)));
+  CHECK(is_well(encoder.check(passed_index(2, 500), false)));
+  encoder.agree(passed_index(2, 500), 0);
+  CHECK(is_well(encoder.check(passed_index(2, 500), true)));
+  CHECK(is_well(encoder.check(passed_index(3, 900), true)));  // the first that counts
+}

@@ -1,0 +1,86 @@
+// That each header of hw/gpio checks what it requires.
+#include "hw/gpio/homing.hpp"
+#include "hw/gpio/plate_approach.hpp"
+#include "hw/gpio/plate_position.hpp"
+#include "hw/gpio/step_engine.hpp"
+#include "hw/gpio/step_planner.hpp"
+#include "tests/allocation_counter.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+#include "tests/hw/gpio/plant.hpp"
+
+using namespace contourd;
+using testing::contract_broken_by;
+
+namespace {
+
+constexpr MotionLimits kLimits{1'000, 10'000};
+
+}  // namespace
+
+TEST_CASE("StepPlanner plans steps that are no fewer than none, and tells when one of them is due") {
+  CHECK(contract_broken_by([] { StepPlanner(-1, kLimits); }) == "a distance is no less than nothing");
+  StepPlanner plan(2, kLimits);
+  CHECK(contract_broken_by([&] { (void)plan.due(2); }).empty());
+  for (const std::int64_t step : {-1, 3})
+    CHECK(contract_broken_by([&] { (void)plan.due(step); }) == "the step is one of the move's");
+  plan.advance();
+  CHECK(contract_broken_by([&] { (void)plan.next(); }).empty());
+  plan.advance();
+  if (!testing::costly_checks_are_off())
+    CHECK(contract_broken_by([&] { (void)plan.next(); }) == "a step is still to be made");
+}
+
+TEST_CASE("What is the owner's of a StepEngine is let alone while a move is under way") {
+  testing::PlantOutput step, direction;
+  StepEngine engine(step, direction, {});
+  engine.start({10, kLimits});
+  const std::string idle = "no move is under way";
+  CHECK(contract_broken_by([&] { engine.start({10, kLimits}); }) == idle);
+  CHECK(contract_broken_by([&] { engine.forget_halt(); }) == idle);
+  CHECK(contract_broken_by([&] { engine.set_position(0); }) == idle);
+  CHECK(contract_broken_by([&] { (void)engine.last_end(); }) == idle);
+}
+
+TEST_CASE("A StepEngine's checks take no memory") {
+  testing::PlantOutput step, direction;
+  StepEngine engine(step, direction, {});
+  const long before = testing::allocations();
+  engine.forget_halt();
+  engine.set_position(3);
+  (void)engine.last_end();
+  CHECK(testing::allocations() == before);
+}
+
+TEST_CASE("A GpioAxis neither homes nor moves while it moves") {
+  testing::Plant plant{GpioAxisConfig{}};
+  plant.build();
+  plant.axis->home([](HomingResult) {});
+  CHECK(contract_broken_by([&] { plant.axis->home([](HomingResult) {}); }) == "the axis does not move");
+  CHECK(contract_broken_by([&] {
+          plant.axis->move_to(Nanometers{0}, MillimetersPerSecond{1}, [](MoveResult) {});
+        }) == "the axis does not move");
+}
+
+TEST_CASE("A PlatePosition is told of a rest only while the motor rests, and takes an encoder that it has") {
+  testing::PlantOutput step, direction;
+  StepEngine engine(step, direction, {});
+  const AxisInputs inputs(engine, {});
+  PlatePosition position(GpioAxisConfig{}, engine, inputs);
+  CHECK(contract_broken_by([&] { position.take_encoder(); }) == "the axis has an encoder");
+  engine.start({10, kLimits});
+  const std::string rests = "the motor rests";
+  CHECK(contract_broken_by([&] { position.note_rest(); }) == rests);
+  CHECK(contract_broken_by([&] { position.take_switch(TimePoint{}); }) == rests);
+  CHECK(contract_broken_by([&] { position.become_known(); }) == rests);
+}
+
+TEST_CASE("A Homing is begun when none is under way") {
+  const GpioAxisConfig config;
+  Homing::Wiring wiring;
+  wiring.forget_position = [] {};
+  wiring.get_ready = [](const Homing::Call&) {};
+  Homing homing(config, wiring);
+  homing.begin([](HomingResult) {});
+  CHECK(contract_broken_by([&] { homing.begin([](HomingResult) {}); }) == "no homing is under way");
+}

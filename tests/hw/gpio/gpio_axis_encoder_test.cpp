@@ -1,0 +1,188 @@
+// An axis whose encoder loses counts, is disturbed, or has an index.
+#include <cmath>
+#include <random>
+
+#include "hw/gpio/gpio_axis.hpp"
+#include "tests/catch.hpp"
+#include "tests/hw/gpio/plant.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+using testing::Plant;
+
+namespace {
+
+// A count a step, 1.25 um; the index every 0.5 mm.
+GpioAxisConfig config(EncoderConfig::Policy policy = EncoderConfig::Policy::Correct, bool index = false) {
+  GpioAxisConfig config;
+  config.travel = Nanometers{100'000'000};
+  config.acceleration = MillimetersPerSecondSquared{50};
+  config.encoder = EncoderConfig{};
+  config.encoder->counts_per_mm = 800;
+  config.encoder->policy = policy;
+  if (!index) return config;
+  config.encoder->index = GpioLineConfig{"gpiochip0", "9", false};
+  config.encoder->index_every = Nanometers{500'000};
+  return config;
+}
+
+double plate_mm(const Plant& plant) {
+  return static_cast<double>(plant.plate() - plant.limit.at) / 800;
+}
+
+// Layers of 50 um, each with a lift. Whether all were reached.
+bool prints(Plant& plant, int layers, double lift_mm = 0.6) {
+  for (int layer = 1; layer <= layers; ++layer) {
+    for (const double target : {0.05 * (layer - 1) + lift_mm, 0.05 * layer})
+      if (plant.move_to(target) != MoveResult::Reached) return false;
+  }
+  return true;
+}
+
+constexpr double kTolerance_mm = 0.05, kStep_mm = 0.00125;
+
+std::size_t told(const Plant& plant, MachineEvent::Kind kind, const std::string& words) {
+  return static_cast<std::size_t>(
+      std::count_if(plant.events.begin(), plant.events.end(), [&](const MachineEvent& event) {
+        UNSCOPED_INFO(event.what);
+        return event.kind == kind && event.what.find(words) != std::string::npos;
+      }));
+}
+
+}  // namespace
+
+TEST_CASE("An encoder that loses a few counts in every lift does not walk the plate away in 200 layers") {
+  for (const bool index : {false, true}) {
+    Plant plant(config(EncoderConfig::Policy::Correct, index));
+    plant.build();
+    REQUIRE(plant.home() == HomingResult::Homed);
+    std::int64_t steps = 0;
+    // 4 counts, 5 um, of the way down: 1 mm in 200 layers.
+    plant.loses_count = [&] { return !plant.direction->level && ++steps % 110 == 0; };
+    if (prints(plant, 200)) {
+      CHECK(index);
+      CHECK(std::fabs(plate_mm(plant) - 10) <= kTolerance_mm + kStep_mm);
+    } else {
+      CHECK(told(plant, MachineEvent::Kind::Fault, "the encoder") == 1);
+      CHECK_FALSE(plant.axis->height());
+    }
+  }
+}
+
+TEST_CASE("However often an encoder loses counts, 200 layers end in a fault or within the tolerance") {
+  std::minstd_rand random(1);
+  for (const unsigned one_in : {15U, 60U, 200U, 800U, 3'000U}) {
+    for (const auto& [up, down] : {std::pair{true, false}, std::pair{false, true}, std::pair{true, true}}) {
+      Plant plant(config(EncoderConfig::Policy::Correct, up && down));
+      plant.build();
+      REQUIRE(plant.home() == HomingResult::Homed);
+      plant.loses_count = [&, loses_up = up, loses_down = down] {
+        return (plant.direction->level ? loses_up : loses_down) && random() % one_in == 0;
+      };
+      INFO("one in " << one_in << (up ? ", up" : "") << (down ? ", down" : ""));
+      if (prints(plant, 200, 0.1)) {
+        CHECK(std::fabs(plate_mm(plant) - 10) <= kTolerance_mm + kStep_mm);
+      } else {
+        CHECK(told(plant, MachineEvent::Kind::Fault, "the encoder") == 1);
+      }
+    }
+  }
+}
+
+TEST_CASE("A correction is told with its figures, and one beyond what is allowed is a fault") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  int lost = 0;
+  for (int i = 1; i <= 4; ++i) {
+    lost = 0;
+    plant.loses_step = [&] { return lost < 100 && ++lost > 0; };  // 0.125 mm
+    CHECK(plant.move_to(10.0 * i) == MoveResult::Reached);
+    CHECK(plate_mm(plant) == 10.0 * i);
+    CHECK(told(plant, MachineEvent::Kind::Notice, "they are made good, as ") == static_cast<std::size_t>(i));
+  }
+  CHECK(plant.events[0].what ==
+        "the encoder says 9.875 mm where the motor's steps make 10.000 mm: steps were lost, or the encoder "
+        "does not count; they are made good, as 0.125 mm since homing");
+  lost = 0;
+  CHECK(plant.move_to(60) == MoveResult::Fault);
+  CHECK(told(plant, MachineEvent::Kind::Fault, "0.625 mm to be made good since homing, and 0.500 mm") == 1);
+  CHECK(plant.home() == HomingResult::Homed);  // which begins anew
+  lost = 0;
+  CHECK(plant.move_to(10) == MoveResult::Reached);
+}
+
+TEST_CASE("More lost steps in one move than may be made good are a fault while the motor turns") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.pulses.clear();
+  plant.dead = true;
+  CHECK(plant.move_to(10) == MoveResult::Fault);
+  // 0.25 mm, and 0.05 mm for what top speed makes in 5 ms: 240 steps; 10 ms to look at it: 40 more.
+  CHECK(plant.pulses.size() <= 290);
+}
+
+TEST_CASE(
+    "An encoder whose lines are disturbed is a fault, while the motor turns, and a few spikes are none") {
+  for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
+    for (const int spikes : {9, 12}) {
+      Plant plant(config(policy));
+      plant.build();
+      REQUIRE(plant.home() == HomingResult::Homed);
+      std::vector<std::unique_ptr<Timer>> timers;
+      for (int i = 0; i < spikes; ++i) {
+        timers.push_back(
+            plant.clock.call_after(1s + i * 10ms, [&] { plant.encoder_b->spike(plant.clock.now()); }));
+      }
+      // Two edges a spike that change nothing; 20 may be.
+      if (spikes * 2 <= 20) {
+        CHECK(plant.move_to(50) == MoveResult::Reached);
+        CHECK(plant.events.empty());
+        continue;
+      }
+      CHECK(plant.move_to(50) == MoveResult::Fault);
+      CHECK(plate_mm(plant) < 10);
+      CHECK(told(plant, MachineEvent::Kind::Fault, "edges in one move that cannot be") == 1);
+      CHECK_FALSE(plant.axis->height());
+    }
+  }
+}
+
+TEST_CASE("An encoder whose index agrees is left alone, up and down, and whichever way round it counts") {
+  for (const bool reversed : {false, true}) {
+    Plant plant(config(EncoderConfig::Policy::Fault, true));
+    plant.config.encoder->reversed = reversed;
+    plant.counts_down = reversed;
+    plant.build();
+    REQUIRE(plant.home() == HomingResult::Homed);
+    CHECK(prints(plant, 20));
+    CHECK(plant.events.empty());
+  }
+}
+
+TEST_CASE("A count that the index finds wrong is a fault or put right, by policy, to the index's mark") {
+  for (const bool reversed : {false, true}) {
+    for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
+      GpioAxisConfig c = config(policy, true);
+      c.encoder->reversed = reversed;
+      Plant plant(c);
+      plant.counts_down = reversed;
+      plant.build();
+      REQUIRE(plant.home() == HomingResult::Homed);
+      REQUIRE(plant.move_to(2) == MoveResult::Reached);
+      int lost = 0;
+      plant.loses_count = [&] { return lost < 60 && ++lost > 0; };  // 0.075 mm
+      const auto result = plant.move_to(10);
+      if (policy == EncoderConfig::Policy::Fault) {
+        CHECK(result == MoveResult::Fault);
+        continue;
+      }
+      CHECK(result == MoveResult::Reached);
+      CHECK(told(plant, MachineEvent::Kind::Notice,
+                 "(line 9 of gpiochip0) says that its count is 0.075 mm off") == 1);
+      CHECK(plate_mm(plant) == 10);
+      CHECK(plant.axis->height() == Nanometers{10'000'000});
+    }
+  }
+}

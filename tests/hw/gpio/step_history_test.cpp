@@ -1,0 +1,81 @@
+#include "hw/gpio/step_history.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/random_shapes.hpp"
+
+using namespace contourd;
+using testing::draw;
+
+namespace {
+
+TimePoint at(std::int64_t ns) {
+  return TimePoint{Duration{ns}};
+}
+
+}  // namespace
+
+TEST_CASE("A history counts the steps made at a time or before, as a naive count does") {
+  CHECK(rc::check([] {
+    StepHistory history;
+    std::vector<std::int64_t> times;
+    std::int64_t time = 0;
+    for (std::int64_t steps = draw(0, 300); steps > 0; --steps) {
+      time += draw(0, 3);  // two at one time, too
+      times.push_back(time);
+      history.add(at(time));
+    }
+    RC_ASSERT(history.count() == times.size());
+    for (std::int64_t asked = -1; asked <= time + 1; ++asked) {
+      const auto made = std::ranges::count_if(times, [asked](std::int64_t t) { return t <= asked; });
+      RC_ASSERT(history.count_at(at(asked)) == static_cast<std::uint64_t>(made));
+    }
+  }));
+}
+
+TEST_CASE("A history keeps the last steps, and of earlier ones how many they were") {
+  StepHistory history;
+  const auto all = static_cast<std::int64_t>(StepHistory::kKept * 2 + 100);
+  for (std::int64_t step = 1; step <= all; ++step)
+    history.add(at(step));
+  // A few of the oldest are left out, since the writer may be about to overwrite them.
+  const std::int64_t gone = all - static_cast<std::int64_t>(StepHistory::kKept) + 64;
+  CHECK(history.count_at(at(0)) == static_cast<std::uint64_t>(gone));
+  CHECK(history.count_at(at(gone)) == static_cast<std::uint64_t>(gone));
+  CHECK(history.count_at(at(gone + 1)) == static_cast<std::uint64_t>(gone + 1));
+  CHECK(history.count_at(at(all)) == static_cast<std::uint64_t>(all));
+}
+
+TEST_CASE("Whoever has read a history's count finds that step's time, however fast others are added",
+          "[threads]") {
+  StepHistory history;
+  std::atomic<bool> quit{false};
+  std::thread writer([&] {
+    // The n-th step at n.
+    for (std::int64_t step = 1; !quit; ++step)
+      history.add(at(step));
+  });
+  std::uint64_t last = 0;
+  int compared = 0;
+  bool grows = true, finds = true;
+  for (int look = 0; look < 20'000; ++look) {
+    const std::uint64_t made = history.count();
+    const std::uint64_t found = history.count_at(at(static_cast<std::int64_t>(made)));
+    const std::uint64_t then = history.count();
+    grows = grows && made >= last;
+    last = made;
+    // A reader that was held up for the whole of what is kept learns how many are no longer kept.
+    if (then - made > StepHistory::kKept / 2) continue;
+    finds = finds && found == made;
+    ++compared;
+  }
+  quit = true;
+  writer.join();
+  CHECK(grows);
+  CHECK(finds);
+  CHECK(compared > 0);
+}

@@ -1,0 +1,30 @@
+#include "hw/gpio/wake_up_latency.hpp"
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using namespace std::chrono_literals;
+using testing::Approx;
+
+TEST_CASE("A computer keeps the speed at which its wake-ups shift few steps and stop no motor") {
+  const auto kept = [](Duration p99, Duration worst) {
+    return WakeUpLatency{.count = 6'000, .p99 = p99, .worst = worst}.sustainable_rate(20'000);
+  };
+  CHECK(kept(0ns, 0ns) == 20'000);
+  CHECK(kept(5us, 60us) == 20'000);
+  CHECK(kept(50us, 60us) == Approx(10'000));  // half of 100 us
+  CHECK(kept(5us, 4ms) == Approx(4'000));     // 16 intervals of 250 us
+  CHECK(kept(5us, 5'001us) == 0);
+}
+
+TEST_CASE("Wake-ups are counted at their rate, and a priority that is refused is told", "[threads]") {
+  const TimePoint start = std::chrono::steady_clock::now();
+  const WakeUpLatency latency =
+      measure_wake_up_latency(2'000, 1'000, 100ms);  // there is no priority above 99
+  CHECK(std::chrono::steady_clock::now() - start >= 100ms);
+  CHECK(latency.count > 0);
+  CHECK(latency.count <= 201);  // fewer where they came late
+  CHECK(latency.p99 <= latency.worst);
+  REQUIRE_FALSE(latency.refusals.empty());
+  CHECK(latency.refusals[0].find("refuses real-time priority 1000") != std::string::npos);
+}

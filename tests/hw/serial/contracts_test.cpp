@@ -1,0 +1,73 @@
+// That each header of hw/serial checks what it requires.
+#include "hw/serial/projector_light.hpp"
+#include "hw/serial/reply_pattern.hpp"
+#include "hw/serial/serial_projector.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+#include "tests/hw/serial/projector_tables.hpp"
+#include "tests/hw/serial/scripted_channel.hpp"
+
+using namespace contourd;
+using testing::contract_broken_by;
+
+namespace {
+
+ProjectorTable table_without_light() {
+  ProjectorTable table = testing::text_table();
+  table.light_on.reset();
+  table.light_off.reset();
+  return table;
+}
+
+struct LightBench {
+  explicit LightBench(ProjectorTable projector_table) : table(std::move(projector_table)) {}
+  VirtualClock clock;
+  testing::ScriptedChannel channel{clock};
+  ProjectorTable table;
+  CommandExchange exchange{channel,
+                           clock,
+                           table,
+                           {.sent = [](const ProjectorCommand&, TimePoint) {},
+                            .unasked = [](const UnaskedLine&) {},
+                            .lost = [](const std::string&) {}}};
+  ProjectorLight light{exchange, clock, table, {[] { return TimePoint{}; }, {}}};
+};
+
+}  // namespace
+
+TEST_CASE("ProjectorLight is switched where the table has a light, and on in the dark alone") {
+  LightBench dark(table_without_light()), lit(testing::text_table());
+  CHECK(contract_broken_by([&] { dark.light.turn_on(Duration{1}, {}); }) ==
+        "the table has a light on and off");
+  CHECK(contract_broken_by([&] { dark.light.turn_off(); }) == "the table has a light off");
+  CHECK(contract_broken_by([&] { lit.light.turn_on(Duration{1}, {}); }).empty());
+  lit.light.suspect();
+  CHECK(contract_broken_by([&] { lit.light.turn_on(Duration{1}, {}); }) == "it is known to be dark");
+}
+
+TEST_CASE("A projector is told a brightness that its table has") {
+  BrightnessCommand brightness;
+  brightness.least = 91;
+  brightness.most = 1023;
+  CHECK(contract_broken_by([&] { (void)brightness.with(91); }).empty());
+  for (const std::int32_t number : {90, 1024})
+    CHECK(contract_broken_by([&] { (void)brightness.with(number); }) ==
+          "the number is one of those that the projector takes");
+  VirtualClock clock;
+  testing::ScriptedChannel channel{clock};
+  CHECK(contract_broken_by([&] { SerialProjector(channel, clock, testing::text_table(), 100); }) ==
+        "the table has a brightness, where one is to be sent");
+}
+
+TEST_CASE("A projector is asked whether it is dark where its table has a light off") {
+  VirtualClock clock;
+  testing::ScriptedChannel channel{clock};
+  SerialProjector projector(channel, clock, table_without_light());
+  CHECK(contract_broken_by([&] { projector.confirm_dark([](ProjectorReply) {}); }) ==
+        "the table has a light off");
+}
+
+TEST_CASE("A checksum is worked out where there is one") {
+  CHECK(contract_broken_by([] { (void)checksum_of("abc", Checksum::SumAfterFirst); }).empty());
+  CHECK(contract_broken_by([] { (void)checksum_of("abc", Checksum::None); }) == "there is a checksum");
+}

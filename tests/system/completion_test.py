@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""What shells offer behind contourctl."""
+
+import os
+import shutil
+import subprocess
+import unittest
+
+from harness import BIN, ENDLESS, NIMBLE_RESIN, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, box, main, wait_until
+
+FOLDER = os.path.join(SOURCE, "daemon/ctl/completions")
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
+BASH = r"""
+source "$0"
+COMP_WORDS=(contourctl "$@")
+COMP_CWORD=$#
+_contourctl
+printf '%s\n' "${COMPREPLY[@]}"
+"""
+
+
+class Completion(FolderTest):
+    def environment(self, **more):
+        return {**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}", **more}
+
+    def bash(self, *words, **environment):
+        told = subprocess.run(["bash", "-c", BASH, os.path.join(FOLDER, "contourctl.bash"), *words], capture_output=True,
+                              text=True, check=True, env=self.environment(**environment))  # fmt: skip
+        self.assertEqual(told.stderr, "")
+        return told.stdout.splitlines() if told.stdout.strip() else []
+
+    def test_bash_offers_commands_and_their_options(self):
+        self.assertEqual(self.bash("s"), ["slice", "submit", "status"])
+        self.assertIn("plate-cleared", self.bash(""))
+        self.assertIn("--copies", self.bash("submit", "--"))
+        self.assertEqual(self.bash("slice", "--uni"), ["--uniformity-mask"])
+        self.assertEqual(self.bash("slice", "--aa", "o"), ["on", "off"])
+        # Files are the shell's.
+        self.assertEqual(self.bash("submit", "part"), [])
+
+    def test_bash_offers_the_jobs_that_are_there_and_runs_nothing_of_their_names(self):
+        daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
+        harm = self.path("harm")
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        names = ["two words", f"$(touch {os.path.basename(harm)})", "`touch harm`", "a.b"]
+        for name in names:
+            daemon.drop(name + ".stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == len(names), "the jobs in the queue")
+        offered = self.bash("watch", "--job", "", CONTOURD_SOCKET=daemon.socket_path)
+        self.assertEqual(offered, ["part", *names])
+        self.assertEqual(self.bash("watch", "--job", "tw", CONTOURD_SOCKET=daemon.socket_path), ["two words"])
+        self.assertFalse(os.path.exists("harm"))
+        daemon.stop()
+
+    def test_without_a_daemon_no_job_is_offered_and_nothing_is_said(self):
+        self.assertEqual(self.bash("watch", "--job", "", CONTOURD_SOCKET=self.path("none")), [])
+
+    @unittest.skipUnless(shutil.which("fish"), "fish is not installed")
+    def test_fish_offers_the_same(self):
+        def fish(line):
+            told = subprocess.run(["fish", "--no-config", "-c", f'source {FOLDER}/contourctl.fish; complete -C "{line}"'],
+                                  capture_output=True, text=True, check=True, env=self.environment(HOME=self.path()))  # fmt: skip
+            return [each.split("\t")[0] for each in told.stdout.splitlines()]
+
+        self.assertEqual(sorted(fish("contourctl s")), sorted(self.bash("s")))
+        self.assertEqual(sorted(fish("contourctl submit --")), sorted(self.bash("submit", "--")))
+        self.assertEqual(fish("contourctl slice --aa o"), ["off", "on"])
+
+    @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
+    def test_zsh_takes_its_file(self):
+        subprocess.run(["zsh", "-n", os.path.join(FOLDER, "_contourctl")], check=True)
+
+
+if __name__ == "__main__":
+    main()

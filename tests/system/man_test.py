@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""The manual pages against the programs and the schemas, and as a reader sees them."""
+
+import glob
+import json
+import os
+import re
+import shutil
+import subprocess
+import unittest
+
+from harness import BIN, CONTOURCTL, CONTOURD, SOURCE, main
+
+PAGES = [*glob.glob(os.path.join(SOURCE, "docs/man/*.[18]")), *glob.glob(os.path.join(os.path.dirname(BIN), "config/*.5"))]
+FORMATS = {"contourd.json": "contourd", "contourd-resin": "resin", "contourd-projector": "projector",
+           "contourd-ticket": "ticket", "contourd-plate": "plate"}  # fmt: skip
+
+
+def source_of(page):
+    [path] = [path for path in PAGES if os.path.basename(path) == page]
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def plain(page):
+    """Without roff's escapes."""
+    return re.sub(r"\\f.", "", source_of(page).replace("\\-", "-").replace("\\&", "").replace("\\e", "\\"))
+
+
+def help_of(*command):
+    return subprocess.run([*command, "--help"], capture_output=True, text=True, check=True).stdout
+
+
+def options_in(text):
+    return set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", text)) - {"--help"}
+
+
+def keys_of(schema, root, folder, path=""):
+    """As the page names them: z_axis.lead_mm, models[].file."""
+    if "$ref" in schema:
+        file, pointer = schema["$ref"].split("#/")
+        if file:
+            with open(os.path.join(folder, file), encoding="utf-8") as source:
+                root = json.load(source)
+        schema = root
+        for name in pointer.split("/"):
+            schema = schema[name]
+    for key, value in schema.get("properties", {}).items():
+        if key != "$schema" and value is not False:
+            yield path + key
+            yield from keys_of(value, root, folder, f"{path}{key}.")
+    if "items" in schema:
+        yield from keys_of(schema["items"], root, folder, path[:-1] + "[].")
+
+
+class Man(unittest.TestCase):
+    def test_each_page_of_a_program_has_its_options_and_no_others(self):
+        commands = re.findall(r"^  ([a-z][a-z-]*) ", help_of(CONTOURCTL).split("Subcommands:")[1], re.MULTILINE)
+        self.assertGreater(len(commands), 10)
+        there_are = options_in(help_of(CONTOURCTL)).union(*(options_in(help_of(CONTOURCTL, each)) for each in commands))
+        page = plain("contourctl.1")
+        self.assertEqual(options_in(page), there_are)
+        for command in commands:
+            self.assertRegex(page, rf"(?m)^(?:[a-z-]+, )*{command}\b", command)
+        self.assertEqual(options_in(plain("contourd.8")), options_in(help_of(CONTOURD)))
+
+    def test_each_option_of_a_command_stands_behind_it(self):
+        page = plain("contourctl.1")
+        for command, least in (("slice", 18), ("analyze", 9), ("submit", 9), ("history", 1), ("watch", 1)):
+            own = options_in(help_of(CONTOURCTL, command)) - {"--socket"}
+            part = re.search(rf"(?ms)^{command} .*?(?=^\.TP\n[a-z]|^\.S[HS] )", page)
+            self.assertIsNotNone(part, command)
+            told = options_in(part[0])
+            self.assertGreaterEqual(len(told), least, command)
+            self.assertEqual(own - told - {"--json"}, set(), command)
+
+    def test_each_format_page_has_its_schemas_keys(self):
+        folder = os.path.join(SOURCE, "config")
+        for page, name in FORMATS.items():
+            with self.subTest(page):
+                with open(os.path.join(folder, f"{name}.schema.json"), encoding="utf-8") as file:
+                    schema = json.load(file)
+                named = re.findall(r"(?m)^\.B (\S+)$", plain(f"{page}.5"))
+                self.assertEqual(sorted(named), sorted(keys_of(schema, schema, folder)))
+                self.assertGreater(len(named), 6)
+
+    def test_pages_that_refer_to_each_other_are_there(self):
+        there_are = {re.sub(r"\.(\d)$", r"(\1)", os.path.basename(path)) for path in PAGES}
+        self.assertEqual(len(there_are), 2 + len(FORMATS))
+        for path in PAGES:
+            name = os.path.basename(path)
+            for other, section in re.findall(r"(?m)^\.BR (contour\S+) \((\d)\)", plain(name)):
+                self.assertIn(f"{other}({section})", there_are, name)
+
+    @unittest.skipUnless(shutil.which("groff"), "groff is not installed")
+    def test_pages_have_no_mistake_that_groff_sees(self):
+        for path in PAGES:
+            seen = subprocess.run(["groff", "-man", "-ww", "-Tutf8", "-rLL=80n", path], capture_output=True, text=True, check=True)
+            self.assertEqual(seen.stderr, "", path)
+            self.assertGreater(len(seen.stdout.splitlines()), 30, path)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,188 @@
+#!/usr/bin/env python3
+"""contourctl submit: models into the spool, whole, with their tickets, under names that nobody has."""
+
+import json
+import os
+import signal
+import stat
+import subprocess
+import unittest
+
+from harness import (
+    BAD_CONFIG, BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME,
+    UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl, main, wait_until,
+)  # fmt: skip
+
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
+# Nothing is taken from there by a daemon that has not been started.
+SPOOL_FOLDERS = ("incoming", "printing", "done", "failed")
+
+
+class SubmitTest(FolderTest):
+    def lines(self, result):
+        self.assertEqual(result.returncode, OK, result.stderr)
+        self.assertEqual(result.stderr, b"")
+        return result.stdout.decode().splitlines()
+
+    def refused(self, result, code, *words):
+        self.assertEqual(result.returncode, code, result)
+        self.assertEqual(result.stdout, b"")
+        self.assert_one_line(result.stderr, *words)
+
+    def spool(self):
+        for folder in SPOOL_FOLDERS:
+            os.makedirs(self.path("spool", folder), exist_ok=True)
+        return self.path("spool")
+
+    def incoming(self):
+        return sorted(os.listdir(self.path("spool", "incoming")))
+
+
+class WithContourd(SubmitTest):
+    def test_a_model_is_printed_with_the_ticket_of_the_options(self):
+        daemon = Daemon(self).start()
+        model = self.write("two words.stl", SMALL)
+        lines = self.lines(daemon.ctl("submit", model, "--copies", "3", "--layer-height-um=25", "--up", "0,0,1", "--wait"))
+        self.assertEqual(lines[0], f"{os.fsdecode(model)}: job two words")
+        self.assertEqual(lines[-1], "two words: done")
+        report = daemon.report("two words")
+        self.assertEqual(report["model"]["copies"], 3)
+        self.assertEqual(report["layers"], 8)
+        self.assertEqual(json.loads(daemon.read("done", "two words.json")), {
+            "layer_height_um": 25, "up": {"x": 0, "y": 0, "z": 1}, "copies": 3,
+        })  # fmt: skip
+        with open(model, "rb") as file:
+            self.assertEqual(file.read(), SMALL)
+        daemon.stop()
+
+    def test_a_name_that_a_job_has_gets_a_number(self):
+        daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
+        model = self.write("part.stl", SMALL)
+        jobs = []
+        for _ in range(3):
+            told = self.lines(daemon.ctl("submit", model, "--json"))
+            jobs.append(json.loads(told[0])["job"])
+            if len(jobs) == 1:
+                daemon.wait_state("exposing")
+        self.assertEqual(jobs, ["part", "part-2", "part-3"])
+        wait_until(lambda: daemon.status()["queued"] == 2, "two jobs in the queue")
+        daemon.stop()
+
+    def test_wait_fails_when_one_of_the_jobs_fails_and_waits_for_the_others(self):
+        daemon = Daemon(self).start()
+        good, flat = self.write("good.stl", SMALL), self.write("flat.stl", binary_stl(box((0, 0, 0), (5, 5, 0))))
+        result = daemon.ctl("submit", "--wait", flat, good)
+        self.assertEqual(result.returncode, FAILED, result)
+        told = result.stdout.decode()
+        self.assertIn("flat: failed: ", told)
+        self.assertIn("good: done", told)
+        daemon.stop()
+
+    def test_it_appears_whole(self):
+        daemon = Daemon(self).start()
+        model = self.write("part.stl", SMALL)
+        self.lines(daemon.ctl("submit", model))
+        daemon.wait_done("part")
+        # Nobody had it open: the daemon did not have to look at it twice.
+        self.assertEqual(daemon.log().count("part.stl: arrived"), 1)
+        daemon.stop()
+
+    def test_a_model_comes_from_another_file_system(self):
+        daemon = Daemon(self).start()
+        if os.stat("/dev/shm").st_dev == os.stat(self.path()).st_dev:
+            self.skipTest("/dev/shm is on the same file system")
+        path = f"/dev/shm/contourd-submit-{os.getpid()}.stl"
+        self.addCleanup(os.unlink, path)
+        with open(path, "wb") as file:
+            file.write(SMALL)
+        self.lines(daemon.ctl("submit", path, "--wait"))
+        daemon.stop()
+
+
+class WithoutContourd(SubmitTest):
+    def test_it_waits_in_the_spool_for_the_daemon(self):
+        model = self.write("part.stl", SMALL)
+        self.refused(contourctl("submit", model, "--socket", self.path("none")), UNAVAILABLE, "cannot reach contourd")
+        self.lines(contourctl("submit", model, "--spool", self.spool()))
+        self.assertEqual(self.incoming(), ["part.stl"])
+        mode = os.stat(self.path("spool", "incoming", "part.stl")).st_mode
+        self.assertTrue(mode & stat.S_IRGRP)
+
+    def test_a_given_ticket_is_put_there_as_it_is(self):
+        model, ticket = self.write("part.stl", SMALL), self.write("t", b'{"copies":   2}')
+        self.lines(contourctl("submit", model, "--spool", self.spool(), "--ticket", ticket))
+        self.assertEqual(self.incoming(), ["part.json", "part.stl"])
+        with open(self.path("spool", "incoming", "part.json"), "rb") as file:
+            self.assertEqual(file.read(), b'{"copies":   2}')
+
+    def test_another_jobs_files_are_left_alone(self):
+        model = self.write("part.stl", SMALL)
+        self.spool()
+        self.write("spool/incoming/part.stl", b"old")
+        self.write("spool/incoming/part-2.json", b"{}")
+        self.write("spool/done/part-3.stl", b"done")
+        self.write("spool/failed/part-4", b"failed")
+        self.assertEqual(json.loads(self.lines(contourctl("submit", model, "--spool", self.spool(), "--json"))[0])["job"], "part-5")
+        self.assertEqual(self.incoming(), ["part-2.json", "part-5.stl", "part.stl"])
+
+    def test_what_is_wrong_is_told_before_anything_is_put_there(self):
+        good, bad = self.write("good.stl", SMALL), self.write("bad.stl", b"no model")
+        spool = self.spool()
+        os.mkdir(self.path("folder.stl"))
+        os.symlink("nowhere", self.path("link.stl"))
+        for arguments, code, word in (
+            ([bad], BAD_DATA, "bad.stl"),
+            ([self.write("part.obj", SMALL)], BAD_DATA, ".stl"),
+            ([self.write(".part.stl", SMALL)], BAD_DATA, "dot"),
+            ([self.path("none.stl")], NO_INPUT, "none.stl"),
+            ([self.path("folder.stl")], NO_INPUT, "folder.stl"),
+            ([self.path("link.stl")], NO_INPUT, "link.stl"),
+            (["--copies", "1000"], BAD_USAGE, "copies"),
+            (["--resin", "../x"], BAD_USAGE, "resin"),
+            (["--scale", "nan"], BAD_USAGE, "scale"),
+            (["--up", "0,0,0"], BAD_USAGE, "up"),
+            (["--ticket", self.write("bad.json", b'{"copy": 1}')], BAD_CONFIG, "copy"),
+            (["--ticket", self.path("none.json")], BAD_CONFIG, "none.json"),
+        ):
+            with self.subTest(arguments):
+                self.refused(contourctl("submit", good, *arguments, "--spool", spool), code, word)
+                self.assertEqual(self.incoming(), [])
+
+    def test_options_that_do_not_go_together_are_told(self):
+        good, ticket = self.write("good.stl", SMALL), self.write("t.json", b"{}")
+        for arguments in (["--ticket", ticket, "--copies", "2"], ["--fit", "--scale", "2"], ["--up", "1,2"], ["--resin", ""]):
+            with self.subTest(arguments):
+                result = contourctl("submit", good, *arguments, "--spool", self.spool())
+                self.assertEqual(result.returncode, BAD_USAGE, result)
+                self.assertEqual(self.incoming(), [])
+
+    def test_a_spool_that_cannot_be_written_is_told_and_keeps_nothing(self):
+        model = self.write("part.stl", SMALL)
+        self.refused(contourctl("submit", model, "--spool", self.path("none")), CANNOT_CREATE, "none/incoming", "No such file")
+        os.makedirs(self.path("full", "incoming"))
+        if os.geteuid() != 0 or subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", self.path("full", "incoming")], capture_output=True, check=False
+        ).returncode:
+            self.skipTest("no file system can be mounted")
+        self.addCleanup(subprocess.run, ["umount", self.path("full", "incoming")], check=True)
+        large = self.write("large.stl", binary_stl(box((0, 0, 0), (10, 5, 0.2)) * 100))
+        self.refused(contourctl("submit", large, "--spool", self.path("full")), CANNOT_CREATE, "No space left")
+        self.assertEqual(os.listdir(self.path("full", "incoming")), [])
+
+    def test_killed_on_the_way_it_leaves_nothing(self):
+        spool = self.spool()
+        model = self.write("part.stl", SMALL)
+        # Stopped behind the first, whatever it is about to do with the others.
+        process = subprocess.Popen([CONTOURCTL, "submit", *[model] * 50, "--spool", spool], stdout=subprocess.PIPE)
+        process.stdout.readline()
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        process.stdout.close()
+        self.assertIn("part.stl", self.incoming())
+        for name in self.incoming():
+            with open(os.path.join(spool, "incoming", name), "rb") as file:
+                self.assertEqual(file.read(), SMALL, name)
+
+
+if __name__ == "__main__":
+    main()
