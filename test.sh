@@ -4,4 +4,4 @@ set -euo pipefail
 cd "$(dirname "$0")"
 .ci/install-packages
 .ci/build build
-exec ctest --test-dir build --output-on-failure -j "$(nproc)" "$@"
+exec .ci/run-tests build "$@"
