@@ -29,6 +29,7 @@ class AbsentAxis final : public ZAxis {
   }
   void stop() override {}
   void abort() noexcept override { answer_.reset(); }
+  bool release() override { return false; }
   [[nodiscard]] bool moving() const override { return false; }
   [[nodiscard]] std::optional<Nanometers> height() const override { return std::nullopt; }
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint) const override { return std::nullopt; }

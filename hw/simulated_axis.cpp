@@ -87,6 +87,12 @@ void SimulatedAxis::finish(Nanometers end, MoveResult result) {
   done(result);
 }
 
+bool SimulatedAxis::release() {
+  expects(!move_, "the axis does not move");
+  homed_ = false;
+  return true;
+}
+
 void SimulatedAxis::stop() {
   if (!move_) return;
   move_->profile.stop_at(clock_.now() - move_->start);

@@ -22,6 +22,7 @@ class SimulatedAxis final : public ZAxis {
   void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
   void stop() override;
   void abort() noexcept override;
+  bool release() override;
   [[nodiscard]] bool moving() const override { return move_.has_value(); }
   [[nodiscard]] std::optional<Nanometers> height() const override;
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override;

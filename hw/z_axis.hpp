@@ -59,6 +59,11 @@ class ZAxis : public Device {
   // move was under way.
   virtual void abort() noexcept = 0;
 
+  // Takes the motor's current away: the plate can be turned by hand, may sink, and its position is unknown.
+  // The next motion has it back. False, and nothing changed, where there is no line for that. REQUIRES: not
+  // moving.
+  virtual bool release() = 0;
+
   [[nodiscard]] virtual bool moving() const = 0;
 
   // Where the plate is: now, or at a time within the move under way. Nothing while the position is unknown.

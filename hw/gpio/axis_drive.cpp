@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "core/contract/expects.hpp"
 #include "hw/gpio/axis_motion.hpp"
 #include "hw/gpio/axis_text.hpp"
 
@@ -100,6 +101,15 @@ void AxisDrive::drop_rules() noexcept {
   inputs_.watch_second_switch(false);
 }
 
+bool AxisDrive::release() {
+  expects(!turning(), "the motor rests");
+  if (enable_ == nullptr) return false;
+  position_.forget();
+  enabled_ = false;
+  if (!enable_->set(false)) line_refused_ = true;
+  return !line_refused_;
+}
+
 void AxisDrive::after(Duration wait, std::function<void()> call) {
   wait_ = clock_.call_after(wait, std::move(call));
 }
@@ -155,7 +165,11 @@ void AxisDrive::take_end() {
   if (!end) return;
   if (engine_.inhibited()) return wiring_.blocked();
   if (run_.cause) return wiring_.fail(AxisFault(*run_.cause));
-  if (*end == StepEnd::LineRefused) return fail_refused();
+  if (*end == StepEnd::LineRefused) {
+    line_refused_ = true;
+    return wiring_.fail({.what = "the kernel refuses to set the step line, " + describe(config_.step) +
+                                 ", or the direction line, " + describe(config_.direction)});
+  }
   if (*end == StepEnd::Stalled) return fail_stalled();
   tell_stall();
   if (wanted_ == Wanted::Nothing) return;  // who was told has aborted it
@@ -165,12 +179,6 @@ void AxisDrive::take_end() {
   if (*end == StepEnd::Stopped) return run_on();
   // A copy: it may begin the next run.
   if (const auto then = run_.then) then();
-}
-
-void AxisDrive::fail_refused() {
-  line_refused_ = true;
-  wiring_.fail({.what = "the kernel refuses to set the step line, " + describe(config_.step) +
-                        ", or the direction line, " + describe(config_.direction)});
 }
 
 void AxisDrive::fail_stalled() {

@@ -52,6 +52,9 @@ class AxisDrive {
   void run(RunKind kind, Microsteps steps, MillimetersPerSecond speed, std::function<void()> then);
   // What is left of the last run.
   void run_on();
+  // The motor without current, where a line does that; false where none does. Where the plate is nobody knows
+  // then. REQUIRES: no motion.
+  bool release();
   // What is left of the run is not run: it ended where it should.
   void end_run();
   // Between runs; in place of what waits already.
@@ -96,7 +99,6 @@ class AxisDrive {
   void set_rules(bool towards_switch);
   void drop_rules() noexcept;
   void take_end();
-  void fail_refused();
   void fail_stalled();
   void tell_stall();
   [[nodiscard]] std::string stall_words() const;

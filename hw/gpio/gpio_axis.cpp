@@ -64,7 +64,11 @@ AxisDrive::Wiring GpioAxis::drive_wiring() {
               [this](const std::string& what) {
                 report({MachineEvent::Kind::Notice, what});
               },
-          .stopped = [this] { stopped(); },
+          .stopped =
+              [this] {
+                if (homing_.under_way()) return homing_.stopped();
+                end_move(MoveResult::Stopped);
+              },
           .blocked = [this] { interlocks_.blocked(); },
           .take_changes = [this] { inputs_changed(); },
           .take_contact = [this] { return homing_.take_contact(); }};
@@ -138,14 +142,14 @@ void GpioAxis::abort() noexcept {
   move_done_ = nullptr;
 }
 
+bool GpioAxis::release() {
+  expects(!moving(), "the axis does not move");
+  return drive_.release();
+}
+
 void GpioAxis::inputs_changed() {
   interlocks_.take_changes();
   drive_.go_on();
-}
-
-void GpioAxis::stopped() {
-  if (homing_.under_way()) return homing_.stopped();
-  end_move(MoveResult::Stopped);
 }
 
 void GpioAxis::end_move(MoveResult result) {

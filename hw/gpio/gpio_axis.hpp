@@ -48,6 +48,7 @@ class GpioAxis final : public ZAxis {
   void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
   void stop() override;
   void abort() noexcept override;
+  bool release() override;
   [[nodiscard]] bool moving() const override { return homing_.under_way() || move_done_; }
   // By the encoder where there is one, else by the steps made.
   [[nodiscard]] std::optional<Nanometers> height() const override { return position_.height(); }
@@ -87,7 +88,6 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] Homing::Wiring homing_wiring();
   [[nodiscard]] AxisInterlocks::Wiring interlocks_wiring();
   void inputs_changed();
-  void stopped();
   void end_move(MoveResult result);
   void fail(const AxisFault& fault);
   void report(const MachineEvent& event);

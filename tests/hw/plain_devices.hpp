@@ -40,6 +40,7 @@ class PlainDisplay : public PlainDevice<MaskDisplay> {
 class PlainAxis : public PlainDevice<ZAxis> {
  public:
   void set_light_cutoff(LightCutoff*) noexcept override {}
+  bool release() override { return false; }
 };
 
 }  // namespace contourd::testing

@@ -597,3 +597,20 @@ TEST_CASE("Homing and moves with an encoder and backlash agree") {
   }
   CHECK(plant.axis->illegal_encoder_edges() == 0);
 }
+
+TEST_CASE("A motor whose current is taken away knows no height until it has homed again") {
+  Plant plant(with_enable());
+  GpioAxis& axis = plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(axis.release());
+  CHECK_FALSE(plant.enable->level);
+  CHECK_FALSE(axis.height());
+  CHECK(plant.move_to(1) == MoveResult::NotHomed);
+  CHECK(plant.home() == HomingResult::Homed);
+  CHECK(plant.enable->level);
+  Plant without(config());
+  GpioAxis& other = without.build();
+  REQUIRE(without.home() == HomingResult::Homed);
+  CHECK_FALSE(other.release());
+  CHECK(other.height());
+}
