@@ -2,6 +2,7 @@
 // parameters and a result, whatever they travel in.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -23,13 +24,19 @@ class InvalidParameters : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Who calls a method.
+struct ControlCaller {
+  std::uint64_t connection = 0;  // tells connections apart, also those that are no more; from 1
+};
+
 struct ControlMethod {
   using Json = nlohmann::ordered_json;
 
   // Returns the result; throws ControlRefusal and InvalidParameters. `parameters` is an object.
-  std::function<Json(const Json& parameters)> call;
+  std::function<Json(const Json& parameters, const ControlCaller& caller)> call;
   std::vector<std::string> parameters{};  // the names that it may have
   bool changes = false;                   // something: it is in the log with its caller
+  bool needs_service_rights = false;      // it moves or lights the printer by hand
 };
 
 using ControlMethods = std::map<std::string, ControlMethod>;

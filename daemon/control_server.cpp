@@ -25,7 +25,7 @@ using Json = ControlServer::Json;
 // JSON-RPC 2.0's error codes, and ours for "not now".
 constexpr int kParseError = -32700, kInvalidRequest = -32600, kMethodNotFound = -32601,
               kInvalidParams = -32602, kInternalError = -32603;
-constexpr int kRefused = -32000;
+constexpr int kRefused = -32000, kNotAllowed = -32001;
 
 // Room for the largest batch. Reading one that is all brackets takes 1 ms, some on a Raspberry Pi.
 constexpr std::size_t kLongestMessage = 8192;
@@ -67,11 +67,26 @@ FileDescriptor new_socket() {
   return socket;
 }
 
+// The peer's own group and its others, as they were when it connected (unix(7), SO_PEERGROUPS).
+std::vector<gid_t> groups_of(int socket, gid_t own) {
+  constexpr std::size_t kMaxGroups = 65536;  // NGROUPS_MAX
+  std::vector<gid_t> groups(64);
+  auto size = static_cast<socklen_t>(groups.size() * sizeof(gid_t));
+  int failed = ::getsockopt(socket, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size);
+  if (failed != 0 && errno == ERANGE && size <= kMaxGroups * sizeof(gid_t)) {
+    groups.resize(size / sizeof(gid_t));
+    failed = ::getsockopt(socket, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size);
+  }
+  groups.resize(failed == 0 ? size / sizeof(gid_t) : 0);
+  groups.push_back(own);
+  return groups;
+}
+
 std::optional<ControlServer::Peer> peer_of(int socket) {
   ucred credentials{};
   socklen_t size = sizeof credentials;
   if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0) return std::nullopt;
-  return ControlServer::Peer{credentials.uid, credentials.pid};
+  return ControlServer::Peer{credentials.uid, credentials.pid, groups_of(socket, credentials.gid)};
 }
 
 // Throws InvalidParameters when they are others than those.
@@ -97,8 +112,8 @@ Json parameters_of(const Json& message, const std::vector<std::string>& known) {
 // that a light waits, or that the computer has time for nothing else.
 class ControlServer::Client {
  public:
-  Client(ControlServer& server, FileDescriptor socket, const Peer& other_end)
-      : peer(other_end), server_(server), socket_(std::move(socket)) {
+  Client(ControlServer& server, FileDescriptor socket, Peer other_end, std::uint64_t connection)
+      : peer(std::move(other_end)), number(connection), server_(server), socket_(std::move(socket)) {
     source_ = server_.loop_.on_ready(socket_.get(), EPOLLIN, kName,
                                      [this](std::uint32_t events) { ready(events); });
   }
@@ -118,7 +133,13 @@ class ControlServer::Client {
     server_.drop_closed_clients();
   }
 
+  // Once, and never from inside a method.
+  void tell_disconnected() {
+    if (!std::exchange(disconnect_told_, true) && server_.disconnected_) server_.disconnected_(number);
+  }
+
   const Peer peer;
+  const std::uint64_t number;  // of its connection
   bool watching = false;
   std::chrono::steady_clock::time_point last_heard = std::chrono::steady_clock::now();
 
@@ -133,6 +154,8 @@ class ControlServer::Client {
   };
 
   void ready(std::uint32_t events) {
+    // Whatever is still to be answered.
+    if ((events & (EPOLLHUP | EPOLLERR)) != 0) tell_disconnected();
     if ((events & EPOLLOUT) != 0) flush();
     if (closed()) return;
     if ((events & EPOLLIN) != 0) {
@@ -249,6 +272,7 @@ class ControlServer::Client {
   bool skipping_ = false;
   bool busy_ = false;  // next_turn_ is to come
   bool input_ended_ = false;
+  bool disconnect_told_ = false;
 };
 
 ControlServer::ControlServer(EventLoop& loop, std::filesystem::path socket, ControlMethods methods)
@@ -293,7 +317,7 @@ void ControlServer::accept_client() {
   const std::optional<Peer> peer = peer_of(socket.get());
   if (!peer || !make_room(*peer)) return;
   const int key = socket.get();
-  clients_[key] = std::make_unique<Client>(*this, std::move(socket), *peer);
+  clients_[key] = std::make_unique<Client>(*this, std::move(socket), *peer, ++connections_);
 }
 
 // The process has no descriptor left, or the kernel no memory: whoever waits would be announced again and
@@ -362,8 +386,11 @@ Json ControlServer::call(const Json& message, Client& client) {
       client.watching = true;
       return Json{{"result", true}};
     }
+    if (method->second.needs_service_rights && !has_service_rights(client.peer)) {
+      return failure(kNotAllowed, fmt::format("{} is for root and the group contourd-service", name));
+    }
     if (called_ && method->second.changes) called_(name, client.peer);
-    return Json{{"result", method->second.call(parameters)}};
+    return Json{{"result", method->second.call(parameters, {client.number})}};
   } catch (const InvalidParameters& invalid) {
     return failure(kInvalidParams, invalid.what());
   } catch (const ControlRefusal& refusal) {
@@ -371,6 +398,11 @@ Json ControlServer::call(const Json& message, Client& client) {
   } catch (const std::exception& error) {
     return failure(kInternalError, error.what());
   }
+}
+
+bool ControlServer::has_service_rights(const Peer& peer) const {
+  const bool member = service_group_ && std::ranges::find(peer.groups, *service_group_) != peer.groups.end();
+  return peer.user == kRoot || peer.user == ::geteuid() || member;
 }
 
 bool ControlServer::is_watched() const {
@@ -400,6 +432,9 @@ void ControlServer::drop_closed_clients() {
   // Later: the call comes from inside a client.
   drop_timer_ = loop_.at(std::chrono::steady_clock::now(), "the control socket", [this] {
     drop_timer_.reset();
+    for (const auto& [key, client] : clients_) {
+      if (client->closed()) client->tell_disconnected();
+    }
     std::erase_if(clients_, [](const auto& entry) { return entry.second->closed(); });
   });
 }

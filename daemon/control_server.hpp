@@ -6,13 +6,16 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "daemon/control_method.hpp"
 #include "daemon/event_loop.hpp"
@@ -26,6 +29,7 @@ class ControlServer {
   struct Peer {
     uid_t user = 0;
     pid_t process = 0;
+    std::vector<gid_t> groups{};  // its own and all others
   };
 
   // Listens at once; the socket is readable and writable for owner and group. The socket of a contourd that
@@ -40,6 +44,13 @@ class ControlServer {
   void on_call(std::function<void(const std::string& method, const Peer& peer)> call) {
     called_ = std::move(call);
   }
+
+  // Calls `call` once for each connection that is no more, when that is known. Never from inside a method.
+  void on_disconnected(std::function<void(std::uint64_t connection)> call) {
+    disconnected_ = std::move(call);
+  }
+  // Methods that need service rights are for root, this process' own user and members of this group.
+  void set_service_group(std::optional<gid_t> group) { service_group_ = group; }
 
   // Sends a notification to every client that called "watch". A client that reads too slowly misses those
   // that need not arrive.
@@ -61,6 +72,7 @@ class ControlServer {
   // One message's answer; discarded for a notification.
   Json answer(const Json& message, Client& client);
   Json call(const Json& message, Client& client);
+  [[nodiscard]] bool has_service_rights(const Peer& peer) const;
   // Counts a turn of the user's and tells when the next one is.
   [[nodiscard]] TimePoint take_turn_of(uid_t user, TimePoint now);
   void drop_closed_clients();
@@ -73,6 +85,9 @@ class ControlServer {
   std::map<int, std::unique_ptr<Client>> clients_;
   std::map<uid_t, TimePoint> paid_until_;  // of users who had turns lately
   std::function<void(const std::string&, const Peer&)> called_;
+  std::function<void(std::uint64_t)> disconnected_;
+  std::optional<gid_t> service_group_;
+  std::uint64_t connections_ = 0;  // so many were made
   EventLoop::SourcePtr drop_timer_, rest_timer_;
 };
 

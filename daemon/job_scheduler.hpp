@@ -20,7 +20,8 @@ class JobScheduler {
  public:
   struct Calls {
     std::function<bool()> has_job;  // whether one is claimed and not filed yet
-    std::function<bool()> prints;
+    std::function<bool()> prints;   // or there may be light otherwise: the disk is not waited for
+    std::function<bool()> controlled_by_hand;
     std::function<void(ClaimedJob)> begin;
     std::function<void()> copy_over;  // copying() has become false
   };

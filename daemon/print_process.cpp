@@ -8,6 +8,7 @@
 
 #include "core/contract/expects.hpp"
 #include "daemon/mask_cost.hpp"
+#include "daemon/motion_timeout.hpp"
 
 namespace contourd {
 namespace {
@@ -17,11 +18,7 @@ using namespace std::chrono_literals;
 // How far the plate goes up in a pause, to look at the part.
 constexpr Nanometers kLook{30'000'000};
 
-// Devices answer by themselves when something is wrong; these deadlines are for the day when one does not. A
-// motion has its expected time and a tenth, plus this (Ember's figure).
-constexpr Duration kMotionGrace = 15s;
-// What homing moves beside the travel: beyond it, back off the switch and to it again.
-constexpr Nanometers kHomingBeside{25'000'000};
+// Devices answer by themselves when something is wrong; these deadlines are for the day when one does not.
 constexpr Duration kPresentDeadline = 5s;
 constexpr Duration kProjectorDeadline = 30s;
 // At a print's end: whoever turns the light off goes on with it.
@@ -189,7 +186,7 @@ void PrintProcess::perform(PrintEffect effect) {
     case PrintEffect::AbortAxis:
       return machine_.z_axis().abort();
     case PrintEffect::StopAxis:
-      expect_within(kMotionGrace, "the axis to stop");
+      expect_within(kStopTimeout, "the axis to stop");
       return machine_.z_axis().stop();
     case PrintEffect::PowerOn:
       return power_on();
@@ -278,11 +275,7 @@ void PrintProcess::show_black() {
 }
 
 void PrintProcess::home() {
-  // The travel once, and some millimetres beside it, of which a part at half the speed: twice is more than
-  // any homing takes.
-  const ZAxis& axis = machine_.z_axis();
-  const Duration longest = axis.move_duration(axis.travel() + kHomingBeside, plan_->homing_speed);
-  expect_within(longest * 2 + kMotionGrace, "the axis to home");
+  expect_within(homing_timeout(machine_.z_axis(), plan_->homing_speed), "the axis to home");
   machine_.z_axis().home(while_in_state<HomingResult>([this](HomingResult result) {
     if (result == HomingResult::Homed) return handle(PrintEvent::Homed);
     fail(fmt::format("homing failed: {}", describe(result)));
@@ -291,7 +284,7 @@ void PrintProcess::home() {
 
 void PrintProcess::move_to(Nanometers target, MillimetersPerSecond speed) {
   const Nanometers distance = target - current_height();
-  expect_within(machine_.z_axis().move_duration(distance, speed) * 11 / 10 + kMotionGrace, "a move to end");
+  expect_within(move_timeout(machine_.z_axis(), distance, speed), "a move to end");
   machine_.z_axis().move_to(target, speed, [this, move_state = state_](MoveResult result) {
     // A move that is stopped ends in Halting or Braking, which the state it began in has become.
     const bool stopping = state_ == PrintState::Halting || state_ == PrintState::Braking;

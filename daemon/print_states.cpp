@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "daemon/manual_states.hpp"
 #include "hw/gpio/homing_states.hpp"
 #include "hw/serial/projector_light_states.hpp"
 #include "hw/serial/projector_power_states.hpp"
@@ -317,6 +318,7 @@ std::string draw_print_states() {
     graph += fmt::format("  \"{}\" -> \"{}\" [label=\"{}\"];\n",
                          t.on == E::Failed ? "any state" : name_of(t.from), name_of(t.to), label);
   }
+  graph += draw_table("by hand", manual_transitions());
   graph += draw_table("homing", homing_transitions());
   graph += draw_table("projector power", projector_power_transitions());
   graph += draw_table("projector light", projector_light_transitions());

@@ -27,11 +27,15 @@ std::size_t last_of(const Json& parameters) {
 
 ControlMethods PrinterControl::methods() {
   const auto changes = [this](Json (PrinterControl::*method)()) {
-    return ControlMethod{.call = [this, method](const Json&) { return (this->*method)(); }, .changes = true};
+    return ControlMethod{
+        .call = [this, method](const Json&, const ControlCaller&) { return (this->*method)(); },
+        .changes = true};
   };
-  return {{"status", {[this](const Json&) { return status_.status(); }}},
-          {"queue", {[this](const Json&) { return status_.queue(); }}},
-          {"history", {[this](const Json& given) { return status_.history(last_of(given)); }, {"last"}}},
+  return {{"status", {[this](const Json&, const ControlCaller&) { return status_.status(); }}},
+          {"queue", {[this](const Json&, const ControlCaller&) { return status_.queue(); }}},
+          {"history",
+           {[this](const Json& given, const ControlCaller&) { return status_.history(last_of(given)); },
+            {"last"}}},
           {"pause", changes(&PrinterControl::pause)},
           {"resume", changes(&PrinterControl::resume)},
           {"cancel", changes(&PrinterControl::cancel)},

@@ -1,12 +1,16 @@
 #include "daemon/printer_service.hpp"
 
 #include <fmt/format.h>
+#include <grp.h>
 #include <pwd.h>
 
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <optional>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "daemon/readable.hpp"
 
@@ -31,6 +35,18 @@ std::string user_name(uid_t user) {
   return std::to_string(user);
 }
 
+// By the system's own list alone, as above.
+std::optional<gid_t> find_group(std::string_view name) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> groups(std::fopen("/etc/group", "re"), std::fclose);
+  group entry{};
+  group* found = nullptr;
+  std::vector<char> buffer(1 << 16);  // for a group of some thousand members
+  while (groups && ::fgetgrent_r(groups.get(), &entry, buffer.data(), buffer.size(), &found) == 0) {
+    if (entry.gr_name == name) return entry.gr_gid;
+  }
+  return std::nullopt;
+}
+
 // Who gave a command.
 void log_command(const Log& log, const std::string& method, const ControlServer::Peer& peer) {
   log.info("command",
@@ -50,15 +66,17 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       queue_(log, calls_of_queue()),
       job_(context_, spool_, reader_, hold_, *this),
       scheduler_(context_, spool_, queue_, hold_, calls_of_scheduler()),
-      status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_}),
-      control_(context_, hold_, job_, scheduler_, status_) {}
+      manual_(machine, clock, [this] { manual_changed(); }),
+      status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_, manual_}),
+      control_(context_, hold_, job_, scheduler_, status_),
+      manual_control_(context_, {hold_, job_, scheduler_, status_}, manual_) {}
 
 PrinterService::~PrinterService() {
   context_.loop.on_turn_over(nullptr);
 }
 
 QueueHold::Calls PrinterService::calls_of_hold() {
-  return {.light_may_be_on = [this] { return job_.print().light_may_be_on(); },
+  return {.light_may_be_on = [this] { return job_.print().light_may_be_on() || manual_.light_may_be_on(); },
           .retry = [this] { scheduler_.run(); }};
 }
 
@@ -77,8 +95,13 @@ PrintQueue::Calls PrinterService::calls_of_queue() {
 
 JobScheduler::Calls PrinterService::calls_of_scheduler() {
   return {.has_job = [this] { return job_.job() != nullptr; },
-          .prints = [this] { return job_.print().state() != PrintState::Idle; },
-          .begin = [this](ClaimedJob job) { job_.begin(std::move(job)); },
+          .prints = [this] { return job_.print().state() != PrintState::Idle || manual_.light_may_be_on(); },
+          .controlled_by_hand = [this] { return controlled_by_hand(); },
+          .begin =
+              [this](ClaimedJob job) {
+                manual_.give_way();
+                job_.begin(std::move(job));
+              },
           .copy_over = [this] { may_stop(); }};
 }
 
@@ -94,8 +117,12 @@ void PrinterService::start() {
   if (const std::string trouble = spool_.trouble(); !trouble.empty()) log.error("spool", printable(trouble));
   hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); });
   if (hold_.reason()) log.warning("held", hold_.sentence());
+  ControlMethods methods = control_.methods();
+  methods.merge(manual_control_.methods());
   server_ =
-      std::make_unique<ControlServer>(context_.loop, context_.config.control_socket, control_.methods());
+      std::make_unique<ControlServer>(context_.loop, context_.config.control_socket, std::move(methods));
+  server_->set_service_group(find_group("contourd-service"));
+  server_->on_disconnected([this](std::uint64_t connection) { manual_control_.disconnected(connection); });
   server_->on_call(
       [&log](const std::string& method, const ControlServer::Peer& peer) { log_command(log, method, peer); });
   spool_.open();
@@ -114,6 +141,7 @@ std::string PrinterService::readiness() const {
 void PrinterService::shut_down(const std::string& reason) {
   ending_ = Ending::ShutDown;
   scheduler_.stop();
+  end_manual_control();
   reader_.stop();
   job_.stop(reason);
   may_stop();
@@ -126,12 +154,13 @@ void PrinterService::hand_over_when_idle() {
                                    : "contourd restarts");
   ending_ = Ending::HandOver;
   scheduler_.stop();
+  end_manual_control();
   may_stop();
 }
 
 // Behind a print under way: as long as that ends, the loop must turn for its light.
 void PrinterService::may_stop() {
-  if (ending_ == Ending::No || job_.print().state() != PrintState::Idle) return;
+  if (ending_ == Ending::No || job_.print().state() != PrintState::Idle || controlled_by_hand()) return;
   if (ending_ == Ending::HandOver && job_.finishing()) return;  // its filing comes back here
   job_.stop_analysis();
   if (job_.is_being_filed()) {
@@ -174,6 +203,8 @@ void PrinterService::handle_event(const MachineEvent& event) {
     case MachineEvent::Kind::Notice:
       break;
   }
+  if (event.kind == MachineEvent::Kind::Fault || event.kind == MachineEvent::Kind::Interlock)
+    manual_.fail(event.what);
   const bool bad = event.kind != MachineEvent::Kind::Recovery;
   const bool of_print =
       event.kind == MachineEvent::Kind::Fault || event.kind == MachineEvent::Kind::Interlock;
@@ -186,6 +217,27 @@ void PrinterService::handle_event(const MachineEvent& event) {
   if (print.state() == PrintState::Idle) context_.supervisor.status(readiness());
   notify("machine", ControlServer::Delivery::Lossy);
   scheduler_.run_soon();
+}
+
+// --- by hand
+
+void PrinterService::manual_changed() {
+  if (manual_.state() == ManualState::Idle &&
+      std::exchange(manual_operations_logged_, manual_.operations()) != manual_.operations()) {
+    const std::string& problem = manual_.problem();
+    context_.log.write(problem.empty() ? LogLevel::Info : LogLevel::Warning, "manual",
+                       "by hand: " + (problem.empty() ? "done" : printable(problem)));
+  }
+  if (printing_) printing_(controlled_by_hand());
+  notify("manual", ControlServer::Delivery::Certain);
+  if (controlled_by_hand()) return;
+  scheduler_.run_soon();
+  may_stop();
+}
+
+void PrinterService::end_manual_control() {
+  manual_.stop();
+  manual_.hide();
 }
 
 // --- the job's events

@@ -1,7 +1,10 @@
 // The printer: wires the parts that take jobs from the spool, one after the other, have them prepared, print
 // them and file what came of it; and the control socket. Event loop's thread only.
+//
+// It has more members than other classes: each is one of the parts that it wires.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -12,6 +15,8 @@
 #include "daemon/job_history.hpp"
 #include "daemon/job_reader.hpp"
 #include "daemon/job_scheduler.hpp"
+#include "daemon/manual_control.hpp"
+#include "daemon/manual_process.hpp"
 #include "daemon/print_queue.hpp"
 #include "daemon/printer_context.hpp"
 #include "daemon/printer_control.hpp"
@@ -43,7 +48,8 @@ class PrinterService final : private JobObserver {
   // Something happened to the machine, or is about to.
   void handle_event(const MachineEvent& event);
 
-  // `call` gets true when a print begins, and false when none is under way any more; also again.
+  // `call` gets true when a print or something by hand begins, and false when neither is under way any more;
+  // also again.
   void on_printing(std::function<void(bool)> call) { printing_ = std::move(call); }
 
  private:
@@ -59,6 +65,12 @@ class PrinterService final : private JobObserver {
   [[nodiscard]] QueueHold::Calls calls_of_hold();
   [[nodiscard]] PrintQueue::Calls calls_of_queue();
   [[nodiscard]] JobScheduler::Calls calls_of_scheduler();
+  // Something is done by hand, or a picture is shown.
+  [[nodiscard]] bool controlled_by_hand() const {
+    return manual_.state() != ManualState::Idle || !manual_.picture().empty();
+  }
+  void manual_changed();
+  void end_manual_control();
   // For the service manager's status line.
   [[nodiscard]] std::string readiness() const;
   // Into the history, and to all who watch.
@@ -75,9 +87,12 @@ class PrinterService final : private JobObserver {
   CurrentJob job_;
   JobScheduler scheduler_;
   JobHistory history_;
+  ManualProcess manual_;
   PrinterStatus status_;
   PrinterControl control_;
+  ManualControl manual_control_;
   std::unique_ptr<ControlServer> server_;
+  std::uint64_t manual_operations_logged_ = 0;
   Ending ending_ = Ending::No;
   std::function<void(bool)> printing_;
   EventLoop::SourcePtr stop_timer_;

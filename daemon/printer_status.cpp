@@ -66,6 +66,7 @@ Json PrinterStatus::status() const {
   add_reasons_to_wait(status);
   const auto& ended = parts_.history.jobs();
   status["last"] = ended.empty() ? Json() : ended_json(ended.back());
+  status["manual"] = manual();
   return status;
 }
 
@@ -98,6 +99,24 @@ void PrinterStatus::add_print(Json& job) const {
   job["pause_pending"] = print.pause_pending();
   job["pause"] = print.pause_pending() ? Json(print.next_pause()) : Json();
   job["interruption"] = or_null(print.interruption());
+}
+
+Json PrinterStatus::manual() const {
+  const ManualProcess& process = parts_.manual;
+  const std::optional<Nanometers> height = context_.machine.z_axis().height();
+  Json manual{
+      {"state", name_of(process.state())},
+      {"operations", process.operations()},
+      {"problem", or_null(process.problem())},
+      {"dark", !process.light_may_be_on() && context_.machine.projector().light_off_unconfirmed().empty()},
+      {"height_mm", height ? Json(to_millimeters(*height).count()) : Json()},
+      {"picture", or_null(process.picture())},
+      {"projector", Json()}};
+  if (const std::optional<ProjectorStatus>& projector = process.projector()) {
+    manual["projector"] = {{"powered", projector->powered ? Json(*projector->powered) : Json()},
+                           {"lamp_hours", projector->lamp_hours ? Json(*projector->lamp_hours) : Json()}};
+  }
+  return manual;
 }
 
 void PrinterStatus::add_incoming(Json& status) const {

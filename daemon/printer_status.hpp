@@ -7,6 +7,7 @@
 #include "daemon/current_job.hpp"
 #include "daemon/job_history.hpp"
 #include "daemon/job_scheduler.hpp"
+#include "daemon/manual_process.hpp"
 #include "daemon/print_queue.hpp"
 #include "daemon/printer_context.hpp"
 #include "daemon/queue_hold.hpp"
@@ -25,6 +26,7 @@ class PrinterStatus {
     const QueueHold& hold;
     const CurrentJob& job;
     const JobHistory& history;
+    const ManualProcess& manual;
   };
   // All must outlive the status.
   PrinterStatus(const PrinterContext& context, const Parts& parts) : context_(context), parts_(parts) {}
@@ -40,6 +42,7 @@ class PrinterStatus {
   [[nodiscard]] std::string_view state() const;
   [[nodiscard]] Json job() const;
   void add_print(Json& job) const;
+  [[nodiscard]] Json manual() const;
   void add_incoming(Json& status) const;
   void add_postponed(Json& status) const;
   void add_reasons_to_wait(Json& status) const;

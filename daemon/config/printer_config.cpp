@@ -250,6 +250,8 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .uniformity =
           companions.uniformity ? std::optional(std::move(companions.uniformity->mask)) : std::nullopt,
       .irradiance_mw_cm2 = root.section("projector").number("irradiance_mw_cm2"),
+      .manual = {.light_limit = root.section("manual").duration("light_limit_s"),
+                 .vat_depth = root.section("manual").length("vat_depth_mm")},
       .pace = !real && root.section("simulation").text("pace") == "fast" ? Pace::Fast : Pace::Realtime,
       .simulated = read_simulated(root, folder),
       .real = {},

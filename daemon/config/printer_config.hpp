@@ -22,6 +22,12 @@ enum class Pace {
   Fast,  // as fast as the processor goes
 };
 
+// Bounds of what is done by hand.
+struct ManualConfig {
+  Duration light_limit{};  // the longest light
+  Nanometers vat_depth{};  // below this height the plate may be in the resin
+};
+
 // Paths are absolute. What the file leaves out has the schema's default (config/contourd.schema.json), which
 // is the only place that says it.
 struct PrinterConfig {
@@ -49,6 +55,8 @@ struct PrinterConfig {
   std::optional<Mask> uniformity;  // as large as the display
 
   double irradiance_mw_cm2 = 0.0;  // of a white pixel, on the film
+
+  ManualConfig manual;
 
   Pace pace = Pace::Realtime;
   SimulatedPrinterConfig simulated;

@@ -19,6 +19,7 @@
 #include "daemon/ctl/client.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/inspect_command.hpp"
+#include "daemon/ctl/manual_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
 #include "daemon/ctl/submit_command.hpp"
 #include "daemon/ctl/watch_command.hpp"
@@ -182,6 +183,13 @@ AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeWords& words) 
   return options;
 }
 
+// What the user typed for the commands by hand.
+struct ManualWords {
+  std::optional<double> to_mm, by_mm, speed_mm_s, seconds;
+  bool plate_is_clear = false, in_resin = false, confirm = false;
+  std::string pattern;
+};
+
 // An unset shell variable must not become 0 or "no output".
 const CLI::Validator kNotEmpty([](const std::string& word) { return word.empty() ? "it is empty" : ""; }, "");
 
@@ -198,6 +206,7 @@ class CommandLine {
     add_analyze();
     add_submit();
     add_client_commands();
+    add_manual_commands();
   }
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
@@ -213,7 +222,10 @@ class CommandLine {
 
  private:
   CLI::App* add_command(const char* name, const char* help, std::function<int()> call) {
-    CLI::App* command = app_.add_subcommand(name, help);
+    return add_command(&app_, name, help, std::move(call));
+  }
+  CLI::App* add_command(CLI::App* parent, const char* name, const char* help, std::function<int()> call) {
+    CLI::App* command = parent->add_subcommand(name, help);
     command->callback([this, call = std::move(call)] { chosen_ = call; });
     return command;
   }
@@ -325,6 +337,79 @@ class CommandLine {
     add_client_options(command);
   }
 
+  // What is done by hand, while nothing prints.
+  void add_manual_commands() {
+    const auto by_hand = [this](CLI::App* parent, const char* name, const char* help, const char* method,
+                                WaitFor what = WaitFor::Operation) {
+      CLI::App* command = add_command(parent, name, help, [this, method, what] {
+        return control_by_hand(client_, manual_request(method), what);
+      });
+      add_client_options(command);
+      return command;
+    };
+    const auto group = [this](const char* name, const char* help) {
+      CLI::App* command = app_.add_subcommand(name, help);
+      command->require_subcommand(1);
+      return command;
+    };
+    const auto add_plate_is_clear = [this](CLI::App* command) {
+      command->add_flag("--plate-is-clear", manual_.plate_is_clear,
+                        "Nothing is in the plate's way, whatever contourd knows of");
+    };
+    add_plate_is_clear(by_hand(&app_, "home", "Have the plate find its switch", "home"));
+    CLI::App* move = by_hand(&app_, "move", "Move the plate", "move");
+    CLI::Option* to = move->add_option("--to", manual_.to_mm, "Height above the film, mm");
+    move->add_option("--by", manual_.by_mm, "Upwards, downwards if below 0, mm")->excludes(to);
+    move->add_option("--speed", manual_.speed_mm_s,
+                     "Speed, mm/s; without it the configuration's travel speed");
+    add_plate_is_clear(move);
+    by_hand(&app_, "stop", "End what is done by hand: motor still, light off, screen black", "stop",
+            WaitFor::Rest);
+    by_hand(group("motor", "The plate's motor"), "off", "Take the motor's current away", "motor_off");
+    CLI::App* light = group("light", "The projector's light");
+    CLI::App* on = add_command(light, "on", "Light for some seconds, with the picture that is shown", [this] {
+      return light_by_hand(client_, manual_request("light_on"), manual_.confirm);
+    });
+    on->add_option("--seconds", manual_.seconds, "For how long, s")->required();
+    on->add_flag("--confirm", manual_.confirm, "Do not ask whether eyes are protected");
+    on->add_flag("--in-resin", manual_.in_resin, "Also when the plate may be in the resin");
+    add_client_options(on);
+    by_hand(light, "off", "Turn the light off", "light_off", WaitFor::Rest);
+    CLI::App* show =
+        by_hand(&app_, "show", "Show a test pattern, until it is interrupted", "show", WaitFor::Picture);
+    show->add_option("PATTERN", manual_.pattern, "white, black, grid, checker, focus, border or dimensions")
+        ->required()
+        ->check(kNotEmpty);
+    show->add_option("--seconds", manual_.seconds, "For how long, s");
+    CLI::App* projector = group("projector", "The projector's power");
+    by_hand(projector, "status", "What the projector says of itself", "projector");
+    const auto power = [&, this](const char* word, const char* help) {
+      add_client_options(add_command(projector, word, help, [this, word] {
+        return control_by_hand(client_, {"projector", {{"power", word}}}, WaitFor::Operation);
+      }));
+    };
+    power("on", "Power on, and wait until it is warm; the light stays off");
+    power("off", "Power off");
+  }
+
+  [[nodiscard]] Request manual_request(const char* method) const {
+    Request request{method};
+    const auto set = [&request](const char* name, const auto& word) {
+      if (word) request.parameters[name] = *word;
+    };
+    const auto set_if = [&request](const char* name, bool word) {
+      if (word) request.parameters[name] = true;
+    };
+    set("to_mm", manual_.to_mm);
+    set("by_mm", manual_.by_mm);
+    set("speed_mm_s", manual_.speed_mm_s);
+    set("seconds", manual_.seconds);
+    set_if("plate_is_clear", manual_.plate_is_clear);
+    set_if("in_resin", manual_.in_resin);
+    if (!manual_.pattern.empty()) request.parameters["pattern"] = manual_.pattern;
+    return request;
+  }
+
   // A method without parameters.
   void add_client(const char* name, const char* help, const char* method,
                   decltype(&print_status) print = print_status) {
@@ -346,6 +431,7 @@ class CommandLine {
   AnalyzeWords analyze_words_;
   SliceWords words_;
   SubmitOptions submit_;
+  ManualWords manual_;
   ClientOptions client_;
   std::optional<std::string> job_;
   int last_ = 20;

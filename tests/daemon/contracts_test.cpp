@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "daemon/html_page.hpp"
+#include "daemon/manual_process.hpp"
 #include "daemon/print_process.hpp"
 #include "daemon/print_queue.hpp"
 #include "daemon/printer_control.hpp"
@@ -92,4 +93,21 @@ TEST_CASE("Only root looks what another user can reach") {
           if (::geteuid() == 0 && ::seteuid(65534) != 0) return;
           (void)out_of_reach({}, {});
         }) == "this process is root's");
+}
+
+TEST_CASE("ManualProcess begins one operation at a time, moves from a known height, and shows in the dark") {
+  testing::PrinterFixture desk;
+  ManualProcess process(desk.machine, desk.clock, [] {});
+  const MillimetersPerSecond speed{5};
+  const Mask picture(desk.machine.display().width(), desk.machine.display().height());
+  CHECK(contract_broken_by([&] { process.move_to(Nanometers{}, speed); }) == "the plate's height is known");
+  process.light_on(std::chrono::seconds{1});
+  const std::string one = "no operation is under way";
+  CHECK(contract_broken_by([&] { process.home(speed); }) == one);
+  CHECK(contract_broken_by([&] { process.power_on(); }) == one);
+  CHECK(contract_broken_by([&] { process.give_way(); }) == one);
+  while (!process.light_may_be_on())
+    REQUIRE(desk.clock.run_next());
+  CHECK(contract_broken_by([&] { process.show(picture, "white", std::chrono::seconds{1}); }) ==
+        "nothing shines while the picture changes");
 }

@@ -68,14 +68,16 @@ class Bench {
   EventLoopWatcher watcher_{loop};
   FileDescriptor machine_{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
   std::unique_ptr<DescriptorWatcher::Watch> watch_;
-  ControlServer server_{loop, path_, {{"ask", {[this](const ControlServer::Json&) { return answer(); }}}}};
+  ControlServer server_{loop, path_, {{"ask", {[this](const ControlServer::Json&, const ControlCaller&) {
+                                         return answer();
+                                       }}}}};
 };
 
 // What a method gets that takes "height" and "speed", and says about its parameters.
 std::string reply_to(const std::string& parameters) {
   EventLoop loop;
   const TemporaryFolder folder;
-  const auto give_back = [](const ControlServer::Json& given) {
+  const auto give_back = [](const ControlServer::Json& given, const ControlCaller&) {
     if (given.contains("height") && given["height"] == 0) throw InvalidParameters("a height is above 0");
     return given;
   };
@@ -158,4 +160,34 @@ TEST_CASE("Parameters that a method does not take are refused, as what it says i
         R"(the method "move" has no parameter "depth"; there are height, speed)");
   CHECK(refusal("[3]") == R"(the method "move" takes its parameters by name: height, speed)");
   CHECK(refusal(R"({"height":0})") == "a height is above 0");
+}
+
+TEST_CASE("A connection that is no more is told once, by the number that its methods got") {
+  EventLoop loop;
+  const TemporaryFolder folder;
+  std::vector<std::uint64_t> calls, gone;
+  ControlServer server(loop, folder.path() / "control.sock",
+                       {{"ask", {[&](const ControlServer::Json&, const ControlCaller& caller) {
+                           calls.push_back(caller.connection);
+                           return ControlServer::Json(true);
+                         }}}});
+  server.on_disconnected([&](std::uint64_t connection) {
+    gone.push_back(connection);
+    loop.stop();
+  });
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  (folder.path() / "control.sock").string().copy(address.sun_path, sizeof address.sun_path - 1);
+  const FileDescriptor stays(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  REQUIRE(::connect(stays.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  {
+    const FileDescriptor goes(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    REQUIRE(::connect(goes.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+    const std::string ask = R"({"jsonrpc":"2.0","method":"ask","id":1})"
+                            "\n";
+    REQUIRE(::write(goes.get(), ask.data(), ask.size()) > 0);
+  }
+  loop.run();
+  CHECK(calls == std::vector<std::uint64_t>{2});
+  CHECK(gone == calls);
 }

@@ -35,7 +35,7 @@ class Desk : public testing::PrinterFixture {
     return names;
   }
 
-  bool has_job = false, lit = false;
+  bool has_job = false, lit = false, by_hand = false;
   std::vector<ClaimedJob> jobs;
   Names checked;
   QueueHold hold{
@@ -53,6 +53,7 @@ class Desk : public testing::PrinterFixture {
                          hold,
                          {.has_job = [this] { return has_job; },
                           .prints = [this] { return has_job; },
+                          .controlled_by_hand = [this] { return by_hand; },
                           .begin =
                               [this](ClaimedJob job) {
                                 has_job = true;
@@ -212,4 +213,15 @@ TEST_CASE("What the disk did not take is tried again when nothing is printed") {
   CHECK(desk.hold.failed());
   desk.end_job();
   CHECK_FALSE(desk.hold.failed());
+}
+
+TEST_CASE("No job begins while the printer is controlled by hand, and the reason is told") {
+  Desk desk;
+  desk.by_hand = true;
+  desk.arrive("part.stl");
+  CHECK(desk.begun().empty());
+  CHECK(desk.scheduler.waiting_for() == "the printer is controlled by hand");
+  desk.by_hand = false;
+  desk.scheduler.run();
+  CHECK(desk.scheduler.waiting_for().empty());
 }

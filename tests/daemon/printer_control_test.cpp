@@ -17,7 +17,7 @@ class Desk : public testing::CurrentJobFixture {
   // Why the method is refused; empty when it is not.
   std::string refusal_of(const std::string& method) {
     try {
-      reply = methods.at(method).call(Json::object());
+      reply = methods.at(method).call(Json::object(), {});
     } catch (const ControlRefusal& refusal) {
       return refusal.what();
     }
@@ -56,10 +56,12 @@ class Desk : public testing::CurrentJobFixture {
                          hold,
                          {.has_job = [this] { return job.job() != nullptr; },
                           .prints = [this] { return job.print().state() != PrintState::Idle; },
+                          .controlled_by_hand = [] { return false; },
                           .begin = [this](ClaimedJob claimed) { job.begin(std::move(claimed)); },
                           .copy_over = [] {}}};
   JobHistory history;
-  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history}};
+  ManualProcess manual{machine, clock, [] {}};
+  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual}};
   PrinterControl control{context, hold, job, scheduler, status};
   ControlMethods methods = control.methods();
   Json reply;
@@ -149,7 +151,7 @@ TEST_CASE("The history is as long as is asked, and a hundred jobs at most") {
     desk.history.add({"job " + std::to_string(i), "done", ""});
   const auto names = [&](const Json& parameters) {
     std::vector<std::string> found;
-    const Json history = desk.methods.at("history").call(parameters);
+    const Json history = desk.methods.at("history").call(parameters, {});
     for (const Json& job : history["ended"])
       found.push_back(job["job"]);
     return found;

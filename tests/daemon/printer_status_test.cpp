@@ -26,10 +26,12 @@ class Desk : public testing::CurrentJobFixture {
                          hold,
                          {.has_job = [] { return true; },
                           .prints = [] { return true; },
+                          .controlled_by_hand = [] { return false; },
                           .begin = [](const ClaimedJob&) {},
                           .copy_over = [] {}}};
   JobHistory history;
-  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history}};
+  ManualProcess manual{machine, clock, [] {}};
+  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual}};
 };
 
 }  // namespace
@@ -42,7 +44,7 @@ TEST_CASE("An idle printer's status has all its keys, in their order") {
     keys += key + " ";
   CHECK(keys ==
         "printer spool state job queued incomplete incomplete_more postponed postponed_more passed_over "
-        "passed_over_more deletable deletable_more plate plate_job hindrance held waiting_for last ");
+        "passed_over_more deletable deletable_more plate plate_job hindrance held waiting_for last manual ");
   CHECK(status["state"] == "idle");
   for (const char* nothing : {"job", "plate_job", "hindrance", "held", "waiting_for", "last"})
     CHECK(status[nothing].is_null());

@@ -30,9 +30,12 @@ class Completion(FolderTest):
         return told.stdout.splitlines() if told.stdout.strip() else []
 
     def test_bash_offers_commands_and_their_options(self):
-        self.assertEqual(self.bash("s"), ["slice", "submit", "status"])
+        self.assertEqual(self.bash("s"), ["slice", "submit", "status", "stop", "show"])
         self.assertIn("plate-cleared", self.bash(""))
         self.assertIn("--copies", self.bash("submit", "--"))
+        self.assertEqual(self.bash("light", "o"), ["on", "off"])
+        self.assertEqual(self.bash("light", "on", "--sec"), ["--seconds"])
+        self.assertEqual(self.bash("show", "g"), ["grid"])
         self.assertEqual(self.bash("slice", "--uni"), ["--uniformity-mask"])
         self.assertEqual(self.bash("slice", "--aa", "o"), ["on", "off"])
         # Files are the shell's.
@@ -66,6 +69,8 @@ class Completion(FolderTest):
         self.assertEqual(sorted(fish("contourctl s")), sorted(self.bash("s")))
         self.assertEqual(sorted(fish("contourctl submit --")), sorted(self.bash("submit", "--")))
         self.assertEqual(fish("contourctl slice --aa o"), ["off", "on"])
+        self.assertEqual(sorted(fish("contourctl light o")), ["off", "on"])
+        self.assertEqual(fish("contourctl light on --sec"), ["--seconds"])
 
     @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
     def test_zsh_takes_its_file(self):

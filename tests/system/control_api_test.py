@@ -10,12 +10,15 @@ import sys
 
 from harness import (
     CONTOURD, DEADLINE_S, ENDLESS, NIMBLE_RESIN, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, box, main, merge, run,
+    wait_until,
 )  # fmt: skip
 
 PAGE = (pathlib.Path(SOURCE) / "docs/control-api.md").read_text(encoding="utf-8")
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
 # An exception that no request brings about.
 INTERNAL_ERROR = -32603
+# A caller of another user and group (manual_test.py).
+NOT_ALLOWED = -32001
 
 
 def section(title, page=PAGE):
@@ -39,11 +42,11 @@ def messages(text):
             for line in block.splitlines()]  # fmt: skip
 
 
-METHODS = re.findall(r"^### `(\w+)`$", section("## Methods"), re.MULTILINE)
+METHODS = re.findall(r"^### `(\w+)`$", section("## Methods") + section("## By hand"), re.MULTILINE)
 REPLIES = {name: re.search(r"Reply:\s+(?:a\s+\[(\w+)\]|`(\w+)`)", section(f"### `{name}`")) for name in METHODS}
 NOTIFICATIONS = [name for name, _ in rows("## Notifications")]
 STATUS, JOB, ANALYSIS = rows("### A status"), rows("### A job"), rows("### An analysis")
-ENDED_JOB = rows("### An ended job")
+ENDED_JOB, MANUAL = rows("### An ended job"), rows("### What is done by hand")
 TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history")}
 STATES = {name for name, _ in rows("### States")}
 CODES = {int(code) for code, _ in rows("## Errors")}
@@ -87,6 +90,7 @@ class ControlApiTest(FolderTest):
             self.assert_fields(status["job"], JOB, () if prints else names[first:])
             if status["job"]["analysis"] is not None:
                 self.assert_fields(status["job"]["analysis"], ANALYSIS)
+        self.assert_fields(status["manual"], MANUAL)
         if status["last"] is not None:
             self.assert_fields(status["last"], ENDED_JOB, ["analysis"])
 
@@ -125,6 +129,14 @@ class ControlApiTest(FolderTest):
             answers[method] = daemon.client().call(method)
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
         answers["plate_cleared"] = daemon.rpc("plate_cleared")
+        by_hand = {"home": {}, "stop": {}, "light_off": {}, "show": {"pattern": "grid"}, "light_on": {"seconds": 0.01, "in_resin": True},
+                   "projector": {}, "motor_off": {}, "move": {"to_mm": 1}}  # fmt: skip
+        for method, parameters in by_hand.items():
+            if method == "move":
+                daemon.client().call("home")
+                wait_until(lambda: daemon.status()["manual"]["height_mm"] == 0, "home")
+            wait_until(lambda: daemon.status()["manual"]["state"] == "idle", "the end by hand")
+            answers[method] = daemon.client().call(method, **parameters)
         self.assertEqual(sorted(answers), sorted(METHODS))
         for method, answer in answers.items():
             with self.subTest(method):
@@ -156,6 +168,8 @@ class ControlApiTest(FolderTest):
         daemon.rpc("plate_cleared")
         daemon.drop("thin.stl", binary_stl(box((0, 0, 0), (10, 5, 0.05))))
         daemon.wait_ended("thin")
+        daemon.rpc("projector")
+        daemon.watcher.wait_for(lambda m: m.get("method") == "manual", "the projector")
         told = [message for message in daemon.watcher.seen if "id" not in message]
         self.assertEqual({message["method"] for message in told}, set(NOTIFICATIONS))
         for message in told:
@@ -173,10 +187,12 @@ class ControlApiTest(FolderTest):
         drawn = run(CONTOURD, "--print-states").stdout.decode().partition("subgraph")[0]
         states = {end for ends in re.findall(r'^  "([^"]+)" -> "([^"]+)"', drawn, re.MULTILINE) for end in ends}
         self.assertEqual(STATES, (states - {"any state"}) | {"preparing", "finishing"})
+        by_hand = set(re.findall(r'"by hand: ([^"]+)" \[', run(CONTOURD, "--print-states").stdout.decode()))
+        self.assertEqual(set(re.findall(r"`([^`]+)`", MANUAL[0][2])), by_hand)
 
     def test_the_error_codes_are_the_programs(self):
         client = self.fast().client()
-        codes = {INTERNAL_ERROR}
+        codes = {INTERNAL_ERROR, NOT_ALLOWED}
         for line in ("{", "1", '{"jsonrpc":"2.0","method":"fly","id":1}', '{"jsonrpc":"2.0","method":"pause","id":1}',
                      '{"jsonrpc":"2.0","method":"status","params":[1],"id":1}'):  # fmt: skip
             client.send(line.encode() + b"\n")

@@ -132,13 +132,15 @@ class DocsTest(unittest.TestCase):
                 name = os.path.basename(words[0]) if words else ""
                 if name not in ("contourd", "contourctl", "contourd-bench", "print-rig"):
                     continue
-                command = [BIN / name, *(words[1:2] if name == "contourctl" and words[1:2] else []), "--help"]
+                # A command has one word, or two.
+                length = 2 if words[1:2] and words[1] in ("motor", "light", "projector") else 1
+                command = [BIN / name, *(words[1:1 + length] if name == "contourctl" and words[1:2] else []), "--help"]
                 given = [word.split("=")[0] for word in words[1:] if word.startswith("--")]
                 with self.subTest(page=page.name, line=line):
                     told = subprocess.run(command, capture_output=True, timeout=60, check=False)
                     self.assertEqual(told.returncode, 0, told.stderr)
                     if name == "contourctl" and words[1:2] and not words[1].startswith("-"):
-                        self.assertRegex(told.stdout.decode(), rf"Usage: \S+ {re.escape(words[1])} ")
+                        self.assertRegex(told.stdout.decode(), rf"Usage: \S+ {re.escape(' '.join(words[1:1 + length]))} ")
                     for option in given:
                         checked += 1
                         self.assertRegex(told.stdout.decode(), rf"(?<![\w-]){re.escape(option)}(?![\w-])")

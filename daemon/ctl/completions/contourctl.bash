@@ -4,8 +4,8 @@
 _contourctl_words() {
   local name
   case $1 in
-    commands) contourctl --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z-]*\) .*/\1/p' ;;
-    options) contourctl "$2" --help 2>/dev/null | grep -oE '^ +(-[a-z],)?--[a-z,-]+' | grep -oE -- '--[a-z-]+' ;;
+    commands) contourctl "${@:2}" --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z-]*\) .*/\1/p' ;;
+    options) contourctl "${@:2}" --help 2>/dev/null | grep -oE '^ +(-[a-z],)?--[a-z,-]+' | grep -oE -- '--[a-z-]+' ;;
     jobs)
       contourctl status 2>/dev/null | sed -n 's/^job  *//p'
       contourctl queue 2>/dev/null | sed -n 's/^ *[0-9]*  \(.*\)\.[^.]*$/\1/p'
@@ -20,16 +20,19 @@ _contourctl_words() {
 }
 
 _contourctl() {
-  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words='' each
+  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words='' length=1 each
   case $before in
     --job) words=$(_contourctl_words jobs) ;;
     --resin) words=$(_contourctl_words resins) ;;
     --aa) words=$'on\noff' ;;
+    show) words=$'white\nblack\ngrid\nchecker\nfocus\nborder\ndimensions' ;;
     *)
-      if ((COMP_CWORD == 1)); then
-        words=$(_contourctl_words commands)
+      # The command: one word, or two.
+      if [[ ${COMP_WORDS[1]} == @(motor|light|projector) ]]; then length=2; fi
+      if ((COMP_CWORD <= length)); then
+        words=$(_contourctl_words commands "${COMP_WORDS[@]:1:COMP_CWORD-1}")
       elif [[ $word == -* ]]; then
-        words=$(_contourctl_words options "${COMP_WORDS[1]}")
+        words=$(_contourctl_words options "${COMP_WORDS[@]:1:length}")
       fi
       ;;
   esac

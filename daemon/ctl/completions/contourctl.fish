@@ -2,10 +2,14 @@
 # that are there.
 
 function __contourctl_commands
-    contourctl --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z-]*\)  *\(.*\)/\1\t\2/p'
+    contourctl $argv --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z-]*\)  *\(.*\)/\1\t\2/p'
 end
 function __contourctl_options
     set -l words (commandline -opc)
+    if contains -- "$words[2]" motor light projector
+        contourctl $words[2] $words[3] --help 2>/dev/null | grep -oE '^ +(-[a-z],)?--[a-z,-]+' | grep -oE -- '--[a-z-]+'
+        return
+    end
     contourctl $words[2] --help 2>/dev/null | grep -oE '^ +(-[a-z],)?--[a-z,-]+' | grep -oE -- '--[a-z-]+'
 end
 function __contourctl_jobs
@@ -25,5 +29,9 @@ end
 complete -c contourctl -n __fish_use_subcommand -f -a '(__contourctl_commands)'
 complete -c contourctl -n '__contourctl_before --job' -f -a '(__contourctl_jobs)'
 complete -c contourctl -n '__contourctl_before --resin' -f -a '(__contourctl_resins)'
+for group in motor light projector
+    complete -c contourctl -n "__contourctl_before $group" -f -a "(__contourctl_commands $group)"
+end
+complete -c contourctl -n '__contourctl_before show' -f -a 'white black grid checker focus border dimensions'
 complete -c contourctl -n '__contourctl_before --aa' -f -a 'on off'
 complete -c contourctl -n 'not __fish_use_subcommand; and string match -q -- "-*" (commandline -ct)' -f -a '(__contourctl_options)'

@@ -1,0 +1,135 @@
+#include "daemon/ctl/manual_command.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "daemon/ctl/daemon_connection.hpp"
+#include "daemon/ctl/exit_codes.hpp"
+#include "daemon/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = DaemonConnection::Json;
+
+enum Question { kWatch = 1, kRequest };
+
+// What has come of the request, message by message.
+class Operation {
+ public:
+  Operation(WaitFor what, bool json) : what_(what), json_(json) {}
+
+  // The exit code, once it is over.
+  std::optional<int> take(const Json& message) {
+    if (json_) fmt::print("{}\n", message.dump(-1, ' ', true));
+    const bool reply = message.value("id", 0) == kRequest;
+    if (reply && message.contains("error")) {
+      if (!json_)
+        fmt::print(stderr, "contourctl: {}\n", printable_lines(message["error"].value("message", "")));
+      return kFailed;
+    }
+    if (message.contains("params")) last_ = message["params"];
+    if (reply) {
+      begun_ = true;
+      // What came before the reply may be newer.
+      const Json& result = message["result"];
+      if (!last_.is_object() || operations(last_) <= operations(result)) last_ = result;
+    }
+    if (!last_.is_object() || !last_.contains("manual")) return std::nullopt;
+    tell();
+    return begun_ && is_over() ? std::optional(end()) : std::nullopt;
+  }
+
+ private:
+  static std::uint64_t operations(const Json& status) {
+    return status["manual"].value("operations", std::uint64_t{0});
+  }
+  [[nodiscard]] bool is_over() const {
+    const Json& manual = last_["manual"];
+    return what_ == WaitFor::Picture ? manual["picture"].is_null() : manual.value("state", "") == "idle";
+  }
+  void tell() {
+    const Json& manual = last_["manual"];
+    const std::string now = what_ == WaitFor::Picture ? "" : printable(manual.value("state", ""));
+    if (json_ || now.empty() || now == "idle" || std::exchange(told_, now) == now) return;
+    fmt::print("{}\n", now);
+    std::fflush(stdout);
+  }
+  [[nodiscard]] int end() const {
+    const Json& manual = last_["manual"];
+    // That an operation was stopped is what was wanted.
+    const bool well = what_ == WaitFor::Rest        ? manual.value("dark", false)
+                      : what_ == WaitFor::Operation ? manual["problem"].is_null()
+                                                    : true;
+    if (json_ || what_ == WaitFor::Picture) return well ? kOk : kFailed;
+    if (well) {
+      print_manual(last_);
+      return kOk;
+    }
+    const std::string problem =
+        manual["problem"].is_string() ? manual["problem"].get<std::string>() : "the light may be on";
+    fmt::print(stderr, "contourctl: {}\n", printable_lines(problem));
+    return kFailed;
+  }
+
+  WaitFor what_;
+  bool json_, begun_ = false;
+  Json last_;
+  std::string told_;
+};
+
+}  // namespace
+
+int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what) {
+  DaemonConnection connection(options.socket);
+  connection.send("watch", kWatch);
+  connection.send(request.method, kRequest, request.parameters);
+  Operation operation(what, options.json);
+  while (true) {
+    if (const std::optional<int> code = operation.take(connection.receive())) return *code;
+  }
+}
+
+int light_by_hand(const ClientOptions& options, const Request& request, bool confirmed) {
+  if (!confirmed) {
+    if (::isatty(STDIN_FILENO) == 0) throw UsageError("light on: nobody can be asked here, so say --confirm");
+    fmt::print("UV light for {} s. Eyes protected, nobody near the vat? yes/no: ",
+               request.parameters.value("seconds", 0.0));
+    std::fflush(stdout);
+    std::array<char, 16> answer{};
+    const char* const line = std::fgets(answer.data(), answer.size(), stdin);
+    if (line == nullptr || std::string_view(line) != "yes\n") {
+      fmt::print(stderr, "contourctl: the light stays off\n");
+      return kFailed;
+    }
+  }
+  return control_by_hand(options, request, WaitFor::Operation);
+}
+
+void print_manual(const Json& status) {
+  const Json& manual = status["manual"];
+  if (manual["height_mm"].is_number())
+    fmt::print("height    {:.3f} mm\n", manual["height_mm"].get<double>());
+  else
+    fmt::print("height    unknown\n");
+  if (manual["picture"].is_string())
+    fmt::print("picture   {}\n", printable(manual["picture"].get<std::string>()));
+  if (!manual["projector"].is_object()) return;
+  const Json& projector = manual["projector"];
+  const auto& powered = projector["powered"];
+  fmt::print("projector {}\n", !powered.is_boolean() ? "cannot be asked"
+                               : powered.get<bool>() ? "on"
+                                                     : "off");
+  if (projector["lamp_hours"].is_number())
+    fmt::print("lamp      {} h\n", projector["lamp_hours"].get<std::int64_t>());
+}
+
+}  // namespace contourd::ctl

@@ -1,0 +1,26 @@
+// What contourctl has the printer do by hand. Blocks until that is over; whatever ends contourctl before ends
+// it too, since the connection is gone then.
+#pragma once
+
+#include <string>
+
+#include "daemon/ctl/client.hpp"
+
+namespace contourd::ctl {
+
+// Sends the request, says what happens, and waits until it is over. Returns the exit code.
+enum class WaitFor {
+  Operation,  // to its end
+  Picture,    // until it is shown no more
+  Rest,       // until nothing is done by hand any more, and it is dark
+};
+int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what);
+
+// The same for light, for which a person has to say yes; `confirmed`: that was said already. Throws
+// UsageError where nobody can be asked.
+int light_by_hand(const ClientOptions& options, const Request& request, bool confirmed);
+
+// What the status says of what is done by hand.
+void print_manual(const nlohmann::ordered_json& status);
+
+}  // namespace contourd::ctl
