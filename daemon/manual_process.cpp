@@ -211,7 +211,7 @@ void ManualProcess::start_move() {
 }
 
 // One that was stopped ends in Braking, which the state that it began in has become.
-void ManualProcess::motion_ended(bool well, std::string why) {
+void ManualProcess::motion_ended(bool well, const std::string& why) {
   if (state_ == ManualState::Braking) return handle(ManualEvent::MoveEnded);
   if (!well) return fail(why);
   handle(state_ == ManualState::Homing ? ManualEvent::Homed : ManualEvent::MoveEnded);
@@ -232,16 +232,20 @@ void ManualProcess::start_power_on() {
 void ManualProcess::start_light() {
   expect_within(kProjectorDeadline, "the projector to be told to turn the light on");
   light_asked_ = true;
-  machine_.projector().light_on(light_time_,
-                                {.sent = while_in_state<TimePoint>([this](TimePoint earliest) {
-                                   light_end_ = earliest + light_time_;
-                                   handle(ManualEvent::LightOnSent);
-                                 }),
-                                 // It may come while the light is on already.
-                                 .done = [this, operation = operations_](ProjectorReply reply) {
-                                   if (reply == ProjectorReply::Ok || operation != operations_) return;
-                                   fail(fmt::format("light on: {}", machine_.projector().last_problem()));
-                                 }});
+  const auto sent = while_in_state<TimePoint>([this](TimePoint earliest) {
+    light_end_ = earliest + light_time_;
+    handle(ManualEvent::LightOnSent);
+  });
+  // It may come while the light is on already.
+  const auto answered = [this, operation = operations_](ProjectorReply reply) {
+    if (operation == operations_) light_answered(reply);
+  };
+  machine_.projector().light_on(light_time_, {.sent = sent, .done = answered});
+}
+
+void ManualProcess::light_answered(ProjectorReply reply) {
+  if (reply == ProjectorReply::Ok) return;
+  fail(fmt::format("light on: {}", machine_.projector().last_problem()));
 }
 
 void ManualProcess::await_dark() {

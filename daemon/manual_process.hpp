@@ -71,9 +71,10 @@ class ManualProcess {
   void expect_within(Duration duration, const std::string& what);
   void start_home();
   void start_move();
-  void motion_ended(bool well, std::string why);
+  void motion_ended(bool well, const std::string& why);
   void start_power_on();
   void start_light();
+  void light_answered(ProjectorReply reply);
   void await_dark();
   void ask_projector();
   void power_off_later();
