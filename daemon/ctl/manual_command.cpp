@@ -57,11 +57,20 @@ class Operation {
     return what_ == WaitFor::Picture ? manual["picture"].is_null() : manual.value("state", "") == "idle";
   }
   void tell() {
-    const Json& manual = last_["manual"];
-    const std::string now = what_ == WaitFor::Picture ? "" : printable(manual.value("state", ""));
-    if (json_ || now.empty() || now == "idle" || std::exchange(told_, now) == now) return;
+    const std::string now = phase();
+    if (json_ || now.empty() || std::exchange(told_, now) == now) return;
     fmt::print("{}\n", now);
     std::fflush(stdout);
+  }
+  // Empty where there is nothing to say.
+  [[nodiscard]] std::string phase() const {
+    const Json& manual = last_["manual"];
+    if (what_ != WaitFor::Picture) {
+      const std::string state = manual.value("state", "");
+      return state == "idle" ? "" : printable(state);
+    }
+    const Json& picture = manual["picture"];
+    return picture.is_string() ? printable(picture.get<std::string>()) + " is shown; Ctrl-C ends that" : "";
   }
   [[nodiscard]] int end() const {
     const Json& manual = last_["manual"];

@@ -102,7 +102,7 @@ class Commands(ManualTest):
     def test_a_pattern_is_shown_for_its_time_and_what_is_none_names_those_there_are(self):
         daemon = self.daemon()
         began = time.monotonic()
-        self.well(self.by_hand(daemon, "show", "grid", "--seconds", "0.3"))
+        self.well(self.by_hand(daemon, "show", "grid", "--seconds", "0.3"), "grid is shown")
         self.assertGreaterEqual(time.monotonic() - began, 0.3)
         self.refused(self.by_hand(daemon, "show", "gird"), FAILED, "white, black, grid")
         daemon.stop()
