@@ -5,7 +5,6 @@ import json
 import os
 import pty
 import select
-import shutil
 import signal
 import socket
 import subprocess
@@ -235,7 +234,7 @@ class Rights(ManualTest):
     def test_members_of_the_service_group_alone_move_and_light_it(self):
         daemon = Daemon(self, REALTIME, NIMBLE_RESIN)
         os.chmod(self.folder, 0o777)
-        programs = [shutil.copy(each, self.path()) for each in (CONTOURD, CONTOURCTL)]
+        programs = [self.reachable(each) for each in (CONTOURD, CONTOURCTL)]
         daemon.program = programs[0]
         for name in ("run", "state"):
             os.mkdir(self.path(name))

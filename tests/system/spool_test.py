@@ -3,7 +3,6 @@
 import fcntl
 import json
 import os
-import shutil
 import signal
 import socket
 import subprocess
@@ -560,16 +559,6 @@ class Members(SpoolTest):
         self.printer.rights = {"user": self.SERVICE, "group": self.GROUP, "extra_groups": [], "umask": 0o002}
         os.chmod(self.path(), 0o777)  # for the test's own notify socket
         self.printer.start()
-
-    def reachable(self, program):
-        """The build may lie in root's home, where no other user can reach it. A copy is the way out where there is no other:
-        with sanitizers a program has 100 MB, and what the daemon writes next waits for the disk behind it."""
-        path = self.path(os.path.basename(program))
-        try:
-            os.link(program, path)
-        except OSError:
-            shutil.copy(program, path)
-        return path
 
     def member(self, command, umask="022"):
         """Runs a shell command as the member, in the member's home; $incoming is the spool's."""
