@@ -265,7 +265,11 @@ void ManualProcess::ask_projector() {
 
 void ManualProcess::power_off_later() {
   if (!powered_on_) return;
-  power_end_ = clock_.call_after(kPoweredOnUnused, [this] { machine_.projector().power_off(); });
+  power_end_ = clock_.call_after(kPoweredOnUnused, [this] {
+    if (!picture_.empty()) return power_off_later();  // somebody looks at it
+    powered_on_ = false;
+    machine_.projector().power_off();
+  });
 }
 
 }  // namespace contourd

@@ -181,7 +181,12 @@ TEST_CASE("A projector that was powered on by hand is powered off when nobody us
   REQUIRE(bench.run_to_end());
   bench.run_for(9min);
   CHECK(powered(bench));
-  bench.run_for(11min);
+  bench.run_for(5min);
+  bench.show(7min);
+  bench.run_for(6min);
+  CHECK_FALSE(bench.process.picture().empty());
+  CHECK(powered(bench));
+  bench.run_for(20min);
   CHECK_FALSE(powered(bench));
   // A print has taken over: it is the print's then.
   bench.process.power_on();

@@ -30,13 +30,24 @@ constexpr std::string_view kLast = "{\"jsonrpc\":\"2.0\",\"method\":\"status\",\
 constexpr std::ptrdiff_t kMaxTurns = 190;
 
 ControlMethods methods() {
-  return {{"status", {[](const Json&) {
+  return {{"status", {[](const Json&, const ControlCaller&) {
              return Json{{"state", "idle"}};
            }}},
-          {"echo", {[](const Json& parameters) { return parameters; }, {"value", "other"}}},
-          {"pause", {[](const Json&) -> Json { throw ControlRefusal("there is no print to pause"); }}},
-          {"set", {[](const Json&) -> Json { throw InvalidParameters("it is out of range"); }, {"value"}}},
-          {"fail", {[](const Json&) -> Json { throw std::runtime_error("no such \xFF thing"); }}}};
+          {"echo",
+           {[](const Json& parameters, const ControlCaller& caller) {
+              demand(caller.connection == 1, "a connection has another's number");
+              return parameters;
+            },
+            {"value", "other"}}},
+          {"pause", {[](const Json&, const ControlCaller&) -> Json {
+             throw ControlRefusal("there is no print to pause");
+           }}},
+          {"set",
+           {[](const Json&, const ControlCaller&) -> Json { throw InvalidParameters("it is out of range"); },
+            {"value"}}},
+          {"fail", {[](const Json&, const ControlCaller&) -> Json {
+             throw std::runtime_error("no such \xFF thing");
+           }}}};
 }
 
 // A client in the server's own loop: says all, and hears until the server has no more to say.
