@@ -24,7 +24,7 @@ JobReader::JobReader(const PrinterConfig& config, const Spool& spool, EventLoop&
     : config_(config),
       spool_(spool),
       record_(state_folder_path(config.spool_folder) / kReadingRecord),
-      worker_(loop, kNiceness) {}
+      worker_(loop, "contourd-reader", kNiceness) {}
 
 ReadJob JobReader::read_now(const JobFiles& files, const std::optional<JobSettings>& settings) {
   if (record_.take_ended(files)) return JobRefusal{std::string(kEndedAProcess)};

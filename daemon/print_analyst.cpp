@@ -30,7 +30,7 @@ std::optional<AnalyzedPrint> analyze(const AnalysisTask& task, const std::stop_t
 
 }  // namespace
 
-PrintAnalyst::PrintAnalyst(EventLoop& loop) : worker_(loop, kNiceness) {}
+PrintAnalyst::PrintAnalyst(EventLoop& loop) : worker_(loop, "contourd-layers", kNiceness) {}
 
 PrintAnalyst::~PrintAnalyst() {
   cancel();

@@ -117,7 +117,7 @@ std::optional<PrintOutcome> outcome_called(std::string_view name) {
 }  // namespace
 
 PrintArchivist::PrintArchivist(EventLoop& loop, const Spool& spool)
-    : spool_(spool), worker_(loop, kNiceness) {}
+    : spool_(spool), worker_(loop, "contourd-filing", kNiceness) {}
 
 void PrintArchivist::file(EndedPrint print, std::function<void(const FiledPrint&)> done) {
   expects(!busy_, "no other print is being filed");

@@ -31,7 +31,7 @@ Spool::Spool(fs::path root, EventLoop& loop, SpoolObserver& observer)
       copies_(folders_, records_, originals_),
       watch_(
           folders_, originals_, [this] { make_folders(); }, loop, disk_, observer),
-      disk_(loop) {
+      disk_(loop, "contourd-spool") {
   make_folders();
   remove_leftovers();
   originals_.settle(folder(Folder::Printing));

@@ -2,6 +2,7 @@
 // other; what they return is handed back on the loop's thread.
 #pragma once
 
+#include <pthread.h>
 #include <sys/resource.h>
 
 #include <condition_variable>
@@ -18,11 +19,12 @@ namespace contourd {
 
 class Worker {
  public:
-  // `niceness` as for setpriority(2), up to 19. The event loop's is lower in a service (see
-  // contourd.service).
-  explicit Worker(EventLoop& loop, int niceness = 0)
-      : mailbox_(loop), thread_([this, niceness](const std::stop_token& stop) {
-          // Linux: of the calling thread. Should it fail, the work is done all the same.
+  // A thread named `name` (15 letters at most). `niceness` as for setpriority(2), up to 19. The event loop's is
+  // lower in a service (see contourd.service).
+  Worker(EventLoop& loop, const char* name, int niceness = 0)
+      : mailbox_(loop), thread_([this, name, niceness](const std::stop_token& stop) {
+          // Linux: of the calling thread. Should one fail, the work is done all the same.
+          (void)::pthread_setname_np(::pthread_self(), name);
           (void)::setpriority(PRIO_PROCESS, 0, niceness);
           work(stop);
         }) {}

@@ -71,7 +71,7 @@ class Desk {
   testing::TemporaryFolder top;
   const fs::path path = top.path() / "incoming";
   EventLoop loop;
-  Worker disk{loop};
+  Worker disk{loop, "disk"};
   FileDescriptor inotify{::inotify_init1(IN_CLOEXEC | IN_NONBLOCK)};
   std::atomic<bool> makes_it = true;  // read by the disk's thread
   bool disk_is_idle = false;

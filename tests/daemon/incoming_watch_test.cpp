@@ -45,7 +45,7 @@ class Desk : public testing::NoSpoolObserver {
 
   testing::SpoolFixture spool;
   EventLoop loop;
-  Worker disk{loop};
+  Worker disk{loop, "disk"};
   CopiedOriginals copied{spool.folder.path() / "copied-originals"};
   Names arrived, withdrawn;
   IncomingWatch watch{spool.folders, copied, [] {}, loop, disk, *this};

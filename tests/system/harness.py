@@ -4,6 +4,7 @@ Environment: CONTOURD_BIN (folder of the programs), CONTOURD_SOURCE (the reposit
 """
 
 import contextlib
+import ctypes
 import json
 import os
 import queue
@@ -52,6 +53,18 @@ def limit_memory(bytes_):
     """For Popen's preexec_fn."""
     if not SANITIZED:
         resource.setrlimit(resource.RLIMIT_AS, (bytes_, bytes_))
+
+
+# <sys/ptrace.h> and <sys/wait.h>, see ptrace(2).
+PTRACE_DETACH, PTRACE_SEIZE, PTRACE_INTERRUPT, WALL = 17, 0x4206, 0x4207, 0x40000000
+
+
+def _ptrace(request, thread):
+    libc = ctypes.CDLL(None, use_errno=True)
+    libc.ptrace.argtypes = [ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p]
+    libc.ptrace.restype = ctypes.c_long
+    if libc.ptrace(request, thread, None, None) != 0:
+        raise OSError(ctypes.get_errno(), f"ptrace({request:#x}) of thread {thread}")
 
 
 def skip_file(reason):
@@ -449,6 +462,9 @@ class Daemon:
     def stop(self):
         """As systemd does. It must end well."""
         self.process.send_signal(signal.SIGTERM)
+        self.wait_stopped()
+
+    def wait_stopped(self):
         code = self.process.wait(DEADLINE_S)
         self._close_clients()
         if code != 0:
@@ -490,6 +506,25 @@ class Daemon:
             self.process.wait()
         elif self.process.returncode < 0 and self.process.returncode != -signal.SIGKILL:
             raise AssertionError(f"contourd died of signal {-self.process.returncode}:\n{self.log()}")
+
+    @contextlib.contextmanager
+    def held_thread(self, name):
+        """A thread that has nothing to do gets no processor until the end of the block."""
+        def find():
+            for thread in os.listdir(f"/proc/{self.process.pid}/task"):
+                with open(f"/proc/{self.process.pid}/task/{thread}/stat", encoding="utf-8") as file:
+                    if f"({name}) S " in file.read():
+                        return int(thread)
+            return None
+        wait_until(find, f"the thread {name} to sleep")
+        thread = find()
+        _ptrace(PTRACE_SEIZE, thread)
+        _ptrace(PTRACE_INTERRUPT, thread)
+        os.waitpid(thread, WALL)
+        try:
+            yield
+        finally:
+            _ptrace(PTRACE_DETACH, thread)
 
     # --- the spool
 

@@ -16,6 +16,7 @@ from harness import (
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers of 50 um
+ANALYSIS = "contourd-layers"  # its thread
 PITCH_MM, WIDTH, HEIGHT = 0.05, 1920, 1080  # simulated.json
 
 
@@ -251,15 +252,13 @@ class Analysis(PrintTest):
 
     def test_a_print_that_is_over_before_its_analysis_is_filed_as_done_also_at_a_stop(self):
         daemon = self.daemon(masks=False)
-        # On one processor the analysis gets a tenth of it, so the print is through first.
-        processor = {min(os.sched_getaffinity(0))}
-        for thread in os.listdir(f"/proc/{daemon.process.pid}/task"):
-            os.sched_setaffinity(int(thread), processor)
-        daemon.drop("part.stl", binary_stl(cube(40)))
-        daemon.wait_state("finishing")
-        daemon.stop()
+        with daemon.held_thread(ANALYSIS):
+            daemon.drop("part.stl", SMALL)
+            daemon.wait_state("finishing")
+            daemon.process.send_signal(signal.SIGTERM)
+        daemon.wait_stopped()
         report = daemon.report("part")
-        self.assertEqual((report["outcome"], report["layers_exposed"]), ("done", 800))
+        self.assertEqual((report["outcome"], report["layers_exposed"]), ("done", report["layers"]))
         self.assertIn("analysis", report)
         self.assertTrue(daemon.has("done", "part.stl"))
         self.assertEqual((daemon.names_in("printing"), daemon.names_in("incoming")), ([], []))
@@ -507,13 +506,11 @@ class Reload(PrintTest):
 
     def test_a_print_whose_analysis_is_under_way_is_filed_with_it(self):
         daemon = self.daemon(masks=False)
-        # On one processor the analysis gets a tenth of it, so the print is through first.
-        processor = {min(os.sched_getaffinity(0))}
-        for thread in os.listdir(f"/proc/{daemon.process.pid}/task"):
-            os.sched_setaffinity(int(thread), processor)
-        daemon.drop("part.stl", binary_stl(cube(40)))
-        daemon.wait_state("finishing")
-        daemon.reload()
+        with daemon.held_thread(ANALYSIS):
+            daemon.drop("part.stl", SMALL)
+            daemon.wait_state("finishing")
+            daemon.reload()
+            wait_until(lambda: "contourd restarts when part is over" in daemon.log(), "the reload")
         daemon.wait_restart()
         self.assertIsNotNone(daemon.report("part")["analysis"])
 
