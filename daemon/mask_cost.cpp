@@ -44,6 +44,22 @@ std::vector<std::int64_t> facets_cut(std::span<const PlateModel> models,
   return changes;
 }
 
+struct SampledCost {
+  MaskBudget spent;
+  Duration time{};  // of the processor
+};
+
+SampledCost sampled_cost(ContourEngine& engine, Nanometers height, Duration budget) {
+  for (int budgets = kSampledBudgets;; budgets *= 4) {
+    SampledCost cost{MaskBudget(MaskBudget::Clock::now() + budgets * budget)};
+    const Duration before = processor_time();
+    (void)engine.mask_within(height, cost.spent);
+    cost.time = processor_time() - before;
+    const bool was_held_up = cost.spent.overrun() && !cost.spent.too_many_sides() && cost.time <= budget;
+    if (!was_held_up || budgets >= kMostSampledBudgets) return cost;
+  }
+}
+
 }  // namespace
 
 std::string describe_mask_cost(const ContourEngine& engine, const MaskBudget& spent, Duration time) {
@@ -69,10 +85,7 @@ std::vector<std::size_t> layers_to_sample(std::span<const PlateModel> models,
 void refuse_costly_masks(ContourEngine& engine, std::span<const Nanometers> thicknesses, Duration budget) {
   const std::vector<Nanometers> middles = middles_of(thicknesses);
   for (const std::size_t layer : layers_to_sample(engine.models(), middles)) {
-    MaskBudget spent(MaskBudget::Clock::now() + kSampledBudgets * budget);
-    const Duration before = processor_time();
-    (void)engine.mask_within(middles[layer], spent);
-    const Duration time = processor_time() - before;
+    const auto [spent, time] = sampled_cost(engine, middles[layer], budget);
     if (time > budget || spent.too_many_sides()) {
       throw JobRefused(fmt::format(
           "the mask of layer {} of {} takes longer than mask_budget_ms, {:.0f} ms: {}; the model is too fine "

@@ -24,8 +24,10 @@ inline constexpr std::size_t kSampledLayers = 12;
 
 // Computes the masks of such a sample. Throws JobRefused with the figures when one takes longer than the
 // budget by this thread's processor time: it may have to give way to others. Each is given up after so many
-// budgets by the clock.
+// budgets by the clock; if the thread had less of the processor than one of them, the mask is tried again
+// with four times as many, up to the most.
 inline constexpr int kSampledBudgets = 4;
+inline constexpr int kMostSampledBudgets = 256;
 void refuse_costly_masks(ContourEngine& engine, std::span<const Nanometers> thicknesses, Duration budget);
 
 }  // namespace contourd

@@ -1,6 +1,10 @@
 #include "daemon/mask_cost.hpp"
 
+#include <sched.h>
+#include <sys/resource.h>
+
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "daemon/plate_arrangement.hpp"
@@ -49,6 +53,32 @@ TEST_CASE("A print whose masks cross themselves too often is refused with the fi
   CAPTURE(refusal);
   CHECK(refusal.find("mask_budget_ms, 1 ms") != std::string::npos);
   CHECK(refusal.find("facets cut") != std::string::npos);
+}
+
+TEST_CASE("A print whose masks take too long is refused also where others have the processor") {
+  ContourEngine engine = engine_of(soup(4000));
+  std::string refusal;
+  // On one processor with a thread of a lower niceness this one gets a tenth: of four budgets less than half
+  // a one.
+  std::jthread check([&] {
+    cpu_set_t allowed{};
+    REQUIRE(sched_getaffinity(0, sizeof allowed, &allowed) == 0);
+    int processor = 0;
+    while (!CPU_ISSET(static_cast<std::size_t>(processor), &allowed))
+      ++processor;
+    cpu_set_t one{};
+    CPU_SET(static_cast<std::size_t>(processor), &one);
+    REQUIRE(sched_setaffinity(0, sizeof one, &one) == 0);
+    const std::jthread other([](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+      }
+    });
+    REQUIRE(setpriority(PRIO_PROCESS, 0, 10) == 0);
+    refusal = refusal_of(engine, std::vector(400, Nanometers{100'000}), 20ms);
+  });
+  check.join();
+  CAPTURE(refusal);
+  CHECK(refusal.find("mask_budget_ms, 20 ms") != std::string::npos);
 }
 
 TEST_CASE("A sample has the layer of each part that cuts the most facets") {
