@@ -89,7 +89,8 @@ ControlMethods ManualControl::methods() {
           {"show", begins(&ManualControl::show, {"pattern", "seconds"})},
           {"projector", begins(&ManualControl::projector, {"power"})},
           {"light_off", ends(&ManualControl::light_off)},
-          {"stop", ends(&ManualControl::stop)}};
+          {"stop", ends(&ManualControl::stop)},
+          {"inputs", {.call = [this](const Json&, const ControlCaller&) { return inputs(); }}}};
 }
 
 void ManualControl::disconnected(std::uint64_t connection) {
@@ -260,6 +261,18 @@ Json ManualControl::projector(const Json& given, const ControlCaller& caller) {
   else
     throw InvalidParameters("power is one of on, off");
   return begun_by(caller);
+}
+
+Json ManualControl::inputs() const {
+  require_no_print("the inputs are read while nothing prints");
+  Json inputs = Json::array();
+  for (const AxisInputState& input : context_.machine.z_axis().inputs()) {
+    inputs.push_back({{"name", input.name},
+                      {"line", input.line},
+                      {"active", input.active ? Json(*input.active) : Json(nullptr)},
+                      {"edges", input.edges}});
+  }
+  return {{"inputs", inputs}};
 }
 
 }  // namespace contourd

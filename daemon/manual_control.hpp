@@ -29,7 +29,7 @@ class ManualControl {
   ManualControl(const PrinterContext& context, const Parts& parts, ManualProcess& process)
       : context_(context), parts_(parts), process_(process) {}
 
-  // All of them, by name; each returns the status. The control must outlive them.
+  // All of them, by name; each but inputs returns the status. The control must outlive them.
   [[nodiscard]] ControlMethods methods();
 
   // A connection is no more: what it began ends.
@@ -44,6 +44,7 @@ class ManualControl {
   Json light_off();
   Json show(const Json& given, const ControlCaller& caller);
   Json projector(const Json& given, const ControlCaller& caller);
+  [[nodiscard]] Json inputs() const;
 
   void require_no_print(const std::string& instead) const;
   void require_free() const;

@@ -37,6 +37,7 @@ class AbsentAxis final : public ZAxis {
   [[nodiscard]] Duration move_duration(Nanometers, MillimetersPerSecond) const override {
     return Duration{0};
   }
+  [[nodiscard]] std::vector<AxisInputState> inputs() const override { return {}; }
   [[nodiscard]] LateSteps late_steps() const override { return {}; }
   void set_light_cutoff(LightCutoff*) noexcept override {}
   void on_event(std::function<void(const MachineEvent&)>) override {}

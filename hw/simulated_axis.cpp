@@ -28,6 +28,16 @@ bool SimulatedAxis::switch_closed() const {
   return true_height_ <= Nanometers{0};
 }
 
+void SimulatedAxis::put_at(Nanometers true_height) {
+  const bool was_closed = switch_closed();
+  true_height_ = true_height;
+  if (switch_closed() != was_closed) ++switch_edges_;
+}
+
+std::vector<AxisInputState> SimulatedAxis::inputs() const {
+  return {{"limit switch", description(), switch_closed(), switch_edges_}};
+}
+
 void SimulatedAxis::home(std::function<void(HomingResult)> done) {
   expects(!move_, "the axis does not move");
   homed_ = false;
@@ -81,7 +91,7 @@ void SimulatedAxis::run(Nanometers distance, MillimetersPerSecond speed,
 }
 
 void SimulatedAxis::finish(Nanometers end, MoveResult result) {
-  true_height_ = end;
+  put_at(end);
   const auto done = std::move(move_->done);
   move_.reset();
   done(result);
@@ -103,7 +113,7 @@ void SimulatedAxis::stop() {
 
 void SimulatedAxis::abort() noexcept {
   if (!move_) return;
-  true_height_ = move_->from + move_->profile.displacement(clock_.now() - move_->start);
+  put_at(move_->from + move_->profile.displacement(clock_.now() - move_->start));
   homed_ = false;
   move_end_.reset();
   move_.reset();

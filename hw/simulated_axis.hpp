@@ -28,6 +28,7 @@ class SimulatedAxis final : public ZAxis {
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override;
   [[nodiscard]] Nanometers travel() const override { return config_.travel; }
   [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
+  [[nodiscard]] std::vector<AxisInputState> inputs() const override;
   [[nodiscard]] LateSteps late_steps() const override { return {}; }
   // Nothing happens to it but what the printer tells.
   void set_light_cutoff(LightCutoff*) noexcept override {}
@@ -47,6 +48,7 @@ class SimulatedAxis final : public ZAxis {
 
   [[nodiscard]] Nanometers nearest_step(Nanometers height) const;
   [[nodiscard]] bool switch_closed() const;
+  void put_at(Nanometers true_height);
   void run(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done);
   void finish(Nanometers end, MoveResult result);
   void seek_switch(MillimetersPerSecond speed, std::function<void()> found);
@@ -56,6 +58,7 @@ class SimulatedAxis final : public ZAxis {
   SimulatedAxisConfig config_;
   Nanometers true_height_;
   bool homed_ = false;
+  std::uint64_t switch_edges_ = 0;
   std::optional<Move> move_;
   std::unique_ptr<Timer> move_end_;
   std::function<void(HomingResult)> homing_done_;

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/geometry/units.hpp"
 #include "hw/clock.hpp"
@@ -37,6 +39,15 @@ enum class MoveResult {
 struct LateSteps {
   std::uint64_t count = 0;  // steps that shifted all that came behind them
   Duration worst{};         // of any step
+};
+
+// An input as whoever wires it wants to see it.
+struct AxisInputState {
+  std::string name;  // "limit switch"
+  std::string line;  // where it comes in: "line 23 of gpiochip0"
+  std::optional<bool>
+      active;               // switch reached, stop pressed, lid open, encoder high; none: it cannot be read
+  std::uint64_t edges = 0;  // since the axis was opened, those that were too fast for the kernel left out
 };
 
 class LightCutoff;
@@ -75,6 +86,9 @@ class ZAxis : public Device {
 
   // How long a move over `distance` takes: for progress and for motion timeouts.
   [[nodiscard]] virtual Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const = 0;
+
+  // All inputs that are fitted, read now: some microseconds each.
+  [[nodiscard]] virtual std::vector<AxisInputState> inputs() const = 0;
 
   // Of all moves since the axis was opened; none where no motor has to be stepped.
   [[nodiscard]] virtual LateSteps late_steps() const = 0;

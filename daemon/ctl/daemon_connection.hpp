@@ -23,6 +23,8 @@ class DaemonConnection {
   void send(const std::string& method, int id, const Json& parameters = Json::object());
   // Blocks.
   Json receive() { return *receive_until(Time::max()); }
+  // Readable while a message may be there.
+  [[nodiscard]] int descriptor() const { return socket_.get(); }
   // Nothing when none comes until then.
   std::optional<Json> receive_until(Time time);
 

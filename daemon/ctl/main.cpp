@@ -19,9 +19,11 @@
 #include "daemon/ctl/client.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/inspect_command.hpp"
+#include "daemon/ctl/jog_command.hpp"
 #include "daemon/ctl/manual_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
 #include "daemon/ctl/submit_command.hpp"
+#include "daemon/ctl/switches_command.hpp"
 #include "daemon/ctl/watch_command.hpp"
 #include "daemon/job_settings.hpp"
 #include "daemon/readable.hpp"
@@ -390,6 +392,23 @@ class CommandLine {
     };
     power("on", "Power on, and wait until it is warm; the light stays off");
     power("off", "Power off");
+    add_wiring_commands();
+  }
+
+  // For whoever wires the printer and brings it up.
+  void add_wiring_commands() {
+    CLI::App* switches = add_command(&app_, "switches", "Show the switches' and other inputs' states, live",
+                                     [this] { return show_switches(client_, once_); });
+    switches->add_flag("--once", once_, "Only once");
+    add_client_options(switches);
+    CLI::App* jog_keys =
+        add_command(&app_, "jog", "Move the plate by keys", [this] { return jog(client_, jog_); });
+    jog_keys->add_option("--light-seconds", jog_.light_s, "How long the key l lights, s")
+        ->capture_default_str();
+    jog_keys->add_flag("--plate-is-clear", jog_.plate_is_clear,
+                       "Nothing is in the plate's way, whatever contourd knows of");
+    jog_keys->add_flag("--in-resin", jog_.in_resin, "Light also when the plate may be in the resin");
+    add_socket_option(jog_keys);
   }
 
   [[nodiscard]] Request manual_request(const char* method) const {
@@ -418,10 +437,14 @@ class CommandLine {
   }
 
   void add_client_options(CLI::App* command) {
+    add_socket_option(command);
+    command->add_flag("--json", client_.json, "Print JSON, one message a line");
+  }
+
+  void add_socket_option(CLI::App* command) {
     command->add_option("--socket", client_.socket, "contourd's control socket (or CONTOURD_SOCKET)")
         ->capture_default_str()
         ->check(kNotEmpty);
-    command->add_flag("--json", client_.json, "Print JSON, one message a line");
   }
 
   CLI::App app_{"Inspects and slices STL models, and talks to contourd."};
@@ -432,6 +455,8 @@ class CommandLine {
   SliceWords words_;
   SubmitOptions submit_;
   ManualWords manual_;
+  JogOptions jog_;
+  bool once_ = false;
   ClientOptions client_;
   std::optional<std::string> job_;
   int last_ = 20;

@@ -153,6 +153,8 @@ std::optional<TimePoint> AxisInputs::serve() noexcept {
   encoder_.serve(now);
   count_ = encoder_.counted().count();
   illegal_ = encoder_.counted().illegal();
+  for (std::size_t line = 0; line < kEncoderLines; ++line)
+    encoder_edges_[line] = encoder_.edges(static_cast<EncoderLine>(line));
   index_count_ = encoder_.index_count();
   index_pulses_ = encoder_.index_pulses();
   if (now - levels_read_ >= kReadLevels) read_levels(now);
@@ -189,6 +191,7 @@ void AxisInputs::take_edges(AxisInput which) noexcept {
   // Not without end, even where edges come faster than they can be read.
   for (int rounds = 0; rounds < 16; ++rounds) {
     const std::size_t count = line->read_edges(edges);
+    edges_[index(which)] += count;
     for (const LineEdge& edge : std::span(edges).first(count))
       at_edge(which, edge);
     if (count < edges.size()) return;
@@ -229,6 +232,13 @@ bool AxisInputs::level_of(AxisInput which) noexcept {
   return last_level(which);
 }
 
+// One that is not the last known level has come without an event.
+bool AxisInputs::look_at(AxisInput which) noexcept {
+  const bool level = level_of(which);
+  if (level != last_level(which)) ++edges_[index(which)];
+  return level;
+}
+
 bool AxisInputs::last_level(AxisInput which) const noexcept {
   return is_safety(which) ? safety_[index(which)].unsafe_level() : switches_[index(which)].raw();
 }
@@ -237,7 +247,7 @@ void AxisInputs::read_levels(TimePoint now) noexcept {
   levels_read_ = now;
   for (const AxisInput which : kContacts) {
     if (lines_.contacts[index(which)].line == nullptr) continue;
-    const bool level = level_of(which);
+    const bool level = look_at(which);
     // No later than this; if its event is still to come, that has its time.
     if (level != last_level(which)) at_edge(which, {level, now_()});
   }
@@ -246,7 +256,7 @@ void AxisInputs::read_levels(TimePoint now) noexcept {
 void AxisInputs::settle_switch(AxisInput which, TimePoint now) noexcept {
   Debounce& contact = switches_[index(which)];
   if (!contact.due() || now < *contact.due()) return;
-  const bool level = level_of(which);  // the truth
+  const bool level = look_at(which);  // the truth
   contact.read(level, now_());
   const auto settled = contact.settle(now);
   if (!settled) return;
@@ -260,7 +270,7 @@ void AxisInputs::settle_switch(AxisInput which, TimePoint now) noexcept {
 void AxisInputs::settle_safety(AxisInput which, TimePoint now) noexcept {
   SafetyContact& contact = safety_[index(which)];
   if (!contact.due()) return;
-  if (now >= *contact.due()) contact.read(level_of(which), now_());
+  if (now >= *contact.due()) contact.read(look_at(which), now_());
   while (const auto change = contact.change(now)) {
     put(which, change->to);
     if (which == AxisInput::EmergencyStop && change->to == SafetyState::Unsafe) engine_.inhibit();

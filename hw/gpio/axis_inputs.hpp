@@ -93,6 +93,7 @@ class AxisInputs {
     return states_[index(which)] == SafetyState::Debouncing;
   }
   [[nodiscard]] bool readable(AxisInput which) const noexcept { return !unreadable_[index(which)]; }
+  [[nodiscard]] std::uint64_t edges(AxisInput which) const noexcept { return edges_[index(which)]; }
   [[nodiscard]] std::optional<InputChange> take_change() noexcept;
   // Readable when there are changes to take.
   [[nodiscard]] EventDescriptor& changes() noexcept { return changed_; }
@@ -102,6 +103,10 @@ class AxisInputs {
   // Up while A leads B.
   [[nodiscard]] std::int64_t encoder_count() const noexcept { return count_; }
   [[nodiscard]] std::uint64_t illegal_encoder_edges() const noexcept { return illegal_; }
+  // Of its lines.
+  [[nodiscard]] std::uint64_t encoder_edges(EncoderLine which) const noexcept {
+    return encoder_edges_[static_cast<std::size_t>(which)];
+  }
   // How often the encoder's index was passed, and the count at which it was last, or at a later pass.
   struct IndexPulse {
     std::uint64_t number = 0;
@@ -133,6 +138,7 @@ class AxisInputs {
   void settle_switch(AxisInput which, TimePoint now) noexcept;
   void settle_safety(AxisInput which, TimePoint now) noexcept;
   [[nodiscard]] bool level_of(AxisInput which) noexcept;
+  [[nodiscard]] bool look_at(AxisInput which) noexcept;
   [[nodiscard]] bool last_level(AxisInput which) const noexcept;
   void put(AxisInput which, SafetyState state) noexcept;
   [[nodiscard]] bool unsafe() const noexcept;
@@ -155,6 +161,8 @@ class AxisInputs {
   std::atomic<bool> from_above_{false}, second_watched_{false}, lost_{false};
   std::array<std::atomic<bool>, kAxisInputs> active_{}, unreadable_{};
   std::array<std::atomic<SafetyState>, kAxisInputs> states_{};  // those of the safety inputs
+  std::array<std::atomic<std::uint64_t>, kAxisInputs> edges_{};
+  std::array<std::atomic<std::uint64_t>, kEncoderLines> encoder_edges_{};
   std::atomic<LightCutoff*> cutoff_{nullptr};
   std::atomic<bool> cutting_{false};  // the thread uses it
   std::atomic<std::int64_t> count_{0};

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hw/gpio/axis_text.hpp"
 #include "hw/gpio/gpio_lines.hpp"
 
 namespace contourd {
@@ -12,6 +13,10 @@ std::unique_ptr<InputLine> take_input(const std::optional<GpioInputConfig>& conf
   if (!config) return nullptr;
   return std::make_unique<GpioInput>(config->logical_line(), config->bias, use);
 }
+
+constexpr const char *kLimitSwitch = "limit switch", *kSecondSwitch = "second switch",
+                     *kEmergencyStop = "emergency stop", *kLid = "lid", *kEncoderA = "encoder A",
+                     *kEncoderB = "encoder B", *kEncoderIndex = "encoder index";
 
 }  // namespace
 
@@ -39,17 +44,43 @@ AxisLines take_lines(const GpioAxisConfig& config) {
   if (config.enable) lines.enable = std::make_unique<GpioOutput>(*config.enable, "enable", false);
   lines.step = std::make_unique<GpioOutput>(config.step, "step", false);
   lines.direction = std::make_unique<GpioOutput>(config.direction, "direction", false);
-  lines.inputs = {take_input(config.limit_switch, "limit switch"),
-                  take_input(config.second_switch, "second switch"),
-                  take_input(config.emergency_stop, "emergency stop"), take_input(config.lid, "lid")};
+  lines.inputs = {take_input(config.limit_switch, kLimitSwitch),
+                  take_input(config.second_switch, kSecondSwitch),
+                  take_input(config.emergency_stop, kEmergencyStop), take_input(config.lid, kLid)};
   if (const auto& encoder = config.encoder) {
-    lines.encoder_a = take_input(GpioInputConfig{encoder->a, encoder->bias, {}}, "encoder A");
-    lines.encoder_b = take_input(GpioInputConfig{encoder->b, encoder->bias, {}}, "encoder B");
+    lines.encoder_a = take_input(GpioInputConfig{encoder->a, encoder->bias, {}}, kEncoderA);
+    lines.encoder_b = take_input(GpioInputConfig{encoder->b, encoder->bias, {}}, kEncoderB);
     if (encoder->index) {
-      lines.encoder_index = take_input(GpioInputConfig{*encoder->index, encoder->bias, {}}, "encoder index");
+      lines.encoder_index = take_input(GpioInputConfig{*encoder->index, encoder->bias, {}}, kEncoderIndex);
     }
   }
   return lines;
+}
+
+std::vector<AxisInputState> read_inputs(const GpioAxisConfig& config, const AxisLines& lines,
+                                        const AxisInputs& inputs) {
+  std::vector<AxisInputState> states;
+  const auto add = [&states](const char* name, const GpioLineConfig& where, InputLine& line,
+                             std::uint64_t edges) {
+    states.push_back({name, describe(where), line.level(), edges});
+  };
+  const auto add_contact = [&](AxisInput which, const char* name,
+                               const std::optional<GpioInputConfig>& contact) {
+    if (contact)
+      add(name, contact->line, *lines.inputs[static_cast<std::size_t>(which)], inputs.edges(which));
+  };
+  add_contact(AxisInput::LimitSwitch, kLimitSwitch, config.limit_switch);
+  add_contact(AxisInput::SecondSwitch, kSecondSwitch, config.second_switch);
+  add_contact(AxisInput::EmergencyStop, kEmergencyStop, config.emergency_stop);
+  add_contact(AxisInput::Lid, kLid, config.lid);
+  if (!config.encoder) return states;
+  add(kEncoderA, config.encoder->a, *lines.encoder_a, inputs.encoder_edges(EncoderLine::A));
+  add(kEncoderB, config.encoder->b, *lines.encoder_b, inputs.encoder_edges(EncoderLine::B));
+  if (config.encoder->index) {
+    add(kEncoderIndex, *config.encoder->index, *lines.encoder_index,
+        inputs.encoder_edges(EncoderLine::Index));
+  }
+  return states;
 }
 
 }  // namespace contourd

@@ -5,10 +5,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hw/gpio/axis_inputs.hpp"
 #include "hw/gpio/digital_line.hpp"
 #include "hw/gpio/gpio_axis_config.hpp"
+#include "hw/z_axis.hpp"
 
 namespace contourd {
 
@@ -23,5 +25,9 @@ struct AxisLines {
 };
 // Takes them all, the motor disabled. Throws HardwareError.
 [[nodiscard]] AxisLines take_lines(const GpioAxisConfig& config);
+
+// Those that are inputs, read now, with the edges that `inputs` has seen.
+[[nodiscard]] std::vector<AxisInputState> read_inputs(const GpioAxisConfig& config, const AxisLines& lines,
+                                                      const AxisInputs& inputs);
 
 }  // namespace contourd

@@ -20,6 +20,7 @@ void EncoderEdges::Channel::read() noexcept {
     const std::size_t count = line->read_edges(std::span(edges).subspan(kept));
     if (count == 0) return;
     kept += count;
+    read_ever += count;
   }
 }
 
@@ -58,6 +59,18 @@ void EncoderEdges::serve(TimePoint now) noexcept {
   }
   for (Channel* channel : {&a_, &b_, &mark_})
     channel->drop();
+}
+
+std::uint64_t EncoderEdges::edges(EncoderLine which) const noexcept {
+  switch (which) {
+    case EncoderLine::A:
+      return a_.read_ever;
+    case EncoderLine::B:
+      return b_.read_ever;
+    case EncoderLine::Index:
+      break;
+  }
+  return mark_.read_ever;
 }
 
 std::optional<TimePoint> EncoderEdges::due() const noexcept {

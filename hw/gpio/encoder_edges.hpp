@@ -6,12 +6,16 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "hw/gpio/digital_line.hpp"
 #include "hw/gpio/quadrature.hpp"
 
 namespace contourd {
+
+enum class EncoderLine : std::uint8_t { A, B, Index };
+inline constexpr std::size_t kEncoderLines = 3;
 
 class EncoderEdges {
  public:
@@ -26,6 +30,8 @@ class EncoderEdges {
   // When edges that are kept can be counted; nothing when none are.
   [[nodiscard]] std::optional<TimePoint> due() const noexcept;
   [[nodiscard]] const Quadrature& counted() const noexcept { return quadrature_; }
+  // That came in so far.
+  [[nodiscard]] std::uint64_t edges(EncoderLine which) const noexcept;
   // How often the mark was passed, and the count at which it was last.
   [[nodiscard]] std::uint64_t index_pulses() const noexcept { return index_pulses_; }
   [[nodiscard]] std::int64_t index_count() const noexcept { return index_count_; }
@@ -35,6 +41,7 @@ class EncoderEdges {
     InputLine* line = nullptr;
     std::array<LineEdge, 128> edges{};
     std::size_t kept = 0, counted = 0;
+    std::uint64_t read_ever = 0;
     void read() noexcept;
     void drop() noexcept;
     [[nodiscard]] bool waits() const noexcept { return counted < kept; }

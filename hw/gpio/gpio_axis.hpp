@@ -79,9 +79,10 @@ class GpioAxis final : public ZAxis {
   }
   // What the system refused the threads: priority, locked memory. None as a rule.
   [[nodiscard]] std::vector<std::string> warnings() const override { return threads_->refusals(); }
+  [[nodiscard]] std::vector<AxisInputState> inputs() const override {
+    return read_inputs(config_, lines_, inputs_);
+  }
   [[nodiscard]] LateSteps late_steps() const override { return engine_.late_steps(); }
-  // Edges of the encoder that were missed or made up by noise.
-  [[nodiscard]] std::uint64_t illegal_encoder_edges() const { return inputs_.illegal_encoder_edges(); }
 
  private:
   [[nodiscard]] AxisDrive::Wiring drive_wiring();

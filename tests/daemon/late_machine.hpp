@@ -31,6 +31,7 @@ class LateAxis final : public PlainAxis {
   [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
     return axis_.move_duration(distance, speed);
   }
+  [[nodiscard]] std::vector<AxisInputState> inputs() const override { return axis_.inputs(); }
   [[nodiscard]] LateSteps late_steps() const override { return late; }
 
   LateSteps late;

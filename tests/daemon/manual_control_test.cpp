@@ -69,8 +69,8 @@ TEST_CASE("All that moves or lights wants service rights; what ends that does no
   Desk desk;
   for (const auto& [name, method] : desk.methods) {
     CAPTURE(name);
-    CHECK(method.changes);
-    CHECK(method.needs_service_rights == (name != "stop" && name != "light_off"));
+    CHECK(method.changes == (name != "inputs"));
+    CHECK(method.needs_service_rights == (name != "stop" && name != "light_off" && name != "inputs"));
   }
 }
 
@@ -214,4 +214,18 @@ TEST_CASE("What the projector says of itself is in the reply's status once it ha
   REQUIRE(desk.refusal_of("projector").empty());
   REQUIRE(desk.run_machine_to(ManualState::Idle));
   CHECK(desk.status.status()["manual"]["projector"]["powered"] == true);
+}
+
+TEST_CASE("The inputs are told as they are, also while the plate moves") {
+  Desk desk;
+  REQUIRE(desk.refusal_of("inputs").empty());
+  CHECK(desk.reply ==
+        Json::parse(
+            R"({"inputs": [{"name": "limit switch", "line": "simulated", "active": false, "edges": 0}]})"));
+  desk.home();
+  REQUIRE(desk.refusal_of("move", {{"to_mm", 100}}).empty());
+  REQUIRE(desk.refusal_of("inputs").empty());
+  CHECK(desk.reply["inputs"][0]["active"] == true);
+  CHECK(desk.reply["inputs"][0]["edges"] == 3);
+  CHECK(desk.process.state() == ManualState::Moving);
 }

@@ -712,6 +712,7 @@ class DeafAxis final : public testing::PlainAxis {
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint) const override { return height(); }
   [[nodiscard]] Nanometers travel() const override { return Nanometers{160'000'000}; }
   [[nodiscard]] Duration move_duration(Nanometers, MillimetersPerSecond) const override { return 10s; }
+  [[nodiscard]] std::vector<AxisInputState> inputs() const override { return {}; }
   [[nodiscard]] LateSteps late_steps() const override { return {}; }
 
   bool aborted = false;

@@ -380,3 +380,18 @@ TEST_CASE("A move may be started from inside the end of another") {
   CHECK(second == MoveResult::Reached);
   CHECK(bench.axis.height() == mm(2));
 }
+
+TEST_CASE("Its switch is reached at the bottom, and its edges are counted") {
+  Bench bench;
+  const auto limit_switch = [&bench] { return bench.axis.inputs().at(0); };
+  CHECK(limit_switch().active == false);
+  CHECK(limit_switch().edges == 0);
+  bench.home();
+  CHECK(limit_switch().name == "limit switch");
+  CHECK(limit_switch().active == true);
+  CHECK(limit_switch().edges == 3);
+  bench.start_move(mm(40));
+  bench.run();
+  CHECK(limit_switch().active == false);
+  CHECK(limit_switch().edges == 4);
+}

@@ -129,6 +129,7 @@ class MachineModel final : public Machine {
     [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
       return now().move_duration(distance, speed);
     }
+    [[nodiscard]] std::vector<AxisInputState> inputs() const override { return now().inputs(); }
     [[nodiscard]] LateSteps late_steps() const override { return now().late_steps(); }
 
    private:

@@ -47,7 +47,8 @@ REPLIES = {name: re.search(r"Reply:\s+(?:a\s+\[(\w+)\]|`(\w+)`)", section(f"### 
 NOTIFICATIONS = [name for name, _ in rows("## Notifications")]
 STATUS, JOB, ANALYSIS = rows("### A status"), rows("### A job"), rows("### An analysis")
 ENDED_JOB, MANUAL = rows("### An ended job"), rows("### What is done by hand")
-TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history")}
+INPUT = rows("### An input")
+TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history"), "reading": rows("### A reading of the inputs")}
 STATES = {name for name, _ in rows("### States")}
 CODES = {int(code) for code, _ in rows("## Errors")}
 TYPES = {"text": str, "number": (int, float), "object": dict, "list": list, "true": bool, "false": bool, "null": type(None)}
@@ -102,6 +103,8 @@ class ControlApiTest(FolderTest):
         if reply[1] == "status":
             return self.assert_status(result)
         self.assert_fields(result, TABLES[reply[1]])
+        for each in result.get("inputs", ()):
+            self.assert_fields(each, INPUT)
 
     def test_the_methods_are_the_programs(self):
         message = self.fast().rpc("no such method")["error"]["message"]
@@ -130,7 +133,7 @@ class ControlApiTest(FolderTest):
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
         answers["plate_cleared"] = daemon.rpc("plate_cleared")
         by_hand = {"home": {}, "stop": {}, "light_off": {}, "show": {"pattern": "grid"}, "light_on": {"seconds": 0.01, "in_resin": True},
-                   "projector": {}, "motor_off": {}, "move": {"to_mm": 1}}  # fmt: skip
+                   "projector": {}, "motor_off": {}, "inputs": {}, "move": {"to_mm": 1}}  # fmt: skip
         for method, parameters in by_hand.items():
             if method == "move":
                 daemon.client().call("home")

@@ -8,6 +8,7 @@ import select
 import signal
 import socket
 import subprocess
+import termios
 import time
 import unittest
 
@@ -106,11 +107,116 @@ class Commands(ManualTest):
         self.refused(self.by_hand(daemon, "show", "gird"), FAILED, "white, black, grid")
         daemon.stop()
 
+    def test_switches_are_shown_once_or_line_by_line_as_they_change(self):
+        daemon = self.daemon()
+        self.well(self.by_hand(daemon, "switches", "--once"), "limit switch    reached             0 edges  simulated\n")
+        inputs = json.loads(self.by_hand(daemon, "switches", "--once", "--json").stdout)
+        self.assertEqual(inputs, [{"name": "limit switch", "line": "simulated", "active": True, "edges": 0}])
+        process = subprocess.Popen([CONTOURCTL, "switches", "--socket", daemon.socket_path], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)  # fmt: skip
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        self.assertIn("0 edges", process.stdout.readline())
+        self.well(self.by_hand(daemon, "home"))
+        line = process.stdout.readline()
+        while " 2 edges" not in line:  # it may see them one by one
+            line = process.stdout.readline()
+        self.assertIn("limit switch    reached", line)
+        daemon.drop("part.stl", SMALL)
+        self.assertEqual(process.communicate(timeout=DEADLINE_S)[1],
+                         "contourctl: part is being printed: the inputs are read while nothing prints\n")  # fmt: skip
+        self.assertEqual(process.returncode, FAILED)
+        daemon.stop()
+
     def test_without_a_daemon_each_says_so(self):
         for words in (["home"], ["move", "--to", "1"], ["stop"], ["motor", "off"], ["light", "off"], ["show", "grid"],
-                      ["light", "on", "--seconds", "1", "--confirm"], ["projector", "status"], ["projector", "on"]):  # fmt: skip
+                      ["light", "on", "--seconds", "1", "--confirm"], ["projector", "status"], ["projector", "on"], ["switches"]):  # fmt: skip
             with self.subTest(words):
                 self.refused(contourctl(*words, "--socket", self.path("none")), UNAVAILABLE, "cannot reach contourd")
+
+
+class Jog(ManualTest):
+    def jog(self, daemon, *words):
+        """The process, and a function that types and waits until something is shown."""
+        mine, its = pty.openpty()
+        self.addCleanup(os.close, mine)
+        process = subprocess.Popen([CONTOURCTL, "jog", "--socket", daemon.socket_path, *words], stdin=its, stdout=its, stderr=its)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        os.close(its)
+        shown = b""
+
+        def press(keys, until):
+            nonlocal shown
+            shown = b""
+            os.write(mine, keys.encode())
+            while until.encode() not in shown:
+                self.assertTrue(select.select([mine], [], [], DEADLINE_S)[0], shown)
+                shown += os.read(mine, 4096)
+            return shown.decode()
+        press("", "step 1 mm   idle")
+        return process, press, mine
+
+    def test_keys_home_and_move_and_what_is_refused_is_said(self):
+        daemon = self.daemon()
+        process, press, _ = self.jog(daemon)
+        press("k", "home comes first")
+        press("h", "height 0.000 mm   step 1 mm   idle")
+        press("\x1b[A", "height 1.000 mm   step 1 mm   idle")
+        press("2", "step 0.1 mm")
+        press("\x1bOA", "height 1.100 mm   step 0.1 mm   idle")
+        press("j", "height 1.000 mm   step 0.1 mm   idle")
+        press("\x1b[1;5Cxyz4", "step 10 mm")  # keys without a meaning
+        press("\x1b[B", "the plate cannot go to -9.000 mm")
+        press("g", "shows grid")
+        press("g", "shows border")
+        press("m", "height unknown")
+        press("q", "\n")
+        self.assertEqual(process.wait(DEADLINE_S), OK)
+        wait_until(lambda: self.manual(daemon)["picture"] is None, "black")
+        daemon.stop()
+
+    def test_light_is_asked_for_and_anything_but_y_is_no(self):
+        daemon = self.daemon()
+        process, press, _ = self.jog(daemon, "--in-resin", "--light-seconds", "0.1")
+        press("l", "Eyes protected")
+        press("h", "idle")
+        self.assertEqual(self.manual(daemon)["operations"], 0)
+        press("l", "for 0.1 s")
+        press("y", "lit")
+        press("", "idle")
+        press("\x03", "\n")
+        self.assertEqual(process.wait(DEADLINE_S), OK)
+        daemon.stop()
+
+    def test_space_quitting_a_lost_terminal_and_a_signal_end_a_motion_and_give_the_terminal_back(self):
+        for how in ("space", "quit", "hang up", "terminate"):
+            with self.subTest(how):
+                daemon = self.daemon(SLOW)
+                process, press, mine = self.jog(daemon)
+                before = termios.tcgetattr(mine)
+                self.assertFalse(before[3] & termios.ICANON)
+                press("h", "homing")
+                if how == "space":
+                    press(" ", "stopped")
+                    wait_until(lambda: self.manual(daemon)["state"] == "idle", "the end of the motion")
+                    press("q", "\n")
+                elif how == "quit":
+                    press("q", "\n")
+                elif how == "hang up":
+                    process.send_signal(signal.SIGHUP)
+                else:
+                    process.send_signal(signal.SIGTERM)
+                self.assertEqual(process.wait(DEADLINE_S), OK)
+                self.assertTrue(termios.tcgetattr(mine)[3] & termios.ICANON)
+                wait_until(lambda: self.manual(daemon)["state"] == "idle", "the end of the motion")
+                self.assertIn("by hand: stopped", daemon.log())
+                daemon.stop()
+
+    def test_without_a_terminal_it_says_so(self):
+        daemon = self.daemon()
+        self.refused(self.by_hand(daemon, "jog", stdin=subprocess.DEVNULL), BAD_USAGE, "jog: this needs a terminal")
+        daemon.stop()
 
 
 class Ends(ManualTest):

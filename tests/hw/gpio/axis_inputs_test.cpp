@@ -373,3 +373,16 @@ TEST_CASE("A rule halts the steps once, and what it halted them for is told by t
   CHECK_FALSE(bench.engine.interrupted());
   CHECK(bench.told().empty());
 }
+
+TEST_CASE("Edges are counted as they come in, also one that the kernel had no room for") {
+  Bench bench;
+  bench.set(bench.lid, true);
+  bench.set(bench.lid, false);
+  bench.set(bench.limit, true);
+  bench.lid.loses_edges = true;
+  bench.lid.set(true);
+  bench.pass(100ms);  // levels are read
+  CHECK(bench.inputs->edges(AxisInput::Lid) == 3);
+  CHECK(bench.inputs->edges(AxisInput::LimitSwitch) == 1);
+  CHECK(bench.inputs->edges(AxisInput::EmergencyStop) == 0);
+}

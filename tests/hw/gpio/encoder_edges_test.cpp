@@ -54,3 +54,15 @@ TEST_CASE("Edges of both lines are counted in the order of their times, whicheve
   CHECK(edges.counted().count() == 3);
   CHECK_FALSE(edges.due());
 }
+
+TEST_CASE("Edges are counted by line, those that wait too") {
+  testing::PlantInput a, b, index;
+  EncoderEdges edges(&a, &b, &index);
+  a.set(true, TimePoint{1ms});
+  a.set(false, TimePoint{2ms});
+  index.set(true, TimePoint{2ms});
+  edges.serve(TimePoint{2ms});
+  CHECK(edges.edges(EncoderLine::A) == 2);
+  CHECK(edges.edges(EncoderLine::B) == 0);
+  CHECK(edges.edges(EncoderLine::Index) == 1);
+}

@@ -595,7 +595,7 @@ TEST_CASE("Homing and moves with an encoder and backlash agree") {
     CHECK(plate_above_switch(plant) == std::llround(target * 800));
     CHECK(plant.axis->height() == mm(target));
   }
-  CHECK(plant.axis->illegal_encoder_edges() == 0);
+  CHECK(plant.events.empty());
 }
 
 TEST_CASE("A motor whose current is taken away knows no height until it has homed again") {
@@ -613,4 +613,31 @@ TEST_CASE("A motor whose current is taken away knows no height until it has home
   REQUIRE(without.home() == HomingResult::Homed);
   CHECK_FALSE(other.release());
   CHECK(other.height());
+}
+
+TEST_CASE("Of its inputs an axis tells the name, the line, the level and the edges") {
+  GpioAxisConfig c = with_encoder(EncoderConfig::Policy::Fault, with_second_switch());
+  c.encoder->a.line = "5";
+  c.lid = GpioInputConfig{{"gpiochip1", "LID", false}};
+  Plant plant(c);
+  GpioAxis& axis = plant.build();
+  CHECK(plant.home() == HomingResult::Homed);
+  plant.press(AxisInput::Lid, true);
+  plant.lines[static_cast<std::size_t>(AxisInput::SecondSwitch)]->unreadable = true;
+  const std::vector<AxisInputState> inputs = axis.inputs();
+  REQUIRE(inputs.size() == 5);
+  CHECK(inputs[0].name == "limit switch");
+  CHECK(inputs[0].line == "line 23 of gpiochip0");
+  CHECK(inputs[0].active == true);
+  CHECK(inputs[0].edges == 3);  // closed, open, closed
+  CHECK(inputs[1].name == "second switch");
+  CHECK_FALSE(inputs[1].active);
+  CHECK(inputs[2].name == "lid");
+  CHECK(inputs[2].line == "line LID of gpiochip1");
+  CHECK(inputs[2].active == true);
+  CHECK(inputs[3].name == "encoder A");
+  CHECK(inputs[3].line == "line 5 of gpiochip0");
+  // Each count is an edge of one of its lines.
+  CHECK(inputs[3].edges > 1000);
+  CHECK(inputs[4].edges > 1000);
 }
