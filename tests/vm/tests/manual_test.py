@@ -1,6 +1,8 @@
 """The printer by hand on a real kernel's devices: heights, light and pictures as the devices recorded them, and what
 becomes of them when the client is killed. arm64, in deterministic time."""
 
+import json
+
 from bed import guests
 from bed.architecture import ARM64
 from bed.edge_log import LOST, EdgeLog
@@ -40,6 +42,7 @@ killed home $!
 contourctl home || fail "home"
 contourctl motor off || fail "motor off"
 contourctl move --to 1 && fail "a move from nobody knows where"
+contourctl switches --once --json >/out/switches || fail "switches"
 keep_logs
 stop_daemon || fail "the daemon ended with $?"
 """
@@ -102,4 +105,7 @@ def by_hand():
     assert not (edges.events["flags"] & LOST).any(), "steps were lost"
     enabled = edges.edges(edges.lines.enable)
     assert int(enabled["value"][-1]) == 1, "the motor still has its current"  # active low
+    (limit,) = [each for each in json.loads(results.text("switches")) if each["name"] == "limit switch"]
+    recorded = edges.edges(edges.lines.limit)
+    assert limit["active"] and limit["edges"] == len(recorded), f"{limit}, and {len(recorded)} edges were recorded"
     return f"light off {late / 1e6:.1f} ms, black {gone / 1e6:.1f} ms after the kill"
