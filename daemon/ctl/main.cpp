@@ -20,6 +20,7 @@
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/inspect_command.hpp"
 #include "daemon/ctl/jog_command.hpp"
+#include "daemon/ctl/level_command.hpp"
 #include "daemon/ctl/manual_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
 #include "daemon/ctl/submit_command.hpp"
@@ -409,6 +410,11 @@ class CommandLine {
                        "Nothing is in the plate's way, whatever contourd knows of");
     jog_keys->add_flag("--in-resin", jog_.in_resin, "Light also when the plate may be in the resin");
     add_socket_option(jog_keys);
+    CLI::App* levelling =
+        add_command(&app_, "level", "Level the plate, step by step, and store where its switch is",
+                    [this] { return level(client_, level_); });
+    levelling->add_option("--config", level_.config, "The printer's configuration")->capture_default_str();
+    add_socket_option(levelling);
   }
 
   [[nodiscard]] Request manual_request(const char* method) const {
@@ -456,6 +462,7 @@ class CommandLine {
   SubmitOptions submit_;
   ManualWords manual_;
   JogOptions jog_;
+  LevelOptions level_;
   bool once_ = false;
   ClientOptions client_;
   std::optional<std::string> job_;

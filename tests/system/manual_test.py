@@ -13,7 +13,7 @@ import time
 import unittest
 
 from harness import (
-    BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_AXIS, NIMBLE_RESIN, OK, REALTIME, SLOWNESS,
+    BAD_CONFIG, BAD_USAGE, CONTOURCTL, CONTOURD, DEADLINE_S, ENDLESS, FAILED, NIMBLE_AXIS, NIMBLE_RESIN, OK, REALTIME, SLOWNESS,
     UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl, main, merge, wait_until,
 )  # fmt: skip
 
@@ -216,6 +216,63 @@ class Jog(ManualTest):
     def test_without_a_terminal_it_says_so(self):
         daemon = self.daemon()
         self.refused(self.by_hand(daemon, "jog", stdin=subprocess.DEVNULL), BAD_USAGE, "jog: this needs a terminal")
+        daemon.stop()
+
+
+class Level(ManualTest):
+    ENTER = ""
+
+    def level(self, daemon, *answers):
+        lines = "".join(answer + "\n" for answer in answers)
+        return self.by_hand(daemon, "level", "--config", daemon.config_path, input=lines.encode(), stdin=None)
+
+    def config(self, daemon):
+        with open(daemon.config_path, encoding="utf-8") as file:
+            return file.read()
+
+    def test_what_the_paper_says_is_stored_and_nothing_else_is_changed(self):
+        # Where the paper drags above 0, and where the plate hangs above it.
+        for answers, stored in ((["0.5", "-0.2", ""], -0.2), (["", "0.35"], 0.45)):
+            with self.subTest(stored):
+                daemon = self.daemon()
+                before = json.loads(self.config(daemon))
+                result = self.level(daemon, "", "", "", *answers, "0.1", "")
+                self.well(result, "homing", "height    0.000 mm", "mm (Enter: it touches)" if stored > 0 else "Now at 0.300 mm",
+                          f"switch_height_mm was 0 and becomes {stored:g}", "Written.")  # fmt: skip
+                before["z_axis"]["switch_height_mm"] = stored
+                self.assertEqual(json.loads(self.config(daemon)), before)
+                self.assertEqual(self.manual(daemon)["height_mm"], 12)  # out of the way
+                daemon.stop()
+
+    def test_whoever_ends_it_anywhere_leaves_all_as_it_was(self):
+        daemon = self.daemon()
+        before = self.config(daemon)
+        answers = ["", "", "", "0.3", "", "0.1", ""]
+        for asked in range(len(answers)):
+            for end in ([], ["q"]):
+                result = self.level(daemon, *answers[:asked], *end)
+                self.assertEqual((result.returncode, result.stderr), (FAILED, b""), result)
+                self.assertIn(b"Nothing is changed.", result.stdout)
+        self.assertEqual(self.config(daemon), before)
+        daemon.stop()
+
+    def test_what_is_no_number_or_no_way_is_told_and_asked_for_again(self):
+        daemon = self.daemon()
+        result = self.level(daemon, "", "", "", "up", "-0.5", "+0.3", "", "1e9", "0.1", "")
+        self.assertEqual(result.returncode, OK, result)
+        self.assertIn(b"That is a number from -12 to 12 mm.", result.stdout)
+        self.assertIn(b"That is a number from 0 to 5 mm.", result.stdout)
+        self.assert_one_line(result.stderr, "the plate cannot go to -0.500 mm")
+        daemon.stop()
+
+    def test_another_configuration_than_the_daemons_or_a_wrong_one_is_not_touched(self):
+        daemon = self.daemon()
+        with open(daemon.config_path, encoding="utf-8") as file:
+            wrong = file.read().replace('"travel_mm": 12', '"travel_mm": -12')
+        path = self.write("wrong.json", wrong.encode())
+        result = self.by_hand(daemon, "level", "--config", path, input=b"\n" * 9, stdin=None)
+        self.refused(result, BAD_CONFIG, "wrong.json: /z_axis/travel_mm")
+        self.refused(self.by_hand(daemon, "level", "--config", self.path("none")), BAD_CONFIG, "none")
         daemon.stop()
 
 

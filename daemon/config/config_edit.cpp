@@ -1,0 +1,121 @@
+#include "daemon/config/config_edit.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
+#include <stdexcept>
+#include <system_error>
+
+#include "daemon/config/printer_config.hpp"
+#include "hw/file_descriptor.hpp"
+
+namespace contourd {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// What stands there once; nothing when it is there never, or more often.
+std::optional<std::smatch> only_match(const std::string& text, const std::regex& wanted) {
+  std::smatch match, other;
+  if (!std::regex_search(text, match, wanted)) return std::nullopt;
+  const std::string rest = match.suffix();
+  if (std::regex_search(rest, other, wanted)) return std::nullopt;
+  return match;
+}
+
+std::string read_all(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string text((std::istreambuf_iterator<char>(stream)), {});
+  if (!stream) throw std::system_error(errno, std::generic_category(), "cannot read " + file.string());
+  return text;
+}
+
+[[noreturn]] void fail(const std::string& what, const fs::path& file) {
+  throw std::system_error(errno, std::generic_category(), what + " " + file.string());
+}
+
+// A file beside another, of its owner and rights, until it takes its place.
+class Replacement {
+ public:
+  explicit Replacement(fs::path of) : of_(std::move(of)), path_(of_.string() + ".new") {}
+  Replacement(const Replacement&) = delete;
+  Replacement& operator=(const Replacement&) = delete;
+  ~Replacement() {
+    if (!placed_) ::unlink(path_.c_str());
+  }
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+  void write(const std::string& text) const {
+    struct stat like {};
+    if (::stat(of_.c_str(), &like) != 0) fail("cannot read", of_);
+    ::unlink(path_.c_str());
+    const FileDescriptor file(
+        ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR));
+    const bool written = file.valid() &&
+                         ::write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
+                         ::fchown(file.get(), like.st_uid, like.st_gid) == 0 &&
+                         ::fchmod(file.get(), like.st_mode & 07777U) == 0 && ::fsync(file.get()) == 0;
+    if (!written) fail("cannot write", path_);
+  }
+
+  void place() {
+    if (::rename(path_.c_str(), of_.c_str()) != 0) fail("cannot write", of_);
+    placed_ = true;
+    const FileDescriptor folder(::open(of_.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (folder.valid()) ::fsync(folder.get());
+  }
+
+ private:
+  fs::path of_, path_;
+  bool placed_ = false;
+};
+
+}  // namespace
+
+std::string with_number(const std::string& text, std::string_view section, std::string_view key,
+                        double number) {
+  const std::string pointer = fmt::format("/{}/{}", section, key);
+  const auto by_hand = [&] {
+    return std::runtime_error(
+        fmt::format("{} cannot be set in its place: write {} there yourself", pointer, number));
+  };
+  Json wanted = Json::parse(text);
+  wanted[Json::json_pointer(pointer)] = number;
+  std::string changed;
+  if (const auto there = only_match(text, std::regex(fmt::format(R"("{}"\s*:\s*([-+.0-9eE]+))", key)))) {
+    changed = text;
+    changed.replace(static_cast<std::size_t>(there->position(1)), static_cast<std::size_t>(there->length(1)),
+                    fmt::format("{}", number));
+  } else if (const auto begin =
+                 only_match(text, std::regex(fmt::format(R"("{}"\s*:\s*\{{(\s*)("|\}}))", section)))) {
+    const bool empty = begin->str(2) == "}";
+    changed = text;
+    changed.insert(static_cast<std::size_t>(begin->position(1)),
+                   fmt::format(R"({}"{}": {}{})", begin->str(1), key, number, empty ? "" : ","));
+  }
+  // Whatever the text is like: only what means the same otherwise is taken.
+  const Json read = Json::parse(changed, nullptr, false);
+  if (read.is_discarded() || nlohmann::json(read) != nlohmann::json(wanted)) throw by_hand();
+  return changed;
+}
+
+void set_config_number(const fs::path& file, std::string_view section, std::string_view key, double number) {
+  const fs::path path = fs::canonical(file);
+  (void)load_printer_config(path);
+  Replacement replacement(path);
+  replacement.write(with_number(read_all(path), section, key, number));
+  (void)load_printer_config(replacement.path());
+  replacement.place();
+}
+
+}  // namespace contourd

@@ -1,0 +1,79 @@
+#include "daemon/config/config_edit.hpp"
+
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+
+#include "daemon/config/config_error.hpp"
+#include "daemon/config/printer_config.hpp"
+#include "tests/catch.hpp"
+#include "tests/daemon/config/config_fixture.hpp"
+
+namespace contourd {
+namespace {
+
+using testing::ConfigFolder;
+using testing::shipped;
+
+std::string height_set(const std::string& text, double height = -1.25) {
+  return with_number(text, "z_axis", "switch_height_mm", height);
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST_CASE("A number is set where it stands, and nothing else is touched") {
+  CHECK(height_set(R"({ "name":"a",
+   "z_axis" : {"travel_mm": 1, "switch_height_mm" :0.5 , "x": [1,2]} })") == R"({ "name":"a",
+   "z_axis" : {"travel_mm": 1, "switch_height_mm" :-1.25 , "x": [1,2]} })");
+  CHECK(height_set(R"({"z_axis": {"switch_height_mm": -1e1}})", 0.1) ==
+        R"({"z_axis": {"switch_height_mm": 0.1}})");
+}
+
+TEST_CASE("A number that is missing becomes the first of its section") {
+  CHECK(height_set("{\"z_axis\": {\n    \"travel_mm\": 1}}") ==
+        "{\"z_axis\": {\n    \"switch_height_mm\": -1.25,\n    \"travel_mm\": 1}}");
+  CHECK(height_set(R"({"z_axis": {}})") == R"({"z_axis": {"switch_height_mm": -1.25}})");
+}
+
+TEST_CASE("What cannot be set in its place is left to its owner") {
+  for (const char* text : {R"({})", R"({"z_axis": {"deep": {"switch_height_mm": 1}}})",
+                           R"({"other": {"switch_height_mm": 1}, "z_axis": {"switch_height_mm": 1}})",
+                           R"({"z_axis": {"switch_height\u005fmm": 1}})"}) {
+    CAPTURE(text);
+    CHECK_THROWS_WITH(height_set(text),
+                      "/z_axis/switch_height_mm cannot be set in its place: write -1.25 there yourself");
+  }
+}
+
+TEST_CASE("A configuration's number is changed with its rights kept, and not at all when that is wrong") {
+  ConfigFolder folder;
+  folder.write_json("resins/standard.json", shipped("resins/standard.json"));
+  nlohmann::json printer = shipped("contourd.json");
+  printer["resins_folder"] = "resins";
+  const std::filesystem::path file = folder.write_json("printer.json", printer);
+  const auto link = file.parent_path() / "link.json";
+  std::filesystem::create_symlink(file, link);
+  std::filesystem::permissions(file, std::filesystem::perms(0640));
+
+  set_config_number(link, "z_axis", "travel_mm", 123.5);
+  CHECK(load_printer_config(file).travel == Nanometers{123'500'000});
+  CHECK(std::filesystem::is_symlink(link));
+  struct stat status {};
+  REQUIRE(::stat(file.c_str(), &status) == 0);
+  CHECK((status.st_mode & 07777U) == 0640);
+
+  const std::string before = text_of(file);
+  CHECK_THROWS_AS(set_config_number(file, "z_axis", "travel_mm", -1), ConfigError);
+  CHECK(text_of(file) == before);
+  CHECK_FALSE(std::filesystem::exists(file.string() + ".new"));
+}
+
+}  // namespace
+}  // namespace contourd
