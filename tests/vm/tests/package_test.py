@@ -40,11 +40,11 @@ def _is_upgraded_while_idle(machine):
     machine.run(f"sed -i 's/\"name\": .*/\"name\": \"mine\",/' {_CONFIG} && cp /root/quick.json /etc/contourd/resins/standard.json")
     machine.run(f"cp {_CONFIG} /root/mine.json && cp /root/tall.stl /root/part.stl")
     submit(machine, "second")
-    machine.wait_for("contourctl status --json | grep -q second")
+    machine.wait_for("contourctl queue | grep -q second")
     before = _process(machine)
     _upgrade(machine, 1)
     machine.wait_for(f"test $(systemctl show -P MainPID contourd) -gt 0 && test $(systemctl show -P MainPID contourd) != {before}")
-    machine.wait_for("systemctl is-active contourd && contourctl status --json | grep -q second")
+    machine.wait_for("systemctl is-active contourd && contourctl queue | grep -q second")
     machine.run(f"cmp {_CONFIG} /root/mine.json && cmp /root/quick.json /etc/contourd/resins/standard.json")
     machine.run(f"cmp /root/tall.stl {SPOOL}/incoming/second.stl")
     assert "mine" in journal(machine, "ready")[-1]["MESSAGE"]
