@@ -22,6 +22,7 @@ if [[ -n $model ]]; then
 fi
 
 cd "$(dirname "$0")"
+echo "First come Debian's packages that are missing, then contourd is compiled: how much either is will be told before it."
 .ci/install-packages
 .ci/build build -- contourd contourctl make-model
 bin=$PWD/build/bin

@@ -12,7 +12,7 @@ ROOT = pathlib.Path(os.environ["CONTOURD_SOURCE"])
 BIN = pathlib.Path(os.environ["CONTOURD_BIN"])
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 # Where sources lie. What is made by a build or by a run is not there to be looked for.
-ROOMS = ("core", "hw", "daemon", "config", "tests", "docs", "systemd", ".ci", ".readme")
+ROOMS = ("core", "hw", "daemon", "config", "tests", "docs", "systemd", "packaging", ".ci", ".readme")
 MOST_WORDS = 900
 
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import tempfile
 from contextlib import contextmanager
@@ -45,15 +46,20 @@ def _installed(debian):
         yield folder
 
 
-def systemd_guest(config, resin=None, our_modules=(), debian=None):
-    """What a guest with a root image boots from: it brings the installed contourd along, as a package would put it
-    there, with a printer's configuration. `our_modules` are lines such as "zplant bounce_us=300"."""
+def _debian_guest(our_modules=()):
+    """What a guest with a root image boots from. `our_modules` are lines such as "zplant bounce_us=300"."""
     guest = Initramfs(AMD64)
     guest.add_kernel_modules("crc32c_generic", "ext4", *_SCREEN_MODULES, *_VIRTIO_MODULES)
     guest.add_our_modules()
     loads = [line.split(" ", 1) for line in our_modules]
     guest.add_text("/etc/our_modules", "".join(f"{name}.ko {' '.join(parameters)}\n" for name, *parameters in loads))
     guest.add_file("/init", VM / "guest" / "init-root", mode=0o755)
+    return guest
+
+
+def systemd_guest(config, resin=None, our_modules=(), debian=None):
+    """A Debian that brings the installed contourd along, as a package would put it there, with a printer's configuration."""
+    guest = _debian_guest(our_modules)
     with _installed(debian) as folder:
         # /lib is a link to /usr/lib in the image.
         if Path(folder, "lib").exists():
@@ -64,6 +70,24 @@ def systemd_guest(config, resin=None, our_modules=(), debian=None):
     guest.add_text("/install/etc/contourd/resins/standard.json", resin_profile(resin))
     guest.add_file("/install/root/lib.sh", VM / "guest" / "lib.sh")
     guest.add_file("/install/usr/local/bin/fake-projector", AMD64.program("fake-projector"))
+    return guest
+
+
+def package_guest(upgrades):
+    """A Debian without contourd, and with the package that was made of this tree, as /root/contourd.deb; the same with
+    higher and higher versions as /root/upgrade-1.deb and so on."""
+    guest = _debian_guest()
+    (package,) = (BED / "packages").glob("contourd_*_amd64.deb")
+    guest.add_file("/install/root/contourd.deb", package)
+    with tempfile.TemporaryDirectory(dir=BED) as folder:
+        subprocess.run(["dpkg-deb", "--raw-extract", package, f"{folder}/tree"], check=True)
+        control = Path(folder, "tree/DEBIAN/control")
+        text = control.read_text()
+        for number in range(1, upgrades + 1):
+            control.write_text(re.sub(r"(?m)^Version: .*", rf"\g<0>.{number}", text))
+            command = ["dpkg-deb", "--root-owner-group", "--build", "-Zgzip", "-z1", f"{folder}/tree", f"{folder}/upgrade.deb"]
+            subprocess.run(command, check=True, capture_output=True)
+            guest.add_file(f"/install/root/upgrade-{number}.deb", Path(folder, "upgrade.deb"))
     return guest
 
 

@@ -13,7 +13,7 @@ from bed.qemu import GuestFailure, Machine
 
 SPOOL = "/var/spool/contourd"
 
-# README.md, "On a Raspberry Pi".
+# docs/printer-setup.md, "Upgrade and uninstall".
 _INSTALL = (
     "systemd-sysusers && systemd-tmpfiles --create",
     "systemctl daemon-reload && systemctl enable --now contourd",
