@@ -21,6 +21,7 @@
 #include "daemon/ctl/inspect_command.hpp"
 #include "daemon/ctl/jog_command.hpp"
 #include "daemon/ctl/manual_command.hpp"
+#include "daemon/ctl/queue_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
 #include "daemon/ctl/submit_command.hpp"
 #include "daemon/ctl/switches_command.hpp"
@@ -192,6 +193,13 @@ struct ManualWords {
   std::string pattern;
 };
 
+// What the user typed for the queue's commands.
+struct QueueWords {
+  std::string job;
+  int to = 1;
+  bool first = false, last = false;
+};
+
 // An unset shell variable must not become 0 or "no output".
 const CLI::Validator kNotEmpty([](const std::string& word) { return word.empty() ? "it is empty" : ""; }, "");
 
@@ -323,7 +331,7 @@ class CommandLine {
 
   void add_client_commands() {
     add_client("status", "What the printer is doing", "status");
-    add_client("queue", "The jobs that wait", "queue", print_queue);
+    add_queue_commands();
     CLI::App* history = add_command("history", "How the latest jobs have ended", [this] {
       return request(client_, {"history", {{"last", last_}}}, print_history);
     });
@@ -337,6 +345,42 @@ class CommandLine {
                                     [this] { return watch(client_, job_); });
     command->add_option("--job", job_, "Until the job of this name has ended")->check(kNotEmpty);
     add_client_options(command);
+  }
+
+  void add_queue_commands() {
+    CLI::App* queue = app_.add_subcommand("queue", "The jobs that wait; what is to become of one");
+    // Called behind that of a command below it.
+    queue->callback([this, queue] {
+      if (queue->get_subcommands().empty())
+        chosen_ = [this] { return request(client_, {"queue"}, print_queue); };
+    });
+    add_client_options(queue);
+    const auto add = [this, queue](const char* name, const char* help, std::function<int()> call) {
+      CLI::App* command = add_command(queue, name, help, std::move(call));
+      command->add_option("JOB", queue_.job, "Its name, or its file's in incoming")
+          ->required()
+          ->check(kNotEmpty);
+      add_client_options(command);
+      return command;
+    };
+    add("show", "All that is known of a job that waits", [this] {
+      return request(client_, {"queue", {{"job", queue_.job}}}, print_waiting_job);
+    });
+    add("remove", "Take a job out of the queue: its files go to failed",
+        [this] { return remove_from_queue(client_, queue_.job); });
+    CLI::App* move = add("move", "Have a job printed earlier or later", [this] {
+      return request(client_, {"queue_move", {{"job", queue_.job}, {"to", place_in_queue()}}}, print_queue);
+    });
+    CLI::Option_group* place = move->add_option_group("Place");
+    place->require_option(1);
+    place->add_option("--to", queue_.to, "To this place, from 1")->check(CLI::Range(1, 1000));
+    place->add_flag("--first", queue_.first, "It is the next one");
+    place->add_flag("--last", queue_.last, "Behind all others");
+  }
+
+  [[nodiscard]] nlohmann::ordered_json place_in_queue() const {
+    if (queue_.last) return "last";
+    return queue_.first ? 1 : queue_.to;
   }
 
   // What is done by hand, while nothing prints.
@@ -457,6 +501,7 @@ class CommandLine {
   ManualWords manual_;
   JogOptions jog_;
   bool once_ = false;
+  QueueWords queue_;
   ClientOptions client_;
   std::optional<std::string> job_;
   int last_ = 20;
