@@ -20,6 +20,7 @@
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/inspect_command.hpp"
 #include "daemon/ctl/jog_command.hpp"
+#include "daemon/ctl/logs_command.hpp"
 #include "daemon/ctl/manual_command.hpp"
 #include "daemon/ctl/queue_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
@@ -216,6 +217,7 @@ class CommandLine {
     add_analyze();
     add_submit();
     add_client_commands();
+    add_logs();
     add_manual_commands();
   }
   CommandLine(const CommandLine&) = delete;
@@ -383,6 +385,15 @@ class CommandLine {
     return queue_.first ? 1 : queue_.to;
   }
 
+  void add_logs() {
+    CLI::App* command =
+        add_command("logs", "What contourd has logged in the journal", [this] { return logs(logs_); });
+    command->add_option("JOB", logs_.job, "Of this job alone")->check(kNotEmpty);
+    command->add_option("-n,--lines", logs_.lines, "The latest so many; without a job 100")
+        ->check(CLI::Range(1, 1'000'000));
+    command->add_flag("-f,--follow", logs_.follow, "Go on with each line that comes");
+  }
+
   // What is done by hand, while nothing prints.
   void add_manual_commands() {
     const auto by_hand = [this](CLI::App* parent, const char* name, const char* help, const char* method,
@@ -502,6 +513,7 @@ class CommandLine {
   JogOptions jog_;
   bool once_ = false;
   QueueWords queue_;
+  LogsOptions logs_;
   ClientOptions client_;
   std::optional<std::string> job_;
   int last_ = 20;

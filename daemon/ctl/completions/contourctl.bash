@@ -23,6 +23,7 @@ _contourctl_words() {
 _contourctl() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words='' length=1 each
   if [[ ${COMP_WORDS[1]} == queue && $COMP_CWORD == 3 && $word != -* ]]; then before=queue-job; fi
+  if [[ $before == logs && $COMP_CWORD == 2 && $word != -* ]]; then before=--job; fi
   case $before in
     queue-job) words=$(_contourctl_words waiting) ;;
     --job) words=$(_contourctl_words jobs) ;;

@@ -39,6 +39,7 @@ complete -c contourctl -n '__contourctl_before --resin' -f -a '(__contourctl_res
 for group in motor light projector queue
     complete -c contourctl -n "__contourctl_before $group" -f -a "(__contourctl_commands $group)"
 end
+complete -c contourctl -n '__contourctl_before logs' -f -a '(__contourctl_jobs)'
 complete -c contourctl -n __contourctl_queue_command -f -a '(__contourctl_waiting)'
 complete -c contourctl -n '__contourctl_before show; and not __contourctl_queue_command' -f -a 'white black grid checker focus border dimensions'
 complete -c contourctl -n '__contourctl_before --aa' -f -a 'on off'
