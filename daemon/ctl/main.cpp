@@ -17,6 +17,8 @@
 #include "daemon/control_defaults.hpp"
 #include "daemon/ctl/analyze_command.hpp"
 #include "daemon/ctl/client.hpp"
+#include "daemon/ctl/config_command.hpp"
+
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/inspect_command.hpp"
 #include "daemon/ctl/jog_command.hpp"
@@ -218,6 +220,7 @@ class CommandLine {
     add_submit();
     add_client_commands();
     add_logs();
+    add_config_commands();
     add_manual_commands();
   }
   CommandLine(const CommandLine&) = delete;
@@ -240,6 +243,13 @@ class CommandLine {
     CLI::App* command = parent->add_subcommand(name, help);
     command->callback([this, call = std::move(call)] { chosen_ = call; });
     return command;
+  }
+
+  // Of commands, one of which has to be chosen.
+  CLI::App* add_group(const char* name, const char* help) {
+    CLI::App* group = app_.add_subcommand(name, help);
+    group->require_subcommand(1);
+    return group;
   }
 
   void add_inspect() {
@@ -394,6 +404,25 @@ class CommandLine {
     command->add_flag("-f,--follow", logs_.follow, "Go on with each line that comes");
   }
 
+  void add_config_commands() {
+    CLI::App* config = add_group("config", "The printer's configuration");
+    const auto add = [this, config](const char* name, const char* help, int (*call)(const ConfigOptions&)) {
+      return add_command(config, name, help, [this, call] { return call(config_); });
+    };
+    const auto add_file = [this](CLI::App* command) {
+      command->add_option("FILE", config_.file, "The printer's file")
+          ->capture_default_str()
+          ->check(kNotEmpty);
+    };
+    add_file(add("check", "Say what is wrong with it, as contourd --check-config", config_check));
+    add_file(add("show", "Print it with all defaults, as JSON", config_show));
+    add_file(add("diff", "Print what is not as by default", config_diff));
+    add("schema", "Print the JSON schema of a file that owners write", config_schema)
+        ->add_option("FORMAT", config_.format, "printer, resin, projector, ticket or plate")
+        ->capture_default_str()
+        ->check(CLI::IsMember(config_formats()));
+  }
+
   // What is done by hand, while nothing prints.
   void add_manual_commands() {
     const auto by_hand = [this](CLI::App* parent, const char* name, const char* help, const char* method,
@@ -402,11 +431,6 @@ class CommandLine {
         return control_by_hand(client_, manual_request(method), what);
       });
       add_client_options(command);
-      return command;
-    };
-    const auto group = [this](const char* name, const char* help) {
-      CLI::App* command = app_.add_subcommand(name, help);
-      command->require_subcommand(1);
       return command;
     };
     const auto add_plate_is_clear = [this](CLI::App* command) {
@@ -422,8 +446,8 @@ class CommandLine {
     add_plate_is_clear(move);
     by_hand(&app_, "stop", "End what is done by hand: motor still, light off, screen black", "stop",
             WaitFor::Rest);
-    by_hand(group("motor", "The plate's motor"), "off", "Take the motor's current away", "motor_off");
-    CLI::App* light = group("light", "The projector's light");
+    by_hand(add_group("motor", "The plate's motor"), "off", "Take the motor's current away", "motor_off");
+    CLI::App* light = add_group("light", "The projector's light");
     CLI::App* on = add_command(light, "on", "Light for some seconds, with the picture that is shown", [this] {
       return light_by_hand(client_, manual_request("light_on"), manual_.confirm);
     });
@@ -438,7 +462,7 @@ class CommandLine {
         ->required()
         ->check(kNotEmpty);
     show->add_option("--seconds", manual_.seconds, "For how long, s");
-    CLI::App* projector = group("projector", "The projector's power");
+    CLI::App* projector = add_group("projector", "The projector's power");
     by_hand(projector, "status", "What the projector says of itself", "projector");
     const auto power = [&, this](const char* word, const char* help) {
       add_client_options(add_command(projector, word, help, [this, word] {
@@ -514,6 +538,7 @@ class CommandLine {
   bool once_ = false;
   QueueWords queue_;
   LogsOptions logs_;
+  ConfigOptions config_;
   ClientOptions client_;
   std::optional<std::string> job_;
   int last_ = 20;

@@ -37,6 +37,8 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("light", "on", "--sec"), ["--seconds"])
         self.assertEqual(self.bash("show", "g"), ["grid"])
         self.assertEqual(self.bash("queue", ""), ["show", "remove", "move"])
+        self.assertEqual(self.bash("config", "s"), ["show", "schema"])
+        self.assertEqual(self.bash("config", "schema", "pr"), ["printer", "projector"])
         self.assertEqual(self.bash("queue", "move", "a", "--f"), ["--first"])
         self.assertEqual(self.bash("slice", "--uni"), ["--uniformity-mask"])
         self.assertEqual(self.bash("slice", "--aa", "o"), ["on", "off"])

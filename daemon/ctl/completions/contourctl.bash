@@ -28,11 +28,12 @@ _contourctl() {
     queue-job) words=$(_contourctl_words waiting) ;;
     --job) words=$(_contourctl_words jobs) ;;
     --resin) words=$(_contourctl_words resins) ;;
+    schema) words=$'plate\nprinter\nprojector\nresin\nticket' ;;
     --aa) words=$'on\noff' ;;
     show) words=$'white\nblack\ngrid\nchecker\nfocus\nborder\ndimensions' ;;
     *)
       # The command: one word, or two.
-      if [[ ${COMP_WORDS[1]} == @(motor|light|projector|queue) ]]; then length=2; fi
+      if [[ ${COMP_WORDS[1]} == @(motor|light|projector|queue|config) ]]; then length=2; fi
       if ((COMP_CWORD <= length)); then
         words=$(_contourctl_words commands "${COMP_WORDS[@]:1:COMP_CWORD-1}")
       elif [[ $word == -* ]]; then

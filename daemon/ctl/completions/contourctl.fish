@@ -6,7 +6,7 @@ function __contourctl_commands
 end
 function __contourctl_options
     set -l words (commandline -opc)
-    if contains -- "$words[2]" motor light projector queue
+    if contains -- "$words[2]" motor light projector queue config
         contourctl $words[2] $words[3] --help 2>/dev/null | grep -oE '^ +(-[a-z],)?--[a-z,-]+' | grep -oE -- '--[a-z-]+'
         return
     end
@@ -36,11 +36,12 @@ end
 complete -c contourctl -n __fish_use_subcommand -f -a '(__contourctl_commands)'
 complete -c contourctl -n '__contourctl_before --job' -f -a '(__contourctl_jobs)'
 complete -c contourctl -n '__contourctl_before --resin' -f -a '(__contourctl_resins)'
-for group in motor light projector queue
+for group in motor light projector queue config
     complete -c contourctl -n "__contourctl_before $group" -f -a "(__contourctl_commands $group)"
 end
 complete -c contourctl -n '__contourctl_before logs' -f -a '(__contourctl_jobs)'
 complete -c contourctl -n __contourctl_queue_command -f -a '(__contourctl_waiting)'
 complete -c contourctl -n '__contourctl_before show; and not __contourctl_queue_command' -f -a 'white black grid checker focus border dimensions'
+complete -c contourctl -n '__contourctl_before schema' -f -a 'plate printer projector resin ticket'
 complete -c contourctl -n '__contourctl_before --aa' -f -a 'on off'
 complete -c contourctl -n 'not __fish_use_subcommand; and string match -q -- "-*" (commandline -ct)' -f -a '(__contourctl_options)'
