@@ -19,6 +19,7 @@
 #include "daemon/ctl/client.hpp"
 #include "daemon/ctl/config_command.hpp"
 
+#include "daemon/ctl/diagnose_command.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/inspect_command.hpp"
 #include "daemon/ctl/jog_command.hpp"
@@ -221,6 +222,7 @@ class CommandLine {
     add_client_commands();
     add_logs();
     add_config_commands();
+    add_diagnose();
     add_manual_commands();
   }
   CommandLine(const CommandLine&) = delete;
@@ -423,6 +425,19 @@ class CommandLine {
         ->check(CLI::IsMember(config_formats()));
   }
 
+  void add_diagnose() {
+    CLI::App* command = add_command("diagnose", "Put what a helper wants to know into one archive",
+                                    [this] { return diagnose(client_, diagnose_); });
+    command->add_option("JOB", diagnose_.job, "With this job's report and journal; else the latest one's")
+        ->check(kNotEmpty);
+    command->add_option("-o,--output", diagnose_.output, "The archive, .tar.gz; nothing may have that name")
+        ->check(kNotEmpty);
+    command->add_option("--config", diagnose_.config, "The printer's file")
+        ->capture_default_str()
+        ->check(kNotEmpty);
+    add_socket_option(command);
+  }
+
   // What is done by hand, while nothing prints.
   void add_manual_commands() {
     const auto by_hand = [this](CLI::App* parent, const char* name, const char* help, const char* method,
@@ -526,6 +541,11 @@ class CommandLine {
         ->check(kNotEmpty);
   }
 
+  void add_client_options(CLI::App* command) {
+    add_socket_option(command);
+    command->add_flag("--json", client_.json, "Print JSON, one message a line");
+  }
+
   CLI::App app_{"Inspects and slices STL models, and talks to contourd."};
   InspectOptions inspect_;
   SliceOptions slice_;
@@ -539,6 +559,7 @@ class CommandLine {
   QueueWords queue_;
   LogsOptions logs_;
   ConfigOptions config_;
+  DiagnoseOptions diagnose_;
   ClientOptions client_;
   std::optional<std::string> job_;
   int last_ = 20;
