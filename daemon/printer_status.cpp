@@ -58,9 +58,9 @@ Json ended_json(const EndedJob& job) {
 
 Json PrinterStatus::queue(std::optional<std::size_t> number) const {
   const auto& waiting = parts_.queue.jobs();
+  expects(!number || *number < waiting.size(), "there is a job of that number");
   Json jobs = Json::array();
   if (number) {
-    expects(*number < waiting.size(), "there is a job of that number");
     jobs.push_back(waiting_job(*number));
   } else {
     for (std::size_t i = 0; i < std::min(waiting.size(), kMaxDetailed); ++i)

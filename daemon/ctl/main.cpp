@@ -197,6 +197,12 @@ struct ManualWords {
   std::string pattern;
 };
 
+// What the user typed for history and watch.
+struct EndedWords {
+  std::optional<std::string> job;
+  int last = 20;
+};
+
 // What the user typed for the queue's commands.
 struct QueueWords {
   std::string job;
@@ -347,17 +353,19 @@ class CommandLine {
     add_client("status", "What the printer is doing", "status");
     add_queue_commands();
     CLI::App* history = add_command("history", "How the latest jobs have ended", [this] {
-      return request(client_, {"history", {{"last", last_}}}, print_history);
+      return request(client_, {"history", {{"last", ended_.last}}}, print_history);
     });
-    history->add_option("--last", last_, "So many at most")->check(CLI::Range(1, 100))->capture_default_str();
+    history->add_option("--last", ended_.last, "So many at most")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
     add_client_options(history);
     add_client("pause", "Pause after the layer under way", "pause");
     add_client("resume", "Go on after a pause, or with the queue after a failure", "resume");
     add_client("cancel", "End the print under way: light off, plate up", "cancel");
     add_client("plate-cleared", "Tell contourd that the plate is free for the next job", "plate_cleared");
     CLI::App* command = add_command("watch", "Follow the print with a progress bar until it ends",
-                                    [this] { return watch(client_, job_); });
-    command->add_option("--job", job_, "Until the job of this name has ended")->check(kNotEmpty);
+                                    [this] { return watch(client_, ended_.job); });
+    command->add_option("--job", ended_.job, "Until the job of this name has ended")->check(kNotEmpty);
     add_client_options(command);
   }
 
@@ -561,8 +569,7 @@ class CommandLine {
   ConfigOptions config_;
   DiagnoseOptions diagnose_;
   ClientOptions client_;
-  std::optional<std::string> job_;
-  int last_ = 20;
+  EndedWords ended_;
   std::function<int()> chosen_;
 };
 

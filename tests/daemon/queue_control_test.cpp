@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/current_job_fixture.hpp"
 
@@ -74,6 +75,12 @@ TEST_CASE("The queue has all that is known of a job that waits") {
   CHECK(jobs[1]["state"] == "unchecked");
   CHECK(jobs[1]["bytes"].is_null());
   CHECK(jobs[1].size() == jobs[0].size());
+}
+
+TEST_CASE("The queue is asked for a job that is in it") {
+  Desk desk({"one.stl"});
+  CHECK(desk.status.queue(0)["jobs"].size() == 1);
+  CHECK(testing::contract_broken_by([&] { (void)desk.status.queue(1); }) == "there is a job of that number");
 }
 
 TEST_CASE("Of a long queue the first hundred are told whole, and any other when it is asked for") {
