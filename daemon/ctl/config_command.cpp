@@ -69,7 +69,7 @@ const Json* default_at(const Pointer& place) {
 std::string name_of(const Pointer& place) {
   std::string name;
   for (Pointer rest = place; !rest.empty(); rest.pop_back())
-    name = rest.back() + (name.empty() ? "" : "." + name);
+    name = fmt::format("{}{}{}", rest.back(), name.empty() ? "" : ".", name);
   return printable(name);
 }
 

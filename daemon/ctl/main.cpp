@@ -210,6 +210,13 @@ struct QueueWords {
   bool first = false, last = false;
 };
 
+// What the user typed for the commands about contourd's computer.
+struct ComputerWords {
+  LogsOptions logs;
+  ConfigOptions config;
+  DiagnoseOptions diagnosis;
+};
+
 // An unset shell variable must not become 0 or "no output".
 const CLI::Validator kNotEmpty([](const std::string& word) { return word.empty() ? "it is empty" : ""; }, "");
 
@@ -406,21 +413,21 @@ class CommandLine {
   }
 
   void add_logs() {
-    CLI::App* command =
-        add_command("logs", "What contourd has logged in the journal", [this] { return logs(logs_); });
-    command->add_option("JOB", logs_.job, "Of this job alone")->check(kNotEmpty);
-    command->add_option("-n,--lines", logs_.lines, "The latest so many; without a job 100")
+    CLI::App* command = add_command("logs", "What contourd has logged in the journal",
+                                    [this] { return logs(computer_.logs); });
+    command->add_option("JOB", computer_.logs.job, "Of this job alone")->check(kNotEmpty);
+    command->add_option("-n,--lines", computer_.logs.lines, "The latest so many; without a job 100")
         ->check(CLI::Range(1, 1'000'000));
-    command->add_flag("-f,--follow", logs_.follow, "Go on with each line that comes");
+    command->add_flag("-f,--follow", computer_.logs.follow, "Go on with each line that comes");
   }
 
   void add_config_commands() {
     CLI::App* config = add_group("config", "The printer's configuration");
     const auto add = [this, config](const char* name, const char* help, int (*call)(const ConfigOptions&)) {
-      return add_command(config, name, help, [this, call] { return call(config_); });
+      return add_command(config, name, help, [this, call] { return call(computer_.config); });
     };
     const auto add_file = [this](CLI::App* command) {
-      command->add_option("FILE", config_.file, "The printer's file")
+      command->add_option("FILE", computer_.config.file, "The printer's file")
           ->capture_default_str()
           ->check(kNotEmpty);
     };
@@ -428,19 +435,23 @@ class CommandLine {
     add_file(add("show", "Print it with all defaults, as JSON", config_show));
     add_file(add("diff", "Print what is not as by default", config_diff));
     add("schema", "Print the JSON schema of a file that owners write", config_schema)
-        ->add_option("FORMAT", config_.format, "printer, resin, projector, ticket or plate")
+        ->add_option("FORMAT", computer_.config.format, "printer, resin, projector, ticket or plate")
         ->capture_default_str()
         ->check(CLI::IsMember(config_formats()));
   }
 
   void add_diagnose() {
     CLI::App* command = add_command("diagnose", "Put what a helper wants to know into one archive",
-                                    [this] { return diagnose(client_, diagnose_); });
-    command->add_option("JOB", diagnose_.job, "With this job's report and journal; else the latest one's")
+                                    [this] { return diagnose(client_, computer_.diagnosis); });
+    command
+        ->add_option("JOB", computer_.diagnosis.job,
+                     "With this job's report and journal; else the latest one's")
         ->check(kNotEmpty);
-    command->add_option("-o,--output", diagnose_.output, "The archive, .tar.gz; nothing may have that name")
+    command
+        ->add_option("-o,--output", computer_.diagnosis.output,
+                     "The archive, .tar.gz; nothing may have that name")
         ->check(kNotEmpty);
-    command->add_option("--config", diagnose_.config, "The printer's file")
+    command->add_option("--config", computer_.diagnosis.config, "The printer's file")
         ->capture_default_str()
         ->check(kNotEmpty);
     add_socket_option(command);
@@ -538,11 +549,6 @@ class CommandLine {
         add_command(name, help, [this, method, print] { return request(client_, {method}, print); }));
   }
 
-  void add_client_options(CLI::App* command) {
-    add_socket_option(command);
-    command->add_flag("--json", client_.json, "Print JSON, one message a line");
-  }
-
   void add_socket_option(CLI::App* command) {
     command->add_option("--socket", client_.socket, "contourd's control socket (or CONTOURD_SOCKET)")
         ->capture_default_str()
@@ -565,9 +571,7 @@ class CommandLine {
   JogOptions jog_;
   bool once_ = false;
   QueueWords queue_;
-  LogsOptions logs_;
-  ConfigOptions config_;
-  DiagnoseOptions diagnose_;
+  ComputerWords computer_;
   ClientOptions client_;
   EndedWords ended_;
   std::function<int()> chosen_;
