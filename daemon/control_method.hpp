@@ -2,6 +2,8 @@
 // parameters and a result, whatever they travel in.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -27,6 +29,7 @@ class InvalidParameters : public std::runtime_error {
 // Who calls a method.
 struct ControlCaller {
   std::uint64_t connection = 0;  // tells connections apart, also those that are no more; from 1
+  uid_t user = 0;
 };
 
 struct ControlMethod {

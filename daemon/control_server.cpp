@@ -390,7 +390,7 @@ Json ControlServer::call(const Json& message, Client& client) {
       return failure(kNotAllowed, fmt::format("{} is for root and the group contourd-service", name));
     }
     if (called_ && method->second.changes) called_(name, client.peer);
-    return Json{{"result", method->second.call(parameters, {client.number})}};
+    return Json{{"result", method->second.call(parameters, {client.number, client.peer.user})}};
   } catch (const InvalidParameters& invalid) {
     return failure(kInvalidParams, invalid.what());
   } catch (const ControlRefusal& refusal) {

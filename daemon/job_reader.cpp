@@ -60,19 +60,20 @@ void JobReader::read(const JobFiles& files, const std::optional<JobSettings>& se
       std::move(done));
 }
 
-void JobReader::check(const std::string& file, Keep keep,
-                      std::function<void(const std::optional<JobRefusal>&)> done) {
+void JobReader::check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done) {
   worker_.run([this, file, keep] { return check_now(spool_.files_of(Spool::Folder::Incoming, file), keep); },
               std::move(done));
 }
 
-std::optional<JobRefusal> JobReader::check_now(const JobFiles& files, Keep keep) {
+CheckedJob JobReader::check_now(const JobFiles& files, Keep keep) {
   if (keep == Keep::Prepared) kept_.drop();
   const std::string mark = mark_of(files);
   ReadJob job = read_now(files, std::nullopt);
   if (auto* refusal = std::get_if<JobRefusal>(&job)) return std::move(*refusal);
-  if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(std::get<PreparedJob>(job)));
-  return std::nullopt;
+  auto& prepared = std::get<PreparedJob>(job);
+  JobOutlook outlook = outlook_of(prepared, files, config_);
+  if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(prepared));
+  return outlook;
 }
 
 void JobReader::forget(const std::string& file) {

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "daemon/config/printer_config.hpp"
+#include "daemon/job_outlook.hpp"
 #include "daemon/job_settings.hpp"
 #include "daemon/kept_job.hpp"
 #include "daemon/print_job.hpp"
@@ -24,6 +25,8 @@ struct JobRefusal {
   std::string profile{};  // what is the matter with its resin's, which is no reason to refuse it
 };
 using ReadJob = std::variant<PreparedJob, JobRefusal>;
+// What is known of a job that waits.
+using CheckedJob = std::variant<JobOutlook, JobRefusal>;
 
 class JobReader {
  public:
@@ -34,10 +37,10 @@ class JobReader {
   // calls `done`, from the loop. Without settings, its ticket is read to hear what is wrong with it.
   void read(const JobFiles& files, const std::optional<JobSettings>& settings,
             std::function<void(ReadJob)> done);
-  // Prepares incoming/`file`: `done` gets why it would be refused, or nothing. At most one job is kept, until
-  // another is read, or until its memory is needed for a check.
+  // Prepares incoming/`file`: `done` gets why it would be refused, or what it will be. At most one job is
+  // kept, until another is read, or until its memory is needed for a check.
   enum class Keep { Nothing, Prepared };
-  void check(const std::string& file, Keep keep, std::function<void(const std::optional<JobRefusal>&)> done);
+  void check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done);
   // Keeps nothing of incoming/`file` any more.
   void forget(const std::string& file);
   // Has the job's contents written to the disk, behind what is being read.
@@ -52,7 +55,7 @@ class JobReader {
   // These on the worker's thread.
   [[nodiscard]] ReadJob read_now(const JobFiles& files, const std::optional<JobSettings>& settings);
   [[nodiscard]] ReadJob prepare(const JobFiles& files, const std::optional<JobSettings>& settings);
-  [[nodiscard]] std::optional<JobRefusal> check_now(const JobFiles& files, Keep keep);
+  [[nodiscard]] CheckedJob check_now(const JobFiles& files, Keep keep);
 
   const PrinterConfig& config_;
   const Spool& spool_;

@@ -119,6 +119,7 @@ std::optional<JobSettings> JobScheduler::settings_of(const WaitingJob& job) cons
 
 void JobScheduler::begin(CopiedJob claimed, const JobFiles& files) {
   const WaitingJob& job = claimed.job;
+  queue_.claimed(job.file);
   calls_.begin(
       {files, std::move(claimed.settings), job.waited ? std::chrono::steady_clock::now() : job.arrived});
 }
@@ -141,6 +142,7 @@ void JobScheduler::wait_for_profile(WaitingJob job, const std::string& why) {
 void JobScheduler::not_claimed(CopiedJob claimed, const std::system_error& error) {
   WaitingJob& job = claimed.job;
   if (!spool_.is_waiting(job.file)) {
+    queue_.claimed(job.file);
     tell_withdrawn(context_.log, job.file);
     return run_soon();
   }

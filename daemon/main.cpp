@@ -17,6 +17,7 @@
 #include "daemon/command_line.hpp"
 #include "daemon/config/light_config.hpp"
 #include "daemon/config/printer_config.hpp"
+#include "daemon/config_check.hpp"
 #include "daemon/control_defaults.hpp"
 #include "daemon/durable_file.hpp"
 #include "daemon/event_loop.hpp"
@@ -25,7 +26,6 @@
 #include "daemon/login_bus.hpp"
 #include "daemon/printer_service.hpp"
 #include "daemon/readable.hpp"
-#include "daemon/service_user.hpp"
 #include "daemon/sleep_inhibitor.hpp"
 #include "daemon/standard_output.hpp"
 #include "daemon/supervisor.hpp"
@@ -113,21 +113,6 @@ class PrintWake {
   LoginBus login_;
   SleepInhibitor inhibitor_;
 };
-
-// Prints a line for all that is allowed but implausible.
-int check_config(const std::string& file) {
-  const PrinterConfig config = load_printer_config(file);
-  std::vector<Violation> warnings = config.warnings;
-  const auto add = [&warnings](const std::vector<Violation>& more) {
-    warnings.insert(warnings.end(), more.begin(), more.end());
-  };
-  add(implausible_in_other_resins(config));
-  if (const auto user = service_user()) add(out_of_reach(*user, config));
-  for (const Violation& warning : warnings)
-    fmt::print("{}\n", warning_line(warning));
-  fmt::print("{}: good\n", printable(file));
-  return EXIT_SUCCESS;
-}
 
 // Prints a line a device. Every device is looked at, whatever is wrong with the others.
 int check_hardware(const PrinterConfig& config) {
@@ -300,7 +285,10 @@ int start(int argc, char** argv) {
     fmt::print("{}", draw_print_states());
     return EXIT_SUCCESS;
   }
-  if (check->count() > 0) return check_config(checked_file);
+  if (check->count() > 0) {
+    check_config(checked_file);
+    return EXIT_SUCCESS;
+  }
   if (only_light_off) return light_off(config_file);
   PrinterConfig config = load_printer_config(config_file);
   if (look_at_hardware) return check_hardware(config);

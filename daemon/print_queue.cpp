@@ -4,12 +4,23 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string_view>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "core/contract/expects.hpp"
 #include "daemon/readable.hpp"
 
 namespace contourd {
+
+PrintQueue::PrintQueue(const Log& log, Calls calls)
+    : log_(log), calls_(std::move(calls)), order_(calls_.keep_order, [&log](const std::string& trouble) {
+        log.warning("queue",
+                    fmt::format("the queue's order will be lost with a restart: {}", printable(trouble)));
+      }) {}
 
 PrintQueue::Position PrintQueue::find(const std::string& file) {
   return std::ranges::find(jobs_, file, &WaitingJob::file);
@@ -29,8 +40,10 @@ void PrintQueue::arrived(const std::string& file) {
     *queued = std::move(job);
     calls_.forget(file);
   } else {
-    jobs_.push_back(std::move(job));
-    log_.info("queued", fmt::format("{}: arrived, number {} in the queue", printable(file), jobs_.size()),
+    const std::size_t place =
+        order_.place_of(file, jobs_, [](const WaitingJob& each) { return std::string_view(each.file); });
+    jobs_.insert(jobs_.begin() + static_cast<std::ptrdiff_t>(place), std::move(job));
+    log_.info("queued", fmt::format("{}: arrived, number {} in the queue", printable(file), place + 1),
               file_fields(file));
   }
   calls_.changed();
@@ -38,7 +51,7 @@ void PrintQueue::arrived(const std::string& file) {
 
 void PrintQueue::withdrawn(const std::string& file) {
   const Position job = find(file);
-  if (job == jobs_.end()) return;
+  if (job == jobs_.end()) return order_.remove(file);
   if (job->check == WaitingJob::Check::Refused) {
     // Most likely the spool took it: rejected() knows.
     job->withdrawn = true;
@@ -50,6 +63,7 @@ void PrintQueue::withdrawn(const std::string& file) {
 void PrintQueue::remove_withdrawn(const Position& job) {
   const std::string file = job->file;
   jobs_.erase(job);
+  order_.remove(file);
   calls_.forget(file);
   tell_withdrawn(log_, file);
   calls_.changed();
@@ -61,31 +75,36 @@ void PrintQueue::check_next() {
   wanted->check = WaitingJob::Check::Running;
   const std::uint64_t number = wanted->check_number = ++checks_begun_;
   const auto keep = wanted == jobs_.begin() ? JobReader::Keep::Prepared : JobReader::Keep::Nothing;
-  calls_.check(wanted->file, keep,
-               [this, file = wanted->file, number](const std::optional<JobRefusal>& refusal) {
-                 checked(file, number, refusal);
-               });
+  calls_.check(wanted->file, keep, [this, file = wanted->file, number](const CheckedJob& found) {
+    checked(file, number, found);
+  });
 }
 
-void PrintQueue::checked(const std::string& file, std::uint64_t number,
-                         const std::optional<JobRefusal>& refusal) {
+void PrintQueue::checked(const std::string& file, std::uint64_t number, const CheckedJob& found) {
   const Position job = find(file);
   // Gone, or written again meanwhile: what was found out is about another file.
   if (job != jobs_.end() && job->check == WaitingJob::Check::Running && job->check_number == number) {
-    if (refusal && refusal->for_now) {
-      postpone(*job, refusal->reason);
-    } else if (refusal && refusal->profile.empty()) {
-      return refuse(*job, refusal->reason);
-    } else {
-      job->check = WaitingJob::Check::Passed;
-      job->postponed.clear();
-      // When its turn comes, the profile is read again.
-      if (refusal)
-        log_.warning("profile", fmt::format("{}: {}", printable(file), printable(refusal->profile)),
-                     file_fields(file));
-    }
+    const auto* const refusal = std::get_if<JobRefusal>(&found);
+    if (refusal != nullptr && !refusal->for_now && refusal->profile.empty())
+      return leave(*job, refusal->reason, Leaving::Refused);
+    note_check(*job, found);
   }
   calls_.changed();
+}
+
+// Of a job that stays.
+void PrintQueue::note_check(WaitingJob& job, const CheckedJob& found) {
+  const auto* const refusal = std::get_if<JobRefusal>(&found);
+  if (refusal != nullptr && refusal->for_now) return postpone(job, refusal->reason);
+  job.check = WaitingJob::Check::Passed;
+  job.postponed.clear();
+  if (refusal == nullptr) {
+    job.outlook = std::get<JobOutlook>(found);
+    return;
+  }
+  // When its turn comes, the profile is read again.
+  log_.warning("profile", fmt::format("{}: {}", printable(job.file), printable(refusal->profile)),
+               file_fields(job.file));
 }
 
 void PrintQueue::postpone(WaitingJob& job, const std::string& why) {
@@ -117,34 +136,73 @@ WaitingJob PrintQueue::take_first() {
 }
 
 void PrintQueue::put_last(WaitingJob job) {
+  order_.remove(job.file);
   calls_.forget(job.file);
   jobs_.push_back(std::move(job));
 }
 
 void PrintQueue::refuse_first(const std::string& reason) {
   expects(!empty(), "a job waits");
-  refuse(jobs_.front(), reason);
+  leave(jobs_.front(), reason, Leaving::Refused);
 }
 
-void PrintQueue::refuse(WaitingJob& job, const std::string& reason) {
+void PrintQueue::remove(const std::string& file, const std::string& reason) {
+  const Position job = find(file);
+  expects(job != jobs_.end() && job->check != WaitingJob::Check::Refused, "the job waits");
+  calls_.forget(file);
+  leave(*job, reason, Leaving::Removed);
+}
+
+void PrintQueue::move(const std::string& file, std::size_t to) {
+  const Position job = find(file);
+  expects(job != jobs_.end(), "the job waits");
+  const auto from = static_cast<std::size_t>(job - jobs_.begin());
+  to = std::min(to, jobs_.size() - 1);
+  expects(std::max(from, to) < kMostInOrder, "the places are among the first");
+  if (from == to) return;
+  std::vector<std::string_view> first;
+  for (std::size_t i = 0; i <= std::max(from, to); ++i)
+    first.push_back(jobs_[i].file);
+  const std::size_t next = to < from ? to : to + 1;
+  order_.move(file, next < jobs_.size() ? std::optional(jobs_[next].file) : std::nullopt, first);
+  WaitingJob moved = std::move(*job);
+  moved.waited = true;
+  jobs_.erase(job);
+  jobs_.insert(jobs_.begin() + static_cast<std::ptrdiff_t>(to), std::move(moved));
+  log_.info("moved", fmt::format("{}: number {} in the queue now", printable(file), to + 1),
+            file_fields(file));
+  calls_.changed();
+}
+
+void PrintQueue::leave(WaitingJob& job, const std::string& reason, Leaving how) {
   job.check = WaitingJob::Check::Refused;
   ++rejections_;
-  calls_.reject(job.file, reason + "\n",
-                [this, file = job.file, reason](Spool::Rejection rejection, const std::string& trouble) {
-                  rejected(file, reason, rejection, trouble);
-                });
+  calls_.reject(
+      job.file, reason + "\n",
+      [this, reject = Reject{job.file, reason, how}](Spool::Rejection rejection, const std::string& trouble) {
+        rejected(reject, rejection, trouble);
+      });
 }
 
-void PrintQueue::rejected(const std::string& file, const std::string& reason, Spool::Rejection rejection,
-                          const std::string& trouble) {
+void PrintQueue::rejected(const Reject& reject, Spool::Rejection rejection, const std::string& trouble) {
   --rejections_;
   const Position job = std::ranges::find_if(jobs_, [&](const WaitingJob& each) {
-    return each.file == file && each.check == WaitingJob::Check::Refused;
+    return each.file == reject.file && each.check == WaitingJob::Check::Refused;
   });
-  if (rejection == Spool::Rejection::Unfinished) return not_rejected(job);
-  if (job != jobs_.end()) jobs_.erase(job);
-  tell_refused(file, reason, rejection, trouble);
-  calls_.refused(file, reason);
+  if (rejection == Spool::Rejection::Unfinished) {
+    if (reject.how == Leaving::Removed)
+      log_.warning(
+          "removed",
+          fmt::format("{}: stays in the queue, because somebody is writing it anew", printable(reject.file)),
+          file_fields(reject.file));
+    return not_rejected(job);
+  }
+  if (job != jobs_.end()) {
+    jobs_.erase(job);
+    order_.remove(reject.file);
+  }
+  tell_rejected(reject, rejection, trouble);
+  (reject.how == Leaving::Refused ? calls_.refused : calls_.removed)(reject.file, reject.reason);
   calls_.changed();
 }
 
@@ -158,17 +216,19 @@ void PrintQueue::not_rejected(const Position& job) {
   calls_.changed();
 }
 
-void PrintQueue::tell_refused(const std::string& file, const std::string& reason, Spool::Rejection rejection,
-                              const std::string& trouble) const {
-  log_.error("refused", fmt::format("{}: {}", printable(file), reason), file_fields(file));
+void PrintQueue::tell_rejected(const Reject& job, Spool::Rejection rejection,
+                               const std::string& trouble) const {
+  const std::string file = printable(job.file);
+  const bool removed = job.how == Leaving::Removed;
+  const std::string_view event = removed ? "removed" : "refused";
+  log_.write(removed ? LogLevel::Info : LogLevel::Error, event, fmt::format("{}: {}", file, job.reason),
+             file_fields(job.file));
   if (rejection == Spool::Rejection::LeftThere)
-    log_.warning(
-        "refused",
-        fmt::format("{}: stays in incoming, because it cannot be moved; it may be deleted", printable(file)),
-        file_fields(file));
+    log_.warning(event,
+                 fmt::format("{}: stays in incoming, because it cannot be moved; it may be deleted", file),
+                 file_fields(job.file));
   if (rejection == Spool::Rejection::Impossible)
-    log_.error("refused",
-               fmt::format("{}: cannot be moved to failed: {}", printable(file), printable(trouble)));
+    log_.error(event, fmt::format("{}: cannot be moved to failed: {}", file, printable(trouble)));
 }
 
 LogFields file_fields(const std::string& file) {

@@ -32,7 +32,6 @@ ControlMethods PrinterControl::methods() {
         .changes = true};
   };
   return {{"status", {[this](const Json&, const ControlCaller&) { return status_.status(); }}},
-          {"queue", {[this](const Json&, const ControlCaller&) { return status_.queue(); }}},
           {"history",
            {[this](const Json& given, const ControlCaller&) { return status_.history(last_of(given)); },
             {"last"}}},

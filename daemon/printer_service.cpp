@@ -1,18 +1,13 @@
 #include "daemon/printer_service.hpp"
 
 #include <fmt/format.h>
-#include <grp.h>
-#include <pwd.h>
 
-#include <array>
 #include <chrono>
-#include <cstdio>
 #include <optional>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "daemon/readable.hpp"
+#include "daemon/system_users.hpp"
 
 namespace contourd {
 namespace {
@@ -21,31 +16,6 @@ using namespace std::chrono_literals;
 
 // How long a stop waits for a print to be filed; the service manager waits for longer (contourd.service).
 constexpr Duration kLongestFiling = 15s;
-
-// By the system's own list alone: a directory service could keep the loop waiting. The number of whom that
-// does not know.
-std::string user_name(uid_t user) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> users(std::fopen("/etc/passwd", "re"), std::fclose);
-  passwd entry{};
-  passwd* found = nullptr;
-  std::array<char, 4096> buffer{};
-  while (users && ::fgetpwent_r(users.get(), &entry, buffer.data(), buffer.size(), &found) == 0) {
-    if (entry.pw_uid == user) return fmt::format("{} ({})", entry.pw_name, user);
-  }
-  return std::to_string(user);
-}
-
-// By the system's own list alone, as above.
-std::optional<gid_t> find_group(std::string_view name) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> groups(std::fopen("/etc/group", "re"), std::fclose);
-  group entry{};
-  group* found = nullptr;
-  std::vector<char> buffer(1 << 16);  // for a group of some thousand members
-  while (groups && ::fgetgrent_r(groups.get(), &entry, buffer.data(), buffer.size(), &found) == 0) {
-    if (entry.gr_name == name) return entry.gr_gid;
-  }
-  return std::nullopt;
-}
 
 // Who gave a command.
 void log_command(const Log& log, const std::string& method, const ControlServer::Peer& peer) {
@@ -69,6 +39,7 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       manual_(machine, clock, [this] { manual_changed(); }),
       status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_, manual_}),
       control_(context_, hold_, job_, scheduler_, status_),
+      queue_control_(queue_, job_, status_),
       manual_control_(context_, {hold_, job_, scheduler_, status_}, manual_) {}
 
 PrinterService::~PrinterService() {
@@ -90,7 +61,13 @@ PrintQueue::Calls PrinterService::calls_of_queue() {
           .refused =
               [this](const std::string& file, const std::string& reason) {
                 note_end({job_name_of(file), "failed", reason});
-              }};
+              },
+          .removed =
+              [this](const std::string& file, const std::string& reason) {
+                note_end({job_name_of(file), "cancelled", reason});
+              },
+          .keep_order = [this](const QueueOrder::Names& files,
+                               auto done) { spool_.keep_order(files, std::move(done)); }};
 }
 
 JobScheduler::Calls PrinterService::calls_of_scheduler() {
@@ -118,6 +95,7 @@ void PrinterService::start() {
   hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); });
   if (hold_.reason()) log.warning("held", hold_.sentence());
   ControlMethods methods = control_.methods();
+  methods.merge(queue_control_.methods());
   methods.merge(manual_control_.methods());
   server_ =
       std::make_unique<ControlServer>(context_.loop, context_.config.control_socket, std::move(methods));
@@ -125,6 +103,7 @@ void PrinterService::start() {
   server_->on_disconnected([this](std::uint64_t connection) { manual_control_.disconnected(connection); });
   server_->on_call(
       [&log](const std::string& method, const ControlServer::Peer& peer) { log_command(log, method, peer); });
+  queue_.load_order(spool_.order());
   spool_.open();
   context_.supervisor.status(readiness());
   scheduler_.run_soon();

@@ -21,6 +21,7 @@
 #include "daemon/printer_context.hpp"
 #include "daemon/printer_control.hpp"
 #include "daemon/printer_status.hpp"
+#include "daemon/queue_control.hpp"
 #include "daemon/queue_hold.hpp"
 #include "daemon/spool.hpp"
 
@@ -90,6 +91,7 @@ class PrinterService final : private JobObserver {
   ManualProcess manual_;
   PrinterStatus status_;
   PrinterControl control_;
+  QueueControl queue_control_;
   ManualControl manual_control_;
   std::unique_ptr<ControlServer> server_;
   std::uint64_t manual_operations_logged_ = 0;

@@ -6,12 +6,15 @@
 #include <string>
 #include <string_view>
 
+#include "core/contract/expects.hpp"
+#include "daemon/spool_folders.hpp"
+
 namespace contourd {
 namespace {
 
 using Json = PrinterStatus::Json;
 
-constexpr std::size_t kMaxQueued = 1'000, kMaxIncomplete = 10;
+constexpr std::size_t kMaxQueued = 1'000, kMaxDetailed = 100, kMaxIncomplete = 10;
 
 double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -31,19 +34,75 @@ Json or_null(const std::string& text) {
   return text.empty() ? Json() : Json(text);
 }
 
+std::string_view name_of(WaitingJob::Check check) {
+  switch (check) {
+    case WaitingJob::Check::Wanted:
+      return "unchecked";
+    case WaitingJob::Check::Running:
+      return "checking";
+    case WaitingJob::Check::Passed:
+      return "ready";
+    case WaitingJob::Check::Postponed:
+      return "postponed";
+    case WaitingJob::Check::Refused:
+      return "leaving";
+  }
+  return "?";
+}
+
 Json ended_json(const EndedJob& job) {
   return {{"job", job.name}, {"outcome", job.outcome}, {"reason", job.reason}};
 }
 
 }  // namespace
 
-Json PrinterStatus::queue() const {
+Json PrinterStatus::queue(std::optional<std::size_t> number) const {
   const auto& waiting = parts_.queue.jobs();
+  expects(!number || *number < waiting.size(), "there is a job of that number");
+  Json jobs = Json::array();
+  if (number) {
+    jobs.push_back(waiting_job(*number));
+  } else {
+    for (std::size_t i = 0; i < std::min(waiting.size(), kMaxDetailed); ++i)
+      jobs.push_back(waiting_job(i));
+  }
   Json files = Json::array();
   for_first(waiting, kMaxQueued, [&](const WaitingJob& job) { files.push_back(job.file); });
   return Json{{"queue", files},
               {"more", beyond(waiting.size(), kMaxQueued)},
+              {"jobs", jobs},
               {"arriving", parts_.spool.incoming().arriving(kMaxQueued)}};
+}
+
+Json PrinterStatus::waiting_job(std::size_t number) const {
+  const WaitingJob& waiting = parts_.queue.jobs()[number];
+  Json job{{"number", number + 1},
+           {"file", waiting.file},
+           {"job", job_name_of(waiting.file)},
+           {"state", name_of(waiting.check)},
+           {"waiting_for", or_null(reason_to_wait(number))}};
+  for (const char* key : {"bytes", "parts", "resin", "layers", "thinnest_layer_um", "thickest_layer_um",
+                          "height_mm", "print_time_s"})
+    job[key] = nullptr;
+  if (!waiting.outlook) return job;
+  const JobOutlook& outlook = *waiting.outlook;
+  job["bytes"] = outlook.bytes;
+  job["parts"] = outlook.parts;
+  job["resin"] = outlook.resin;
+  job["layers"] = outlook.layers;
+  job["thinnest_layer_um"] = to_millimeters(outlook.thinnest_layer).count() * 1000;
+  job["thickest_layer_um"] = to_millimeters(outlook.thickest_layer).count() * 1000;
+  job["height_mm"] = outlook.height_mm;
+  job["print_time_s"] = seconds(outlook.print_time);
+  return job;
+}
+
+// Its own before the queue's, which is the first one's.
+std::string PrinterStatus::reason_to_wait(std::size_t number) const {
+  const WaitingJob& job = parts_.queue.jobs()[number];
+  if (!job.trouble.empty()) return job.trouble;
+  if (!job.postponed.empty()) return job.postponed;
+  return number == 0 ? parts_.scheduler.waiting_for() : "";
 }
 
 Json PrinterStatus::history(std::size_t last) const {

@@ -2,7 +2,11 @@
 // the spool: it is made while a light waits. Event loop's thread only.
 #pragma once
 
+#include <cstddef>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
 
 #include "daemon/current_job.hpp"
 #include "daemon/job_history.hpp"
@@ -32,8 +36,9 @@ class PrinterStatus {
   PrinterStatus(const PrinterContext& context, const Parts& parts) : context_(context), parts_(parts) {}
 
   [[nodiscard]] Json status() const;
-  // The waiting jobs in their order, and what is still arriving.
-  [[nodiscard]] Json queue() const;
+  // The waiting jobs in their order, and what is still arriving; all that is known of the first of them, or
+  // of the one of this number alone. REQUIRES: there is that one.
+  [[nodiscard]] Json queue(std::optional<std::size_t> number = std::nullopt) const;
   // The jobs that have ended.
   // Of so many jobs, the latest.
   [[nodiscard]] Json history(std::size_t last) const;
@@ -43,6 +48,8 @@ class PrinterStatus {
   [[nodiscard]] Json job() const;
   void add_print(Json& job) const;
   [[nodiscard]] Json manual() const;
+  [[nodiscard]] Json waiting_job(std::size_t number) const;
+  [[nodiscard]] std::string reason_to_wait(std::size_t number) const;
   void add_incoming(Json& status) const;
   void add_postponed(Json& status) const;
   void add_reasons_to_wait(Json& status) const;

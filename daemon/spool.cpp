@@ -169,6 +169,28 @@ std::vector<JobFiles> Spool::interrupted() const {
   return jobs_left_in_printing(folders_);
 }
 
+std::vector<std::string> Spool::order() const {
+  std::vector<std::string> files = records_.queue_order();
+  std::erase_if(files, [this](const std::string& file) {
+    return file.empty() || file.find('/') != std::string::npos || !is_waiting(file);
+  });
+  return files;
+}
+
+void Spool::keep_order(const std::vector<std::string>& files,
+                       std::function<void(const std::string& trouble)> done) {
+  disk_.run(
+      [this, files]() -> std::string {
+        try {
+          records_.keep_queue_order(files);
+          return "";
+        } catch (const std::system_error& error) {
+          return error.what();
+        }
+      },
+      std::move(done));
+}
+
 std::string Spool::trouble() const {
   if (::access(folders_.root().c_str(), W_OK) == 0) return "";
   return fmt::format("the spool {} cannot be written: {}", folders_.root().string(),

@@ -13,6 +13,7 @@ namespace fs = std::filesystem;
 constexpr const char* kOccupied = "plate-occupied";
 constexpr const char* kHeld = "queue-held";
 constexpr const char* kEnded = "ended-print";
+constexpr const char* kOrder = "queue-order";
 
 }  // namespace
 
@@ -57,6 +58,25 @@ void StateRecords::keep_end_of_print(const std::string& text) const {
 void StateRecords::forget_end_of_print() const {
   std::error_code ignored;
   if (fs::remove(folder_ / kEnded, ignored)) sync_folder(folder_);
+}
+
+std::vector<std::string> StateRecords::queue_order() const {
+  std::vector<std::string> files;
+  std::ifstream file(folder_ / kOrder);
+  // A last name without its end was not written whole: none is.
+  for (std::string name; std::getline(file, name, '\0') && !file.eof();)
+    files.push_back(name);
+  return files;
+}
+void StateRecords::keep_queue_order(const std::vector<std::string>& files) const {
+  if (files.empty()) {
+    if (fs::remove(folder_ / kOrder)) sync_folder(folder_);
+    return;
+  }
+  std::string text;
+  for (const std::string& name : files)
+    text.append(name).push_back('\0');
+  write_durably(folder_ / kOrder, text);
 }
 
 }  // namespace contourd

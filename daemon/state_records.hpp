@@ -4,6 +4,9 @@
 //   plate-occupied   the plate holds a part: the job's name
 //   queue-held       no job begins until the owner has spoken: why
 //   ended-print      how the print of the job in printing/ ended, until that is filed
+//   queue-order      the names of the waiting jobs whose owner has changed their order, as files in
+//   incoming/;
+//                    each ended by a zero byte in the place of a line's end
 //
 // What is set is on the disk before the call returns; what is there already is not written again. Thread-safe
 // for different records (no shared state). All but what reads throws std::system_error.
@@ -13,6 +16,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace contourd {
 
@@ -33,6 +37,10 @@ class StateRecords {
   void keep_end_of_print(const std::string& text) const;
   // Another job may get this one's name.
   void forget_end_of_print() const;
+
+  // The next job first; empty where the order is that of their arrival.
+  [[nodiscard]] std::vector<std::string> queue_order() const;
+  void keep_queue_order(const std::vector<std::string>& files) const;
 
  private:
   [[nodiscard]] std::optional<std::string> first_line_of(const char* file) const;

@@ -18,12 +18,11 @@
 #include "daemon/ctl/read_model.hpp"
 #include "daemon/ctl/slice_files.hpp"
 #include "daemon/ctl/statistics_text.hpp"
+#include "daemon/job_outlook.hpp"
 #include "daemon/mesh_repair_text.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/print_job.hpp"
 #include "daemon/readable.hpp"
-#include "hw/gpio/axis_motion.hpp"
-#include "hw/motion_profile.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -88,12 +87,7 @@ Subject subject_of_printer(const AnalyzeOptions& options) {
   }();
   Subject subject;
   const PrintPlan& plan = job.plan;
-  const auto move = [&printer](Nanometers distance, MillimetersPerSecond speed) {
-    if (printer.real) return move_duration(printer.real->axis, distance, speed);
-    return MotionProfile(distance, speed, printer.simulated.axis.acceleration).duration();
-  };
-  for (std::size_t layer = 0; layer < plan.expected_layers.size(); ++layer)
-    subject.layer_durations.push_back(layer_duration(plan, static_cast<std::int32_t>(layer), move));
+  subject.layer_durations = layer_durations(plan, printer);
   subject.engine = std::move(job.analysis_engine);
   subject.model.warnings = std::move(job.summary.warnings);
   subject.model.layers = plan.expected_layers;

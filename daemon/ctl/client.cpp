@@ -67,14 +67,6 @@ void print_status(const Json& status) {
   }
 }
 
-void print_queue(const Json& waiting) {
-  const Json& queue = waiting["queue"];
-  if (queue.empty()) fmt::print("the queue is empty\n");
-  for (std::size_t i = 0; i < queue.size(); ++i)
-    fmt::print("{:>3}  {}\n", i + 1, printable(queue[i].get<std::string>()));
-  if (const auto more = waiting.value("more", std::size_t{0}); more > 0) fmt::print("and {} more\n", more);
-}
-
 void print_history(const Json& history) {
   const Json& ended = history["ended"];
   if (ended.empty()) fmt::print("no job has ended since contourd started\n");

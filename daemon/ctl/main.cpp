@@ -17,11 +17,16 @@
 #include "daemon/control_defaults.hpp"
 #include "daemon/ctl/analyze_command.hpp"
 #include "daemon/ctl/client.hpp"
+#include "daemon/ctl/config_command.hpp"
+
+#include "daemon/ctl/diagnose_command.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/inspect_command.hpp"
 #include "daemon/ctl/jog_command.hpp"
 #include "daemon/ctl/level_command.hpp"
+#include "daemon/ctl/logs_command.hpp"
 #include "daemon/ctl/manual_command.hpp"
+#include "daemon/ctl/queue_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
 #include "daemon/ctl/submit_command.hpp"
 #include "daemon/ctl/switches_command.hpp"
@@ -193,6 +198,26 @@ struct ManualWords {
   std::string pattern;
 };
 
+// What the user typed for history and watch.
+struct EndedWords {
+  std::optional<std::string> job;
+  int last = 20;
+};
+
+// What the user typed for the queue's commands.
+struct QueueWords {
+  std::string job;
+  int to = 1;
+  bool first = false, last = false;
+};
+
+// What the user typed for the commands about contourd's computer.
+struct ComputerWords {
+  LogsOptions logs;
+  ConfigOptions config;
+  DiagnoseOptions diagnosis;
+};
+
 // An unset shell variable must not become 0 or "no output".
 const CLI::Validator kNotEmpty([](const std::string& word) { return word.empty() ? "it is empty" : ""; }, "");
 
@@ -209,6 +234,9 @@ class CommandLine {
     add_analyze();
     add_submit();
     add_client_commands();
+    add_logs();
+    add_config_commands();
+    add_diagnose();
     add_manual_commands();
   }
   CommandLine(const CommandLine&) = delete;
@@ -231,6 +259,13 @@ class CommandLine {
     CLI::App* command = parent->add_subcommand(name, help);
     command->callback([this, call = std::move(call)] { chosen_ = call; });
     return command;
+  }
+
+  // Of commands, one of which has to be chosen.
+  CLI::App* add_group(const char* name, const char* help) {
+    CLI::App* group = app_.add_subcommand(name, help);
+    group->require_subcommand(1);
+    return group;
   }
 
   void add_inspect() {
@@ -324,20 +359,103 @@ class CommandLine {
 
   void add_client_commands() {
     add_client("status", "What the printer is doing", "status");
-    add_client("queue", "The jobs that wait", "queue", print_queue);
+    add_queue_commands();
     CLI::App* history = add_command("history", "How the latest jobs have ended", [this] {
-      return request(client_, {"history", {{"last", last_}}}, print_history);
+      return request(client_, {"history", {{"last", ended_.last}}}, print_history);
     });
-    history->add_option("--last", last_, "So many at most")->check(CLI::Range(1, 100))->capture_default_str();
+    history->add_option("--last", ended_.last, "So many at most")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
     add_client_options(history);
     add_client("pause", "Pause after the layer under way", "pause");
     add_client("resume", "Go on after a pause, or with the queue after a failure", "resume");
     add_client("cancel", "End the print under way: light off, plate up", "cancel");
     add_client("plate-cleared", "Tell contourd that the plate is free for the next job", "plate_cleared");
     CLI::App* command = add_command("watch", "Follow the print with a progress bar until it ends",
-                                    [this] { return watch(client_, job_); });
-    command->add_option("--job", job_, "Until the job of this name has ended")->check(kNotEmpty);
+                                    [this] { return watch(client_, ended_.job); });
+    command->add_option("--job", ended_.job, "Until the job of this name has ended")->check(kNotEmpty);
     add_client_options(command);
+  }
+
+  void add_queue_commands() {
+    CLI::App* queue = app_.add_subcommand("queue", "The jobs that wait; what is to become of one");
+    // Called behind that of a command below it.
+    queue->callback([this, queue] {
+      if (queue->get_subcommands().empty())
+        chosen_ = [this] { return request(client_, {"queue"}, print_queue); };
+    });
+    add_client_options(queue);
+    const auto add = [this, queue](const char* name, const char* help, std::function<int()> call) {
+      CLI::App* command = add_command(queue, name, help, std::move(call));
+      command->add_option("JOB", queue_.job, "Its name, or its file's in incoming")
+          ->required()
+          ->check(kNotEmpty);
+      add_client_options(command);
+      return command;
+    };
+    add("show", "All that is known of a job that waits", [this] {
+      return request(client_, {"queue", {{"job", queue_.job}}}, print_waiting_job);
+    });
+    add("remove", "Take a job out of the queue: its files go to failed",
+        [this] { return remove_from_queue(client_, queue_.job); });
+    CLI::App* move = add("move", "Have a job printed earlier or later", [this] {
+      return request(client_, {"queue_move", {{"job", queue_.job}, {"to", place_in_queue()}}}, print_queue);
+    });
+    CLI::Option_group* place = move->add_option_group("Place");
+    place->require_option(1);
+    place->add_option("--to", queue_.to, "To this place, from 1")->check(CLI::Range(1, 1000));
+    place->add_flag("--first", queue_.first, "It is the next one");
+    place->add_flag("--last", queue_.last, "Behind all others");
+  }
+
+  [[nodiscard]] nlohmann::ordered_json place_in_queue() const {
+    if (queue_.last) return "last";
+    return queue_.first ? 1 : queue_.to;
+  }
+
+  void add_logs() {
+    CLI::App* command = add_command("logs", "What contourd has logged in the journal",
+                                    [this] { return logs(computer_.logs); });
+    command->add_option("JOB", computer_.logs.job, "Of this job alone")->check(kNotEmpty);
+    command->add_option("-n,--lines", computer_.logs.lines, "The latest so many; without a job 100")
+        ->check(CLI::Range(1, 1'000'000));
+    command->add_flag("-f,--follow", computer_.logs.follow, "Go on with each line that comes");
+  }
+
+  void add_config_commands() {
+    CLI::App* config = add_group("config", "The printer's configuration");
+    const auto add = [this, config](const char* name, const char* help, int (*call)(const ConfigOptions&)) {
+      return add_command(config, name, help, [this, call] { return call(computer_.config); });
+    };
+    const auto add_file = [this](CLI::App* command) {
+      command->add_option("FILE", computer_.config.file, "The printer's file")
+          ->capture_default_str()
+          ->check(kNotEmpty);
+    };
+    add_file(add("check", "Say what is wrong with it, as contourd --check-config", config_check));
+    add_file(add("show", "Print it with all defaults, as JSON", config_show));
+    add_file(add("diff", "Print what is not as by default", config_diff));
+    add("schema", "Print the JSON schema of a file that owners write", config_schema)
+        ->add_option("FORMAT", computer_.config.format, "printer, resin, projector, ticket or plate")
+        ->capture_default_str()
+        ->check(CLI::IsMember(config_formats()));
+  }
+
+  void add_diagnose() {
+    CLI::App* command = add_command("diagnose", "Put what a helper wants to know into one archive",
+                                    [this] { return diagnose(client_, computer_.diagnosis); });
+    command
+        ->add_option("JOB", computer_.diagnosis.job,
+                     "With this job's report and journal; else the latest one's")
+        ->check(kNotEmpty);
+    command
+        ->add_option("-o,--output", computer_.diagnosis.output,
+                     "The archive, .tar.gz; nothing may have that name")
+        ->check(kNotEmpty);
+    command->add_option("--config", computer_.diagnosis.config, "The printer's file")
+        ->capture_default_str()
+        ->check(kNotEmpty);
+    add_socket_option(command);
   }
 
   // What is done by hand, while nothing prints.
@@ -348,11 +466,6 @@ class CommandLine {
         return control_by_hand(client_, manual_request(method), what);
       });
       add_client_options(command);
-      return command;
-    };
-    const auto group = [this](const char* name, const char* help) {
-      CLI::App* command = app_.add_subcommand(name, help);
-      command->require_subcommand(1);
       return command;
     };
     const auto add_plate_is_clear = [this](CLI::App* command) {
@@ -368,8 +481,8 @@ class CommandLine {
     add_plate_is_clear(move);
     by_hand(&app_, "stop", "End what is done by hand: motor still, light off, screen black", "stop",
             WaitFor::Rest);
-    by_hand(group("motor", "The plate's motor"), "off", "Take the motor's current away", "motor_off");
-    CLI::App* light = group("light", "The projector's light");
+    by_hand(add_group("motor", "The plate's motor"), "off", "Take the motor's current away", "motor_off");
+    CLI::App* light = add_group("light", "The projector's light");
     CLI::App* on = add_command(light, "on", "Light for some seconds, with the picture that is shown", [this] {
       return light_by_hand(client_, manual_request("light_on"), manual_.confirm);
     });
@@ -384,7 +497,7 @@ class CommandLine {
         ->required()
         ->check(kNotEmpty);
     show->add_option("--seconds", manual_.seconds, "For how long, s");
-    CLI::App* projector = group("projector", "The projector's power");
+    CLI::App* projector = add_group("projector", "The projector's power");
     by_hand(projector, "status", "What the projector says of itself", "projector");
     const auto power = [&, this](const char* word, const char* help) {
       add_client_options(add_command(projector, word, help, [this, word] {
@@ -442,15 +555,15 @@ class CommandLine {
         add_command(name, help, [this, method, print] { return request(client_, {method}, print); }));
   }
 
-  void add_client_options(CLI::App* command) {
-    add_socket_option(command);
-    command->add_flag("--json", client_.json, "Print JSON, one message a line");
-  }
-
   void add_socket_option(CLI::App* command) {
     command->add_option("--socket", client_.socket, "contourd's control socket (or CONTOURD_SOCKET)")
         ->capture_default_str()
         ->check(kNotEmpty);
+  }
+
+  void add_client_options(CLI::App* command) {
+    add_socket_option(command);
+    command->add_flag("--json", client_.json, "Print JSON, one message a line");
   }
 
   CLI::App app_{"Inspects and slices STL models, and talks to contourd."};
@@ -464,9 +577,10 @@ class CommandLine {
   JogOptions jog_;
   LevelOptions level_;
   bool once_ = false;
+  QueueWords queue_;
+  ComputerWords computer_;
   ClientOptions client_;
-  std::optional<std::string> job_;
-  int last_ = 20;
+  EndedWords ended_;
   std::function<int()> chosen_;
 };
 

@@ -66,13 +66,20 @@ TEST_CASE("PrintQueue has a first job while one waits") {
                              .forget = [](const std::string&) {},
                              .reject = [](const std::string&, const std::string&, const auto&) {},
                              .changed = [] {},
-                             .refused = [](const std::string&, const std::string&) {}});
+                             .refused = [](const std::string&, const std::string&) {},
+                             .removed = [](const std::string&, const std::string&) {},
+                             .keep_order = [](const QueueOrder::Names&, const auto&) {}});
   CHECK(contract_broken_by([&] { (void)queue.first_may_begin(); }) == kWaits);
   CHECK(contract_broken_by([&] { queue.keep_first_waiting(); }) == kWaits);
   CHECK(contract_broken_by([&] { (void)queue.take_first(); }) == kWaits);
   CHECK(contract_broken_by([&] { queue.refuse_first("no"); }) == kWaits);
+  CHECK(contract_broken_by([&] { queue.remove("part.stl", "no"); }) == "the job waits");
+  CHECK(contract_broken_by([&] { queue.move("part.stl", 0); }) == "the job waits");
   queue.arrived("part.stl");
+  CHECK(contract_broken_by([&] { queue.move("part.stl", 0); }).empty());
   CHECK(contract_broken_by([&] { (void)queue.take_first(); }).empty());
+  queue.remove("part.stl", "no");
+  CHECK(contract_broken_by([&] { queue.remove("part.stl", "no"); }) == "the job waits");
 }
 
 TEST_CASE("UnfiledJobs has a last job while there is one") {

@@ -18,7 +18,9 @@ class Desk {
                     .forget = [](const std::string&) {},
                     .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
                     .changed = [] {},
-                    .refused = [](const std::string&, const std::string&) {}}};
+                    .refused = [](const std::string&, const std::string&) {},
+                    .removed = [](const std::string&, const std::string&) {},
+                    .keep_order = [](const QueueOrder::Names&, const auto&) {}}};
   IncomingLog log{text.log, queue};
 };
 

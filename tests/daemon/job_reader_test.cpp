@@ -22,8 +22,11 @@ class Desk : public testing::PrinterFixture {
   std::optional<JobRefusal> check(const std::string& file) {
     std::optional<JobRefusal> said;
     bool called = false;
-    reader->check(file, JobReader::Keep::Nothing, [&](const std::optional<JobRefusal>& refusal) {
-      said = refusal;
+    reader->check(file, JobReader::Keep::Nothing, [&](const CheckedJob& found) {
+      if (const auto* const refusal = std::get_if<JobRefusal>(&found))
+        said = *refusal;
+      else
+        outlook = std::get<JobOutlook>(found);
       called = true;
     });
     CHECK(run_until([&] { return called; }));
@@ -31,6 +34,7 @@ class Desk : public testing::PrinterFixture {
   }
 
   std::unique_ptr<JobReader> reader;
+  std::optional<JobOutlook> outlook;  // that the last check has found
 };
 
 class Started : public Desk {
@@ -56,6 +60,26 @@ TEST_CASE("A waiting job with which nothing is wrong is not refused") {
   Started desk;
   desk.put(Spool::Folder::Incoming, "part.stl");
   CHECK_FALSE(desk.check("part.stl"));
+}
+
+TEST_CASE("The check of a waiting job finds what it will be") {
+  Started desk;
+  desk.put(Spool::Folder::Incoming, "part.stl");
+  desk.put_text(Spool::Folder::Incoming, "part.json", R"({"layer_height_um": 50, "copies": 3})");
+  REQUIRE_FALSE(desk.check("part.stl"));
+  REQUIRE(desk.outlook);
+  const JobOutlook& outlook = *desk.outlook;
+  // The box has 12 facets of 50 bytes behind 84.
+  CHECK(outlook.bytes == 684 + 36);
+  CHECK(outlook.parts == 3);
+  CHECK(outlook.resin == "standard");
+  CHECK(outlook.layers == 4);
+  CHECK(outlook.thinnest_layer == Nanometers{50'000});
+  CHECK(outlook.thickest_layer == Nanometers{50'000});
+  CHECK(outlook.height_mm == Approx(0.2));
+  // More than four exposures, and less than four minutes.
+  CHECK(outlook.print_time > std::chrono::seconds{4});
+  CHECK(outlook.print_time < std::chrono::minutes{4});
 }
 
 TEST_CASE("A waiting job that is no model is refused with what it is not") {

@@ -64,8 +64,8 @@ class Desk : public testing::PrinterFixture {
       const std::string& file, const std::function<void()>& change = [] {}) {
     reader.emplace(config, spool, loop);
     std::optional<Turn> turn;
-    reader->check(file, JobReader::Keep::Prepared, [&, file](const std::optional<JobRefusal>& refusal) {
-      CHECK_FALSE(refusal);
+    reader->check(file, JobReader::Keep::Prepared, [&, file](const CheckedJob& found) {
+      CHECK(std::holds_alternative<JobOutlook>(found));
       change();
       const JobSettings settings = read_settings(incoming(file), config);
       reader->read(spool.begin(file), settings, [&](ReadJob read) {

@@ -41,11 +41,13 @@ class Desk : public testing::CurrentJobFixture {
 
   PrintQueue queue{
       log.log,
-      {.check = [](const std::string&, JobReader::Keep, const auto& done) { done(std::nullopt); },
+      {.check = [](const std::string&, JobReader::Keep, const auto& done) { done(JobOutlook{}); },
        .forget = [](const std::string&) {},
        .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
        .changed = [] {},
-       .refused = [](const std::string&, const std::string&) {}}};
+       .refused = [](const std::string&, const std::string&) {},
+       .removed = [](const std::string&, const std::string&) {},
+       .keep_order = [](const QueueOrder::Names&, const auto&) {}}};
   JobScheduler scheduler{context,
                          spool,
                          queue,

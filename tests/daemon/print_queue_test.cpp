@@ -19,7 +19,7 @@ class Desk {
   struct RunningCheck {
     std::string file;
     JobReader::Keep keep;
-    std::function<void(const std::optional<JobRefusal>&)> done;
+    std::function<void(const CheckedJob&)> done;
   };
   struct RunningRejection {
     std::string file, reason;
@@ -47,7 +47,9 @@ class Desk {
   std::vector<RunningCheck> checks;
   std::vector<RunningRejection> rejections;
   Names forgotten;
-  Names told;  // "changed", or "refused FILE: REASON"
+  Names told;                                          // "changed", "refused FILE: REASON" or "removed ..."
+  std::vector<Names> kept;                             // orders, as the disk was given them
+  std::function<void(const std::string&)> order_kept;  // the last of them
   PrintQueue queue{
       log.log,
       {.check =
@@ -61,7 +63,14 @@ class Desk {
            },
        .changed = [this] { told.emplace_back("changed"); },
        .refused = [this](const std::string& file,
-                         const std::string& reason) { told.push_back("refused " + file + ": " + reason); }}};
+                         const std::string& reason) { told.push_back("refused " + file + ": " + reason); },
+       .removed = [this](const std::string& file,
+                         const std::string& reason) { told.push_back("removed " + file + ": " + reason); },
+       .keep_order =
+           [this](const QueueOrder::Names& names, auto done) {
+             kept.push_back(names);
+             order_kept = std::move(done);
+           }}};
 };
 
 }  // namespace
@@ -80,7 +89,7 @@ TEST_CASE("A job that is written again keeps its place, and is checked again") {
   Desk desk;
   desk.arrive({"a.stl", "b.stl"});
   desk.queue.check_next();
-  desk.checks[0].done(std::nullopt);
+  desk.checks[0].done(JobOutlook{});
   REQUIRE(desk.queue.jobs().front().check == Check::Passed);
   desk.queue.arrived("a.stl");
   CHECK(desk.order() == Names{"a.stl", "b.stl"});
@@ -152,7 +161,7 @@ TEST_CASE("What a check finds in a file counts for nothing when the new one is b
   desk.checks[0].done(JobRefusal{"no model"});
   CHECK(desk.rejections.empty());
   CHECK(desk.queue.jobs().front().check == Check::Running);
-  desk.checks[1].done(std::nullopt);
+  desk.checks[1].done(JobOutlook{});
   CHECK(desk.queue.jobs().front().check == Check::Passed);
 }
 
@@ -291,7 +300,7 @@ TEST_CASE("A job for which there is no room is told once, and read again when th
   CHECK(desk.checks.size() == 2);
   CHECK(desk.log.count("a.stl: is read later") == 1);
   desk.queue.check_next();
-  desk.checks.back().done(std::nullopt);
+  desk.checks.back().done(JobOutlook{});
   CHECK(desk.queue.jobs().front().postponed.empty());
   CHECK(desk.queue.jobs().front().check == Check::Passed);
 }
@@ -312,11 +321,155 @@ TEST_CASE("The first job does not begin while it is being checked, nor while any
   CHECK(desk.queue.first_may_begin());
   desk.queue.check_next();
   CHECK_FALSE(desk.queue.first_may_begin());
-  desk.checks[0].done(std::nullopt);
+  desk.checks[0].done(JobOutlook{});
   CHECK(desk.queue.first_may_begin());
   desk.begin_to_refuse("no model");
   CHECK(desk.rejections[0].file == "b.stl");
   CHECK_FALSE(desk.queue.first_may_begin());
   desk.rejections[0].done(Spool::Rejection::Filed, "");
   CHECK(desk.queue.first_may_begin());
+}
+
+TEST_CASE("A job can be moved to any place, and the order is kept down to where it was or is") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl", "c.stl", "d.stl"});
+  desk.told.clear();
+  desk.queue.move("c.stl", 0);
+  CHECK(desk.order() == Names{"c.stl", "a.stl", "b.stl", "d.stl"});
+  CHECK(desk.kept.back() == Names{"c.stl", "a.stl", "b.stl"});
+  CHECK(desk.told == Names{"changed"});
+  CHECK(desk.log.has("info: c.stl: number 1 in the queue now"));
+  desk.order_kept("");
+  desk.queue.move("a.stl", 99);
+  CHECK(desk.order() == Names{"c.stl", "b.stl", "d.stl", "a.stl"});
+  CHECK(desk.kept.back() == desk.order());
+  desk.order_kept("");
+  desk.queue.move("b.stl", 2);
+  CHECK(desk.order() == Names{"c.stl", "d.stl", "b.stl", "a.stl"});
+  CHECK(desk.kept.back() == desk.order());
+}
+
+TEST_CASE("A job that is moved to where it is changes nothing") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  desk.told.clear();
+  desk.queue.move("b.stl", 1);
+  CHECK(desk.kept.empty());
+  CHECK(desk.told.empty());
+}
+
+TEST_CASE("The order is written once at a time, the latest of it") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl", "c.stl"});
+  desk.queue.move("c.stl", 0);
+  desk.queue.move("b.stl", 0);
+  desk.queue.move("a.stl", 0);
+  CHECK(desk.kept.size() == 1);
+  desk.order_kept("");
+  REQUIRE(desk.kept.size() == 2);
+  CHECK(desk.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
+  desk.order_kept("");
+  CHECK(desk.kept.size() == 2);
+}
+
+TEST_CASE("What has left the queue is not in its order any more") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl", "c.stl", "d.stl"});
+  desk.queue.move("d.stl", 0);
+  desk.order_kept("");
+  SECTION("claimed") {
+    const WaitingJob job = desk.queue.take_first();
+    CHECK(desk.kept.size() == 1);
+    desk.queue.claimed(job.file);
+    CHECK(desk.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
+  }
+  SECTION("put last") {
+    desk.queue.put_last(desk.queue.take_first());
+    CHECK(desk.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
+  }
+  SECTION("taken away") {
+    desk.queue.withdrawn("b.stl");
+    CHECK(desk.kept.back() == Names{"d.stl", "a.stl", "c.stl"});
+  }
+  SECTION("refused") {
+    desk.queue.refuse_first("no");
+    desk.rejections.back().done(Spool::Rejection::Filed, "");
+    CHECK(desk.kept.back() == Names{"a.stl", "b.stl", "c.stl"});
+  }
+}
+
+TEST_CASE("A job that could not be claimed has kept its place") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  desk.queue.move("b.stl", 0);
+  desk.queue.put_first(desk.queue.take_first());
+  CHECK(desk.order() == Names{"b.stl", "a.stl"});
+  CHECK(desk.kept.size() == 1);
+}
+
+TEST_CASE("After a restart jobs have their places, in whatever order they are seen, and new ones come last") {
+  Desk desk;
+  desk.queue.load_order({"c.stl", "gone.stl", "a.stl", "b.stl"});
+  desk.arrive({"a.stl", "new.stl", "b.stl", "c.stl"});
+  CHECK(desk.order() == Names{"c.stl", "a.stl", "b.stl", "new.stl"});
+  CHECK(desk.log.has("info: c.stl: arrived, number 1 in the queue"));
+  CHECK(desk.kept.empty());
+  desk.queue.move("new.stl", 1);
+  CHECK(desk.order() == Names{"c.stl", "new.stl", "a.stl", "b.stl"});
+  CHECK(desk.kept.back() == Names{"c.stl", "gone.stl", "new.stl", "a.stl", "b.stl"});
+  desk.queue.arrived("gone.stl");
+  CHECK(desk.order() == Names{"c.stl", "gone.stl", "new.stl", "a.stl", "b.stl"});
+}
+
+TEST_CASE("An order that the disk does not take is told once, and the next one is tried") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  for (int i = 0; i < 3; ++i) {
+    desk.queue.move("b.stl", i == 1 ? 1 : 0);
+    desk.order_kept("no room");
+  }
+  CHECK(desk.kept.size() == 3);
+  CHECK(desk.log.count("warning: the queue's order will be lost with a restart: no room") == 1);
+}
+
+TEST_CASE(
+    "A removed job is filed with its reason, is no mistake, and keeps the next from beginning until then") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  desk.queue.check_next();
+  desk.told.clear();
+  desk.queue.remove("a.stl", "removed by me");
+  CHECK(desk.forgotten == Names{"a.stl"});
+  CHECK(desk.order() == Names{"a.stl", "b.stl"});
+  CHECK_FALSE(desk.queue.first_may_begin());
+  desk.checks[0].done(JobRefusal{"no model"});  // of nobody's interest any more
+  REQUIRE(desk.rejections.size() == 1);
+  CHECK(desk.rejections[0].reason == "removed by me\n");
+  desk.told.clear();
+  desk.rejections[0].done(Spool::Rejection::Filed, "");
+  CHECK(desk.order() == Names{"b.stl"});
+  CHECK(desk.told == Names{"removed a.stl: removed by me", "changed"});
+  CHECK(desk.log.has("info: a.stl: removed by me"));
+}
+
+TEST_CASE("A job that somebody writes anew is not removed, and that is told") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  desk.queue.remove("a.stl", "removed by me");
+  desk.queue.arrived("a.stl");
+  desk.rejections[0].done(Spool::Rejection::Unfinished, "");
+  CHECK(desk.order() == Names{"a.stl"});
+  CHECK(desk.queue.jobs().front().check == Check::Wanted);
+  CHECK(desk.log.has("warning: a.stl: stays in the queue, because somebody is writing it anew"));
+}
+
+TEST_CASE("What a check has found counts until the file is written again") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  desk.queue.check_next();
+  desk.checks[0].done(JobOutlook{.layers = 7});
+  REQUIRE(desk.queue.jobs().front().outlook);
+  CHECK(desk.queue.jobs().front().outlook->layers == 7);
+  desk.queue.arrived("a.stl");
+  CHECK_FALSE(desk.queue.jobs().front().outlook);
 }

@@ -50,3 +50,15 @@ TEST_CASE("A record that the disk does not take is an error, and one that is not
   CHECK_NOTHROW(records.set_hold(std::nullopt));
   CHECK_NOTHROW(records.forget_end_of_print());
 }
+
+TEST_CASE("The queue's order is there for the next process, whatever its files are called") {
+  const testing::TemporaryFolder folder;
+  const StateRecords records(folder.path());
+  CHECK(records.queue_order().empty());
+  const std::vector<std::string> files{"b.stl", "two\nlines.stl", "\xff .stl"};
+  records.keep_queue_order(files);
+  CHECK(StateRecords(folder.path()).queue_order() == files);
+  records.keep_queue_order({});
+  CHECK(fs::is_empty(folder.path()));
+  CHECK_NOTHROW(records.keep_queue_order({}));
+}

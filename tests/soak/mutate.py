@@ -36,8 +36,8 @@ MUTATIONS = [
     ("a copied plate is not remembered", COPIES, "    originals_.add(mark);\n", "    (void)mark;\n"),
     ("links are followed", "daemon/config/regular_file.cpp", "kReading | O_NOFOLLOW", "kReading"),
     ("a file's name goes into the log as it is", "daemon/print_queue.cpp",
-     'fmt::format("{}: arrived, number {} in the queue", printable(file), jobs_.size())',
-     'fmt::format("{}: arrived, number {} in the queue", file, jobs_.size())'),
+     'fmt::format("{}: arrived, number {} in the queue", printable(file), place + 1)',
+     'fmt::format("{}: arrived, number {} in the queue", file, place + 1)'),
     ("a question takes 80 ms", "daemon/printer_status.cpp", "  const CurrentJob& job = parts_.job;\n",
      "  const timespec moment{0, 80'000'000};\n  ::nanosleep(&moment, nullptr);\n"
      "  const CurrentJob& job = parts_.job;\n"),

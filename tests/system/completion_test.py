@@ -36,6 +36,10 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("light", "o"), ["on", "off"])
         self.assertEqual(self.bash("light", "on", "--sec"), ["--seconds"])
         self.assertEqual(self.bash("show", "g"), ["grid"])
+        self.assertEqual(self.bash("queue", ""), ["show", "remove", "move"])
+        self.assertEqual(self.bash("config", "s"), ["show", "schema"])
+        self.assertEqual(self.bash("config", "schema", "pr"), ["printer", "projector"])
+        self.assertEqual(self.bash("queue", "move", "a", "--f"), ["--first"])
         self.assertEqual(self.bash("slice", "--uni"), ["--uniformity-mask"])
         self.assertEqual(self.bash("slice", "--aa", "o"), ["on", "off"])
         # Files are the shell's.
@@ -53,6 +57,7 @@ class Completion(FolderTest):
         offered = self.bash("watch", "--job", "", CONTOURD_SOCKET=daemon.socket_path)
         self.assertEqual(offered, ["part", *names])
         self.assertEqual(self.bash("watch", "--job", "tw", CONTOURD_SOCKET=daemon.socket_path), ["two words"])
+        self.assertEqual(self.bash("queue", "show", "", CONTOURD_SOCKET=daemon.socket_path), names)
         self.assertFalse(os.path.exists("harm"))
         daemon.stop()
 

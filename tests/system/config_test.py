@@ -10,7 +10,7 @@ import time
 
 from harness import (
     BAD_CONFIG, BAD_USAGE, CANNOT_CREATE, CONTOURD, DEADLINE_S, ENDLESS, MAKE_MODEL, NIMBLE_RESIN, OK, REALTIME, SLOWNESS, SOURCE, Client,
-    Daemon, FolderTest, binary_stl, box, main, merge, run, source_json, wait_until,
+    Daemon, FolderTest, binary_stl, box, contourctl, main, merge, run, source_json, wait_until,
 )  # fmt: skip
 
 
@@ -53,6 +53,50 @@ class ConfigTest(FolderTest):
         started = run(CONTOURD, "--config", path)
         self.assertEqual((started.returncode, started.stderr.decode().splitlines()), (BAD_CONFIG, lines))
         self.assertFalse(os.path.exists(self.path("spool")), "it made folders before it knew that it could start")
+
+
+class ConfigCommands(ConfigTest):
+    """contourctl config."""
+
+    def ctl(self, *words, code=OK):
+        told = contourctl("config", *words)
+        self.assertEqual(told.returncode, code, told)
+        return (told.stdout if code == OK else told.stderr).decode()
+
+    def test_a_check_says_what_the_daemon_says(self):
+        for changes in ({}, {"z_axis": {"travel_mm": -1}, "nobody": 1}, {"simulation": {"pace": "slow"}}):
+            path = self.config(changes)
+            told, daemons = contourctl("config", "check", path), run(CONTOURD, "--check-config", path)
+            self.assertEqual((told.returncode, told.stdout, told.stderr), (daemons.returncode, daemons.stdout, daemons.stderr))
+
+    def test_what_is_shown_is_the_file_with_all_defaults_and_fits_again(self):
+        path = self.config({"wait_for_plate_cleared": False})
+        shown = json.loads(self.ctl("show", path))
+        self.assertEqual((shown["wait_for_plate_cleared"], shown["min_free_disk_mb"], shown["display"]["mirror_x"]), (False, 100, False))
+        with open(path, "w", encoding="utf-8") as file:
+            json.dump(shown, file)
+        self.assertEqual(json.loads(self.ctl("show", path)), shown)
+
+    def test_a_difference_has_its_default_and_a_default_that_is_written_down_is_none(self):
+        lines = self.ctl("diff", self.config({"wait_for_plate_cleared": False, "min_free_disk_mb": 100, "name": "x\x1by"})).splitlines()
+        self.assertIn("wait_for_plate_cleared = false (default true)", lines)
+        self.assertIn("z_axis.travel_mm = 160", lines)
+        self.assertIn('name = "x\\u001by"', lines)
+        self.assertEqual([line for line in lines if "min_free_disk_mb" in line or "$schema" in line], [])
+
+    def test_a_schema_is_the_file_of_the_repository(self):
+        for name, file in (("printer", "contourd"), ("resin", "resin"), ("projector", "projector"), ("ticket", "ticket"), ("plate", "plate")):
+            with open(os.path.join(SOURCE, "config", f"{file}.schema.json"), encoding="utf-8") as schema:
+                self.assertEqual(self.ctl("schema", name), schema.read())
+        self.assertEqual(self.ctl("schema"), self.ctl("schema", "printer"))
+        self.assertIn("FORMAT", self.ctl("schema", "none", code=BAD_USAGE))
+
+    def test_mistakes_are_told_a_line_each(self):
+        path = self.config({"z_axis": {"travel_mm": -1}, "nobody": 1})
+        for command in ("show", "diff", "check"):
+            lines = self.ctl(command, path, code=BAD_CONFIG).splitlines()
+            self.assertEqual([path in line for line in lines], [True, True], lines)
+            self.assert_one_line(self.ctl(command, self.path("none"), code=BAD_CONFIG).encode(), "no such file")
 
 
 class CheckConfig(ConfigTest):

@@ -47,6 +47,7 @@ REPLIES = {name: re.search(r"Reply:\s+(?:a\s+\[(\w+)\]|`(\w+)`)", section(f"### 
 NOTIFICATIONS = [name for name, _ in rows("## Notifications")]
 STATUS, JOB, ANALYSIS = rows("### A status"), rows("### A job"), rows("### An analysis")
 ENDED_JOB, MANUAL = rows("### An ended job"), rows("### What is done by hand")
+WAITING = rows("### A waiting job")
 INPUT = rows("### An input")
 TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history"), "reading": rows("### A reading of the inputs")}
 STATES = {name for name, _ in rows("### States")}
@@ -105,6 +106,9 @@ class ControlApiTest(FolderTest):
         self.assert_fields(result, TABLES[reply[1]])
         for each in result.get("inputs", ()):
             self.assert_fields(each, INPUT)
+        for job in result.get("jobs", ()):
+            self.assert_fields(job, WAITING)
+            self.assertIn(f"`{job['state']}`", WAITING[3][2])
 
     def test_the_methods_are_the_programs(self):
         message = self.fast().rpc("no such method")["error"]["message"]
@@ -128,8 +132,13 @@ class ControlApiTest(FolderTest):
     def test_every_methods_reply_has_the_fields_that_are_told(self):
         daemon = self.printing()
         answers = {}
-        for method in ("watch", "status", "queue", "history", "pause", "resume", "cancel"):
-            answers[method] = daemon.client().call(method)
+        for name in ("one", "two"):
+            daemon.drop(f"{name}.stl", SMALL)
+        wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready"] * 2, "their checks")
+        of_job = {"queue_move": {"job": "two", "to": 1}, "queue_remove": {"job": "one"}}
+        for method in ("watch", "status", "queue", "history", "queue_move", "queue_remove", "pause", "resume", "cancel"):
+            answers[method] = daemon.client().call(method, **of_job.get(method, {}))
+        daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
         answers["plate_cleared"] = daemon.rpc("plate_cleared")
         by_hand = {"home": {}, "stop": {}, "light_off": {}, "show": {"pattern": "grid"}, "light_on": {"seconds": 0.01, "in_resin": True},

@@ -133,7 +133,9 @@ class DocsTest(unittest.TestCase):
                 if name not in ("contourd", "contourctl", "contourd-bench", "print-rig"):
                     continue
                 # A command has one word, or two.
-                length = 2 if words[1:2] and words[1] in ("motor", "light", "projector") else 1
+                length = 2 if words[1:2] and words[1] in ("motor", "light", "projector", "config") else 1
+                if words[1:2] == ["queue"] and re.match("[a-z]", " ".join(words[2:])):
+                    length = 2
                 command = [BIN / name, *(words[1:1 + length] if name == "contourctl" and words[1:2] else []), "--help"]
                 given = [word.split("=")[0] for word in words[1:] if word.startswith("--")]
                 with self.subTest(page=page.name, line=line):

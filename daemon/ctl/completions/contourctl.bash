@@ -8,8 +8,9 @@ _contourctl_words() {
     options) contourctl "${@:2}" --help 2>/dev/null | grep -oE '^ +(-[a-z],)?--[a-z,-]+' | grep -oE -- '--[a-z-]+' ;;
     jobs)
       contourctl status 2>/dev/null | sed -n 's/^job  *//p'
-      contourctl queue 2>/dev/null | sed -n 's/^ *[0-9]*  \(.*\)\.[^.]*$/\1/p'
+      _contourctl_words waiting
       ;;
+    waiting) contourctl queue 2>/dev/null | sed -n 's/^ *[0-9][0-9]*  \(.*\)\.[^.]*$/\1/p' ;;
     resins)
       for name in /etc/contourd/resins/*.json; do
         name=${name##*/}
@@ -21,14 +22,18 @@ _contourctl_words() {
 
 _contourctl() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words='' length=1 each
+  if [[ ${COMP_WORDS[1]} == queue && $COMP_CWORD == 3 && $word != -* ]]; then before=queue-job; fi
+  if [[ $before == logs && $COMP_CWORD == 2 && $word != -* ]]; then before=--job; fi
   case $before in
+    queue-job) words=$(_contourctl_words waiting) ;;
     --job) words=$(_contourctl_words jobs) ;;
     --resin) words=$(_contourctl_words resins) ;;
+    schema) words=$'plate\nprinter\nprojector\nresin\nticket' ;;
     --aa) words=$'on\noff' ;;
     show) words=$'white\nblack\ngrid\nchecker\nfocus\nborder\ndimensions' ;;
     *)
       # The command: one word, or two.
-      if [[ ${COMP_WORDS[1]} == @(motor|light|projector) ]]; then length=2; fi
+      if [[ ${COMP_WORDS[1]} == @(motor|light|projector|queue|config) ]]; then length=2; fi
       if ((COMP_CWORD <= length)); then
         words=$(_contourctl_words commands "${COMP_WORDS[@]:1:COMP_CWORD-1}")
       elif [[ $word == -* ]]; then

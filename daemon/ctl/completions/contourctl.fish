@@ -6,7 +6,7 @@ function __contourctl_commands
 end
 function __contourctl_options
     set -l words (commandline -opc)
-    if contains -- "$words[2]" motor light projector
+    if contains -- "$words[2]" motor light projector queue config
         contourctl $words[2] $words[3] --help 2>/dev/null | grep -oE '^ +(-[a-z],)?--[a-z,-]+' | grep -oE -- '--[a-z-]+'
         return
     end
@@ -14,7 +14,14 @@ function __contourctl_options
 end
 function __contourctl_jobs
     contourctl status 2>/dev/null | sed -n 's/^job  *//p'
-    contourctl queue 2>/dev/null | sed -n 's/^ *[0-9]*  \(.*\)\.[^.]*$/\1/p'
+    __contourctl_waiting
+end
+function __contourctl_waiting
+    contourctl queue 2>/dev/null | sed -n 's/^ *[0-9][0-9]*  \(.*\)\.[^.]*$/\1/p'
+end
+function __contourctl_queue_command
+    set -l words (commandline -opc)
+    test (count $words) -eq 3; and test "$words[2]" = queue
 end
 function __contourctl_resins
     for file in /etc/contourd/resins/*.json
@@ -29,9 +36,12 @@ end
 complete -c contourctl -n __fish_use_subcommand -f -a '(__contourctl_commands)'
 complete -c contourctl -n '__contourctl_before --job' -f -a '(__contourctl_jobs)'
 complete -c contourctl -n '__contourctl_before --resin' -f -a '(__contourctl_resins)'
-for group in motor light projector
+for group in motor light projector queue config
     complete -c contourctl -n "__contourctl_before $group" -f -a "(__contourctl_commands $group)"
 end
-complete -c contourctl -n '__contourctl_before show' -f -a 'white black grid checker focus border dimensions'
+complete -c contourctl -n '__contourctl_before logs' -f -a '(__contourctl_jobs)'
+complete -c contourctl -n __contourctl_queue_command -f -a '(__contourctl_waiting)'
+complete -c contourctl -n '__contourctl_before show; and not __contourctl_queue_command' -f -a 'white black grid checker focus border dimensions'
+complete -c contourctl -n '__contourctl_before schema' -f -a 'plate printer projector resin ticket'
 complete -c contourctl -n '__contourctl_before --aa' -f -a 'on off'
 complete -c contourctl -n 'not __fish_use_subcommand; and string match -q -- "-*" (commandline -ct)' -f -a '(__contourctl_options)'

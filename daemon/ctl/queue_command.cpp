@@ -1,0 +1,98 @@
+#include "daemon/ctl/queue_command.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <string_view>
+
+#include "daemon/ctl/daemon_connection.hpp"
+#include "daemon/ctl/exit_codes.hpp"
+#include "daemon/readable.hpp"
+
+namespace contourd::ctl {
+namespace {
+
+using Json = DaemonConnection::Json;
+
+std::string text_of(const Json& job, const char* key) {
+  return job[key].is_string() ? printable(job[key].get<std::string>()) : "";
+}
+
+std::string size_of(const Json& job) {
+  const auto bytes = job["bytes"].get<std::uint64_t>();
+  return bytes < 1'000'000 ? fmt::format("{:.1f} kB", static_cast<double>(bytes) / 1e3)
+                           : fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+std::string layers_of(const Json& job) {
+  const auto thinnest = job["thinnest_layer_um"].get<double>(),
+             thickest = job["thickest_layer_um"].get<double>();
+  const std::string thickness =
+      thinnest == thickest ? fmt::format("{:g}", thinnest) : fmt::format("{:g} to {:g}", thinnest, thickest);
+  return fmt::format("{} of {} um", job["layers"].get<std::int64_t>(), thickness);
+}
+
+std::string time_of(const Json& job) {
+  return readable(
+      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(job["print_time_s"].get<double>())));
+}
+
+// Of one that is not ready.
+std::string_view state_of(const Json& job) {
+  const std::string state = job.value("state", "");
+  if (state == "unchecked") return "not checked yet";
+  if (state == "checking") return "is being checked";
+  if (state == "postponed") return "is checked later";
+  if (state == "leaving") return "on its way to failed";
+  return "ready";
+}
+
+void print_job(const Json& job) {
+  fmt::print("{:>3}  {}\n     {}", job.value("number", 0), text_of(job, "file"), state_of(job));
+  if (job["layers"].is_number()) {
+    const auto parts = job["parts"].get<std::int64_t>();
+    fmt::print(", {}, {}layers {}, {}, {}", time_of(job), parts > 1 ? fmt::format("{} parts, ", parts) : "",
+               layers_of(job), text_of(job, "resin"), size_of(job));
+  }
+  fmt::print("\n");
+  if (const std::string why = text_of(job, "waiting_for"); !why.empty()) fmt::print("     waits: {}\n", why);
+}
+
+}  // namespace
+
+void print_queue(const Json& waiting) {
+  const Json& queue = waiting["queue"];
+  const Json& jobs = waiting["jobs"];
+  if (queue.empty()) fmt::print("the queue is empty\n");
+  for (const Json& job : jobs)
+    print_job(job);
+  for (std::size_t i = jobs.size(); i < queue.size(); ++i)
+    fmt::print("{:>3}  {}\n", i + 1, printable(queue[i].get<std::string>()));
+  if (const auto more = waiting.value("more", std::size_t{0}); more > 0) fmt::print("and {} more\n", more);
+  for (const Json& file : waiting["arriving"])
+    fmt::print("  -  {}\n     still arriving\n", printable(file.get<std::string>()));
+}
+
+void print_waiting_job(const Json& waiting) {
+  const Json& job = waiting["jobs"][0];
+  const auto number = job["number"].get<std::size_t>();
+  fmt::print("job       {}\nfile      {}\n", text_of(job, "job"), text_of(job, "file"));
+  fmt::print("number    {} of {}\nstate     {}\n", number,
+             waiting["queue"].size() + waiting.value("more", std::size_t{0}), state_of(job));
+  if (const std::string why = text_of(job, "waiting_for"); !why.empty()) fmt::print("waits     {}\n", why);
+  if (!job["layers"].is_number()) return;
+  fmt::print("size      {}\nresin     {}\nparts     {}\nlayers    {}, {:.2f} mm high\ntime      {}\n",
+             size_of(job), text_of(job, "resin"), job["parts"].get<std::int64_t>(), layers_of(job),
+             job["height_mm"].get<double>(), time_of(job));
+}
+
+int remove_from_queue(const ClientOptions& options, const std::string& job) {
+  const int result = request(options, {"queue_remove", {{"job", job}}}, [](const Json&) {});
+  if (result == kOk && !options.json)
+    fmt::print("{}: removed; its files go to failed, with the reason beside them\n", printable(job));
+  return result;
+}
+
+}  // namespace contourd::ctl

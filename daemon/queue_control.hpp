@@ -1,0 +1,38 @@
+// The methods by which an owner's programs look at the queue and change it. They know no transport, as
+// PrinterControl's. Event loop's thread only.
+#pragma once
+
+#include <string>
+
+#include "daemon/control_method.hpp"
+#include "daemon/current_job.hpp"
+#include "daemon/print_queue.hpp"
+#include "daemon/printer_status.hpp"
+
+namespace contourd {
+
+class QueueControl {
+ public:
+  using Json = ControlMethod::Json;
+
+  // All must outlive the control.
+  QueueControl(PrintQueue& queue, const CurrentJob& job, const PrinterStatus& status)
+      : queue_(queue), job_(job), status_(status) {}
+
+  // All of them, by name. The control must outlive them.
+  [[nodiscard]] ControlMethods methods();
+
+ private:
+  // These return the queue, and throw ControlRefusal and InvalidParameters.
+  [[nodiscard]] Json look(const Json& given) const;
+  Json remove(const Json& given, const ControlCaller& caller);
+  Json move(const Json& given);
+  // Of the one job that is meant.
+  [[nodiscard]] std::size_t number_of(const std::string& job) const;
+
+  PrintQueue& queue_;
+  const CurrentJob& job_;
+  const PrinterStatus& status_;
+};
+
+}  // namespace contourd

@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""contourctl diagnose: one archive for whoever is to help."""
+
+import json
+import os
+import stat
+import tarfile
+
+from harness import (
+    BAD_USAGE, CANNOT_CREATE, ENDLESS, NIMBLE_RESIN, OK, Daemon, FolderTest, binary_stl, box, contourctl, main, source_json,
+)  # fmt: skip
+
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
+ALWAYS = {"README.txt", "configuration/check.txt", "configuration/contourd.json", "configuration/projectors.txt", "configuration/resins/standard.json", "displays.txt",
+          "gpio.txt", "journal.txt", "kernel.txt", "serial.txt", "status.json", "versions.txt"}  # fmt: skip
+
+
+class Diagnose(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.output = self.path("out.tar.gz")
+
+    def diagnose(self, *words, code=OK, **options):
+        told = contourctl("diagnose", *words, **options)
+        self.assertEqual(told.returncode, code, told)
+        return told
+
+    def files(self, path=None):
+        """The archive's, by their names, all in one folder and nobody's but root's."""
+        found = {}
+        with tarfile.open(path or self.output) as archive:
+            for member in archive:
+                self.assertTrue(member.isdir() or member.isreg(), member.name)
+                self.assertEqual((member.uname, member.uid), ("root", 0))
+                folder, _, name = member.name.partition("/")
+                self.assertEqual(folder, "contourd-diagnosis")
+                if member.isreg():
+                    found[name] = archive.extractfile(member).read().decode()
+        return found
+
+    def configured(self, **changes):
+        os.mkdir(self.path("resins"))
+        self.write("resins/standard.json", json.dumps(source_json("resins", "standard.json")))
+        return self.write("contourd.json", json.dumps({**source_json("simulated.json"), **changes}, indent=1))
+
+    def test_without_a_daemon_it_has_all_that_can_be_known_and_says_what_is_in_it(self):
+        told = self.diagnose("-o", self.output, "--config", self.configured(), "--socket", self.path("none"))
+        files = self.files()
+        self.assertEqual(set(files), ALWAYS)
+        self.assertIn("cannot reach contourd", files["status.json"])
+        self.assertEqual(files["configuration/check.txt"], "good\n")
+        self.assertIn(os.uname().release, files["kernel.txt"])
+        for name in ALWAYS - {"README.txt"}:
+            self.assertIn(name, told.stdout.decode())
+            self.assertIn(name, files["README.txt"])
+        self.assertEqual(stat.S_IMODE(os.stat(self.output).st_mode), 0o600)
+
+    def test_a_daemon_s_word_and_its_latest_job_are_in_it(self):
+        daemon = Daemon(self, {}, NIMBLE_RESIN).start()
+        for name in ("one", "two"):
+            daemon.drop(f"{name}.stl", SMALL)
+            daemon.wait_done(name)
+        self.diagnose("-o", self.output, "--config", self.path("contourd.json"), "--socket", daemon.socket_path)
+        files = self.files()
+        self.assertEqual(set(files) - ALWAYS, {"queue.json", "history.json", "job/journal.txt", "job/done.report.json"})
+        self.assertEqual(json.loads(files["status.json"])["last"]["job"], "two")
+        self.assertEqual(json.loads(files["job/done.report.json"])["job"], "two")
+        other = self.path("other.tar.gz")
+        self.diagnose("one", "-o", other, "--config", self.path("contourd.json"), "--socket", daemon.socket_path)
+        self.assertEqual(json.loads(self.files(other)["job/done.report.json"])["job"], "one")
+        daemon.stop()
+
+    def test_what_is_secret_is_struck_out_also_in_a_file_that_is_no_json(self):
+        config = self.configured(name="mine")
+        self.write("contourd.json", '{"api_token": "hush1", "x": 1,\n "mqttPassword" : "hush2"\nKEY=hush3 hush4\n"spool": "/home/alice/spool"}\n')
+        self.diagnose("-o", self.output, "--config", config, "--socket", self.path("none"))
+        written = self.files()["configuration/contourd.json"]
+        for word in ("hush", "alice"):
+            self.assertNotIn(word, written)
+        for word in ('"api_token": ***', '"mqttPassword" : ***', "KEY= ***", "/home/***/spool"):
+            self.assertIn(word, written)
+        self.assertNotIn("alice", "".join(self.files().values()))
+
+    def test_a_user_who_gave_a_command_is_not_named(self):
+        daemon = Daemon(self, {}, {**NIMBLE_RESIN, **ENDLESS}).start()
+        daemon.stop()
+        journal = self.write("journalctl", "#!/bin/sh\necho 'pause, says user alice (1000) (process 7)'\n")
+        os.chmod(journal, 0o755)
+        self.diagnose("-o", self.output, "--config", self.path("contourd.json"), "--socket", self.path("none"),
+                      env={**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}"})  # fmt: skip
+        self.assertEqual(self.files()["journal.txt"], "pause, says user *** (process 7)\n")
+
+    def test_a_report_that_is_a_link_leads_to_nothing(self):
+        daemon = Daemon(self, {}, NIMBLE_RESIN).start()
+        daemon.drop("one.stl", SMALL)
+        daemon.wait_done("one")
+        report = daemon.file("done", "one.report.json")
+        os.unlink(report)
+        os.symlink(self.write("private", "hush"), report)
+        self.diagnose("-o", self.output, "--config", self.path("contourd.json"), "--socket", daemon.socket_path)
+        self.assertNotIn("hush", "".join(self.files().values()))
+        self.assertIn("link", self.files()["job/done.report.json"])
+        daemon.stop()
+
+    def test_it_is_small_whatever_lies_there(self):
+        config = self.configured()
+        self.write("contourd.json", "x" * 30_000_000)
+        self.diagnose("-o", self.output, "--config", config, "--socket", self.path("none"))
+        written = self.files()["configuration/contourd.json"]
+        self.assertLess(len(written), 1_001_000)
+        self.assertTrue(written.endswith("(the rest is left out)\n"))
+
+    def test_nothing_is_overwritten_and_what_cannot_be_written_is_told(self):
+        config = self.configured()
+        self.write("out.tar.gz", "mine")
+        os.symlink(self.path("nowhere"), self.path("link"))
+        for name in (self.output, self.path("link"), self.path("none", "x"), self.path("resins")):
+            told = self.diagnose("-o", name, "--config", config, "--socket", self.path("none"), code=CANNOT_CREATE)
+            self.assert_one_line(told.stderr, name)
+            self.assertEqual(told.stdout, b"")
+        with open(self.output, encoding="utf-8") as file:
+            self.assertEqual(file.read(), "mine")
+        self.assertFalse(os.path.exists(self.path("nowhere")))
+        self.assertIn(b"--output", self.diagnose("-o", "", code=BAD_USAGE).stderr)
+
+    def test_by_itself_it_has_its_name_by_the_time(self):
+        config = self.configured()
+        self.diagnose("--config", config, "--socket", self.path("none"), cwd=self.path("resins"))
+        (name,) = [name for name in os.listdir(self.path("resins")) if name != "standard.json"]
+        self.assertRegex(name, r"^contourd-diagnosis-\d{8}-\d{6}\.tar\.gz$")
+
+
+if __name__ == "__main__":
+    main()
