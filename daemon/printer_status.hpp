@@ -42,6 +42,7 @@ class PrinterStatus {
   [[nodiscard]] std::string_view state() const;
   [[nodiscard]] Json job() const;
   void add_print(Json& job) const;
+  [[nodiscard]] bool dark() const;
   [[nodiscard]] Json manual() const;
   void add_incoming(Json& status) const;
   void add_postponed(Json& status) const;
