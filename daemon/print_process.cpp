@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include "core/contract/expects.hpp"
 #include "daemon/mask_cost.hpp"
 #include "daemon/motion_timeout.hpp"
+#include "hw/homing_distances.hpp"
 
 namespace contourd {
 namespace {
@@ -66,7 +68,9 @@ void PrintProcess::start(PrintPlan plan) {
   failure_.clear();
   interruption_.clear();
   begin_layer(Nanometers{});
-  left_after_.assign(plan_->expected_layers.size() + 1, Duration{0});
+  const Nanometers top =
+      std::accumulate(plan_->expected_layers.begin(), plan_->expected_layers.end(), Nanometers{});
+  left_after_.assign(plan_->expected_layers.size() + 1, parking_duration(top + plan_->lift));
   for (std::size_t i = plan_->expected_layers.size(); i-- > 0;) {
     left_after_[i] =
         left_after_[i + 1] + layer_duration(*plan_, static_cast<std::int32_t>(i), machine_.z_axis());
@@ -159,6 +163,7 @@ void PrintProcess::handle(PrintEvent event) {
     ++states_entered_;
     wait_.reset();
     deadline_.reset();
+    estimated_end_.reset();
     state_ = transition->to;
   }
   try {
@@ -242,6 +247,7 @@ std::function<void(Answer)> PrintProcess::while_in_state(
 }
 
 void PrintProcess::wait_until(TimePoint when) {
+  estimated_end_ = when;
   wait_ = clock_.call_at(when, [this] { handle(PrintEvent::WaitOver); });
 }
 
@@ -260,6 +266,7 @@ Nanometers PrintProcess::current_height() const {
 
 void PrintProcess::power_on() {
   expect_within(kWarmUpDeadline, "the projector's lamp to be warm");
+  estimate(plan_->warm_up);
   machine_.projector().power_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
     if (reply == ProjectorReply::Ok) return handle(PrintEvent::ProjectorReady);
     fail(fmt::format("power on: {}", machine_.projector().last_problem()));
@@ -276,6 +283,7 @@ void PrintProcess::show_black() {
 
 void PrintProcess::home() {
   expect_within(homing_timeout(machine_.z_axis(), plan_->homing_speed), "the axis to home");
+  estimate(homing_duration());
   machine_.z_axis().home(while_in_state<HomingResult>([this](HomingResult result) {
     if (result == HomingResult::Homed) return handle(PrintEvent::Homed);
     fail(fmt::format("homing failed: {}", describe(result)));
@@ -285,6 +293,7 @@ void PrintProcess::home() {
 void PrintProcess::move_to(Nanometers target, MillimetersPerSecond speed) {
   const Nanometers distance = target - current_height();
   expect_within(move_timeout(machine_.z_axis(), distance, speed), "a move to end");
+  estimate(machine_.z_axis().move_duration(distance, speed));
   machine_.z_axis().move_to(target, speed, [this, move_state = state_](MoveResult result) {
     // A move that is stopped ends in Halting or Braking, which the state it began in has become.
     const bool stopping = state_ == PrintState::Halting || state_ == PrintState::Braking;
@@ -335,6 +344,7 @@ void PrintProcess::light_answered(ProjectorReply reply) {
 }
 
 void PrintProcess::time_exposure() {
+  estimated_end_ = exposure_end_;
   wait_ = clock_.call_at(exposure_end_, [this] {
     if (light_went_off()) return interrupt("the light went off before its exposure was over");
     handle(PrintEvent::WaitOver);
@@ -447,13 +457,73 @@ void PrintProcess::finish() {
   observer_.print_ended(outcome, failure_, std::move(plan));
 }
 
+// --- The time left
+
+std::optional<Duration> PrintProcess::state_left() const {
+  expects(state_ != PrintState::Idle, "a print is under way");
+  if (!estimated_end_) return std::nullopt;
+  return std::max(*estimated_end_ - clock_.now(), Duration{0});
+}
+
 Duration PrintProcess::time_left() const {
   expects(state_ != PrintState::Idle, "a print is under way");
-  // The layer under way has had its light already.
-  const bool exposed =
-      layer_exposed_ || state_ == PrintState::Darkening || state_ == PrintState::Extinguishing;
-  const std::size_t index = static_cast<std::size_t>(layer_) + (exposed ? 1 : 0);
-  return left_after_[std::min(index, left_after_.size() - 1)];
+  return state_left().value_or(Duration{0}) + left_behind_state();
+}
+
+// To the switch, back off it and to it again. A plate of which nobody knows where it is was parked by the
+// last print.
+Duration PrintProcess::homing_duration() const {
+  const ZAxis& axis = machine_.z_axis();
+  const MillimetersPerSecond slow{plan_->homing_speed.count() / 2};
+  const Nanometers way = plan_->home_height - axis.height().value_or(axis.travel());
+  return axis.move_duration(way, plan_->homing_speed) + axis.move_duration(kBackOff, plan_->homing_speed) +
+         axis.move_duration(kBackOff, slow);
+}
+
+Duration PrintProcess::parking_duration(Nanometers from) const {
+  const ZAxis& axis = machine_.z_axis();
+  return axis.move_duration(std::max(axis.travel() - from, Nanometers{}), plan_->travel_speed);
+}
+
+Duration PrintProcess::lowering_duration(std::int32_t layer) const {
+  const ZAxis& axis = machine_.z_axis();
+  if (layer > 0) return axis.move_duration(-plan_->lift, plan_->retract_speed);
+  return axis.move_duration(layer_top() - plan_->home_height, plan_->travel_speed);
+}
+
+// Of the layer under way, behind the state under way.
+Duration PrintProcess::left_of_layer() const {
+  const Duration lift = machine_.z_axis().move_duration(plan_->lift, plan_->lift_speed);
+  const Duration light = std::max(exposure_left(), Duration{0});
+  const Duration lit = light + plan_->rest + lift;
+  const Duration whole = lowering_duration(layer_) + plan_->settle + lit;
+  switch (state_) {
+    case PrintState::WarmingUp:
+      return homing_duration() + whole;
+    case PrintState::Held:
+      return plan_->warm_up + homing_duration() + whole;
+    case PrintState::Lowering:
+      return plan_->settle + lit;
+    case PrintState::Settling:
+    case PrintState::Showing:
+    case PrintState::Igniting:
+      return lit;
+    case PrintState::Exposing:
+    case PrintState::Darkening:
+    case PrintState::Extinguishing:
+      return plan_->rest + lift;
+    case PrintState::Resting:
+      return lift;
+    default:
+      return has_all_light() ? Duration{0} : whole;
+  }
+}
+
+Duration PrintProcess::left_behind_state() const {
+  if (state_ == PrintState::Parking || state_ == PrintState::Ending) return Duration{0};
+  if (canceled_) return parking_duration(machine_.z_axis().height().value_or(layer_top()));
+  const std::size_t next = static_cast<std::size_t>(layer_) + 1;
+  return left_of_layer() + left_after_[std::min(next, left_after_.size() - 1)];
 }
 
 }  // namespace contourd

@@ -37,6 +37,9 @@ struct PrintPlan {
   Nanometers lift{};
   MillimetersPerSecond lift_speed, retract_speed, travel_speed, homing_speed;
   Duration settle{}, rest{};
+  // For the time left only: how long the lamp takes to be warm, and where the plate is behind homing.
+  Duration warm_up{};
+  Nanometers home_height{};
 };
 
 // How long one of the expected layers takes on this axis: exposure, peel, the way back and the waits between.
@@ -151,8 +154,12 @@ class PrintProcess {
   [[nodiscard]] bool on_last_layer() const { return !plan_->layers.thickness_at(layer_top()); }
   // Nothing while Idle.
   [[nodiscard]] const PrintPlan* plan() const { return plan_ ? &*plan_ : nullptr; }
-  // From now to the end, pauses aside, as far as the layers are as expected. REQUIRES: not Idle.
+  // From now to the end, pauses aside, as far as the layers are as expected: with warm-up, homing and
+  // parking. It stands still only where a state takes longer than was expected, or waits for somebody.
+  // REQUIRES: not Idle.
   [[nodiscard]] Duration time_left() const;
+  // From now to the end of the state under way; nothing where nobody knows. REQUIRES: not Idle.
+  [[nodiscard]] std::optional<Duration> state_left() const;
 
  private:
   void handle(PrintEvent event);
@@ -164,6 +171,12 @@ class PrintProcess {
   void wait_until(TimePoint when);
   [[nodiscard]] Duration exposure_left() const { return record_.exposure_asked - record_.exposure_most; }
   void expect_within(Duration duration, const std::string& what);
+  void estimate(Duration duration) { estimated_end_ = clock_.now() + duration; }
+  [[nodiscard]] Duration homing_duration() const;
+  [[nodiscard]] Duration parking_duration(Nanometers from) const;
+  [[nodiscard]] Duration lowering_duration(std::int32_t layer) const;
+  [[nodiscard]] Duration left_behind_state() const;
+  [[nodiscard]] Duration left_of_layer() const;
   void move_to(Nanometers target, MillimetersPerSecond speed);
   void power_on();
   void show_black();
@@ -207,7 +220,8 @@ class PrintProcess {
   bool light_asked_ = false;        // what light it gave is not in the record yet
   std::optional<LightSpan> light_;  // of that light, as it was known when it was told to go off
   TimePoint exposure_end_{};
-  std::vector<Duration> left_after_;  // by expected layer: how long the layers behind it take
+  std::vector<Duration> left_after_;  // by expected layer: how long it, those behind it and parking take
+  std::optional<TimePoint> estimated_end_;  // of the state under way
   std::unique_ptr<Timer> wait_;
   std::unique_ptr<Timer> deadline_;
 };

@@ -125,6 +125,7 @@ Json PrinterStatus::status() const {
   add_reasons_to_wait(status);
   const auto& ended = parts_.history.jobs();
   status["last"] = ended.empty() ? Json() : ended_json(ended.back());
+  status["dark"] = dark();
   status["manual"] = manual();
   return status;
 }
@@ -155,9 +156,16 @@ void PrinterStatus::add_print(Json& job) const {
   job["layer_height_um"] = to_millimeters(print.layer_thickness()).count() * 1000;
   job["elapsed_s"] = seconds(record.elapsed());
   job["time_left_s"] = seconds(print.time_left());
+  const std::optional<Duration> state_left = print.state_left();
+  job["state_left_s"] = state_left ? Json(seconds(*state_left)) : Json();
   job["pause_pending"] = print.pause_pending();
   job["pause"] = print.pause_pending() ? Json(print.next_pause()) : Json();
   job["interruption"] = or_null(print.interruption());
+}
+
+bool PrinterStatus::dark() const {
+  return !parts_.job.print().light_may_be_on() && !parts_.manual.light_may_be_on() &&
+         context_.machine.projector().light_off_unconfirmed().empty();
 }
 
 Json PrinterStatus::manual() const {

@@ -47,6 +47,7 @@ class PrinterStatus {
   [[nodiscard]] std::string_view state() const;
   [[nodiscard]] Json job() const;
   void add_print(Json& job) const;
+  [[nodiscard]] bool dark() const;
   [[nodiscard]] Json manual() const;
   [[nodiscard]] Json waiting_job(std::size_t number) const;
   [[nodiscard]] std::string reason_to_wait(std::size_t number) const;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -17,13 +18,18 @@
 
 namespace contourd::ctl {
 
-DaemonConnection::DaemonConnection(const std::filesystem::path& path)
+DaemonConnection::DaemonConnection(const std::filesystem::path& path,
+                                   std::optional<std::chrono::seconds> patience)
     : path_(path.string()), socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path_.size() >= sizeof address.sun_path)
     throw DaemonError(fmt::format("{}: the path is too long", path_));
   std::memcpy(address.sun_path, path_.c_str(), path_.size() + 1);
+  if (patience) {
+    const timeval longest{patience->count(), 0};
+    (void)::setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof longest);
+  }
   if (::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     throw DaemonError(fmt::format("cannot reach contourd on {}: {}", path_, std::strerror(errno)));
   }

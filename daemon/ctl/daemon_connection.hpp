@@ -16,8 +16,10 @@ class DaemonConnection {
   using Json = nlohmann::ordered_json;
   using Time = std::chrono::steady_clock::time_point;
 
-  // Throws DaemonError when it cannot be made, as the calls below do when it breaks.
-  explicit DaemonConnection(const std::filesystem::path& path);
+  // Throws DaemonError when it cannot be made, as the calls below do when it breaks. A daemon that is too
+  // busy to take it, or what is sent, is given up after so long; without that it is waited for.
+  explicit DaemonConnection(const std::filesystem::path& path,
+                            std::optional<std::chrono::seconds> patience = std::nullopt);
 
   // The parameters by name.
   void send(const std::string& method, int id, const Json& parameters = Json::object());

@@ -371,8 +371,9 @@ class CommandLine {
     add_client("resume", "Go on after a pause, or with the queue after a failure", "resume");
     add_client("cancel", "End the print under way: light off, plate up", "cancel");
     add_client("plate-cleared", "Tell contourd that the plate is free for the next job", "plate_cleared");
-    CLI::App* command = add_command("watch", "Follow the print with a progress bar until it ends",
-                                    [this] { return watch(client_, ended_.job); });
+    CLI::App* command =
+        add_command("watch", "Follow the print until it ends: in a terminal on all of it, else line by line",
+                    [this] { return watch(client_, ended_.job); });
     command->add_option("--job", ended_.job, "Until the job of this name has ended")->check(kNotEmpty);
     add_client_options(command);
   }

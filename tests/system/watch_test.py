@@ -1,0 +1,324 @@
+#!/usr/bin/env python3
+"""contourctl watch on a whole terminal, through a pseudo terminal: what is on the screen, and that it is given back."""
+
+import codecs
+import fcntl
+import json
+import os
+import pty
+import re
+import select
+import signal
+import struct
+import subprocess
+import termios
+import unicodedata
+
+from harness import (
+    CONTOURCTL, DEADLINE_S, ENDLESS, FAILED, NIMBLE_RESIN, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, binary_stl, box,
+    contourctl, main, merge, wait_until,
+)  # fmt: skip
+
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
+ISLAND = binary_stl(box((0, 0, 0), (10, 5, 1)) + box((20, 0, 0.5), (25, 5, 1)))
+SEQUENCE = re.compile(r"\x1b\[(\??)([0-9;]*)([A-Za-z])")
+
+
+class Terminal:
+    """A terminal of that size, and a program on it. Knows the sequences that the view is drawn with, and no others."""
+
+    def __init__(self, test, command, columns=80, rows=24, **environment):
+        self.columns, self.rows, self.received, self.raw = columns, rows, "", b""
+        self.decode = codecs.getincrementaldecoder("utf-8")().decode
+        self.lines, self.at, self.seen_colour = [""] * rows, (0, 0), False
+        self.alternate, self.cursor, self.wraps, self.before = False, True, True, ""
+        self.ours, its = pty.openpty()
+        self.resize(columns, rows)
+        self.modes = termios.tcgetattr(its)
+        environment = {"TERM": "xterm", **environment}
+        # A process group of its own, in this session: one that is orphaned cannot be stopped.
+        self.process = subprocess.Popen(
+            command, stdin=its, stdout=its, stderr=its, process_group=0,
+            env={**{k: v for k, v in os.environ.items() if k not in ("TERM", "NO_COLOR")}, **environment})  # fmt: skip
+        self.its = its
+        test.addCleanup(os.close, its)
+        test.addCleanup(os.close, self.ours)
+        test.addCleanup(self.process.wait)
+        test.addCleanup(self.process.kill)
+
+    def resize(self, columns, rows):
+        fcntl.ioctl(self.ours, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+        self.columns, self.rows = columns, rows
+        self.lines = (self.lines + [""] * rows)[:rows]
+
+    def read(self, seconds=0.02):
+        """What has been drawn meanwhile; False when there is nothing."""
+        if not select.select([self.ours], [], [], seconds)[0]:
+            return False
+        data = os.read(self.ours, 65536)
+        self.raw += data
+        self._take(data)
+        return True
+
+    def _take(self, data):
+        self.received += self.decode(data)
+        while self.received:
+            found = SEQUENCE.match(self.received)
+            if found:
+                self._obey(*found.groups())
+                self.received = self.received[found.end() :]
+            elif self.received[0] == "\x1b" and len(self.received) < 12:
+                return  # half a sequence
+            else:
+                self._print(self.received[0])
+                self.received = self.received[1:]
+
+    def _obey(self, private, numbers, command):
+        row, _ = self.at
+        if private:
+            {"1049": self._switch, "25": self._show_cursor, "7": self._wrap}[numbers](command == "h")
+        elif command == "H":
+            row, column = map(int, numbers.split(";"))
+            assert row <= self.rows and column == 1, numbers
+            self.at = (row - 1, 0)
+        elif command == "K":
+            self.lines[row] = ""
+        elif command == "J":
+            for below in range(0 if numbers == "2" else row, self.rows):
+                self.lines[below] = ""
+        elif command == "m":
+            self.seen_colour = self.seen_colour or numbers != "0"
+        else:
+            raise AssertionError(f"ESC [ {numbers} {command}")
+
+    def _switch(self, on):
+        self.alternate, self.lines = on, [""] * self.rows
+
+    def _show_cursor(self, on):
+        self.cursor = on
+
+    def _wrap(self, on):
+        self.wraps = on
+
+    def _print(self, character):
+        if not self.alternate:
+            self.before += character
+            return
+        assert unicodedata.category(character)[0] != "C", f"{character!r} reached the terminal"
+        row, column = self.at
+        column += 0 if unicodedata.combining(character) else 2 if unicodedata.east_asian_width(character) in "WF" else 1
+        assert column <= self.columns, f"line {row + 1} is wider than {self.columns} columns: {self.lines[row]}"
+        self.lines[row] += character
+        self.at = (row, column)
+
+    def text(self):
+        return "\n".join(self.lines)
+
+    def wait_for(self, part, what=None):
+        def shown():
+            self.read()
+            return part in self.text()
+        try:
+            wait_until(shown, what or repr(part))
+        except AssertionError as error:
+            raise AssertionError(f"{error}:\n{self.before}\n{self.text()}") from None
+
+    def wait_end(self):
+        """Its exit code. Everything is as it was before."""
+        def ended():
+            return not self.read() and self.process.poll() is not None
+        wait_until(ended, "the end of the view")
+        while self.read():
+            pass
+        self.assert_given_back()
+        return self.process.returncode
+
+    def assert_given_back(self):
+        assert not self.alternate and self.cursor and self.wraps, self.raw[-200:]
+        assert termios.tcgetattr(self.its) == self.modes, "the keyboard is not as it was"
+
+
+class Watch(FolderTest):
+    def daemon(self, resin=None, **config):
+        config = merge(json.loads(json.dumps(REALTIME)), config)
+        return Daemon(self, config, {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
+
+    def printing(self, name="part"):
+        daemon = self.daemon()
+        daemon.drop(name + ".stl", ISLAND)
+        daemon.wait_state("exposing")
+        return daemon
+
+    def watch(self, daemon, *arguments, **options):
+        return Terminal(self, [CONTOURCTL, "watch", "--socket", daemon.socket_path, *arguments], **options)
+
+    def test_it_shows_the_print_and_its_warnings_and_ends_with_it(self):
+        daemon = self.printing("Bär-部品")
+        terminal = self.watch(daemon)
+        terminal.wait_for("warning   1 island")
+        for part in ("Bär-部品", "]   0 %", "phase     exposing, ", "light     ON", "layer     1 of 20, 50 um", "until ",
+                     "height    0.050 of 1.000 mm", "resin     0.", "next      resting", "queue     empty"):  # fmt: skip
+            self.assertIn(part, terminal.text())
+        self.assertTrue(terminal.seen_colour)
+        daemon.rpc("cancel")
+        self.assertEqual(terminal.wait_end(), FAILED)
+        lines = terminal.before.splitlines()
+        self.assertIn("Bär-部品: warning: 1 island", lines[0])
+        self.assertEqual(lines[1:], ["Bär-部品: cancelled"])
+        daemon.stop()
+
+    def test_a_whole_print_is_watched_on_screens_of_every_size(self):
+        daemon = self.daemon({})
+        for columns, rows in ((200, 60), (80, 24), (40, 10), (20, 3), (1, 1)):
+            with self.subTest(columns=columns, rows=rows):
+                name = f"part-部品-{columns}"
+                terminal = self.watch(daemon, "--job", name, columns=columns, rows=rows)
+                daemon.drop(name + ".stl", ISLAND)
+                self.assertEqual(terminal.wait_end(), OK)
+                self.assertEqual(terminal.before.splitlines()[-1], f"{name}: done")
+        daemon.stop()
+
+    def test_it_counts_down(self):
+        daemon = self.printing()
+        terminal = self.watch(daemon)
+        seen = set()
+
+        def counted():
+            terminal.read()
+            seen.update(re.findall(r"exposing, 1 min (\d\d) s left", terminal.text()))
+            return len(seen) > 2
+        wait_until(counted, "three figures")
+        terminal.process.terminate()
+        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+
+    def test_it_is_drawn_anew_in_place_when_the_terminal_gets_another_size(self):
+        daemon = self.printing()
+        terminal = self.watch(daemon)
+        terminal.wait_for("light     ON")
+        terminal.resize(30, 5)
+        terminal.process.send_signal(signal.SIGWINCH)  # a terminal that is the session's own sends it
+        terminal.lines = [""] * 5
+        terminal.wait_for("light     ON")
+        self.assertEqual(len(terminal.lines), 5)
+        self.assertIn("%", terminal.text())
+        terminal.process.terminate()
+        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+
+    def test_the_terminal_is_given_back_whatever_ends_it(self):
+        daemon = self.printing()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
+            with self.subTest(number):
+                terminal = self.watch(daemon)
+                terminal.wait_for("light     ON")
+                terminal.process.send_signal(number)
+                self.assertEqual(terminal.wait_end(), -number)
+        with self.subTest("q"):
+            terminal = self.watch(daemon)
+            terminal.wait_for("light     ON")
+            os.write(terminal.ours, b"xq")
+            self.assertEqual(terminal.wait_end(), -signal.SIGINT)
+        self.assertEqual(daemon.status()["state"], "exposing")
+
+    def test_it_gives_the_terminal_back_while_it_is_stopped(self):
+        daemon = self.printing()
+        terminal = self.watch(daemon)
+        terminal.wait_for("light     ON")
+        terminal.process.send_signal(signal.SIGTSTP)
+        self.assertTrue(os.WIFSTOPPED(os.waitpid(terminal.process.pid, os.WUNTRACED)[1]))
+        while terminal.read():
+            pass
+        terminal.assert_given_back()
+        terminal.process.send_signal(signal.SIGCONT)
+        terminal.wait_for("light     ON")
+        terminal.process.send_signal(signal.SIGSTOP)
+        self.assertTrue(os.WIFSTOPPED(os.waitpid(terminal.process.pid, os.WUNTRACED)[1]))
+        terminal.process.send_signal(signal.SIGCONT)
+        terminal.wait_for("light     ON")
+        terminal.process.terminate()
+        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+
+    def test_a_terminal_that_takes_nothing_keeps_it_from_nothing(self):
+        daemon = self.printing()
+        terminal = self.watch(daemon)
+        terminal.wait_for("light     ON")
+        termios.tcflow(terminal.its, termios.TCOOFF)  # as Ctrl-S does
+        while terminal.read():
+            pass
+        terminal.process.send_signal(signal.SIGWINCH)  # all is to be drawn anew
+        terminal.process.terminate()
+        self.assertEqual(terminal.process.wait(DEADLINE_S), -signal.SIGTERM)
+        self.assertEqual(termios.tcgetattr(terminal.its), terminal.modes)
+
+    def test_it_says_that_contourd_is_gone_and_goes_on_when_it_is_back(self):
+        daemon = self.printing()
+        terminal = self.watch(daemon)
+        terminal.wait_for("light     ON")
+        daemon.kill()
+        terminal.wait_for("closed the connection")
+        self.assertIn("light     not known", terminal.text())
+        daemon.start()
+        terminal.wait_for("held      the queue is held")
+        self.assertNotIn("closed the connection", terminal.text())
+        terminal.process.terminate()
+        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+        daemon.stop()
+
+    def test_a_job_that_is_nowhere_is_told_on_the_terminal_as_it_was(self):
+        daemon = self.daemon()
+        terminal = self.watch(daemon, "--job", "nothere")
+        self.assertEqual(terminal.wait_end(), FAILED)
+        self.assertIn("there is no job nothere", terminal.before)
+        self.assertEqual(len(terminal.before.splitlines()), 1)
+        daemon.stop()
+
+    def test_it_shows_the_queue_and_what_is_done_by_hand_while_nothing_prints(self):
+        daemon = self.daemon(wait_for_plate_cleared=True, resin={})
+        daemon.drop("one.stl", SMALL)
+        daemon.wait_done("one")
+        terminal = self.watch(daemon)
+        terminal.wait_for("plate     occupied by one")
+        daemon.drop("two.stl", SMALL)
+        terminal.wait_for("queue     1 job\n   1  two.stl")
+        self.assertIn("plate-cleared", terminal.text())
+        self.assertIn("last job  one: done", terminal.text())
+        client = daemon.client()
+        client.call("show", pattern="grid")
+        terminal.wait_for("screen: grid")
+        terminal.process.terminate()
+        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+
+    def test_no_name_reaches_the_terminal_raw(self):
+        daemon = self.printing("\x1b[31m\n\u202e\x9b2J" + "品" * 60)  # Terminal checks what it prints
+        daemon.drop("b\x1b]0;x\x07.stl", SMALL)
+        terminal = self.watch(daemon)
+        terminal.wait_for("?[31m??")
+        terminal.wait_for("1  b?]0;x?.stl")
+        terminal.process.terminate()
+        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+
+    def test_no_colour_and_a_terminal_that_knows_no_sequences_are_respected(self):
+        daemon = self.printing()
+        terminal = self.watch(daemon, NO_COLOR="1")
+        terminal.wait_for("light     ON")
+        terminal.process.terminate()
+        terminal.wait_end()
+        self.assertFalse(terminal.seen_colour)
+        plain = [self.watch(daemon, TERM="dumb"), self.watch(daemon, "--json")]
+        for terminal in plain:
+            wait_until(lambda terminal=terminal: terminal.read() or "exposing" in terminal.before, "a line")
+        daemon.rpc("cancel")
+        for terminal in plain:
+            self.assertEqual(terminal.wait_end(), FAILED)
+            self.assertNotIn(b"\x1b", terminal.raw)
+        daemon.stop()
+
+    def test_without_a_daemon_the_terminal_is_not_touched(self):
+        terminal = Terminal(self, [CONTOURCTL, "watch", "--socket", self.path("none")])
+        self.assertEqual(terminal.wait_end(), UNAVAILABLE)
+        self.assertNotIn(b"\x1b", terminal.raw)
+        self.assertEqual(len(terminal.before.splitlines()), 1)
+        self.assertEqual(contourctl("watch", "--socket", self.path("none")).returncode, UNAVAILABLE)
+
+
+if __name__ == "__main__":
+    main()
