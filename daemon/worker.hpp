@@ -19,8 +19,8 @@ namespace contourd {
 
 class Worker {
  public:
-  // A thread named `name` (15 letters at most). `niceness` as for setpriority(2), up to 19. The event loop's is
-  // lower in a service (see contourd.service).
+  // A thread named `name` (15 letters at most). `niceness` as for setpriority(2), up to 19. The event loop's
+  // is lower in a service (see contourd.service).
   Worker(EventLoop& loop, const char* name, int niceness = 0)
       : mailbox_(loop), thread_([this, name, niceness](const std::stop_token& stop) {
           // Linux: of the calling thread. Should one fail, the work is done all the same.

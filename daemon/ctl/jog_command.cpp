@@ -82,7 +82,7 @@ class Jog {
       line = fmt::format("{}   step {:g} mm   {}{}",
                          height.is_number() ? fmt::format("height {:.3f} mm", height.get<double>())
                                             : std::string("height unknown: h homes"),
-                         step_mm_, printable(manual_.value("state", "")),
+                         step_mm_, asked_ ? "..." : printable(manual_.value("state", "")),
                          picture.is_string() ? "   shows " + printable(picture.get<std::string>()) : "");
     }
     fmt::print("\r\x1b[K{:.{}}", line, terminal_columns() - 1);

@@ -18,7 +18,6 @@
 #include "daemon/ctl/analyze_command.hpp"
 #include "daemon/ctl/client.hpp"
 #include "daemon/ctl/config_command.hpp"
-
 #include "daemon/ctl/diagnose_command.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/inspect_command.hpp"
@@ -196,6 +195,13 @@ struct ManualWords {
   std::optional<double> to_mm, by_mm, speed_mm_s, seconds;
   bool plate_is_clear = false, in_resin = false, confirm = false;
   std::string pattern;
+};
+
+// What the user typed for the commands by which a printer is wired and brought up.
+struct WiringWords {
+  JogOptions jog;
+  LevelOptions level;
+  bool once = false;
 };
 
 // What the user typed for history and watch.
@@ -513,21 +519,22 @@ class CommandLine {
   // For whoever wires the printer and brings it up.
   void add_wiring_commands() {
     CLI::App* switches = add_command(&app_, "switches", "Show the switches' and other inputs' states, live",
-                                     [this] { return show_switches(client_, once_); });
-    switches->add_flag("--once", once_, "Only once");
+                                     [this] { return show_switches(client_, wiring_.once); });
+    switches->add_flag("--once", wiring_.once, "Only once");
     add_client_options(switches);
     CLI::App* jog_keys =
-        add_command(&app_, "jog", "Move the plate by keys", [this] { return jog(client_, jog_); });
-    jog_keys->add_option("--light-seconds", jog_.light_s, "How long the key l lights, s")
+        add_command(&app_, "jog", "Move the plate by keys", [this] { return jog(client_, wiring_.jog); });
+    jog_keys->add_option("--light-seconds", wiring_.jog.light_s, "How long the key l lights, s")
         ->capture_default_str();
-    jog_keys->add_flag("--plate-is-clear", jog_.plate_is_clear,
+    jog_keys->add_flag("--plate-is-clear", wiring_.jog.plate_is_clear,
                        "Nothing is in the plate's way, whatever contourd knows of");
-    jog_keys->add_flag("--in-resin", jog_.in_resin, "Light also when the plate may be in the resin");
+    jog_keys->add_flag("--in-resin", wiring_.jog.in_resin, "Light also when the plate may be in the resin");
     add_socket_option(jog_keys);
     CLI::App* levelling =
         add_command(&app_, "level", "Level the plate, step by step, and store where its switch is",
-                    [this] { return level(client_, level_); });
-    levelling->add_option("--config", level_.config, "The printer's configuration")->capture_default_str();
+                    [this] { return level(client_, wiring_.level); });
+    levelling->add_option("--config", wiring_.level.config, "The printer's configuration")
+        ->capture_default_str();
     add_socket_option(levelling);
   }
 
@@ -575,9 +582,7 @@ class CommandLine {
   SliceWords words_;
   SubmitOptions submit_;
   ManualWords manual_;
-  JogOptions jog_;
-  LevelOptions level_;
-  bool once_ = false;
+  WiringWords wiring_;
   QueueWords queue_;
   ComputerWords computer_;
   ClientOptions client_;

@@ -168,8 +168,8 @@ class Jog(ManualTest):
         press("j", "height 1.000 mm   step 0.1 mm   idle")
         press("\x1b[1;5Cxyz4", "step 10 mm")  # keys without a meaning
         press("\x1b[B", "the plate cannot go to -9.000 mm")
-        press("g", "shows grid")
-        press("g", "shows border")
+        press("g", "idle   shows grid")
+        press("g", "idle   shows border")
         press("m", "height unknown")
         press("q", "\n")
         self.assertEqual(process.wait(DEADLINE_S), OK)
