@@ -1,6 +1,7 @@
 // A job whose turn has come. A value.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "daemon/job_files.hpp"
@@ -13,7 +14,8 @@ struct ClaimedJob {
   JobFiles files;  // in printing/
   // As they were when its turn came; nothing where its ticket is a reason to refuse it.
   std::optional<JobSettings> settings;
-  TimePoint turn_came;  // when it arrived, or its waiting ended; CLOCK_MONOTONIC
+  TimePoint turn_came;   // when it arrived, or its waiting ended; CLOCK_MONOTONIC
+  std::int64_t key = 0;  // in the history (EndedJob)
 };
 
 }  // namespace contourd

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -40,6 +41,11 @@ struct ControlMethod {
   std::vector<std::string> parameters{};  // the names that it may have
   bool changes = false;                   // something: it is in the log with its caller
   bool needs_service_rights = false;      // it moves or lights the printer by hand
+
+  // Where it is set, instead of `call`: returns the result, or nothing and calls `later` with it once, from
+  // the loop and never from inside. What the same connection asks next waits for that.
+  using Later = std::function<void(Json result)>;
+  std::function<std::optional<Json>(const Json& parameters, Later later)> call_later{};
 };
 
 using ControlMethods = std::map<std::string, ControlMethod>;

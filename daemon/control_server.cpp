@@ -126,6 +126,18 @@ class ControlServer::Client {
 
   [[nodiscard]] bool closed() const { return source_ == nullptr; }
   [[nodiscard]] bool reads_slowly() const { return unsent_.size() > kMaxUnsent; }
+  // The message under way is answered later, by answer_later(): nothing else is done before.
+  void wait_for_answer() { waiting_ = true; }
+  // Discarded where none is wanted.
+  void answer_later(const Json& answer) {
+    waiting_ = false;
+    if (batch_) {
+      add_to_batch(answer);
+    } else if (!answer.is_discarded()) {
+      send(answer);
+    }
+    if (!closed()) end_turn();
+  }
   // No more is read or sent; the server removes the client when nobody is inside it.
   void close() {
     source_.reset();
@@ -155,10 +167,15 @@ class ControlServer::Client {
 
   void ready(std::uint32_t events) {
     // Whatever is still to be answered.
-    if ((events & (EPOLLHUP | EPOLLERR)) != 0) tell_disconnected();
+    if ((events & (EPOLLHUP | EPOLLERR)) != 0) {
+      hung_up_ = true;
+      tell_disconnected();
+    }
     if ((events & EPOLLOUT) != 0) flush();
     if (closed()) return;
-    if ((events & EPOLLIN) != 0) {
+    if (waiting_) {
+      watch_socket();
+    } else if ((events & EPOLLIN) != 0) {
       receive();
     } else if ((events & (EPOLLHUP | EPOLLERR)) != 0 && !busy_) {
       close();
@@ -187,6 +204,12 @@ class ControlServer::Client {
       if (!std::exchange(skipping_, false)) handle(line);
     }
     if (closed()) return;
+    if (!waiting_) return end_turn();
+    busy_ = true;
+    watch_socket();
+  }
+
+  void end_turn() {
     const bool more = batch_ || received_.find('\n') != std::string::npos;
     if (!more && received_.size() > kLongestMessage) skip_line();
     if (closed()) return;
@@ -237,6 +260,10 @@ class ControlServer::Client {
 
   void answer_next_of_batch() {
     const Json answer = server_.answer(batch_->messages[batch_->next++], *this);
+    if (!waiting_) add_to_batch(answer);
+  }
+
+  void add_to_batch(const Json& answer) {
     if (!answer.is_discarded()) batch_->answers += (batch_->answers.empty() ? "" : ",") + text_of(answer);
     if (batch_->next < batch_->messages.size()) return;
     const std::string answers = std::move(batch_->answers);
@@ -258,7 +285,10 @@ class ControlServer::Client {
   // What it asks for next waits in the kernel for as long as it has not got its answers.
   void watch_socket() {
     if (closed()) return;
-    const std::uint32_t events = (input_ended_ || busy_ ? 0U : EPOLLIN) | (unsent_.empty() ? 0U : EPOLLOUT);
+    std::uint32_t events = (input_ended_ || busy_ ? 0U : EPOLLIN) | (unsent_.empty() ? 0U : EPOLLOUT);
+    // An answer may be long in coming, and a client that is no more is known at once: a hang-up is told
+    // beside any event, of which this one does not come.
+    if (waiting_) events = hung_up_ ? 0U : events | EPOLLPRI;
     if (events != std::exchange(events_, events)) source_->set_events(events);
   }
 
@@ -270,7 +300,9 @@ class ControlServer::Client {
   std::string received_, unsent_;
   std::optional<Batch> batch_;
   bool skipping_ = false;
-  bool busy_ = false;  // next_turn_ is to come
+  bool busy_ = false;     // next_turn_ is to come
+  bool waiting_ = false;  // for an answer that comes later
+  bool hung_up_ = false;
   bool input_ended_ = false;
   bool disconnect_told_ = false;
 };
@@ -360,7 +392,7 @@ Json ControlServer::answer(const Json& message, Client& client) {
                         R"(not a JSON-RPC 2.0 request; expected {"jsonrpc":"2.0","method":...,"id":...})");
   }
   const Json result = call(message, client);
-  if (!has_id) return no_answer;
+  if (!has_id || result.is_discarded()) return no_answer;
   if (result.contains("error")) {
     return {{"jsonrpc", "2.0"}, {"error", result["error"]}, {"id", message["id"]}};
   }
@@ -390,6 +422,7 @@ Json ControlServer::call(const Json& message, Client& client) {
       return failure(kNotAllowed, fmt::format("{} is for root and the group contourd-service", name));
     }
     if (called_ && method->second.changes) called_(name, client.peer);
+    if (method->second.call_later) return call_later(method->second, parameters, message, client);
     return Json{{"result", method->second.call(parameters, {client.number, client.peer.user})}};
   } catch (const InvalidParameters& invalid) {
     return failure(kInvalidParams, invalid.what());
@@ -398,6 +431,26 @@ Json ControlServer::call(const Json& message, Client& client) {
   } catch (const std::exception& error) {
     return failure(kInternalError, error.what());
   }
+}
+
+// Discarded when the answer is still to come.
+Json ControlServer::call_later(const ControlMethod& method, const Json& parameters, const Json& message,
+                               Client& client) {
+  const Json id = message.contains("id") ? message["id"] : Json(Json::value_t::discarded);
+  const auto later = [this, alive = std::weak_ptr(alive_), number = client.number, id](Json result) {
+    if (alive.expired()) return;
+    const auto is_asker = [number](const auto& entry) {
+      return entry.second->number == number && !entry.second->closed();
+    };
+    const auto asker = std::ranges::find_if(clients_, is_asker);
+    if (asker == clients_.end()) return;
+    asker->second->answer_later(
+        id.is_discarded() ? id : Json{{"jsonrpc", "2.0"}, {"result", std::move(result)}, {"id", id}});
+  };
+  if (const std::optional<Json> result = method.call_later(parameters, later))
+    return Json{{"result", *result}};
+  client.wait_for_answer();
+  return Json(Json::value_t::discarded);
 }
 
 bool ControlServer::has_service_rights(const Peer& peer) const {

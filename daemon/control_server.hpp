@@ -72,6 +72,7 @@ class ControlServer {
   // One message's answer; discarded for a notification.
   Json answer(const Json& message, Client& client);
   Json call(const Json& message, Client& client);
+  Json call_later(const ControlMethod& method, const Json& parameters, const Json& message, Client& client);
   [[nodiscard]] bool has_service_rights(const Peer& peer) const;
   // Counts a turn of the user's and tells when the next one is.
   [[nodiscard]] TimePoint take_turn_of(uid_t user, TimePoint now);
@@ -89,6 +90,7 @@ class ControlServer {
   std::optional<gid_t> service_group_;
   std::uint64_t connections_ = 0;  // so many were made
   EventLoop::SourcePtr drop_timer_, rest_timer_;
+  std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);  // for answers that come later
 };
 
 }  // namespace contourd

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "daemon/job_figures.hpp"
 #include "daemon/job_filing.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
@@ -54,6 +55,11 @@ CurrentJob::CurrentJob(const PrinterContext& context, Spool& spool, JobReader& r
 
 bool CurrentJob::finishing() const {
   return job_ && job_->prepared && process_.state() == PrintState::Idle;
+}
+
+JobFigures CurrentJob::figures() const {
+  expects(job_ && job_->record, "a print is under way");
+  return figures_of(job_->prepared->summary, job_->record->layers(), job_->record->elapsed());
 }
 
 void CurrentJob::add_lit_turn(const EventLoop::Turn& turn) {
@@ -203,7 +209,7 @@ void CurrentJob::print_ended(PrintOutcome outcome, const std::string& reason, Pr
   report.outcome = outcome;
   report.reason = reason;
   log_.ended(report);
-  archivist_.record(name(), {outcome, reason});
+  archivist_.record(name(), {outcome, reason, job_->claimed.key});
   job_->over = EndedPrint{job_->claimed.files, std::move(report), std::move(plan.engine)};
   // What is wrong with the machine would be wrong for the next job too, and that begins with a motion.
   // Stopped with contourd, it has left its part in the way.
@@ -223,6 +229,9 @@ void CurrentJob::file() {
   EndedPrint print = std::move(*job_->over);
   job_->over.reset();
   print.report.findings = std::move(job_->findings);
+  job_->ended = {name(), std::string(name_of(print.report.outcome)), print.report.reason, job_->analysis,
+                 figures_of(print.report)};
+  print.noted = observer_.print_over(job_->ended);
   archivist_.file(std::move(print), [this](const FiledPrint& done) { filed(done); });
 }
 
@@ -230,11 +239,11 @@ void CurrentJob::filed(const FiledPrint& print) {
   const std::string& name = print.files.name;
   for (const std::string& trouble : print.troubles)
     context_.log.error("spool", fmt::format("{}: {}", printable(name), printable(trouble)), job_fields(name));
-  nlohmann::ordered_json analysis = std::move(job_->analysis);
+  EndedJob ended = std::move(job_->ended);
   job_.reset();
   observer_.memory_freed();
   if (!print.moved) hold_.add_unfiled(print.files, PrintEnd{print.outcome, print.reason});
-  observer_.job_ended({name, std::string(name_of(print.outcome)), print.reason, std::move(analysis)});
+  observer_.job_ended(std::move(ended));
   observer_.may_stop();
 }
 

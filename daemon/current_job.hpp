@@ -1,7 +1,10 @@
 // The job under way, from its claim to its end: has it read, printed and analysed, writes down what happens
 // to it, and has it filed. Event loop's thread only.
+//
+// It has many functions: each step of a job's way is one.
 #pragma once
 
+#include <future>
 #include <optional>
 #include <string>
 #include <utility>
@@ -37,6 +40,8 @@ class JobObserver {
   virtual void light_gone() = 0;
   // A print's memory was given back.
   virtual void memory_freed() = 0;
+  // The print is over and is filed next, which waits a moment for what is returned. Sets the job's times.
+  virtual std::shared_future<void> print_over(EndedJob& job) = 0;
   // There is no job any more; another may begin.
   virtual void job_ended(EndedJob job) = 0;
   // A stop may have nothing more to wait for.
@@ -54,6 +59,7 @@ class CurrentJob final : private PrintObserver {
     std::optional<PrintFindings> findings;  // nothing while the analysis is under way
     nlohmann::ordered_json analysis;        // these in short; null while there are none
     std::optional<EndedPrint> over;         // once the print is, until its analysis is too
+    EndedJob ended;                         // once it is being filed
     bool cancel_wanted = false;             // cancelled before it could start
     int readings = 0;                       // that found no room in memory
   };
@@ -74,6 +80,9 @@ class CurrentJob final : private PrintObserver {
   void stop_analysis();
   // The longest turn of the loop with light goes into the report.
   void add_lit_turn(const EventLoop::Turn& turn);
+
+  // What its print has used so far. REQUIRES: a print under way.
+  [[nodiscard]] JobFigures figures() const;
 
   // Nothing when there is none.
   [[nodiscard]] const State* job() const { return job_ ? &*job_ : nullptr; }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <exception>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -20,6 +21,8 @@ namespace {
 
 // It gives way to the event loop, and to a model that is read.
 constexpr int kNiceness = 5;
+// How long a disk may take to note the print in the history before the print is filed all the same.
+constexpr std::chrono::seconds kLongestNoting{2};
 constexpr Pixels kPreviewWidth{720}, kPreviewHeight{720};
 
 // What the preview shows: all copies on a plate, but one of each model when that is too much to draw.
@@ -81,7 +84,7 @@ std::string as_recorded(const std::string& job) {
 void write_record(const Spool& spool, const std::string& job, const PrintEnd& end) {
   if (recorded_end(spool, job)) return;
   const nlohmann::json record{
-      {"job", as_recorded(job)}, {"outcome", name_of(end.outcome)}, {"reason", end.reason}};
+      {"job", as_recorded(job)}, {"outcome", name_of(end.outcome)}, {"reason", end.reason}, {"key", end.key}};
   spool.records().keep_end_of_print(record.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
 }
 
@@ -100,6 +103,8 @@ FiledPrint file_print(const Spool& spool, EndedPrint& print) {
     spool.write_beside(folder, report.job, "report.json", report_as_json(report));
   });
   if (recorded) write_page_and_picture(spool, print, filed);
+  // As long as they are in printing/, the next start knows of the print what the history does not.
+  if (print.noted.valid()) (void)print.noted.wait_for(kLongestNoting);
   filed.moved = attempt("stays in printing", filed, [&] {
     if (!spool.end(print.files, folder))
       filed.troubles.push_back(fmt::format("{} is gone: somebody took it away", print.files.model.string()));
@@ -162,7 +167,7 @@ std::string reason_text(const PrintEnd& end) {
 }
 
 // A record that nobody could make out is one of nothing.
-std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job) {
+std::optional<RecordedEnd> last_recorded_end(const Spool& spool) {
   const auto record = nlohmann::json::parse(spool.records().end_of_print(), nullptr, false);
   if (!record.is_object()) return std::nullopt;
   const auto text = [&](const char* key) {
@@ -170,8 +175,16 @@ std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job)
     return found != record.end() && found->is_string() ? found->get<std::string>() : std::string();
   };
   const std::optional<PrintOutcome> outcome = outcome_called(text("outcome"));
-  if (!outcome || text("job") != as_recorded(job)) return std::nullopt;
-  return PrintEnd{*outcome, text("reason")};
+  if (!outcome) return std::nullopt;
+  const auto key = record.find("key");
+  const bool has_key = key != record.end() && key->is_number_integer();
+  return RecordedEnd{text("job"), {*outcome, text("reason"), has_key ? key->get<std::int64_t>() : 0}};
+}
+
+std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job) {
+  const std::optional<RecordedEnd> last = last_recorded_end(spool);
+  if (!last || last->job != as_recorded(job)) return std::nullopt;
+  return last->end;
 }
 
 }  // namespace contourd

@@ -2,7 +2,9 @@
 // disk may take seconds, and the event loop has a light to see to. Event loop's thread only.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +21,7 @@ struct EndedPrint {
   JobFiles files;      // in printing/
   PrintReport report;  // all but its picture
   std::unique_ptr<ContourEngine> engine;
+  std::shared_future<void> noted{};  // in the history: the files stay until then, or for a while
 };
 
 struct FiledPrint {
@@ -33,6 +36,7 @@ struct FiledPrint {
 struct PrintEnd {
   PrintOutcome outcome = PrintOutcome::Failed;
   std::string reason;
+  std::int64_t key = 0;  // in the history (EndedJob); 0 where it is not known
 };
 
 class PrintArchivist {
@@ -59,6 +63,14 @@ class PrintArchivist {
 // Where a job with this outcome belongs, and what its reason file says; empty when it has none.
 [[nodiscard]] Spool::Folder folder_for(PrintOutcome outcome);
 [[nodiscard]] std::string reason_text(const PrintEnd& end);
+
+// Whose print's end is recorded last, as it is recorded, and how it ended; nothing when there is no record.
+// Blocks.
+struct RecordedEnd {
+  std::string job;  // printable
+  PrintEnd end;
+};
+[[nodiscard]] std::optional<RecordedEnd> last_recorded_end(const Spool& spool);
 
 // How the print of a job in printing/ ended, if the archivist was only kept from filing it. Blocks.
 [[nodiscard]] std::optional<PrintEnd> recorded_end(const Spool& spool, const std::string& job);

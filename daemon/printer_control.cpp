@@ -2,28 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cstddef>
 #include <optional>
 
 #include "core/contract/expects.hpp"
-#include "daemon/job_history.hpp"
 
 namespace contourd {
 
 using Json = PrinterControl::Json;
-
-namespace {
-
-// How many of the jobs that ended are wanted.
-std::size_t last_of(const Json& parameters) {
-  const auto last = parameters.find("last");
-  if (last == parameters.end()) return JobHistory::kLongest;
-  if (!last->is_number_integer() || *last < 1 || *last > JobHistory::kLongest)
-    throw InvalidParameters(fmt::format("last is a whole number from 1 to {}", JobHistory::kLongest));
-  return last->get<std::size_t>();
-}
-
-}  // namespace
 
 ControlMethods PrinterControl::methods() {
   const auto changes = [this](Json (PrinterControl::*method)()) {
@@ -32,9 +17,6 @@ ControlMethods PrinterControl::methods() {
         .changes = true};
   };
   return {{"status", {[this](const Json&, const ControlCaller&) { return status_.status(); }}},
-          {"history",
-           {[this](const Json& given, const ControlCaller&) { return status_.history(last_of(given)); },
-            {"last"}}},
           {"pause", changes(&PrinterControl::pause)},
           {"resume", changes(&PrinterControl::resume)},
           {"cancel", changes(&PrinterControl::cancel)},

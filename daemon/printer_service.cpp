@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "daemon/readable.hpp"
+#include "daemon/state_folder.hpp"
 #include "daemon/system_users.hpp"
 
 namespace contourd {
@@ -36,11 +37,13 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       queue_(log, calls_of_queue()),
       job_(context_, spool_, reader_, hold_, *this),
       scheduler_(context_, spool_, queue_, hold_, calls_of_scheduler()),
+      kept_history_(loop, log, state_folder_path(config.spool_folder) / "history.sqlite"),
       manual_(machine, clock, [this] { manual_changed(); }),
       status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_, manual_}),
       control_(context_, hold_, job_, scheduler_, status_),
       queue_control_(queue_, job_, status_),
-      manual_control_(context_, {hold_, job_, scheduler_, status_}, manual_) {}
+      manual_control_(context_, {hold_, job_, scheduler_, status_}, manual_),
+      history_control_(kept_history_, history_) {}
 
 PrinterService::~PrinterService() {
   context_.loop.on_turn_over(nullptr);
@@ -60,11 +63,11 @@ PrintQueue::Calls PrinterService::calls_of_queue() {
           .changed = [this] { scheduler_.run(); },
           .refused =
               [this](const std::string& file, const std::string& reason) {
-                note_end({job_name_of(file), "failed", reason});
+                note_refusal({job_name_of(file), "failed", reason});
               },
           .removed =
               [this](const std::string& file, const std::string& reason) {
-                note_end({job_name_of(file), "cancelled", reason});
+                note_refusal({job_name_of(file), "cancelled", reason});
               },
           .keep_order = [this](const QueueOrder::Names& files,
                                auto done) { spool_.keep_order(files, std::move(done)); }};
@@ -77,6 +80,7 @@ JobScheduler::Calls PrinterService::calls_of_scheduler() {
           .begin =
               [this](ClaimedJob job) {
                 manual_.give_way();
+                job.key = kept_history_.begin(job.files.name);
                 job_.begin(std::move(job));
               },
           .copy_over = [this] { may_stop(); }};
@@ -92,11 +96,12 @@ void PrinterService::start() {
     log.error("machine", fmt::format("the printer cannot print: {}", printable(not_ready)));
   hold_.load();
   if (const std::string trouble = spool_.trouble(); !trouble.empty()) log.error("spool", printable(trouble));
-  hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); });
+  adopt_left_jobs();
   if (hold_.reason()) log.warning("held", hold_.sentence());
   ControlMethods methods = control_.methods();
   methods.merge(queue_control_.methods());
   methods.merge(manual_control_.methods());
+  methods.merge(history_control_.methods());
   server_ =
       std::make_unique<ControlServer>(context_.loop, context_.config.control_socket, std::move(methods));
   server_->set_service_group(find_group("contourd-service"));
@@ -107,6 +112,26 @@ void PrinterService::start() {
   spool_.open();
   context_.supervisor.status(readiness());
   scheduler_.run_soon();
+}
+
+void PrinterService::adopt_left_jobs() {
+  const auto ended = [](const std::string& name, const PrintEnd& end) {
+    const auto now = std::chrono::system_clock::now();
+    return EndedJob{.name = name,
+                    .outcome = std::string(name_of(end.outcome)),
+                    .reason = end.reason,
+                    .began = now,
+                    .ended = now,
+                    .key = end.key};
+  };
+  std::optional<EndedJob> last_end;
+  if (const std::optional<RecordedEnd> last = last_recorded_end(spool_))
+    last_end = ended(last->job, last->end);
+  std::vector<EndedJob> left;
+  for (const auto& [name, end] :
+       hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); }))
+    left.push_back(ended(name, end));
+  kept_history_.adopt(std::move(left), std::move(last_end));
 }
 
 std::string PrinterService::readiness() const {
@@ -150,7 +175,10 @@ void PrinterService::may_stop() {
   }
   if (scheduler_.copying()) return spool_.stop_copying();  // the end comes back here
   // Still being read: nothing was printed, so it waits for the next start.
-  if (job_.job() != nullptr) job_.give_back();
+  if (job_.job() != nullptr) {
+    kept_history_.forget();
+    job_.give_back();
+  }
   if (hold_.due()) hold_.keep();
   context_.loop.stop();
 }
@@ -226,6 +254,7 @@ void PrinterService::print_state_changed(PrintState state) {
 }
 
 void PrinterService::job_changed(const std::string& what) {
+  if (what == "layer") kept_history_.note([this] { return job_.figures(); });
   notify(what, ControlServer::Delivery::Lossy);
 }
 
@@ -233,9 +262,20 @@ void PrinterService::light_gone() {
   if (hold_.due()) scheduler_.run_soon();
 }
 
+std::shared_future<void> PrinterService::print_over(EndedJob& job) {
+  return kept_history_.end(job);
+}
+
 void PrinterService::job_ended(EndedJob job) {
+  const bool was_refused = job.ended == std::chrono::system_clock::time_point{};
+  if (was_refused) kept_history_.end(job);
   note_end(std::move(job));
   scheduler_.run_soon();
+}
+
+void PrinterService::note_refusal(EndedJob job) {
+  kept_history_.refuse(job);
+  note_end(std::move(job));
 }
 
 void PrinterService::note_end(EndedJob job) {

@@ -6,15 +6,18 @@
 
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <memory>
 #include <string>
 
 #include "daemon/control_server.hpp"
 #include "daemon/current_job.hpp"
+#include "daemon/history_control.hpp"
 #include "daemon/incoming_log.hpp"
 #include "daemon/job_history.hpp"
 #include "daemon/job_reader.hpp"
 #include "daemon/job_scheduler.hpp"
+#include "daemon/kept_history.hpp"
 #include "daemon/manual_control.hpp"
 #include "daemon/manual_process.hpp"
 #include "daemon/print_queue.hpp"
@@ -60,6 +63,7 @@ class PrinterService final : private JobObserver {
   void job_changed(const std::string& what) override;
   void light_gone() override;
   void memory_freed() override { queue_.check_postponed(); }
+  std::shared_future<void> print_over(EndedJob& job) override;
   void job_ended(EndedJob job) override;
   void may_stop() override;
 
@@ -74,7 +78,11 @@ class PrinterService final : private JobObserver {
   void end_manual_control();
   // For the service manager's status line.
   [[nodiscard]] std::string readiness() const;
-  // Into the history, and to all who watch.
+  // Has the history know what the last process left.
+  void adopt_left_jobs();
+  // Of a job whose turn never came.
+  void note_refusal(EndedJob job);
+  // Into what is remembered, and to all who watch.
   void note_end(EndedJob job);
   void notify(const std::string& what, ControlServer::Delivery delivery);
   void stop_waiting_for_filing();
@@ -88,11 +96,13 @@ class PrinterService final : private JobObserver {
   CurrentJob job_;
   JobScheduler scheduler_;
   JobHistory history_;
+  KeptHistory kept_history_;
   ManualProcess manual_;
   PrinterStatus status_;
   PrinterControl control_;
   QueueControl queue_control_;
   ManualControl manual_control_;
+  HistoryControl history_control_;
   std::unique_ptr<ControlServer> server_;
   std::uint64_t manual_operations_logged_ = 0;
   Ending ending_ = Ending::No;

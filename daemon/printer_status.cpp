@@ -105,16 +105,6 @@ std::string PrinterStatus::reason_to_wait(std::size_t number) const {
   return number == 0 ? parts_.scheduler.waiting_for() : "";
 }
 
-Json PrinterStatus::history(std::size_t last) const {
-  const auto& ended = parts_.history.jobs();
-  Json jobs = Json::array();
-  for (std::size_t i = ended.size() - std::min(last, ended.size()); i < ended.size(); ++i) {
-    jobs.push_back(ended_json(ended[i]));
-    jobs.back()["analysis"] = ended[i].analysis;
-  }
-  return Json{{"ended", jobs}};
-}
-
 Json PrinterStatus::status() const {
   Json status{{"printer", context_.config.name},
               {"spool", context_.config.spool_folder.string()},

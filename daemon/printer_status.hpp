@@ -39,9 +39,6 @@ class PrinterStatus {
   // The waiting jobs in their order, and what is still arriving; all that is known of the first of them, or
   // of the one of this number alone. REQUIRES: there is that one.
   [[nodiscard]] Json queue(std::optional<std::size_t> number = std::nullopt) const;
-  // The jobs that have ended.
-  // Of so many jobs, the latest.
-  [[nodiscard]] Json history(std::size_t last) const;
 
  private:
   [[nodiscard]] std::string_view state() const;

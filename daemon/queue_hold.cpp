@@ -27,23 +27,33 @@ void QueueHold::load() {
   reason_ = spool_.records().hold();
 }
 
-void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading) {
+std::vector<QueueHold::LeftJob> QueueHold::adopt_left_jobs(
+    const std::function<bool(const JobFiles&)>& ended_in_reading) {
+  std::vector<LeftJob> left;
   for (const JobFiles& files : spool_.interrupted()) {
     // It had not begun.
     if (plate_occupant_ != files.name && ended_in_reading(files)) {
-      unfiled_.add(files, PrintEnd{PrintOutcome::Failed, std::string(kEndedAProcess)});
+      left.push_back({files.name, {PrintOutcome::Failed, std::string(kEndedAProcess)}});
+      unfiled_.add(files, left.back().end);
       context_.log.error("refused", fmt::format("{}: {}", printable(files.name), kEndedAProcess),
                          job_fields(files.name));
     } else {
-      adopt(files, recorded_end(spool_, files.name));
+      left.push_back({files.name, adopt(files, recorded_end(spool_, files.name))});
     }
   }
   // Nothing is left in printing/ that the last print's record tells of: that print is filed.
-  if (unfiled_.empty()) return spool_.records().forget_end_of_print();
-  keep();
+  if (unfiled_.empty())
+    spool_.records().forget_end_of_print();
+  else
+    keep();
+  return left;
 }
 
-void QueueHold::adopt(const JobFiles& files, const std::optional<PrintEnd>& end) {
+PrintEnd QueueHold::adopt(const JobFiles& files, const std::optional<PrintEnd>& end) {
+  constexpr const char* kInterrupted =
+      "was interrupted: the power was cut, or contourd was killed or crashed";
+  const PrintEnd ended =
+      end.value_or(PrintEnd{PrintOutcome::Failed, std::string("the print ") + kInterrupted});
   unfiled_.add(files, end);
   const std::string how =
       end ? fmt::format("contourd did not file this print, which was {}", name_of(end->outcome))
@@ -52,10 +62,10 @@ void QueueHold::adopt(const JobFiles& files, const std::optional<PrintEnd>& end)
                      fmt::format("{}: {} (power cut, crash or kill)", printable(files.name), how),
                      job_fields(files.name));
   if (!end) plate_occupant_ = files.name;
-  if (reason_ || (end && end->outcome != PrintOutcome::Failed)) return;
+  if (reason_ || ended.outcome != PrintOutcome::Failed) return ended;
   reason_ = end ? fmt::format("{} failed: {}", files.name, end->reason)
-                : fmt::format("{} was interrupted: the power was cut, or contourd was killed or crashed",
-                              files.name);
+                : fmt::format("{} {}", files.name, kInterrupted);
+  return ended;
 }
 
 void QueueHold::hold(const std::string& why) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/printer_context.hpp"
 #include "daemon/spool.hpp"
@@ -26,10 +27,14 @@ class QueueHold {
 
   // Takes over what the last process recorded.
   void load();
+  struct LeftJob {
+    std::string name;
+    PrintEnd end;
+  };
   // Takes over the jobs that the last process left in printing/: one that did not end holds the queue and has
   // its part on the plate. `ended_in_reading` says of a job that had not begun whether reading it ended that
-  // process.
-  void adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading);
+  // process. Returns them with their ends.
+  std::vector<LeftJob> adopt_left_jobs(const std::function<bool(const JobFiles&)>& ended_in_reading);
 
   // No job begins from now on until release(), whatever the plate holds. The first reason stays.
   void hold(const std::string& why);
@@ -59,7 +64,8 @@ class QueueHold {
   [[nodiscard]] bool failed() const { return !trouble_.empty(); }
 
  private:
-  void adopt(const JobFiles& files, const std::optional<PrintEnd>& end);
+  // Returns how it ended.
+  PrintEnd adopt(const JobFiles& files, const std::optional<PrintEnd>& end);
   void try_to_keep();
 
   const PrinterContext& context_;

@@ -67,13 +67,6 @@ void print_status(const Json& status) {
   }
 }
 
-void print_history(const Json& history) {
-  const Json& ended = history["ended"];
-  if (ended.empty()) fmt::print("no job has ended since contourd started\n");
-  for (const Json& job : ended)
-    fmt::print("{}: {}\n", printable(job.value("job", "")), end_of(job));
-}
-
 int request(const ClientOptions& options, const Request& request, void (*print)(const Json&)) {
   DaemonConnection connection(options.socket);
   connection.send(request.method, 1, request.parameters);

@@ -24,6 +24,5 @@ int request(const ClientOptions& options, const Request& request,
             void (*print)(const nlohmann::ordered_json& result));
 
 void print_status(const nlohmann::ordered_json& status);
-void print_history(const nlohmann::ordered_json& history);
 
 }  // namespace contourd::ctl

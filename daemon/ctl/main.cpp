@@ -20,6 +20,7 @@
 #include "daemon/ctl/config_command.hpp"
 #include "daemon/ctl/diagnose_command.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/history_command.hpp"
 #include "daemon/ctl/inspect_command.hpp"
 #include "daemon/ctl/jog_command.hpp"
 #include "daemon/ctl/level_command.hpp"
@@ -206,8 +207,8 @@ struct WiringWords {
 
 // What the user typed for history and watch.
 struct EndedWords {
+  HistoryOptions history;
   std::optional<std::string> job;
-  int last = 20;
 };
 
 // What the user typed for the queue's commands.
@@ -366,13 +367,8 @@ class CommandLine {
   void add_client_commands() {
     add_client("status", "What the printer is doing", "status");
     add_queue_commands();
-    CLI::App* history = add_command("history", "How the latest jobs have ended", [this] {
-      return request(client_, {"history", {{"last", ended_.last}}}, print_history);
-    });
-    history->add_option("--last", ended_.last, "So many at most")
-        ->check(CLI::Range(1, 100))
-        ->capture_default_str();
-    add_client_options(history);
+    add_history();
+    add_client("usage", "Hours of light, layers and resin so far", "usage", print_usage);
     add_client("pause", "Pause after the layer under way", "pause");
     add_client("resume", "Go on after a pause, or with the queue after a failure", "resume");
     add_client("cancel", "End the print under way: light off, plate up", "cancel");
@@ -463,6 +459,24 @@ class CommandLine {
         ->capture_default_str()
         ->check(kNotEmpty);
     add_socket_option(command);
+  }
+
+  void add_history() {
+    CLI::App* command = add_command("history", "How the latest jobs have ended",
+                                    [this] { return history(client_, ended_.history); });
+    command->add_option("--last", ended_.history.last, "So many at most")
+        ->check(CLI::Range(1, kLongestHistory))
+        ->capture_default_str();
+    const auto add = [command](const char* name, std::string& word, const char* help) {
+      return command->add_option(name, word, help)->check(kNotEmpty);
+    };
+    add("--since", ended_.history.since, "Those that ended on this date or later, or in the last 7d or 12h");
+    add("--outcome", ended_.history.outcome, "Those that ended so")
+        ->check(CLI::IsMember({"done", "failed", "cancelled"}));
+    add("--resin", ended_.history.resin, "Those that were printed with this resin");
+    add("--job", ended_.history.job, "Those with this in their names");
+    command->add_flag("--csv", ended_.history.csv, "Print CSV, a line a job, for a spreadsheet");
+    add_client_options(command);
   }
 
   // What is done by hand, while nothing prints.

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -190,4 +192,91 @@ TEST_CASE("A connection that is no more is told once, by the number that its met
   loop.run();
   CHECK(calls == std::vector<std::uint64_t>{2});
   CHECK(gone == calls);
+}
+
+namespace {
+
+// A server that answers "past" when it is told to, and "now" at once; and a client.
+class SlowDesk {
+ public:
+  explicit SlowDesk(std::string_view lines) {
+    server_.on_disconnected([this](std::uint64_t) { disconnected = true; });
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path_.string().copy(address.sun_path, sizeof address.sun_path - 1);
+    REQUIRE(::connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+    REQUIRE(::write(client.get(), lines.data(), lines.size()) == static_cast<ssize_t>(lines.size()));
+  }
+  // What the client has read once this is so; to be called once.
+  template <typename Condition>
+  std::string run_until(Condition so) {
+    std::string read;
+    const auto end = std::chrono::steady_clock::now() + 20s;
+    const auto look = loop.when_idle("the test", [&] {
+      char buffer[4096];
+      const ssize_t bytes = ::recv(client.get(), buffer, sizeof buffer, MSG_DONTWAIT);
+      if (bytes > 0) read.append(buffer, static_cast<std::size_t>(bytes));
+      if (so(read) || std::chrono::steady_clock::now() > end) loop.stop();
+      return true;
+    });
+    loop.run();
+    return read;
+  }
+
+  EventLoop loop;
+  std::vector<ControlMethod::Later> waiting;
+  int answered_now = 0;
+  bool disconnected = false;
+  FileDescriptor client{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+
+ private:
+  [[nodiscard]] ControlMethods methods() {
+    ControlMethod past;
+    past.call_later = [this](const ControlServer::Json&, ControlMethod::Later later) {
+      waiting.push_back(std::move(later));
+      return std::nullopt;
+    };
+    return {{"past", past},
+            {"now", {[this](const ControlServer::Json&, const ControlCaller&) { return ++answered_now; }}}};
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.path() / "control.sock";
+  ControlServer server_{loop, path_, methods()};
+};
+
+}  // namespace
+
+TEST_CASE("A client gets its answers in order, also those that come later, and alone or in a batch") {
+  SlowDesk desk(R"({"jsonrpc":"2.0","method":"past","id":1}
+{"jsonrpc":"2.0","method":"past"}
+[{"jsonrpc":"2.0","method":"past","id":2},{"jsonrpc":"2.0","method":"now","id":3}]
+{"jsonrpc":"2.0","method":"now","id":4}
+)");
+  int at_first = -1;
+  std::size_t answered = 0;
+  const std::string read = desk.run_until([&](const std::string& all) {
+    if (desk.waiting.size() > answered) {
+      if (at_first < 0) at_first = desk.answered_now;
+      desk.waiting[answered++]("so");
+    }
+    return std::ranges::count(all, '\n') == 3;
+  });
+  CHECK(at_first == 0);
+  CHECK(answered == 3);
+  CHECK(read == R"({"jsonrpc":"2.0","result":"so","id":1}
+[{"jsonrpc":"2.0","result":"so","id":2},{"jsonrpc":"2.0","result":1,"id":3}]
+{"jsonrpc":"2.0","result":2,"id":4}
+)");
+}
+
+TEST_CASE("A client that is no more is known at once, also while it waits for an answer") {
+  SlowDesk desk("{\"jsonrpc\":\"2.0\",\"method\":\"past\",\"id\":1}\n");
+  desk.run_until([&](const std::string&) {
+    if (!desk.waiting.empty() && desk.client.valid()) desk.client = FileDescriptor();
+    return desk.disconnected;
+  });
+  CHECK(desk.disconnected);
+  REQUIRE(desk.waiting.size() == 1);
+  desk.waiting[0]("so");  // to nobody
 }

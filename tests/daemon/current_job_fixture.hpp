@@ -39,6 +39,7 @@ class CurrentJobFixture : public PrinterFixture, private JobObserver {
   void job_changed(const std::string& what) override { told.push_back("changed: " + what); }
   void light_gone() override { told.emplace_back("light gone"); }
   void memory_freed() override { told.emplace_back("memory freed"); }
+  std::shared_future<void> print_over(EndedJob& /*job*/) override { return {}; }
   void job_ended(EndedJob end) override { ended.push_back(std::move(end)); }
   void may_stop() override { told.emplace_back("may stop"); }
 

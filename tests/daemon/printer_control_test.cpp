@@ -147,31 +147,11 @@ TEST_CASE("A cleared plate releases the queue, and the next job begins") {
   CHECK(desk.job.name() == "next");
 }
 
-TEST_CASE("The history is as long as is asked, and a hundred jobs at most") {
-  Desk desk;
-  for (int i = 0; i < 120; ++i)
-    desk.history.add({"job " + std::to_string(i), "done", ""});
-  const auto names = [&](const Json& parameters) {
-    std::vector<std::string> found;
-    const Json history = desk.methods.at("history").call(parameters, {});
-    for (const Json& job : history["ended"])
-      found.push_back(job["job"]);
-    return found;
-  };
-  CHECK(names({{"last", 2}}) == std::vector<std::string>{"job 118", "job 119"});
-  CHECK(names({{"last", 100}}).size() == 100);
-  CHECK(names(Json::object()).front() == "job 20");
-  for (const Json& wrong : {Json(0), Json(101), Json(-1), Json(1.5), Json("2"), Json(), Json(1e300)}) {
-    CAPTURE(wrong.dump());
-    CHECK_THROWS_AS(names({{"last", wrong}}), InvalidParameters);
-  }
-}
-
 TEST_CASE("Only what changes something is told in the log") {
   Desk desk;
   for (const auto& [name, method] : desk.methods) {
     CAPTURE(name);
-    const bool asks = name == "status" || name == "history";
+    const bool asks = name == "status";
     CHECK(method.changes != asks);
   }
 }

@@ -42,6 +42,7 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("queue", "move", "a", "--f"), ["--first"])
         self.assertEqual(self.bash("slice", "--uni"), ["--uniformity-mask"])
         self.assertEqual(self.bash("slice", "--aa", "o"), ["on", "off"])
+        self.assertEqual(self.bash("history", "--outcome", ""), ["done", "failed", "cancelled"])
         # Files are the shell's.
         self.assertEqual(self.bash("submit", "part"), [])
 
@@ -74,6 +75,7 @@ class Completion(FolderTest):
         self.assertEqual(sorted(fish("contourctl s")), sorted(self.bash("s")))
         self.assertEqual(sorted(fish("contourctl submit --")), sorted(self.bash("submit", "--")))
         self.assertEqual(fish("contourctl slice --aa o"), ["off", "on"])
+        self.assertEqual(fish("contourctl history --outcome d"), ["done"])
         self.assertEqual(sorted(fish("contourctl light o")), ["off", "on"])
         self.assertEqual(fish("contourctl light on --sec"), ["--seconds"])
 

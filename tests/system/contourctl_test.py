@@ -29,7 +29,7 @@ class Linking(unittest.TestCase):
         needed = [line for line in found.stdout.splitlines() if "(NEEDED)" in line]
         self.assertTrue([line for line in needed if "libpng" in line], found.stdout)
         # libgpiod is there for `diagnose`, which lists the chips.
-        for library in ("libsystemd", "libdrm", "libserialport"):
+        for library in ("libsystemd", "libdrm", "libserialport", "libsqlite3"):
             self.assertEqual([line for line in needed if library in line], [])
 
 

@@ -48,8 +48,9 @@ NOTIFICATIONS = [name for name, _ in rows("## Notifications")]
 STATUS, JOB, ANALYSIS = rows("### A status"), rows("### A job"), rows("### An analysis")
 ENDED_JOB, MANUAL = rows("### An ended job"), rows("### What is done by hand")
 WAITING = rows("### A waiting job")
+PAST_JOB = rows("### A job of the history")
 INPUT = rows("### An input")
-TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history"), "reading": rows("### A reading of the inputs")}
+TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history"), "usage": rows("### A usage"), "reading": rows("### A reading of the inputs")}
 STATES = {name for name, _ in rows("### States")}
 CODES = {int(code) for code, _ in rows("## Errors")}
 TYPES = {"text": str, "number": (int, float), "object": dict, "list": list, "true": bool, "false": bool, "null": type(None)}
@@ -94,7 +95,7 @@ class ControlApiTest(FolderTest):
                 self.assert_fields(status["job"]["analysis"], ANALYSIS)
         self.assert_fields(status["manual"], MANUAL)
         if status["last"] is not None:
-            self.assert_fields(status["last"], ENDED_JOB, ["analysis"])
+            self.assert_fields(status["last"], ENDED_JOB)
 
     def assert_reply(self, method, result):
         reply = REPLIES[method]
@@ -109,6 +110,8 @@ class ControlApiTest(FolderTest):
         for job in result.get("jobs", ()):
             self.assert_fields(job, WAITING)
             self.assertIn(f"`{job['state']}`", WAITING[3][2])
+        for job in result.get("ended", ()):
+            self.assert_fields(job, PAST_JOB)
 
     def test_the_methods_are_the_programs(self):
         message = self.fast().rpc("no such method")["error"]["message"]
@@ -136,7 +139,7 @@ class ControlApiTest(FolderTest):
             daemon.drop(f"{name}.stl", SMALL)
         wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready"] * 2, "their checks")
         of_job = {"queue_move": {"job": "two", "to": 1}, "queue_remove": {"job": "one"}}
-        for method in ("watch", "status", "queue", "history", "queue_move", "queue_remove", "pause", "resume", "cancel"):
+        for method in ("watch", "status", "queue", "history", "usage", "queue_move", "queue_remove", "pause", "resume", "cancel"):
             answers[method] = daemon.client().call(method, **of_job.get(method, {}))
         daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
@@ -166,8 +169,8 @@ class ControlApiTest(FolderTest):
             with self.subTest(status["state"]):
                 if "printer" in status:  # the harness' own word of what ended before has but the job
                     self.assert_status(status)
-        for job in daemon.rpc("history")["result"]["ended"]:
-            self.assert_fields(job, ENDED_JOB)
+        for job in [*daemon.rpc("history")["result"]["ended"], *daemon.rpc("history", this_run=True)["result"]["ended"]]:
+            self.assert_fields(job, PAST_JOB)
             self.assert_fields(job["analysis"], ANALYSIS)
 
     def test_the_notifications_are_the_programs(self):

@@ -412,7 +412,7 @@ class Daemon:
         self.watcher = self.client()
         self.watcher.call("watch")
         # What was in the spool before the start may have been printed by now: before all that is heard from now on.
-        ended = self.watcher.call("history")["result"]["ended"]
+        ended = self.watcher.call("history", this_run=True)["result"]["ended"]
         with self.watcher.messages.mutex:
             self.watcher.messages.queue.extendleft({"method": "ended", "params": {"last": job}} for job in reversed(ended))
         return self

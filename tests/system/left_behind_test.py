@@ -59,11 +59,11 @@ class LeftBehind(FolderTest):
             self.assertEqual((job, report["layers"]), (job, LAYERS[job]))
             self.assertEqual(daemon.status()["plate_job"], job)
         self.assertEqual((daemon.names_in("incoming"), daemon.names_in("printing")), ([], []))
-        ended = daemon.rpc("history")["result"]["ended"]
+        ended = daemon.rpc("history", this_run=True)["result"]["ended"]
         self.assertEqual([(job["job"], job["outcome"]) for job in ended],
                          [(os.path.splitext(file)[0], "done") for file in told["queue"]])  # fmt: skip
         daemon.stop()
-        self.assertEqual(sorted(os.listdir(self.path("spool.state"))), ["plate-occupied"])
+        self.assertEqual(sorted(os.listdir(self.path("spool.state"))), ["history.sqlite", "plate-occupied"])
 
     def assert_unchanged(self, daemon, name, *files):
         for file in files:

@@ -3,7 +3,8 @@
 // what writes a preview while $SLOW_DISK/pictures does, what reads a model while $SLOW_DISK/models does;
 // $SLOW_DISK/waiting is made by whatever waits. While there is $SLOW_DISK/full nothing can be written into a
 // file, while there is $SLOW_DISK/read-only nothing can be changed, while there is
-// $SLOW_DISK/printing-read-only nothing in printing/.
+// $SLOW_DISK/printing-read-only nothing in printing/. Of the history's files, the gates are history (they are
+// not even found), history-full and history-read-only.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -38,8 +39,16 @@ bool in_spool(const char* path) {
   return std::strstr(path, "/spool") != nullptr;
 }
 
+bool of_history(const char* path) {
+  return std::strstr(path, "/history.sqlite") != nullptr;
+}
+
 // With errno.
 bool refused(const char* path) {
+  if (of_history(path) && is_set("history-read-only")) {
+    errno = EROFS;
+    return true;
+  }
   const bool in_printing = std::strstr(path, "/spool/printing") != nullptr;
   if (!in_spool(path) || !(is_set("read-only") || (in_printing && is_set("printing-read-only"))))
     return false;
@@ -67,6 +76,7 @@ void wait_while(const char* gate) {
 
 void wait_for_file(const char* path, bool writes) {
   if (in_spool(path)) wait_while(writes ? "writes" : "reads");
+  if (of_history(path)) wait_while("history");
   if (writes && std::strstr(path, "preview.png") != nullptr) wait_while("pictures");
 }
 
@@ -155,5 +165,14 @@ ssize_t write(int fd, const void* bytes, size_t count) {
     return -1;
   }
   return real<ssize_t(int, const void*, size_t)>("write")(fd, bytes, count);
+}
+ssize_t pwrite64(int fd, const void* bytes, size_t count, off64_t place) {
+  char link[64], path[256] = "";
+  std::snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+  if (is_set("history-full") && ::readlink(link, path, sizeof path - 1) > 0 && of_history(path)) {
+    errno = ENOSPC;
+    return -1;
+  }
+  return real<ssize_t(int, const void*, size_t, off64_t)>("pwrite64")(fd, bytes, count, place);
 }
 }

@@ -30,6 +30,7 @@ _contourctl() {
     --resin) words=$(_contourctl_words resins) ;;
     schema) words=$'plate\nprinter\nprojector\nresin\nticket' ;;
     --aa) words=$'on\noff' ;;
+    --outcome) words=$'done\nfailed\ncancelled' ;;
     show) words=$'white\nblack\ngrid\nchecker\nfocus\nborder\ndimensions' ;;
     *)
       # The command: one word, or two.

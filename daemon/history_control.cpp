@@ -1,0 +1,145 @@
+#include "daemon/history_control.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace contourd {
+
+using Json = HistoryControl::Json;
+using std::chrono::system_clock;
+
+namespace {
+
+// The year 2200: what the clock's type still holds.
+constexpr std::time_t kLatest = 7'258'118'400;
+constexpr std::array<std::string_view, 3> kOutcomes{"done", "failed", "cancelled"};
+
+std::size_t last_of(const Json& given) {
+  const auto last = given.find("last");
+  if (last == given.end()) return HistoryControl::kLongestPage;
+  if (!last->is_number_integer() || *last < 1 || *last > HistoryControl::kLongestPage)
+    throw InvalidParameters(fmt::format("last is a whole number from 1 to {}", HistoryControl::kLongestPage));
+  return last->get<std::size_t>();
+}
+
+std::optional<std::string> text_of(const Json& given, const char* name) {
+  const auto found = given.find(name);
+  if (found == given.end()) return std::nullopt;
+  if (!found->is_string() || found->get_ref<const std::string&>().empty())
+    throw InvalidParameters(fmt::format("{} is a text, and not an empty one", name));
+  return found->get<std::string>();
+}
+
+std::optional<std::string> outcome_of(const Json& given) {
+  const std::optional<std::string> outcome = text_of(given, "outcome");
+  if (outcome && std::ranges::find(kOutcomes, *outcome) == kOutcomes.end())
+    throw InvalidParameters(fmt::format("outcome is one of {}", fmt::join(kOutcomes, ", ")));
+  return outcome;
+}
+
+std::optional<system_clock::time_point> since_of(const Json& given) {
+  const std::optional<std::string> text = text_of(given, "since");
+  if (!text) return std::nullopt;
+  std::tm time{};
+  const char* const end = ::strptime(text->c_str(), "%Y-%m-%dT%H:%M:%SZ", &time);
+  const std::time_t seconds = ::timegm(&time);
+  if (end == nullptr || end != text->c_str() + text->size() || seconds < 0 || seconds > kLatest)
+    throw InvalidParameters("since is a time such as 2026-11-20T19:05:00Z");
+  return system_clock::from_time_t(seconds);
+}
+
+std::optional<std::int64_t> before_of(const Json& given) {
+  const auto before = given.find("before");
+  if (before == given.end()) return std::nullopt;
+  if (!before->is_number_integer() || *before < 1)
+    throw InvalidParameters("before is a whole number above 0, as an answer before has it");
+  return before->get<std::int64_t>();
+}
+
+bool is_wanted(const EndedJob& job, const HistoryQuery& query) {
+  return (!query.since || job.ended >= *query.since) && (!query.outcome || job.outcome == *query.outcome) &&
+         (!query.resin || job.figures.resin == *query.resin) &&
+         (!query.name || job.name.find(*query.name) != std::string::npos);
+}
+
+// Of those that are remembered without the database.
+Json recent_jobs(const JobHistory& recent, const HistoryQuery& query) {
+  std::vector<Json> found;
+  for (auto job = recent.jobs().rbegin(); job != recent.jobs().rend() && found.size() < query.last; ++job)
+    if (is_wanted(*job, query)) found.push_back(history_json(*job));
+  Json jobs = Json::array();
+  std::ranges::move(found.rbegin(), found.rend(), std::back_inserter(jobs.get_ref<Json::array_t&>()));
+  return jobs;
+}
+
+Json or_null(const std::string& text) {
+  return text.empty() ? Json() : Json(text);
+}
+
+Json reply(Json jobs, const std::optional<std::int64_t>& before, const std::string& trouble) {
+  return {
+      {"ended", std::move(jobs)}, {"before", before ? Json(*before) : Json()}, {"trouble", or_null(trouble)}};
+}
+
+constexpr double kSecondsPerHour = 3600;
+
+}  // namespace
+
+ControlMethods HistoryControl::methods() {
+  ControlMethod jobs, used;
+  jobs.parameters = {"last", "before", "since", "outcome", "resin", "job", "this_run"};
+  jobs.call_later = [this](const Json& given, ControlMethod::Later later) {
+    return history(given, std::move(later));
+  };
+  used.call_later = [this](const Json&, ControlMethod::Later later) { return usage(std::move(later)); };
+  return {{"history", std::move(jobs)}, {"usage", std::move(used)}};
+}
+
+std::optional<Json> HistoryControl::history(const Json& given, ControlMethod::Later later) {
+  const HistoryQuery query{.last = last_of(given),
+                           .before = before_of(given),
+                           .since = since_of(given),
+                           .outcome = outcome_of(given),
+                           .resin = text_of(given, "resin"),
+                           .name = text_of(given, "job")};
+  if (const auto this_run = given.find("this_run"); this_run != given.end()) {
+    if (!this_run->is_boolean()) throw InvalidParameters("this_run is true or false");
+    if (this_run->get<bool>()) return reply(recent_jobs(recent_, query), std::nullopt, "");
+  }
+  kept_.list(query, [this, query, later = std::move(later)](const std::optional<HistoryPage>& page,
+                                                            const std::string& trouble) {
+    later(page ? reply(page->jobs, page->before, "")
+               : reply(recent_jobs(recent_, query), std::nullopt, trouble));
+  });
+  return std::nullopt;
+}
+
+std::optional<Json> HistoryControl::usage(ControlMethod::Later later) {
+  kept_.usage([later = std::move(later)](const std::optional<KeptHistory::AllUsage>& usage,
+                                         const std::string& trouble) {
+    const Usage all = usage ? usage->all : Usage{};
+    Json resins = Json::array();
+    for (const Usage& each : usage ? usage->by_resin : std::vector<Usage>{}) {
+      resins.push_back({{"resin", each.resin},
+                        {"jobs", each.jobs},
+                        {"layers", each.layers},
+                        {"lamp_h", each.lit_s / kSecondsPerHour},
+                        {"resin_ml", each.resin_ml}});
+    }
+    later({{"jobs", all.jobs},
+           {"layers", all.layers},
+           {"lamp_h", all.lit_s / kSecondsPerHour},
+           {"resin_ml", all.resin_ml},
+           {"resins", std::move(resins)},
+           {"trouble", or_null(trouble)}});
+  });
+  return std::nullopt;
+}
+
+}  // namespace contourd

@@ -1,0 +1,170 @@
+#include "daemon/history_control.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/daemon/printer_fixture.hpp"
+
+using namespace contourd;
+using Json = HistoryControl::Json;
+
+namespace {
+
+// What is asked is answered in the order in which it was, once the loop runs.
+class Desk : public testing::PrinterFixture {
+ public:
+  // Returns the reply's number.
+  std::size_t ask(const std::string& method, const Json& parameters = Json::object()) {
+    const std::size_t number = replies.size();
+    replies.emplace_back();
+    const auto reply = methods.at(method).call_later(
+        parameters, [this, number](Json later) { replies[number] = std::move(later); });
+    if (reply) replies[number] = *reply;
+    return number;
+  }
+  void run() {
+    REQUIRE(run_until([&] { return std::ranges::none_of(replies, &Json::is_null); }));
+  }
+  std::vector<std::string> names(std::size_t number) {
+    std::vector<std::string> found;
+    for (const Json& job : replies[number]["ended"])
+      found.push_back(job["job"]);
+    return found;
+  }
+  void end(const std::string& name, const std::string& outcome = "done") {
+    EndedJob job{.name = name, .outcome = outcome, .reason = ""};
+    kept.refuse(job);
+    recent.add(std::move(job));
+  }
+
+ private:
+  testing::TemporaryFolder folder_;
+
+ public:
+  const std::filesystem::path file = folder_.path() / "history.sqlite";
+  std::vector<Json> replies;
+  KeptHistory kept{loop, log.log, file};
+  JobHistory recent;
+  HistoryControl control{kept, recent};
+  ControlMethods methods = control.methods();
+};
+
+using Names = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("The history is as long as is asked, and comes page by page") {
+  Desk desk;
+  for (int i = 0; i < 120; ++i)
+    desk.end("job " + std::to_string(i));
+  desk.ask("history", {{"last", 2}});
+  desk.ask("history");
+  desk.ask("history", {{"before", 21}});
+  desk.run();
+  CHECK(desk.names(0) == Names{"job 118", "job 119"});
+  const Json& latest = desk.replies[1];
+  CHECK(latest["ended"].size() == 100);
+  CHECK(latest["ended"][0]["job"] == "job 20");
+  CHECK(latest["before"] == 21);
+  CHECK(latest["trouble"].is_null());
+  CHECK(desk.names(2).size() == 20);
+  CHECK(desk.replies[2]["before"].is_null());
+}
+
+TEST_CASE("A parameter of the history that makes no sense is refused") {
+  Desk desk;
+  const auto refused = [&](const char* name, const Json& value) {
+    CAPTURE(name, value.dump());
+    CHECK_THROWS_AS(desk.ask("history", {{name, value}}), InvalidParameters);
+  };
+  for (const Json& wrong : {Json(0), Json(101), Json(-1), Json(1.5), Json("2"), Json(), Json(1e300)})
+    refused("last", wrong);
+  for (const Json& wrong : {Json(0), Json(-1), Json("2"), Json(1.5)})
+    refused("before", wrong);
+  for (const Json& wrong : {Json("yesterday"), Json("2026-11-20"), Json("2026-11-20T19:05:00Zx"),
+                            Json("2999-01-01T00:00:00Z"), Json(7)})
+    refused("since", wrong);
+  for (const Json& wrong : {Json("don"), Json(""), Json(1)})
+    refused("outcome", wrong);
+  refused("resin", "");
+  refused("job", Json::array());
+  refused("this_run", 1);
+}
+
+TEST_CASE("Without a file the history tells what is remembered of this run, by the same filters, and why") {
+  Desk desk;
+  std::filesystem::create_directory(desk.file);
+  desk.end("one");
+  desk.end("two", "failed");
+  desk.ask("history");
+  desk.ask("history", {{"outcome", "failed"}});
+  desk.ask("history", {{"job", "on"}});
+  desk.ask("history", {{"resin", "grey"}});
+  desk.ask("history", {{"since", "2199-12-31T00:00:00Z"}});
+  desk.ask("history", {{"last", 1}});
+  desk.ask("usage");
+  desk.run();
+  CHECK(desk.names(0) == Names{"one", "two"});
+  CHECK(desk.replies[0]["trouble"].get<std::string>().find("is a folder") != std::string::npos);
+  CHECK(desk.names(1) == Names{"two"});
+  CHECK(desk.names(2) == Names{"one"});
+  CHECK(desk.names(3).empty());
+  CHECK(desk.names(4).empty());
+  CHECK(desk.names(5) == Names{"two"});
+  CHECK(desk.replies[6]["trouble"].is_string());
+  // Once, however often it is tried.
+  CHECK(desk.log.count("warning") == 1);
+}
+
+TEST_CASE("The history of this run is told at once, whatever the file is like") {
+  Desk desk;
+  desk.end("one");
+  const std::optional<Json> reply =
+      desk.methods.at("history").call_later({{"this_run", true}}, [](const Json&) { FAIL("later"); });
+  REQUIRE(reply);
+  CHECK((*reply)["ended"][0] == history_json(desk.recent.jobs().front()));
+}
+
+TEST_CASE("A job under way counts what it used so far, and one that is forgotten nothing") {
+  Desk desk;
+  desk.kept.begin("part");
+  JobFigures figures;
+  figures.resin = "grey";
+  figures.lit_s = 36;
+  desk.kept.note([&] { return figures; });
+  // Too soon behind the last.
+  desk.kept.note([&] {
+    FAIL("noted");
+    return figures;
+  });
+  desk.ask("usage");
+  desk.kept.forget();
+  desk.ask("usage");
+  desk.ask("history");
+  desk.run();
+  CHECK(desk.replies[0]["lamp_h"] == 0.01);
+  CHECK(desk.replies[0]["resins"][0]["resin"] == "grey");
+  CHECK(desk.replies[1]["jobs"] == 0);
+  CHECK(desk.names(2).empty());
+}
+
+TEST_CASE("A job that is refused in the queue does not end the one under way that has its name") {
+  Desk desk;
+  desk.kept.begin("part");
+  EndedJob refused{.name = "part", .outcome = "failed", .reason = "no model"};
+  desk.kept.refuse(refused);
+  EndedJob done{.name = "part", .outcome = "done", .reason = ""};
+  (void)desk.kept.end(done);
+  CHECK(done.began <= done.ended);
+  desk.ask("history");
+  desk.ask("history", {{"outcome", "done"}});
+  desk.run();
+  CHECK(desk.names(0).size() == 2);
+  CHECK(desk.names(1).size() == 1);
+}

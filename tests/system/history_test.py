@@ -1,0 +1,281 @@
+#!/usr/bin/env python3
+"""The history in its database: what is in it, what becomes of it when its file or the daemon is in trouble."""
+
+import csv
+import io
+import json
+import os
+import random
+import sqlite3
+import time
+
+from harness import (
+    BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl, main,
+    wait_until,
+)  # fmt: skip
+
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
+HOSTILE = '=1+1,"x"\x1b[31m'
+
+
+class HistoryTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.daemon = Daemon(self)
+
+    @property
+    def file(self):
+        return os.path.join(self.daemon.state_folder, "history.sqlite")
+
+    def print_one(self, name):
+        self.daemon.drop(name + ".stl", SMALL)
+        self.daemon.wait_done(name)
+
+    def ended(self, **parameters):
+        result = self.daemon.rpc("history", **parameters)["result"]
+        self.assertIsNone(result["trouble"])
+        return [(job["job"], job["outcome"]) for job in result["ended"]]
+
+    def ctl(self, *arguments, code=OK):
+        result = self.daemon.ctl("history", *arguments)
+        self.assertEqual(result.returncode, code, result.stderr)
+        return result.stdout.decode()
+
+    def assert_sound(self):
+        with sqlite3.connect(self.file) as database:
+            self.assertEqual(database.execute("PRAGMA integrity_check").fetchall(), [("ok",)])
+
+
+class Kept(HistoryTest):
+    def test_the_history_outlives_the_daemon_and_is_filtered(self):
+        self.daemon.start()
+        self.print_one("first")
+        self.daemon.drop("bad.stl", b"no model")
+        self.daemon.wait_ended("bad")
+        self.daemon.stop()
+        self.daemon.start()
+        self.print_one("second")
+        self.assertEqual(self.ended(), [("first", "done"), ("bad", "failed"), ("second", "done")])
+        self.assertEqual(self.ended(this_run=True), [("second", "done")])
+        self.assertEqual(self.ended(outcome="failed"), [("bad", "failed")])
+        for arguments, names in ((("--resin", "standard"), ["first", "second"]), (("--job", "ir"), ["first"]),
+                                 (("--since", "1h"), ["first", "bad", "second"]), (("--since", "2199-12-31"), []),
+                                 (("--outcome", "done", "--last", "1"), ["second"])):  # fmt: skip
+            told = json.loads(self.ctl("--json", *arguments))["result"]["ended"]
+            self.assertEqual([job["job"] for job in told], names, arguments)
+        job = self.daemon.rpc("history", last=1)["result"]["ended"][0]
+        report = self.daemon.report("second")
+        self.assertEqual((job["layers"], job["layers_exposed"], job["resin"]), (4, 4, "standard"))
+        self.assertAlmostEqual(job["lit_s"], sum(layer["exposure_most_ms"] for layer in report["layer_records"]) / 1000, 6)
+        self.assertAlmostEqual(job["resin_ml"], report["exposed_volume_mm3"] / 1000, 9)
+        self.assertIn("light of 3000 ms", job["settings"])
+        usage = self.daemon.rpc("usage")["result"]
+        self.assertEqual((usage["layers"], usage["resins"][0]["jobs"]), (8, 2))
+        self.assertAlmostEqual(usage["lamp_h"], 2 * job["lit_s"] / 3600, 9)
+        self.assertIn(b"ml of standard: 2 jobs, 8 layers", self.daemon.ctl("usage").stdout)
+        self.daemon.stop()
+        self.assert_sound()
+
+    def test_csv_is_read_by_programs_and_a_name_is_no_formula(self):
+        self.daemon.start()
+        self.print_one("part")
+        self.daemon.drop(HOSTILE + ".stl", b"no model")
+        self.daemon.wait_ended(HOSTILE)
+        text = self.ctl("--csv")
+        self.assertNotIn("\x1b", text)
+        rows = list(csv.DictReader(io.StringIO(text)))
+        self.assertEqual([row["job"] for row in rows], ["part", '\'=1+1,"x"?[31m'])
+        self.assertEqual((rows[0]["layers"], rows[0]["resin"], rows[1]["layers"]), ("4", "standard", "0"))
+        self.assertEqual(self.ctl("--csv", "--last", "1").splitlines()[0], text.splitlines()[0])
+        self.assertNotIn("\x1b", self.ctl())
+
+    def test_what_contourctl_cannot_ask_is_refused_in_one_line(self):
+        self.daemon.start()
+        for wrong in (("--since", "yesterday"), ("--since", "2026-02-30x"), ("--since", "2999-01-01"), ("--since", ""), ("--outcome", "good"),
+                      ("--last", "0"), ("--json", "--csv"), ("--job", "")):  # fmt: skip
+            self.assertEqual(self.ctl(*wrong, code=BAD_USAGE), "", wrong)
+        self.daemon.stop()
+        for command in ("history", "usage"):
+            result = contourctl(command, "--socket", self.daemon.socket_path)
+            self.assertEqual(result.returncode, UNAVAILABLE)
+            self.assert_one_line(result.stderr)
+
+    def test_more_jobs_than_a_page_holds_come_all_and_in_order(self):
+        self.daemon.start()
+        self.daemon.stop()
+        with sqlite3.connect(self.file) as database:
+            database.executemany("INSERT INTO job(key,name,outcome,began_ms) VALUES(?,?,'done',0)",
+                                 [(i, f"job {i}") for i in range(250)])  # fmt: skip
+        database.close()
+        self.daemon.start()
+        told = json.loads(self.ctl("--json", "--last", "240"))["result"]["ended"]
+        self.assertEqual([job["job"] for job in told], [f"job {i}" for i in range(10, 250)])
+        self.assertEqual(len(self.ctl().splitlines()), 20)
+
+    def test_watch_waits_for_the_next_job_of_a_name_that_ended_in_an_earlier_run(self):
+        self.daemon.start()
+        self.print_one("part")
+        self.daemon.stop()
+        self.daemon.start()
+        result = self.daemon.ctl("watch", "--job", "part")
+        self.assertEqual(result.returncode, FAILED)
+        self.assertIn(b"there is no job part", result.stderr)
+
+
+class Killed(HistoryTest):
+    def test_a_print_that_was_killed_counts_the_light_it_had(self):
+        self.daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, "bottom_exposure_ms": 5, "rest_ms": 60000})
+        self.daemon.start()
+        self.daemon.drop("part.stl", SMALL)
+        self.daemon.watcher.wait_for(lambda m: m.get("method") == "layer", "the first layer")
+        # What is asked behind it is answered behind it.
+        self.assertGreater(self.daemon.rpc("usage")["result"]["lamp_h"], 0)
+        self.daemon.kill()
+        self.daemon.start()
+        job = self.daemon.rpc("history")["result"]["ended"][0]
+        self.assertEqual((job["job"], job["outcome"], job["layers_exposed"]), ("part", "failed", 1))
+        self.assertIn("killed", job["reason"])
+        self.assertGreaterEqual(job["lit_s"], 0.005)
+        self.assertEqual(job["resin"], "standard")
+
+    def test_a_daemon_that_is_killed_among_jobs_loses_none_and_tells_none_twice(self):
+        chance = random.Random(int(os.environ.get("SEED", "1")))
+        told = []
+        jobs = iter(range(1000))
+        for _ in range(8):
+            self.daemon.start()
+            for _ in range(6):
+                name = f"job{next(jobs)}"
+                told.append(name)
+                self.daemon.drop(name + ".stl", SMALL)
+            time.sleep(chance.uniform(0, 0.25))  # any moment will do
+            self.daemon.kill()
+            with sqlite3.connect(self.file) as database:
+                self.assertEqual(database.execute("PRAGMA integrity_check").fetchall(), [("ok",)])
+            database.close()
+        self.daemon.start()
+        self.daemon.rpc("resume")
+
+        def all_ended():
+            status = self.daemon.status()
+            if status["held"]:
+                self.daemon.rpc("resume")
+            return status["job"] is None and status["queued"] == 0 and not self.daemon.names_in("printing")
+
+        wait_until(all_ended, "the end of all jobs")
+        names = [job for job, _ in self.ended()]
+        self.assertEqual(sorted(names), sorted(told))
+        self.daemon.stop()
+        self.assert_sound()
+        self.assertNotIn("damaged", self.daemon.log())
+
+
+class InTrouble(HistoryTest):
+    def assert_prints_and_tells_once(self, *words):
+        """Two jobs are printed, the history tells them from memory, and the log has one warning."""
+        for name in ("one", "two"):
+            self.print_one(name)
+        result = self.daemon.rpc("history")["result"]
+        self.assertEqual([job["job"] for job in result["ended"]], ["one", "two"])
+        for word in words:
+            self.assertIn(word, result["trouble"])
+        told = [line for line in self.daemon.log().splitlines() if "the history in" in line]
+        self.assertEqual(len(told), 1, told)
+        self.assertIn("printing goes on", told[0])
+        listed = self.daemon.ctl("history")
+        self.assertEqual(len(listed.stdout.splitlines()), 2)
+        self.assert_one_line(listed.stderr, "since contourd started")
+
+    def make_state_folder(self):
+        os.mkdir(self.daemon.state_folder, 0o700)
+
+    def test_a_damaged_history_is_put_aside_and_the_printer_prints(self):
+        self.make_state_folder()
+        with open(self.file, "wb") as file:
+            file.write(random.Random(1).randbytes(20000))
+        self.daemon.start()
+        self.print_one("part")
+        self.assertEqual(self.ended(), [("part", "done")])
+        self.assertEqual(self.daemon.log().count("the history was damaged"), 1)
+        self.assertEqual(os.path.getsize(self.file + ".damaged-1"), 20000)
+
+    def test_a_history_that_is_a_folder_is_told_once_and_the_printer_prints(self):
+        self.make_state_folder()
+        os.mkdir(self.file)
+        self.daemon.start()
+        self.assert_prints_and_tells_once("is a folder")
+        self.assertEqual(os.listdir(self.file), [])
+
+    def test_a_history_that_is_a_link_is_not_followed(self):
+        self.make_state_folder()
+        os.symlink(self.path("elsewhere"), self.file)
+        self.daemon.start()
+        self.assert_prints_and_tells_once("is a link")
+        self.assertFalse(os.path.exists(self.path("elsewhere")))
+
+    def test_a_history_of_a_later_version_is_left_as_it_is(self):
+        self.daemon.start()
+        self.daemon.stop()
+        with sqlite3.connect(self.file) as database:
+            database.execute("PRAGMA user_version=7")
+        database.close()
+        with open(self.file, "rb") as file:
+            before = file.read()
+        self.daemon.start()
+        self.assert_prints_and_tells_once("version 7")
+        with open(self.file, "rb") as file:
+            self.assertEqual(file.read(), before)
+
+    def test_a_history_that_is_locked_is_completed_when_the_lock_is_gone(self):
+        self.daemon.start()
+        shell = sqlite3.connect(self.file, isolation_level=None)
+        shell.execute("BEGIN IMMEDIATE")
+        for name in ("one", "two"):
+            self.print_one(name)
+        wait_until(lambda: "has it locked" in self.daemon.log(), "the log's line")
+        shell.execute("ROLLBACK")
+        shell.close()
+        self.assertEqual(self.ended(), [("one", "done"), ("two", "done")])
+
+    def test_a_full_disk_keeps_the_history_from_its_file_and_nothing_else(self):
+        slow = self.daemon.put_on_slow_disk()
+        self.daemon.start()
+        self.print_one("before")
+        gate = os.path.join(slow, "history-full")
+        with open(gate, "w", encoding="utf-8"):
+            pass
+        for name in ("one", "two"):
+            self.print_one(name)
+        wait_until(lambda: "the history in" in self.daemon.log(), "the log's line")
+        os.unlink(gate)
+        self.assertEqual(self.ended(), [("before", "done"), ("one", "done"), ("two", "done")])
+        self.assertEqual(self.daemon.log().count("printing goes on"), 1)
+
+    def test_a_read_only_disk_keeps_the_history_from_its_file_and_nothing_else(self):
+        slow = self.daemon.put_on_slow_disk()
+        gate = os.path.join(slow, "history-read-only")
+        with open(gate, "w", encoding="utf-8"):
+            pass
+        self.daemon.start()
+        self.assert_prints_and_tells_once()
+        os.unlink(gate)
+        self.assertEqual(self.ended(), [("one", "done"), ("two", "done")])
+
+    def test_the_start_and_the_printing_wait_for_no_history(self):
+        slow = self.daemon.put_on_slow_disk()
+        gate = os.path.join(slow, "history")
+        with open(gate, "w", encoding="utf-8"):
+            pass
+        self.daemon.start()
+        self.print_one("one")
+        self.assertEqual(self.ended(this_run=True), [("one", "done")])
+        client = self.daemon.client()
+        client.send(b'{"jsonrpc":"2.0","method":"history","id":"later"}\n')
+        self.assertEqual(self.daemon.status()["state"], "idle")
+        os.unlink(gate)
+        answer = client.wait_for(lambda m: m.get("id") == "later", "the answer")
+        self.assertEqual([job["job"] for job in answer["result"]["ended"]], ["one"])
+
+
+if __name__ == "__main__":
+    main()
