@@ -11,6 +11,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace contourd {
@@ -42,10 +43,11 @@ struct ControlMethod {
   bool changes = false;                   // something: it is in the log with its caller
   bool needs_service_rights = false;      // it moves or lights the printer by hand
 
-  // Where it is set, instead of `call`: returns the result, or nothing and calls `later` with it once, from
-  // the loop and never from inside. What the same connection asks next waits for that.
-  using Later = std::function<void(Json result)>;
-  std::function<std::optional<Json>(const Json& parameters, Later later)> call_later{};
+  // Where it is set, instead of `call`: returns the result, or nothing and calls `later` with it or with a
+  // refusal once, from the loop and never from inside. What the same connection asks next waits for that.
+  using Later = std::function<void(std::variant<Json, ControlRefusal> result)>;
+  std::function<std::optional<Json>(const Json& parameters, const ControlCaller& caller, Later later)>
+      call_later{};
 };
 
 using ControlMethods = std::map<std::string, ControlMethod>;

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace contourd {
@@ -437,17 +438,22 @@ Json ControlServer::call(const Json& message, Client& client) {
 Json ControlServer::call_later(const ControlMethod& method, const Json& parameters, const Json& message,
                                Client& client) {
   const Json id = message.contains("id") ? message["id"] : Json(Json::value_t::discarded);
-  const auto later = [this, alive = std::weak_ptr(alive_), number = client.number, id](Json result) {
+  const auto later = [this, alive = std::weak_ptr(alive_), number = client.number,
+                      id](std::variant<Json, ControlRefusal> result) {
     if (alive.expired()) return;
     const auto is_asker = [number](const auto& entry) {
       return entry.second->number == number && !entry.second->closed();
     };
     const auto asker = std::ranges::find_if(clients_, is_asker);
     if (asker == clients_.end()) return;
+    if (id.is_discarded()) return asker->second->answer_later(id);
+    if (const auto* const refusal = std::get_if<ControlRefusal>(&result))
+      return asker->second->answer_later(error_answer(id, kRefused, refusal->what()));
     asker->second->answer_later(
-        id.is_discarded() ? id : Json{{"jsonrpc", "2.0"}, {"result", std::move(result)}, {"id", id}});
+        {{"jsonrpc", "2.0"}, {"result", std::move(std::get<Json>(result))}, {"id", id}});
   };
-  if (const std::optional<Json> result = method.call_later(parameters, later))
+  const ControlCaller caller{client.number, client.peer.user};
+  if (const std::optional<Json> result = method.call_later(parameters, caller, later))
     return Json{{"result", *result}};
   client.wait_for_answer();
   return Json(Json::value_t::discarded);

@@ -94,10 +94,12 @@ constexpr double kSecondsPerHour = 3600;
 ControlMethods HistoryControl::methods() {
   ControlMethod jobs, used;
   jobs.parameters = {"last", "before", "since", "outcome", "resin", "job", "this_run"};
-  jobs.call_later = [this](const Json& given, ControlMethod::Later later) {
+  jobs.call_later = [this](const Json& given, const ControlCaller&, ControlMethod::Later later) {
     return history(given, std::move(later));
   };
-  used.call_later = [this](const Json&, ControlMethod::Later later) { return usage(std::move(later)); };
+  used.call_later = [this](const Json&, const ControlCaller&, ControlMethod::Later later) {
+    return usage(std::move(later));
+  };
   return {{"history", std::move(jobs)}, {"usage", std::move(used)}};
 }
 
@@ -132,12 +134,12 @@ std::optional<Json> HistoryControl::usage(ControlMethod::Later later) {
                         {"lamp_h", each.lit_s / kSecondsPerHour},
                         {"resin_ml", each.resin_ml}});
     }
-    later({{"jobs", all.jobs},
-           {"layers", all.layers},
-           {"lamp_h", all.lit_s / kSecondsPerHour},
-           {"resin_ml", all.resin_ml},
-           {"resins", std::move(resins)},
-           {"trouble", or_null(trouble)}});
+    later(Json{{"jobs", all.jobs},
+               {"layers", all.layers},
+               {"lamp_h", all.lit_s / kSecondsPerHour},
+               {"resin_ml", all.resin_ml},
+               {"resins", std::move(resins)},
+               {"trouble", or_null(trouble)}});
   });
   return std::nullopt;
 }

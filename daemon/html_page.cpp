@@ -76,20 +76,6 @@ std::string escaped(const std::string& text) {
   return safe;
 }
 
-std::string base64(std::span<const std::uint8_t> bytes) {
-  constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t j = 0; j < 3; ++j)
-      group = group << 8 | (i + j < bytes.size() ? bytes[i + j] : 0U);
-    const std::size_t digits = std::min<std::size_t>(bytes.size() - i, 3) + 1;
-    for (std::size_t j = 0; j < 4; ++j)
-      text += j < digits ? kDigits[group >> (18 - 6 * j) & 63U] : '=';
-  }
-  return text;
-}
-
 std::string svg_plot(const std::string& title, std::span<const PlotPoint> all) {
   expects_costly([&] { return std::ranges::is_sorted(all, {}, &PlotPoint::height_mm); }, "heights rise");
   const std::vector<PlotPoint> points = thinned(all);

@@ -26,8 +26,6 @@ svg .curve { fill: none; stroke: var(--accent); stroke-width: 1.5; stroke-linejo
 // Text from a file name or an error message, safe inside HTML.
 [[nodiscard]] std::string escaped(const std::string& text);
 
-[[nodiscard]] std::string base64(std::span<const std::uint8_t> bytes);
-
 struct PlotPoint {
   double height_mm, value;
 };

@@ -13,7 +13,9 @@
 #include <vector>
 
 #include "core/image/test_pattern.hpp"
+#include "daemon/base64.hpp"
 #include "daemon/readable.hpp"
+#include "hw/png_file.hpp"
 
 namespace contourd {
 
@@ -59,11 +61,27 @@ std::string pattern_names() {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+// Bytes of its PNG file at most: as good as not compressed, with room for what programs add.
+std::size_t largest_picture(const MaskDisplay& display) {
+  constexpr std::size_t kOthers = 65'536;
+  const std::size_t pixels =
+      static_cast<std::size_t>(display.width().count()) * static_cast<std::size_t>(display.height().count());
+  return pixels + pixels / 8 + kOthers;
+}
+
 double millimetres(Nanometers height) {
   return to_millimeters(height).count();
 }
 
 }  // namespace
+
+ManualControl::ManualControl(const PrinterContext& context, const Parts& parts, ManualProcess& process,
+                             Worker& worker)
+    : context_(context),
+      parts_(parts),
+      process_(process),
+      worker_(worker),
+      upload_(largest_picture(context.machine.display())) {}
 
 ControlMethods ManualControl::methods() {
   using Begin = Json (ManualControl::*)(const Json&, const ControlCaller&);
@@ -82,11 +100,22 @@ ControlMethods ManualControl::methods() {
   };
   ControlMethod motor_off = ends(&ManualControl::motor_off);
   motor_off.needs_service_rights = true;
+  ControlMethod show{
+      .parameters = {"pattern", "uploaded", "seconds"},
+      .changes = true,
+      .needs_service_rights = true,
+      .call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
+        return this->show(given, caller, std::move(later));
+      }};
+  // What it changes nobody sees.
+  ControlMethod upload = begins(&ManualControl::upload, {"from", "data"});
+  upload.changes = false;
   return {{"home", begins(&ManualControl::home, {"plate_is_clear"})},
           {"move", begins(&ManualControl::move, {"to_mm", "by_mm", "speed_mm_s", "plate_is_clear"})},
           {"motor_off", motor_off},
           {"light_on", begins(&ManualControl::light_on, {"seconds", "in_resin"})},
-          {"show", begins(&ManualControl::show, {"pattern", "seconds"})},
+          {"show", std::move(show)},
+          {"upload", std::move(upload)},
           {"projector", begins(&ManualControl::projector, {"power"})},
           {"light_off", ends(&ManualControl::light_off)},
           {"stop", ends(&ManualControl::stop)},
@@ -98,6 +127,8 @@ void ManualControl::disconnected(std::uint64_t connection) {
     process_.stop();
   if (std::exchange(picture_owner_, picture_owner_ == connection ? 0 : picture_owner_) == connection)
     process_.hide();
+  if (reading_for_ == connection) reading_for_ = 0;
+  upload_.drop(connection);
 }
 
 // --- what each wants
@@ -228,20 +259,75 @@ Json ManualControl::stop() {
   return parts_.status.status();
 }
 
-Json ManualControl::show(const Json& given, const ControlCaller& caller) {
-  require_no_print("the printer is controlled by hand while nothing prints");
+std::optional<Json> ManualControl::show(const Json& given, const ControlCaller& caller,
+                                        ControlMethod::Later later) {
+  require_display();
+  const Duration time =
+      seconds(number_in(given, "seconds", 0.001, kLongestPictureS, "s").value_or(kLongestPictureS));
+  if (is_set(given, "uploaded")) {
+    if (given.contains("pattern")) throw InvalidParameters("show takes either pattern or uploaded");
+    read_uploaded(caller, time, std::move(later));
+    return std::nullopt;
+  }
   const std::string name = text_in(given, "pattern", pattern_names());
   const std::optional<TestPattern> pattern = find_test_pattern(name);
   if (!pattern) throw InvalidParameters("pattern is one of " + pattern_names());
-  const double time = number_in(given, "seconds", 0.001, kLongestPictureS, "s").value_or(kLongestPictureS);
+  const MaskDisplay& display = context_.machine.display();
+  return present(draw_test_pattern(*pattern, display.width(), display.height(), context_.config.pixel_pitch),
+                 name, time, caller);
+}
+
+void ManualControl::require_display() const {
+  require_no_print("the printer is controlled by hand while nothing prints");
   if (process_.light_may_be_on()) throw ControlRefusal("the light is on: the picture stays as it is");
-  MaskDisplay& display = context_.machine.display();
-  const std::vector<std::string> troubles = display.why_not_ready();
+  const std::vector<std::string> troubles = context_.machine.display().why_not_ready();
   if (!troubles.empty())
     throw ControlRefusal(fmt::format("nothing can be shown: {}", fmt::join(troubles, "; ")));
+}
+
+// Another picture that is being read gives way to it.
+void ManualControl::read_uploaded(const ControlCaller& caller, Duration time, ControlMethod::Later later) {
+  struct Read {
+    std::optional<Mask> picture;
+    std::string trouble;
+  };
+  const MaskDisplay& display = context_.machine.display();
+  const auto read = [bytes = upload_.take(caller.connection), width = display.width(),
+                     height = display.height()] {
+    try {
+      return Read{decode_png(bytes, width, height), ""};
+    } catch (const std::exception& error) {
+      return Read{std::nullopt, error.what()};
+    }
+  };
+  reading_for_ = caller.connection;
+  worker_.run(read, [this, caller, time, later = std::move(later)](Read done) {
+    try {
+      if (!done.picture) throw ControlRefusal("nothing is shown: " + done.trouble);
+      if (std::exchange(reading_for_, 0) != caller.connection)
+        throw ControlRefusal("nothing is shown: another picture came");
+      require_display();
+      later(present(std::move(*done.picture), "picture", time, caller));
+    } catch (const ControlRefusal& refusal) {
+      later(refusal);
+    }
+  });
+}
+
+Json ManualControl::upload(const Json& given, const ControlCaller& caller) {
+  const auto from = given.find("from"), data = given.find("data");
+  const auto piece = data != given.end() && data->is_string()
+                         ? from_base64(data->get_ref<const std::string&>())
+                         : std::nullopt;
+  if (from == given.end() || !from->is_number_unsigned() || !piece || piece->empty())
+    throw InvalidParameters("upload takes from, a whole number, and data, bytes in Base64");
+  return {{"bytes", upload_.add(caller.connection, from->get<std::size_t>(), *piece)}};
+}
+
+Json ManualControl::present(Mask picture, const std::string& name, Duration time,
+                            const ControlCaller& caller) {
   try {
-    process_.show(draw_test_pattern(*pattern, display.width(), display.height(), context_.config.pixel_pitch),
-                  name, seconds(time));
+    process_.show(std::move(picture), name, time);
   } catch (const std::filesystem::filesystem_error& error) {
     throw ControlRefusal(fmt::format("nothing is shown: {}", printable(error.what())));
   }

@@ -3,15 +3,18 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "daemon/control_method.hpp"
 #include "daemon/current_job.hpp"
 #include "daemon/job_scheduler.hpp"
 #include "daemon/manual_process.hpp"
+#include "daemon/picture_upload.hpp"
 #include "daemon/printer_context.hpp"
 #include "daemon/printer_status.hpp"
 #include "daemon/queue_hold.hpp"
+#include "daemon/worker.hpp"
 
 namespace contourd {
 
@@ -26,10 +29,10 @@ class ManualControl {
     const PrinterStatus& status;
   };
   // All must outlive the control.
-  ManualControl(const PrinterContext& context, const Parts& parts, ManualProcess& process)
-      : context_(context), parts_(parts), process_(process) {}
+  // Pictures are read on the worker's thread.
+  ManualControl(const PrinterContext& context, const Parts& parts, ManualProcess& process, Worker& worker);
 
-  // All of them, by name; each but inputs returns the status. The control must outlive them.
+  // All of them, by name; each but inputs and upload returns the status. The control must outlive them.
   [[nodiscard]] ControlMethods methods();
 
   // A connection is no more: what it began ends.
@@ -42,12 +45,16 @@ class ManualControl {
   Json motor_off();
   Json light_on(const Json& given, const ControlCaller& caller);
   Json light_off();
-  Json show(const Json& given, const ControlCaller& caller);
+  std::optional<Json> show(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
+  void read_uploaded(const ControlCaller& caller, Duration time, ControlMethod::Later later);
+  Json present(Mask picture, const std::string& name, Duration time, const ControlCaller& caller);
+  Json upload(const Json& given, const ControlCaller& caller);
   Json projector(const Json& given, const ControlCaller& caller);
   [[nodiscard]] Json inputs() const;
 
   void require_no_print(const std::string& instead) const;
   void require_free() const;
+  void require_display() const;
   void require_motion_allowed() const;
   void require_way_down(const Json& given) const;
   [[nodiscard]] Nanometers target_of(const Json& given) const;
@@ -57,7 +64,11 @@ class ManualControl {
   const PrinterContext& context_;
   Parts parts_;
   ManualProcess& process_;
-  std::uint64_t operation_owner_ = 0, picture_owner_ = 0;  // connections; 0: none
+  Worker& worker_;
+  PictureUpload upload_;
+  // Connections; 0: none.
+  std::uint64_t operation_owner_ = 0, picture_owner_ = 0;
+  std::uint64_t reading_for_ = 0;  // whose picture is being read
 };
 
 }  // namespace contourd

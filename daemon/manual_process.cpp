@@ -94,12 +94,14 @@ void ManualProcess::give_way() {
 
 // --- the picture
 
-void ManualProcess::show(const Mask& picture, const std::string& name, Duration time) {
+void ManualProcess::show(Mask picture, const std::string& name, Duration time) {
   expects(!light_may_be_on(), "nothing shines while the picture changes");
   (void)machine_.begin_job("test pattern " + name);  // a machine that keeps its masks keeps this one apart
   picture_ = name;
+  pixels_ = std::move(picture);
+  shown_ = {&pixels_, shown_.number + 1, picture_};
   picture_end_ = clock_.call_after(time, [this] { hide(); });
-  machine_.display().show(picture, [this](std::optional<TimePoint> at) {
+  machine_.display().show(pixels_, [this](std::optional<TimePoint> at) {
     if (!at) hide();
   });
   changed_();
@@ -109,6 +111,8 @@ void ManualProcess::hide() {
   if (picture_.empty()) return;
   machine_.display().black_now();
   picture_.clear();
+  shown_.mask = nullptr;
+  pixels_ = Mask();
   picture_end_.reset();
   changed_();
 }

@@ -13,6 +13,7 @@
 
 #include "core/mask/mask.hpp"
 #include "daemon/manual_states.hpp"
+#include "daemon/shown_mask.hpp"
 #include "hw/machine.hpp"
 
 namespace contourd {
@@ -40,7 +41,7 @@ class ManualProcess {
 
   // On the screen until hide(), or for this long. Also while an operation is under way, but not lit.
   // REQUIRES: the mask has the display's size; light_may_be_on() is false.
-  void show(const Mask& picture, const std::string& name, Duration time);
+  void show(Mask picture, const std::string& name, Duration time);
   void hide();
 
   // Ends the operation: light off, motor still, at once or when it has slowed down. The picture stays.
@@ -59,6 +60,8 @@ class ManualProcess {
   [[nodiscard]] const std::string& problem() const { return problem_; }
   // The picture on the screen; empty when there is none.
   [[nodiscard]] const std::string& picture() const { return picture_; }
+  // The same as a mask. Valid until it is not shown any more.
+  [[nodiscard]] ShownMask shown() const { return shown_; }
   // As the projector answered; nothing unless that was the last operation.
   [[nodiscard]] const std::optional<ProjectorStatus>& projector() const { return projector_; }
 
@@ -85,6 +88,8 @@ class ManualProcess {
   ManualState state_ = ManualState::Idle;
   std::uint64_t states_entered_ = 0, operations_ = 0;
   std::string problem_, picture_;
+  Mask pixels_;  // of the picture
+  ShownMask shown_;
   // What was asked for.
   Nanometers target_{};
   MillimetersPerSecond speed_{0};

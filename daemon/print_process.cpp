@@ -413,6 +413,7 @@ void PrintProcess::show_mask() {
   // lies below the plate's height, and is cut at its middle.
   record_.plate_height = current_height();
   record_.mask_height = record_.plate_height - thickness_ / 2;
+  shown_.mask = nullptr;
   const auto start = MaskBudget::Clock::now();
   MaskBudget budget(start + plan_->mask_budget);
   const Mask* const mask = plan_->engine->mask_within(record_.mask_height, budget);
@@ -421,6 +422,7 @@ void PrintProcess::show_mask() {
   record_.area_mm2 = plan_->engine->coverage().lit_area() * plan_->pixel_area_mm2;
   record_.intersecting_facets = plan_->engine->intersecting_facets();
   record_.cracks = plan_->engine->cracks();
+  shown_ = {mask, shown_.number + 1, plan_->job, layer_, record_.mask_height};
   expect_within(kPresentDeadline, "the display to show the mask");
   machine_.display().show(*mask,
                           while_in_state<std::optional<TimePoint>>([this](std::optional<TimePoint> at) {
@@ -454,6 +456,7 @@ void PrintProcess::finish() {
   if (record_.exposure_parts > 0 && !layer_told_) tell_layer();
   PrintPlan plan = std::move(*plan_);
   plan_.reset();
+  shown_.mask = nullptr;
   observer_.print_ended(outcome, failure_, std::move(plan));
 }
 

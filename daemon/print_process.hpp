@@ -19,6 +19,7 @@
 #include "core/layers/print_layers.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/print_states.hpp"
+#include "daemon/shown_mask.hpp"
 #include "hw/machine.hpp"
 
 namespace contourd {
@@ -152,6 +153,12 @@ class PrintProcess {
     return thickness_;
   }
   [[nodiscard]] bool on_last_layer() const { return !plan_->layers.thickness_at(layer_top()); }
+  // The mask that was on the screen last or is there; none before the first. Valid until the loop's next turn.
+  [[nodiscard]] ShownMask shown() const { return shown_; }
+  // It is there now, as far as is known.
+  [[nodiscard]] bool shows_mask() const {
+    return state_ == PrintState::Igniting || state_ == PrintState::Exposing;
+  }
   // Nothing while Idle.
   [[nodiscard]] const PrintPlan* plan() const { return plan_ ? &*plan_ : nullptr; }
   // From now to the end, pauses aside, as far as the layers are as expected: with warm-up, homing and
@@ -215,6 +222,7 @@ class PrintProcess {
   std::string failure_;
   std::string interruption_;
   LayerRecord record_;              // of the layer under way
+  ShownMask shown_;
   bool layer_exposed_ = false;      // it has had all its light
   bool layer_told_ = false;         // its record was
   bool light_asked_ = false;        // what light it gave is not in the record yet

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "daemon/base64.hpp"
 #include "daemon/html_page.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"

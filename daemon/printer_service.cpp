@@ -17,6 +17,8 @@ using namespace std::chrono_literals;
 
 // How long a stop waits for a print to be filed; the service manager waits for longer (contourd.service).
 constexpr Duration kLongestFiling = 15s;
+// Pictures for those who ask give way to all else.
+constexpr int kPictureNiceness = 10;
 
 // Who gave a command.
 void log_command(const Log& log, const std::string& method, const ControlServer::Peer& peer) {
@@ -42,8 +44,10 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_, manual_}),
       control_(context_, hold_, job_, scheduler_, status_),
       queue_control_(queue_, job_, status_),
-      manual_control_(context_, {hold_, job_, scheduler_, status_}, manual_),
-      history_control_(kept_history_, history_) {}
+      picture_worker_(loop, "contourd-picture", kPictureNiceness),
+      manual_control_(context_, {hold_, job_, scheduler_, status_}, manual_, picture_worker_),
+      history_control_(kept_history_, history_),
+      screen_control_(loop, picture_worker_, job_, manual_) {}
 
 PrinterService::~PrinterService() {
   context_.loop.on_turn_over(nullptr);
@@ -102,6 +106,7 @@ void PrinterService::start() {
   methods.merge(queue_control_.methods());
   methods.merge(manual_control_.methods());
   methods.merge(history_control_.methods());
+  methods.merge(screen_control_.methods());
   server_ =
       std::make_unique<ControlServer>(context_.loop, context_.config.control_socket, std::move(methods));
   server_->set_service_group(find_group("contourd-service"));

@@ -26,7 +26,9 @@
 #include "daemon/printer_status.hpp"
 #include "daemon/queue_control.hpp"
 #include "daemon/queue_hold.hpp"
+#include "daemon/screen_control.hpp"
 #include "daemon/spool.hpp"
+#include "daemon/worker.hpp"
 
 namespace contourd {
 
@@ -101,8 +103,10 @@ class PrinterService final : private JobObserver {
   PrinterStatus status_;
   PrinterControl control_;
   QueueControl queue_control_;
+  Worker picture_worker_;
   ManualControl manual_control_;
   HistoryControl history_control_;
+  ScreenControl screen_control_;
   std::unique_ptr<ControlServer> server_;
   std::uint64_t manual_operations_logged_ = 0;
   Ending ending_ = Ending::No;

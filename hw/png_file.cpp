@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -14,14 +15,61 @@
 namespace contourd {
 namespace {
 
+struct DisplaySize {
+  Pixels width, height;
+};
+
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
+struct FreeImage {
+  void operator()(png_image* image) const { png_image_free(image); }
+};
+
+std::string text_of(const DisplaySize& size) {
+  return std::to_string(size.width.count()) + "x" + std::to_string(size.height.count());
+}
+
+// Throws std::runtime_error where a mask has no such size.
+DisplaySize size_of(png_uint_32 width, png_uint_32 height) {
+  constexpr png_uint_32 kLargestSide = 16384;
+  if (width > kLargestSide || height > kLargestSide) {
+    throw std::runtime_error("the picture is " + std::to_string(width) + "x" + std::to_string(height) +
+                             " pixels; the limit is 16384 a side");
+  }
+  return {Pixels{static_cast<std::int32_t>(width)}, Pixels{static_cast<std::int32_t>(height)}};
+}
+
+void require_signature(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kSignature = 8;
+  if (bytes.size() < kSignature || png_sig_cmp(bytes.data(), 0, kSignature) != 0)
+    throw std::runtime_error("the file is not a PNG file");
+}
+
+std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
+  const auto cannot_read = [&path](int error) {
+    return std::system_error(error, std::generic_category(), "cannot read " + path.string());
+  };
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw std::runtime_error("it is not a regular file");  // a pipe would be waited for
+  }
+  std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
+  if (!file) throw cannot_read(errno);
+  std::vector<std::uint8_t> bytes;
+  std::uint8_t block[65536];
+  while (const std::size_t count = std::fread(block, 1, sizeof block, file.get()))
+    bytes.insert(bytes.end(), block, block + count);
+  if (std::ferror(file.get()) != 0) throw cannot_read(errno);
+  return bytes;
+}
+
 // libpng's read structs, released together.
 class PngReader {
  public:
-  explicit PngReader(std::span<const char> bytes)
+  explicit PngReader(std::span<const std::uint8_t> bytes)
       : left_(bytes), png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, refuse, ignore)) {
     if (png_ == nullptr) throw std::bad_alloc();
     info_ = png_create_info_struct(png_);
@@ -30,20 +78,21 @@ class PngReader {
   PngReader& operator=(const PngReader&) = delete;
   ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
-  Mask decode() {
+  // Of this size, where one is given.
+  Mask decode(std::optional<DisplaySize> wanted = std::nullopt) {
+    require_signature(left_);
     png_set_read_fn(png_, this, take);
     png_read_info(png_, info_);
     if (png_get_color_type(png_, info_) != PNG_COLOR_TYPE_GRAY || png_get_bit_depth(png_, info_) != 8 ||
         png_get_valid(png_, info_, PNG_INFO_tRNS) != 0) {
       throw std::runtime_error("the picture is not 8-bit grey without transparency");
     }
-    const png_uint_32 width = png_get_image_width(png_, info_), height = png_get_image_height(png_, info_);
-    constexpr png_uint_32 kLargestSide = 16384;
-    if (width > kLargestSide || height > kLargestSide) {
-      throw std::runtime_error("the picture is " + std::to_string(width) + "x" + std::to_string(height) +
-                               " pixels; the limit is 16384 a side");
+    const DisplaySize size = size_of(png_get_image_width(png_, info_), png_get_image_height(png_, info_));
+    if (wanted && (size.width != wanted->width || size.height != wanted->height)) {
+      throw std::runtime_error("the picture is " + text_of(size) + " pixels, the display " +
+                               text_of(*wanted));
     }
-    Mask mask(Pixels{static_cast<std::int32_t>(width)}, Pixels{static_cast<std::int32_t>(height)});
+    Mask mask(size.width, size.height);
     for (int passes = png_set_interlace_handling(png_); passes > 0; --passes) {
       for (std::int32_t y = 0; y < mask.height().count(); ++y)
         png_read_row(png_, mask.row(y).data(), nullptr);
@@ -58,13 +107,13 @@ class PngReader {
   }
   static void ignore(png_structp, png_const_charp) {}  // a warning: the pixels are there
   static void take(png_structp png, png_bytep data, std::size_t size) {
-    std::span<const char>& left = static_cast<PngReader*>(png_get_io_ptr(png))->left_;
+    std::span<const std::uint8_t>& left = static_cast<PngReader*>(png_get_io_ptr(png))->left_;
     if (size > left.size()) png_error(png, "it ends too early");
     std::copy_n(left.begin(), size, data);
     left = left.subspan(size);
   }
 
-  std::span<const char> left_;
+  std::span<const std::uint8_t> left_;
   png_structp png_;
   png_infop info_ = nullptr;
 };
@@ -72,27 +121,32 @@ class PngReader {
 }  // namespace
 
 Mask read_png(const std::filesystem::path& path) {
-  const auto cannot_read = [&path](int error) {
-    return std::system_error(error, std::generic_category(), "cannot read " + path.string());
-  };
-  std::error_code ignored;
-  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    throw std::runtime_error("it is not a regular file");  // a pipe would be waited for
-  }
-  std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
-  if (!file) throw cannot_read(errno);
-  std::vector<char> bytes;
-  char block[65536];
-  while (const std::size_t count = std::fread(block, 1, sizeof block, file.get()))
-    bytes.insert(bytes.end(), block, block + count);
-  if (std::ferror(file.get()) != 0) throw cannot_read(errno);
-  constexpr std::size_t kSignature = 8;
-  if (bytes.size() < kSignature ||
-      png_sig_cmp(reinterpret_cast<png_const_bytep>(bytes.data()), 0, kSignature) != 0) {
-    throw std::runtime_error("the file is not a PNG file");
-  }
+  const std::vector<std::uint8_t> bytes = read_file(path);
   return PngReader(bytes).decode();
+}
+
+// By libpng's simplified interface, which knows all kinds of pictures.
+Mask read_png_as_grey(const std::filesystem::path& path) {
+  const std::vector<std::uint8_t> bytes = read_file(path);
+  require_signature(bytes);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  const std::unique_ptr<png_image, FreeImage> freed_at_the_end(&image);
+  const auto require = [&image](int done) {
+    if (done == 0 || PNG_IMAGE_FAILED(image))
+      throw std::runtime_error(std::string("the picture cannot be read: ") + image.message);
+  };
+  require(png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()));
+  const DisplaySize size = size_of(image.width, image.height);
+  Mask mask(size.width, size.height);
+  image.format = PNG_FORMAT_GRAY;
+  constexpr png_color kBlack{0, 0, 0};
+  require(png_image_finish_read(&image, &kBlack, mask.row(0).data(), 0, nullptr));
+  return mask;
+}
+
+Mask decode_png(std::span<const std::uint8_t> bytes, Pixels width, Pixels height) {
+  return PngReader(bytes).decode(DisplaySize{width, height});
 }
 
 std::vector<std::uint8_t> encode_png(const Mask& mask) {

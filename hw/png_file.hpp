@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "core/image/mask_png.hpp"
@@ -20,6 +21,14 @@ void write_png(const std::filesystem::path& path, const Mask& mask, MaskPngEncod
 // what() is one clause without the path, when it is no PNG of 8-bit grey without transparency, is damaged, or
 // has a side longer than a mask's.
 [[nodiscard]] Mask read_png(const std::filesystem::path& path);
+
+// Reads any PNG as 8-bit grey: colours by their lightness, what is transparent over black. The same
+// otherwise.
+[[nodiscard]] Mask read_png_as_grey(const std::filesystem::path& path);
+
+// The picture of a file's bytes, by read_png()'s rules, where it must be of this size: else it is not read.
+// Does not block.
+[[nodiscard]] Mask decode_png(std::span<const std::uint8_t> bytes, Pixels width, Pixels height);
 
 // The same PNG in memory.
 [[nodiscard]] std::vector<std::uint8_t> encode_png(const Mask& mask);

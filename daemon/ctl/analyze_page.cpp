@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "daemon/base64.hpp"
 #include "daemon/ctl/analyze_page_text.hpp"
 #include "daemon/ctl/statistics_text.hpp"
 #include "daemon/html_page.hpp"

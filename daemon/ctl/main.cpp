@@ -512,12 +512,15 @@ class CommandLine {
     on->add_flag("--in-resin", manual_.in_resin, "Also when the plate may be in the resin");
     add_client_options(on);
     by_hand(light, "off", "Turn the light off", "light_off", WaitFor::Rest);
-    CLI::App* show =
-        by_hand(&app_, "show", "Show a test pattern, until it is interrupted", "show", WaitFor::Picture);
-    show->add_option("PATTERN", manual_.pattern, "white, black, grid, checker, focus, border or dimensions")
+    CLI::App* show = add_command(&app_, "show", "Show a test pattern or a picture, until it is interrupted",
+                                 [this] { return show_by_hand(client_, manual_.pattern, manual_.seconds); });
+    show->add_option("PATTERN|FILE", manual_.pattern,
+                     "white, black, grid, checker, focus, border, dimensions; or a PNG file of the display's "
+                     "size")
         ->required()
         ->check(kNotEmpty);
     show->add_option("--seconds", manual_.seconds, "For how long, s");
+    add_client_options(show);
     CLI::App* projector = add_group("projector", "The projector's power");
     by_hand(projector, "status", "What the projector says of itself", "projector");
     const auto power = [&, this](const char* word, const char* help) {
@@ -566,7 +569,6 @@ class CommandLine {
     set("seconds", manual_.seconds);
     set_if("plate_is_clear", manual_.plate_is_clear);
     set_if("in_resin", manual_.in_resin);
-    if (!manual_.pattern.empty()) request.parameters["pattern"] = manual_.pattern;
     return request;
   }
 

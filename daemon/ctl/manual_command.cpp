@@ -3,24 +3,32 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
+#include "core/formats/model_reader.hpp"
+#include "daemon/base64.hpp"
 #include "daemon/ctl/daemon_connection.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/readable.hpp"
+#include "hw/png_file.hpp"
 
 namespace contourd::ctl {
 namespace {
 
 using Json = DaemonConnection::Json;
 
-enum Question { kWatch = 1, kRequest };
+enum Question { kWatch = 1, kRequest, kUpload };
 
 // What has come of the request, message by message.
 class Operation {
@@ -95,16 +103,64 @@ class Operation {
   std::string told_;
 };
 
-}  // namespace
-
-int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what) {
-  DaemonConnection connection(options.socket);
+int carry_out(DaemonConnection& connection, const ClientOptions& options, const Request& request,
+              WaitFor what) {
   connection.send("watch", kWatch);
   connection.send(request.method, kRequest, request.parameters);
   Operation operation(what, options.json);
   while (true) {
     if (const std::optional<int> code = operation.take(connection.receive())) return *code;
   }
+}
+
+Mask read_picture(const std::string& path) {
+  try {
+    return read_png_as_grey(path);
+  } catch (const std::system_error&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw ModelError(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+// Nothing when all of it is there; else what the daemon had to say.
+std::optional<Json> upload(DaemonConnection& connection, std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kPieceBytes = 5'700;  // as much as a message has room for
+  for (std::size_t from = 0; from < bytes.size(); from += kPieceBytes) {
+    const auto piece = bytes.subspan(from, std::min(kPieceBytes, bytes.size() - from));
+    connection.send("upload", kUpload, {{"from", from}, {"data", base64(piece)}});
+    Json reply = connection.receive();
+    if (reply.contains("error")) return reply;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what) {
+  DaemonConnection connection(options.socket);
+  return carry_out(connection, options, request, what);
+}
+
+int show_by_hand(const ClientOptions& options, const std::string& what, std::optional<double> seconds) {
+  Request request{"show"};
+  if (seconds) request.parameters["seconds"] = *seconds;
+  // Patterns' names have none of these.
+  if (what.find_first_of("./") == std::string::npos) {
+    request.parameters["pattern"] = what;
+    return control_by_hand(options, request, WaitFor::Picture);
+  }
+  const Mask picture = read_picture(what);
+  DaemonConnection connection(options.socket);
+  if (const std::optional<Json> refusal = upload(connection, encode_png(picture))) {
+    if (options.json)
+      fmt::print("{}\n", refusal->dump(-1, ' ', true));
+    else
+      fmt::print(stderr, "contourctl: {}\n", printable_lines((*refusal)["error"].value("message", "")));
+    return kFailed;
+  }
+  request.parameters["uploaded"] = true;
+  return carry_out(connection, options, request, WaitFor::Picture);
 }
 
 int light_by_hand(const ClientOptions& options, const Request& request, bool confirmed) {

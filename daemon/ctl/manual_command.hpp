@@ -2,6 +2,7 @@
 // it too, since the connection is gone then.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "daemon/ctl/client.hpp"
@@ -15,6 +16,9 @@ enum class WaitFor {
   Rest,       // until nothing is done by hand any more, and it is dark
 };
 int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what);
+
+// Shows a test pattern of that name, or a PNG file's picture, until it is shown no more.
+int show_by_hand(const ClientOptions& options, const std::string& what, std::optional<double> seconds);
 
 // The same for light, for which a person has to say yes; `confirmed`: that was said already. Throws
 // UsageError where nobody can be asked.

@@ -232,7 +232,7 @@ class SlowDesk {
  private:
   [[nodiscard]] ControlMethods methods() {
     ControlMethod past;
-    past.call_later = [this](const ControlServer::Json&, ControlMethod::Later later) {
+    past.call_later = [this](const ControlServer::Json&, const ControlCaller&, ControlMethod::Later later) {
       waiting.push_back(std::move(later));
       return std::nullopt;
     };

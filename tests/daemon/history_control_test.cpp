@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "tests/catch.hpp"
@@ -24,7 +25,9 @@ class Desk : public testing::PrinterFixture {
     const std::size_t number = replies.size();
     replies.emplace_back();
     const auto reply = methods.at(method).call_later(
-        parameters, [this, number](Json later) { replies[number] = std::move(later); });
+        parameters, {}, [this, number](std::variant<Json, ControlRefusal> later) {
+          replies[number] = std::move(std::get<Json>(later));
+        });
     if (reply) replies[number] = *reply;
     return number;
   }
@@ -126,7 +129,7 @@ TEST_CASE("The history of this run is told at once, whatever the file is like") 
   Desk desk;
   desk.end("one");
   const std::optional<Json> reply =
-      desk.methods.at("history").call_later({{"this_run", true}}, [](const Json&) { FAIL("later"); });
+      desk.methods.at("history").call_later({{"this_run", true}}, {}, [](const auto&) { FAIL("later"); });
   REQUIRE(reply);
   CHECK((*reply)["ended"][0] == history_json(desk.recent.jobs().front()));
 }

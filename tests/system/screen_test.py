@@ -1,0 +1,243 @@
+#!/usr/bin/env python3
+"""What the display shows: the mask under way, pictures of the owner's, and who may show and see them."""
+
+import base64
+import os
+import random
+import signal
+import struct
+import subprocess
+import unittest
+import zlib
+
+from harness import (
+    BAD_DATA, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, Picture,
+    binary_stl, box, contourctl, main, read_png, wait_until,
+)  # fmt: skip
+
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
+BLACK = "nothing is shown: the screen is black"
+
+
+def png(width, height, rows, depth=8, colour=0, more=b""):
+    """A PNG file of rows of bytes; `more` are chunks before the pixels."""
+
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    head = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, 0)
+    pixels = zlib.compress(b"".join(b"\0" + row for row in rows), 1)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + more + chunk(b"IDAT", pixels) + chunk(b"IEND", b"")
+
+
+class ScreenTest(FolderTest):
+    def start(self, resin=None, masks=False):
+        self.daemon = Daemon(self, REALTIME, resin or NIMBLE_RESIN, masks=masks).start()
+        display = self.daemon.config["display"]
+        self.width, self.height = display["width_px"], display["height_px"]
+        return self.daemon
+
+    def noise(self, seed=1):
+        chance = random.Random(seed)
+        return [chance.randbytes(self.width) for _ in range(self.height)]
+
+    def whole(self, client, reply):
+        """Puts a picture's pieces together."""
+        result = reply["result"]
+        data = base64.b64decode(result["data"])
+        while len(data) < result["bytes"]:
+            piece = client.call("mask", picture=result["picture"], **{"from": len(data)})["result"]
+            self.assertEqual((piece["from"], piece["picture"]), (len(data), result["picture"]))
+            data += base64.b64decode(piece["data"])
+        return read_png(self.write("whole.png", data))
+
+    def upload(self, client, data):
+        for at in range(0, len(data), 5000):
+            reply = client.call("upload", **{"from": at, "data": base64.b64encode(data[at : at + 5000]).decode()})
+            self.assertEqual(reply["result"]["bytes"], min(at + 5000, len(data)))
+
+    def refusal(self, reply):
+        return reply["error"]["message"]
+
+    def show(self, *words):
+        process = subprocess.Popen([CONTOURCTL, "show", *words, "--socket", self.daemon.socket_path], stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        return process
+
+
+class Mask(ScreenTest):
+    def test_the_mask_of_the_layer_under_way_is_the_one_that_the_display_was_given(self):
+        daemon = self.start({**NIMBLE_RESIN, **ENDLESS}, masks=True)
+        self.assertEqual(self.refusal(daemon.rpc("mask")), BLACK)
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        client = daemon.client()
+        reply = client.call("mask")
+        result = reply["result"]
+        self.assertEqual((result["name"], result["layer"], result["on_screen"]), ("part", 1, True))
+        self.assertAlmostEqual(result["cut_at_mm"], 0.025, 9)
+        seen = self.whole(client, reply)
+        kept = [os.path.join(folder, name) for folder, _, names in os.walk(self.path("masks")) for name in names if name.endswith(".png")]
+        self.assertEqual(len(kept), 1, kept)
+        self.assertEqual(seen, read_png(kept[0]))
+        self.assertTrue(seen.lit_box())
+        daemon.rpc("cancel")
+        daemon.wait_ended("part")
+        self.assertEqual(self.refusal(daemon.rpc("mask")), BLACK)
+        # Some kept it: it is not what is shown.
+        self.assertIn("not kept", self.refusal(daemon.rpc("mask", picture=999)))
+
+    def test_while_it_is_dark_the_mask_is_told_as_one_that_was_shown(self):
+        daemon = self.start({**NIMBLE_RESIN, "rest_ms": 60000})
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("resting")
+        result = daemon.rpc("mask")["result"]
+        self.assertEqual((result["layer"], result["on_screen"]), (1, False))
+
+    def test_wrong_parameters_are_refused(self):
+        daemon = self.start()
+        for wrong in ({"picture": -1}, {"picture": "1"}, {"from": 5}, {"picture": 1.5}, {"piece": 1}):
+            self.assertIn("error", daemon.rpc("mask", **wrong), wrong)
+
+    def test_all_who_ask_at_once_get_the_same(self):
+        daemon = self.start({**NIMBLE_RESIN, **ENDLESS})
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        clients = [daemon.client() for _ in range(8)]
+        for client in clients:
+            client.send(b'{"jsonrpc":"2.0","method":"mask","id":"all"}\n')
+        answers = [client.wait_for(lambda m: m.get("id") == "all", "the mask")["result"] for client in clients]
+        for answer in answers:
+            self.assertEqual(answer, answers[0])
+
+
+class Show(ScreenTest):
+    def test_a_picture_is_shown_pixel_by_pixel_and_ends_with_its_client(self):
+        daemon = self.start()
+        rows = self.noise()
+        file = self.write("noise.png", png(self.width, self.height, rows))
+        process = self.show(file)
+        self.assertEqual(process.stdout.readline(), b"picture is shown; Ctrl-C ends that\n")
+        client = daemon.client()
+        reply = client.call("mask")
+        self.assertEqual((reply["result"]["name"], reply["result"]["layer"], reply["result"]["on_screen"]), ("picture", None, True))
+        self.assertGreater(reply["result"]["bytes"], 100_000)  # many pieces
+        self.assertEqual(self.whole(client, reply), Picture(self.width, self.height, rows))
+        self.assertEqual(daemon.status()["manual"]["picture"], "picture")
+        process.send_signal(signal.SIGKILL)
+        wait_until(lambda: daemon.status()["manual"]["picture"] is None, "the end of the picture")
+        self.assertEqual(self.refusal(daemon.rpc("mask")), BLACK)
+
+    def test_pictures_of_other_kinds_are_shown_as_grey(self):
+        daemon = self.start()
+        width, height = self.width, self.height
+        white, half = b"\xff\xff\xff", b"\xff\xff\xff\x00"
+        kinds = {
+            "colour": png(width, height, [white * width] * height, colour=2),
+            "transparent": png(width, height, [half * width] * height, colour=6),
+            "16 bits": png(width, height, [b"\xff\xff" * width] * height, depth=16),
+            "1 bit": png(width, height, [b"\xff" * ((width + 7) // 8)] * height, depth=1),
+        }
+        for kind, data in kinds.items():
+            with self.subTest(kind):
+                process = self.show(self.write("some.png", data))
+                self.assertIn(b"shown", process.stdout.readline())
+                client = daemon.client()
+                self.assertEqual(self.whole(client, client.call("mask")).values(), {0 if kind == "transparent" else 255})
+                process.kill()
+                wait_until(lambda: daemon.status()["manual"]["picture"] is None, "the end of the picture")
+
+    def test_what_is_no_picture_of_the_displays_size_is_refused_in_one_line(self):
+        daemon = self.start()
+        good = png(self.width, self.height, self.noise())
+        wrong = {
+            "small.png": (png(2, 1, [b"\1\2"]), FAILED, "2x1 pixels, the display"),
+            "cut.png": (good[:5000], BAD_DATA, "cannot be read"),
+            "text.png": (b"no picture", BAD_DATA, "not a PNG file"),
+            "empty.png": (b"", BAD_DATA, "not a PNG file"),
+            "huge.png": (png(1 << 30, 1 << 30, [b"\0"]), BAD_DATA, ""),
+        }
+        for name, (data, code, words) in wrong.items():
+            with self.subTest(name):
+                result = daemon.ctl("show", self.write(name, data))
+                self.assertEqual((result.returncode, result.stdout), (code, b""), result)
+                self.assert_one_line(result.stderr, words)
+        os.mkfifo(self.path("pipe.png"))
+        self.assertEqual(daemon.ctl("show", self.path("pipe.png")).returncode, BAD_DATA)
+        self.assertEqual(daemon.ctl("show", self.path("none.png")).returncode, NO_INPUT)
+        self.assertEqual(contourctl("show", self.write("good.png", good), "--socket", self.path("none")).returncode, UNAVAILABLE)
+        self.assertEqual(self.refusal(daemon.rpc("mask")), BLACK)
+
+    def test_no_picture_is_shown_while_a_job_prints(self):
+        daemon = self.start({**NIMBLE_RESIN, **ENDLESS})
+        client = daemon.client()
+        self.upload(client, png(self.width, self.height, self.noise()))
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        before = daemon.rpc("mask")["result"]
+        self.assertIn("part is being printed", self.refusal(client.call("show", uploaded=True)))
+        self.assertEqual(daemon.rpc("mask")["result"], before)
+
+
+class Upload(ScreenTest):
+    def test_a_piece_that_continues_nothing_is_refused(self):
+        daemon = self.start()
+        client, other = daemon.client(), daemon.client()
+        self.assertIn("begin anew", self.refusal(client.call("upload", **{"from": 3, "data": "AAAA"})))
+        self.upload(client, bytes(6000))
+        self.assertIn("of which there are 6000 bytes", self.refusal(client.call("upload", **{"from": 5999, "data": "AAAA"})))
+        self.assertIn("begin anew", self.refusal(other.call("upload", **{"from": 6000, "data": "AAAA"})))
+        self.upload(other, bytes(10))
+        self.assertIn("another's took its place", self.refusal(client.call("show", uploaded=True)))
+        self.assertIn("not a PNG file", self.refusal(other.call("show", uploaded=True)))
+        self.assertIn("no picture was uploaded", self.refusal(other.call("show", uploaded=True)))
+        for wrong in ({"from": 0}, {"data": "AAAA"}, {"from": 0, "data": "A"}, {"from": 0, "data": "AA=A"}, {"from": 0, "data": ""},
+                      {"from": -1, "data": "AAAA"}, {"from": 0, "data": "AAB="}, {"from": 0, "data": "\u00e4AAA"}):  # fmt: skip
+            self.assertIn("Base64", self.refusal(client.call("upload", **wrong)), wrong)
+
+    def test_a_picture_has_a_limit_and_goes_with_its_connection(self):
+        daemon = self.start()
+        limit = self.width * self.height * 9 // 8 + 65536
+        client = daemon.client()
+        piece = base64.b64encode(bytes(5700)).decode()
+        at = 0
+        while "result" in (reply := client.call("upload", **{"from": at, "data": piece})):
+            at += 5700
+        self.assertIn(f"at most {limit} bytes", self.refusal(reply))
+        self.assertLessEqual(at, limit)
+        self.assertIn("no picture was uploaded", self.refusal(client.call("show", uploaded=True)))
+        self.assertEqual(daemon.status()["state"], "idle")
+
+    def test_two_ways_to_say_what_is_shown_exclude_each_other(self):
+        daemon = self.start()
+        client = daemon.client()
+        self.upload(client, png(self.width, self.height, self.noise()))
+        self.assertIn("either", self.refusal(client.call("show", uploaded=True, pattern="grid")))
+        self.assertIn("result", client.call("show", uploaded=True, seconds=60))
+        self.assertIn("result", client.call("show", pattern="grid"))
+        self.assertEqual(daemon.status()["manual"]["picture"], "grid")
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root becomes another user")
+    def test_only_those_with_service_rights_upload_and_show(self):
+        daemon = self.start()
+        os.chmod(self.folder, 0o755)
+        os.chmod(daemon.socket_path, 0o777)
+        code = (
+            "import json,socket,sys\n"
+            "s=socket.socket(socket.AF_UNIX); s.connect(sys.argv[1])\n"
+            "for m,p in (('upload',{'from':0,'data':'AAAA'}),('show',{'uploaded':True}),('mask',{})):\n"
+            "    s.sendall((json.dumps({'jsonrpc':'2.0','method':m,'params':p,'id':1})+'\\n').encode())\n"
+            "    print(s.makefile().readline().strip())\n"
+        )
+        result = subprocess.run(["python3", "-c", code, daemon.socket_path], user=65534, group=65534, extra_groups=[],
+                                capture_output=True, text=True, check=True)  # fmt: skip
+        upload, show, mask = result.stdout.splitlines()
+        self.assertIn("contourd-service", upload)
+        self.assertIn("contourd-service", show)
+        self.assertIn(BLACK, mask)
+
+
+if __name__ == "__main__":
+    main()
