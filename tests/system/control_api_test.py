@@ -50,7 +50,8 @@ ENDED_JOB, MANUAL = rows("### An ended job"), rows("### What is done by hand")
 WAITING = rows("### A waiting job")
 PAST_JOB = rows("### A job of the history")
 INPUT = rows("### An input")
-TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history"), "usage": rows("### A usage"), "reading": rows("### A reading of the inputs")}
+TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history"), "usage": rows("### A usage"), "reading": rows("### A reading of the inputs"),
+          "picture": rows("### A picture"), "piece": rows("### A piece")}
 STATES = {name for name, _ in rows("### States")}
 CODES = {int(code) for code, _ in rows("## Errors")}
 TYPES = {"text": str, "number": (int, float), "object": dict, "list": list, "true": bool, "false": bool, "null": type(None)}
@@ -144,7 +145,7 @@ class ControlApiTest(FolderTest):
         daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
         answers["plate_cleared"] = daemon.rpc("plate_cleared")
-        by_hand = {"home": {}, "stop": {}, "light_off": {}, "show": {"pattern": "grid"}, "light_on": {"seconds": 0.01, "in_resin": True},
+        by_hand = {"home": {}, "stop": {}, "light_off": {}, "show": {"pattern": "grid"}, "mask": {}, "upload": {"from": 0, "data": "AAAA"}, "light_on": {"seconds": 0.01, "in_resin": True},
                    "projector": {}, "motor_off": {}, "inputs": {}, "move": {"to_mm": 1}}  # fmt: skip
         for method, parameters in by_hand.items():
             if method == "move":
