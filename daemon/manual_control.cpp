@@ -315,6 +315,7 @@ void ManualControl::read_uploaded(const ControlCaller& caller, Duration time, Co
 }
 
 Json ManualControl::upload(const Json& given, const ControlCaller& caller) {
+  require_no_print("the printer is controlled by hand while nothing prints");
   const auto from = given.find("from"), data = given.find("data");
   const auto piece = data != given.end() && data->is_string()
                          ? from_base64(data->get_ref<const std::string&>())
