@@ -20,10 +20,7 @@ constexpr const char* kNoMemory = "there is no memory for the picture";
 }  // namespace
 
 ScreenCopy::ScreenCopy(EventLoop& loop, Worker& worker, std::function<ShownMask()> shown)
-    : loop_(loop),
-      worker_(worker),
-      shown_(std::move(shown)),
-      copier_(loop.when_idle("a copy of the screen", [this] { return copy_some(); })) {}
+    : loop_(loop), worker_(worker), shown_(std::move(shown)) {}
 
 std::shared_ptr<const ScreenCopy::Picture> ScreenCopy::picture(std::uint64_t number) {
   if (!latest_ || latest_->number != number) return nullptr;
@@ -56,22 +53,23 @@ void ScreenCopy::begin(std::unique_ptr<Mask> room) {
   copy_ = std::move(room);
   about_ = {};
   attempts_ = 0;
-  copier_->wake();
+  copy_next();
 }
 
-bool ScreenCopy::copy_some() {
-  if (!copy_) return false;
+// Machine's calls that are due come before it.
+void ScreenCopy::copy_next() {
+  next_turn_ = loop_.at(std::chrono::steady_clock::now(), "a copy of the screen", [this] { copy_some(); });
+}
+
+void ScreenCopy::copy_some() {
   const ShownMask shown = shown_();
   if (shown.mask == nullptr || shown.mask->width() != copy_->width() ||
       shown.mask->height() != copy_->height()) {
-    finish(nullptr, "nothing is shown");
-    return false;
+    return finish(nullptr, "nothing is shown");
   }
   if (shown.number != about_.number) {
-    if (++attempts_ > kMostAttempts) {
-      finish(nullptr, "the masks change faster than they can be copied");
-      return false;
-    }
+    if (++attempts_ > kMostAttempts)
+      return finish(nullptr, "the masks change faster than they can be copied");
     about_ = {shown.number,   std::string(shown.name), shown.layer, shown.cut_at,
               copy_->width(), copy_->height(),         {}};
     next_row_ = 0;
@@ -80,9 +78,8 @@ bool ScreenCopy::copy_some() {
   const std::int32_t end = std::min(height, next_row_ + std::max(1, kBytesATurn / width));
   for (; next_row_ < end; ++next_row_)
     std::ranges::copy(shown.mask->row(next_row_), copy_->row(next_row_).begin());
-  if (next_row_ < height) return true;
+  if (next_row_ < height) return copy_next();
   encode();
-  return false;
 }
 
 void ScreenCopy::encode() {

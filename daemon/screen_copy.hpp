@@ -1,6 +1,6 @@
 // What the display shows, as a PNG for whoever asks for it. The mask itself is copied, not computed again: a
-// little of it a turn of the loop, whenever nothing else is due, since a light may wait. It is encoded on a
-// worker's thread. Event loop's thread only.
+// little of it a turn of the loop, since a light may wait. It is encoded on a worker's thread. Event loop's
+// thread only.
 #pragma once
 
 #include <cstdint>
@@ -44,8 +44,8 @@ class ScreenCopy {
 
  private:
   void begin(std::unique_ptr<Mask> room);
-  // Whether there is more to copy.
-  bool copy_some();
+  void copy_next();
+  void copy_some();
   void encode();
   void finish(std::shared_ptr<const Picture> picture, const std::string& trouble);
 
@@ -58,10 +58,9 @@ class ScreenCopy {
   std::int32_t next_row_ = 0;
   int attempts_ = 0;
   std::shared_ptr<const Picture> latest_;
-  EventLoop::SourcePtr latest_end_;
+  EventLoop::SourcePtr next_turn_, latest_end_;
   // Behind a task of the worker's, which may outlive the copy.
   std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);
-  std::unique_ptr<EventLoop::IdleSource> copier_;
 };
 
 }  // namespace contourd

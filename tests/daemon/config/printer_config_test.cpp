@@ -296,8 +296,8 @@ TEST_CASE("a memory limit is optional, and leaves room for more than the program
   CHECK(
       complaints_with("/memory_limit_mb", 20) ==
       Complaints{"/memory_limit_mb: 20 MB leave no room for a model: contourd and the masks of this display "
-                 "take 43 MB"});
-  CHECK(complaints_with("/memory_limit_mb", 43).empty());
+                 "take 47 MB"});
+  CHECK(complaints_with("/memory_limit_mb", 47).empty());
   CHECK(complaints_with("/memory_limit_mb", 0).size() == 1);
   CHECK(complaints_with("/memory_limit_mb", "much").size() == 1);
 }
