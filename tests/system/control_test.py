@@ -540,7 +540,7 @@ class Contourctl(ControlTest):
         daemon.drop("sec\x1bond.stl", b"no model")
         daemon.wait_ended("sec\x1bond")
         lines = self.ctl("history").splitlines()
-        self.assertRegex(lines[0], r"^20\d\d-\d\d-\d\d \d\d:\d\d  first: done \(4 of 4 layers, .* ml of standard\)$")
+        self.assertRegex(lines[0], r"^20\d\d-\d\d-\d\d \d\d:\d\d  first: done \(20 of 20 layers, .* ml of standard\)$")
         self.assertRegex(lines[1], r"  sec.*ond: failed: not a usable model")
         self.assertNotIn("\x1b", lines[1])
         self.assertEqual(self.ctl("history", "--last", "1").splitlines(), lines[1:])
