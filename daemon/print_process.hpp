@@ -153,7 +153,8 @@ class PrintProcess {
     return thickness_;
   }
   [[nodiscard]] bool on_last_layer() const { return !plan_->layers.thickness_at(layer_top()); }
-  // The mask that was on the screen last or is there; none before the first. Valid until the loop's next turn.
+  // The mask that was on the screen last or is there; none before the first. Valid until the loop's next
+  // turn.
   [[nodiscard]] ShownMask shown() const { return shown_; }
   // It is there now, as far as is known.
   [[nodiscard]] bool shows_mask() const {
@@ -221,7 +222,7 @@ class PrintProcess {
   bool canceled_ = false;
   std::string failure_;
   std::string interruption_;
-  LayerRecord record_;              // of the layer under way
+  LayerRecord record_;  // of the layer under way
   ShownMask shown_;
   bool layer_exposed_ = false;      // it has had all its light
   bool layer_told_ = false;         // its record was

@@ -94,14 +94,12 @@ void ScreenCopy::encode() {
     }
     return picture;
   };
-  worker_.run(task, [this, alive = std::weak_ptr(alive_)](std::shared_ptr<const Picture> picture) {
-    if (alive.expired()) return;
-    const char* const trouble = picture ? "" : kNoMemory;
-    finish(std::move(picture), trouble);
+  worker_.run(task, [this, alive = std::weak_ptr(alive_)](const std::shared_ptr<const Picture>& picture) {
+    if (!alive.expired()) finish(picture, picture ? "" : kNoMemory);
   });
 }
 
-void ScreenCopy::finish(std::shared_ptr<const Picture> picture, const std::string& trouble) {
+void ScreenCopy::finish(const std::shared_ptr<const Picture>& picture, const std::string& trouble) {
   copy_.reset();
   latest_ = picture;
   if (latest_) (void)this->picture(latest_->number);

@@ -47,7 +47,7 @@ class ScreenCopy {
   void copy_next();
   void copy_some();
   void encode();
-  void finish(std::shared_ptr<const Picture> picture, const std::string& trouble);
+  void finish(const std::shared_ptr<const Picture>& picture, const std::string& trouble);
 
   EventLoop& loop_;
   Worker& worker_;
