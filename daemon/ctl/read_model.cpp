@@ -28,4 +28,15 @@ Model read_model(const std::filesystem::path& path) {
   }
 }
 
+PreparedJob prepare_model(const JobFiles& files, const PrinterConfig& printer) {
+  try {
+    return prepare_job(files, read_settings(files, printer), printer);
+  } catch (const ProfileTrouble& trouble) {
+    if (trouble.fault() == ProfileTrouble::Fault::Profile) throw;
+    throw ModelError(files.model.string() + ": " + trouble.what());
+  } catch (const JobRefused& refusal) {
+    throw ModelError(files.model.string() + ": " + refusal.what());
+  }
+}
+
 }  // namespace contourd::ctl
