@@ -10,7 +10,6 @@
 #include <system_error>
 #include <vector>
 
-#include "core/formats/model_reader.hpp"
 #include "core/geometry/facet.hpp"
 #include "core/image/preview.hpp"
 #include "daemon/config/config_error.hpp"
@@ -59,7 +58,7 @@ bool is_there(const fs::path& path) {
 
 Subject file_subject(const PreviewOptions& options) {
   const fs::path path = options.subject;
-  (void)outline_of_model(path);  // what cannot be read is told as by the other commands
+  look_at_model(path);  // what cannot be read is told as by the other commands
   return {{path.stem().string(), path, options.ticket}, printable(path.filename().string())};
 }
 

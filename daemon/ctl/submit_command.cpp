@@ -18,6 +18,7 @@
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/regular_file.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/read_model.hpp"
 #include "daemon/ctl/watch_command.hpp"
 #include "daemon/durable_file.hpp"
 #include "daemon/new_file.hpp"
@@ -73,11 +74,7 @@ void check_model(const fs::path& path) {
   if (!is_model_name(path.filename().string()))
     throw ModelError(fmt::format("{}: is no model by its name, which ends in {} and begins with no dot",
                                  path.string(), fmt::join(model_extensions(), " or ")));
-  try {
-    (void)outline_of_model(path);
-  } catch (const ModelError& error) {
-    throw ModelError(path.string() + ": " + error.what());
-  }
+  look_at_model(path);
 }
 
 class Submission {

@@ -344,14 +344,21 @@ std::string draw_sixels(Raster raster) {
   throw OutputError(fmt::format("cannot write the picture: {}", std::strerror(error)));
 }
 
-// False when a signal has come meanwhile; what has been begun is ended then.
-bool write_unless_interrupted(int out, std::string_view picture) {
+// Whatever has been begun. A terminal that takes nothing is not waited for long.
+void end_drawing(int out) {
   // Ends a device control string, and what colours are set.
   constexpr std::string_view kBackToText = "\x1B\\\x1B[0m\n";
+  constexpr int kPatienceMs = 500;
+  pollfd room{out, POLLOUT, 0};
+  if (::poll(&room, 1, kPatienceMs) > 0) (void)!::write(out, kBackToText.data(), kBackToText.size());
+}
+
+// False when a signal has come meanwhile.
+bool write_unless_interrupted(int out, std::string_view picture) {
   const HeldSignals signals;
   while (!picture.empty()) {
     if (wait_for(out, POLLOUT, signals) == Waited::Signal) {
-      (void)!::write(out, kBackToText.data(), kBackToText.size());
+      end_drawing(out);
       return false;
     }
     const ssize_t written = ::write(out, picture.data(), picture.size());
