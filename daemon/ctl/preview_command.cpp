@@ -260,7 +260,7 @@ void draw_on_terminal(const Picture& picture) {
   PictureTerminal terminal = find_picture_terminal();
   const MaskArea area = picture.is_mask ? area_to_show(picture.mask, terminal) : lit_area(picture.mask);
   std::vector<std::string> lines = wrapped(picture.note, static_cast<std::size_t>(terminal.columns));
-  if (picture.is_mask) {
+  if (picture.is_mask || picture.mask.lit_pixels() == 0) {
     const auto more = wrapped(pixels_text(picture.mask, area), static_cast<std::size_t>(terminal.columns));
     lines.insert(lines.end(), more.begin(), more.end());
   }
