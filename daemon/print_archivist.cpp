@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
-#include "core/image/preview.hpp"
+#include "daemon/job_picture.hpp"
 #include "daemon/print_report_html.hpp"
 #include "daemon/print_report_json.hpp"
 #include "daemon/readable.hpp"
@@ -23,34 +23,12 @@ namespace {
 constexpr int kNiceness = 5;
 // How long a disk may take to note the print in the history before the print is filed all the same.
 constexpr std::chrono::seconds kLongestNoting{2};
-constexpr Pixels kPreviewWidth{720}, kPreviewHeight{720};
-
-// What the preview shows: all copies on a plate, but one of each model when that is too much to draw.
-std::vector<PreviewPart> preview_parts(const JobSummary& summary, const ContourEngine& engine) {
-  constexpr std::uint64_t kMaxFacets = 5'000'000;  // some seconds of drawing
-  std::uint64_t facets = 0;
-  for (std::size_t i = 0; i < summary.models.size(); ++i)
-    facets += engine.models()[i].model->facets().size() * summary.models[i].centers.size();
-  const bool all = summary.plate && facets <= kMaxFacets;
-  std::vector<PreviewPart> parts;
-  for (std::size_t i = 0; i < summary.models.size(); ++i) {
-    const PlateModel& standing = engine.models()[i];
-    const HeightIndex& model = *standing.model;
-    const std::vector<Point>& centers = summary.models[i].centers;
-    const Point middle = model.bounds().center();
-    const double lift_mm = standing.elevation.lift(model.bounds()).count();
-    for (std::size_t copy = 0; copy < (all ? centers.size() : 1); ++copy) {
-      parts.push_back({model.facets(), centers[copy].x - middle.x, centers[copy].y - middle.y, lift_mm});
-    }
-  }
-  return parts;
-}
 
 std::vector<std::uint8_t> draw_preview(const PrintReport& report, const ContourEngine& engine) {
   const Nanometers printed =
       report.layers.empty() ? Nanometers{} : report.layers.back().bottom + report.layers.back().thickness;
-  const std::vector<PreviewPart> parts = preview_parts(report.summary, engine);
-  return encode_png(render_preview(parts, to_millimeters(printed), kPreviewWidth, kPreviewHeight));
+  const DrawnCopies copies = report.summary.plate ? DrawnCopies::All : DrawnCopies::None;
+  return encode_png(draw_job_picture(report.summary, engine, to_millimeters(printed), copies));
 }
 
 // What goes wrong is told as "`what`: why", and nothing follows from it.

@@ -16,7 +16,8 @@ struct PreviewPart {
 };
 
 // Draws what lies below `top` (after the parts were moved), at the scale at which all parts fill the picture,
-// on black. What was not printed is missing from the picture.
+// on black. What was not printed is missing from the picture. Takes some seconds at most for what reading
+// takes as long: facets that cover the picture thousands of times are drawn in larger pixels.
 [[nodiscard]] Mask render_preview(std::span<const PreviewPart> parts, Millimeters top, Pixels width,
                                   Pixels height);
 // The same for one model where it is.

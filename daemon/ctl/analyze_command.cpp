@@ -74,17 +74,7 @@ Subject subject_of_printer(const AnalyzeOptions& options) {
   const PrinterConfig printer = load_printer_config(*options.printer, Places::Elsewhere);
   // Bad files are told as by the other commands, before anything about the printer.
   (void)read_model(options.model);
-  PreparedJob job = [&] {
-    try {
-      const JobFiles files{options.model.stem().string(), options.model, options.ticket};
-      return prepare_job(files, read_settings(files, printer), printer);
-    } catch (const ProfileTrouble& trouble) {
-      if (trouble.fault() == ProfileTrouble::Fault::Profile) throw;
-      throw ModelError(options.model.string() + ": " + trouble.what());
-    } catch (const JobRefused& refusal) {
-      throw ModelError(options.model.string() + ": " + refusal.what());
-    }
-  }();
+  PreparedJob job = prepare_model({options.model.stem().string(), options.model, options.ticket}, printer);
   Subject subject;
   const PrintPlan& plan = job.plan;
   subject.layer_durations = layer_durations(plan, printer);

@@ -67,6 +67,18 @@ void print_status(const Json& status) {
   }
 }
 
+std::filesystem::path find_spool(const ClientOptions& options,
+                                 const std::optional<std::filesystem::path>& given) {
+  if (given) return *given;
+  DaemonConnection connection(options.socket);
+  connection.send("status", 1);
+  const std::string spool = connection.receive().value("/result/spool"_json_pointer, "");
+  if (spool.empty())
+    throw DaemonError(
+        fmt::format("contourd on {} does not tell its spool: --spool does", options.socket.string()));
+  return spool;
+}
+
 int request(const ClientOptions& options, const Request& request, void (*print)(const Json&)) {
   DaemonConnection connection(options.socket);
   connection.send(request.method, 1, request.parameters);

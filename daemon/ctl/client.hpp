@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 namespace contourd::ctl {
@@ -22,6 +23,10 @@ struct Request {
 // Sends it, and prints its result for a person, by `print`, or the answer as it came.
 int request(const ClientOptions& options, const Request& request,
             void (*print)(const nlohmann::ordered_json& result));
+
+// The spool's folder: the given one, or contourd's. Throws DaemonError where contourd does not tell.
+[[nodiscard]] std::filesystem::path find_spool(const ClientOptions& options,
+                                               const std::optional<std::filesystem::path>& given);
 
 void print_status(const nlohmann::ordered_json& status);
 

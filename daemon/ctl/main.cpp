@@ -26,6 +26,7 @@
 #include "daemon/ctl/level_command.hpp"
 #include "daemon/ctl/logs_command.hpp"
 #include "daemon/ctl/manual_command.hpp"
+#include "daemon/ctl/preview_command.hpp"
 #include "daemon/ctl/queue_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
 #include "daemon/ctl/submit_command.hpp"
@@ -239,6 +240,7 @@ class CommandLine {
     add_inspect();
     add_slice();
     add_analyze();
+    add_preview();
     add_submit();
     add_client_commands();
     add_logs();
@@ -342,6 +344,24 @@ class CommandLine {
     add("--pixel-pitch-um", analyze_words_.display.pixel_pitch_um, "Side of a pixel on the plate, um");
     add("--aa", analyze_words_.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")
         ->check(CLI::IsMember({"on", "off"}));
+  }
+
+  void add_preview() {
+    CLI::App* command = add_command("preview", "Show a picture of a model, or of a job in the spool",
+                                    [this] { return preview(client_, preview_); });
+    command->add_option("JOB", preview_.subject, "A job's name, or a model's file")
+        ->required()
+        ->check(kNotEmpty);
+    command->add_option("--layer", preview_.layer, "The mask of this layer, from 1, as the printer shows it")
+        ->check(CLI::Range(1, kMaxLayers));
+    const auto add = [command](const char* name, auto& option, const char* help) {
+      command->add_option(name, option, help)->check(kNotEmpty);
+    };
+    add("--printer", preview_.printer, "As contourd with this configuration prints it");
+    add("--ticket", preview_.ticket, "The ticket of a model's file");
+    add("-o,--output", preview_.output, "Write a PNG file, - for standard output, and draw nothing");
+    add("--spool", preview_.spool, "The spool's folder, if contourd does not run");
+    add_socket_option(command);
   }
 
   void add_submit() {
@@ -596,6 +616,7 @@ class CommandLine {
   AnalyzeOptions analyze_;
   AnalyzeWords analyze_words_;
   SliceWords words_;
+  PreviewOptions preview_;
   SubmitOptions submit_;
   ManualWords manual_;
   WiringWords wiring_;

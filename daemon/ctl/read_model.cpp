@@ -28,4 +28,23 @@ Model read_model(const std::filesystem::path& path) {
   }
 }
 
+void look_at_model(const std::filesystem::path& path) {
+  try {
+    (void)outline_of_model(path);
+  } catch (const ModelError& error) {
+    throw ModelError(path.string() + ": " + error.what());
+  }
+}
+
+PreparedJob prepare_model(const JobFiles& files, const PrinterConfig& printer) {
+  try {
+    return prepare_job(files, read_settings(files, printer), printer);
+  } catch (const ProfileTrouble& trouble) {
+    if (trouble.fault() == ProfileTrouble::Fault::Profile) throw;
+    throw ModelError(files.model.string() + ": " + trouble.what());
+  } catch (const JobRefused& refusal) {
+    throw ModelError(files.model.string() + ": " + refusal.what());
+  }
+}
+
 }  // namespace contourd::ctl

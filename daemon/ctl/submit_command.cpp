@@ -17,8 +17,8 @@
 #include "daemon/config/config_error.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/regular_file.hpp"
-#include "daemon/ctl/daemon_connection.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/read_model.hpp"
 #include "daemon/ctl/watch_command.hpp"
 #include "daemon/durable_file.hpp"
 #include "daemon/new_file.hpp"
@@ -30,17 +30,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-fs::path spool_of(const ClientOptions& client, const SubmitOptions& options) {
-  if (options.spool) return *options.spool;
-  DaemonConnection connection(client.socket);
-  connection.send("status", 1);
-  const std::string spool = connection.receive().value("/result/spool"_json_pointer, "");
-  if (spool.empty())
-    throw DaemonError(
-        fmt::format("contourd on {} does not tell its spool: --spool does", client.socket.string()));
-  return spool;
-}
 
 // Calls `take` with one piece after the other. Throws UnreadableFile, and what `take` throws.
 void read_all(const fs::path& path, const std::function<void(std::string_view)>& take) {
@@ -85,11 +74,7 @@ void check_model(const fs::path& path) {
   if (!is_model_name(path.filename().string()))
     throw ModelError(fmt::format("{}: is no model by its name, which ends in {} and begins with no dot",
                                  path.string(), fmt::join(model_extensions(), " or ")));
-  try {
-    (void)outline_of_model(path);
-  } catch (const ModelError& error) {
-    throw ModelError(path.string() + ": " + error.what());
-  }
+  look_at_model(path);
 }
 
 class Submission {
@@ -151,7 +136,7 @@ void tell(const ClientOptions& client, const fs::path& model, const std::string&
 int submit(const ClientOptions& client, const SubmitOptions& options) {
   const std::string ticket = ticket_of(options);
   std::ranges::for_each(options.models, check_model);
-  const Submission submission(spool_of(client, options));
+  const Submission submission(find_spool(client, options.spool));
   std::vector<std::string> jobs;
   for (const fs::path& model : options.models) {
     jobs.push_back(submission.put(model, ticket));

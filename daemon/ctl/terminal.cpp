@@ -1,13 +1,17 @@
 #include "daemon/ctl/terminal.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/ioctl.h>
+#include <sys/signalfd.h>
 #include <unistd.h>
 
 #include <array>
-#include <csignal>
+#include <cerrno>
 #include <cstddef>
+#include <cstdlib>
+#include <system_error>
 
 #include "daemon/ctl/exit_codes.hpp"
 
@@ -18,7 +22,52 @@ constexpr std::array kSignals{SIGTERM, SIGHUP, SIGINT};
 
 volatile std::sig_atomic_t signal_came = 0;
 
+bool is_ignored(int signal) {
+  struct sigaction action {};
+  return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 }  // namespace
+
+bool knows_sequences() {
+  const char* const terminal = std::getenv("TERM");
+  const std::string_view name = terminal != nullptr ? terminal : "";
+  return ::isatty(STDOUT_FILENO) != 0 && !name.empty() && name != "dumb";
+}
+
+bool wants_colors() {
+  const char* const no_color = std::getenv("NO_COLOR");
+  return no_color == nullptr || *no_color == '\0';
+}
+
+bool in_foreground() {
+  const pid_t group = ::tcgetpgrp(STDOUT_FILENO);
+  return group < 0 || group == ::getpgrp();
+}
+
+FileDescriptor open_output_without_waiting() {
+  return FileDescriptor(::open("/proc/self/fd/1", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+}
+
+sigset_t ending_signals() {
+  sigset_t set;
+  ::sigemptyset(&set);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP})
+    if (!is_ignored(signal)) ::sigaddset(&set, signal);
+  return set;
+}
+
+HeldSignals::HeldSignals() {
+  sigset_t held = ending_signals();
+  waiting_ = FileDescriptor(::signalfd(-1, &held, SFD_CLOEXEC | SFD_NONBLOCK));
+  if (!waiting_.valid()) throw std::system_error(errno, std::generic_category(), "cannot wait for signals");
+  ::sigaddset(&held, SIGTTOU);
+  ::sigprocmask(SIG_BLOCK, &held, &before_);
+}
+
+HeldSignals::~HeldSignals() {
+  ::sigprocmask(SIG_SETMASK, &before_, nullptr);
+}
 
 int terminal_columns() {
   constexpr int kUsual = 80;

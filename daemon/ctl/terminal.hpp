@@ -1,16 +1,52 @@
-// The terminal that contourctl runs in: its size, and keys as they are pressed.
+// The terminal that contourctl runs in: what it is, its size, keys as they are pressed, and signals while it
+// is not as its user left it.
 #pragma once
 
 #include <termios.h>
 
+#include <csignal>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include "hw/file_descriptor.hpp"
 
 namespace contourd::ctl {
 
 // Of standard output's terminal; 80 where it does not say.
 [[nodiscard]] int terminal_columns();
+
+// Whether standard output is a terminal that knows control sequences, by TERM.
+[[nodiscard]] bool knows_sequences();
+// Whether the user wants colours, by NO_COLOR.
+[[nodiscard]] bool wants_colors();
+// Whether the terminal of standard output, if it is one, is this program's at the moment.
+[[nodiscard]] bool in_foreground();
+
+// Standard output once more, by a description of its own: writes to it do not wait, anybody else's do as
+// ever. Not valid where that cannot be had.
+[[nodiscard]] FileDescriptor open_output_without_waiting();
+
+// Signals that end or stop a program. One that is ignored, as nohup does with SIGHUP, is not among them.
+[[nodiscard]] sigset_t ending_signals();
+
+// While it lives, these signals wait, so that what has been begun on the terminal can be ended first. When it
+// goes, they do what they do; one that stops the program comes back from there. From the background, the
+// terminal can be set meanwhile. One at a time. Throws std::system_error.
+class HeldSignals {
+ public:
+  HeldSignals();
+  ~HeldSignals();
+  HeldSignals(const HeldSignals&) = delete;
+  HeldSignals& operator=(const HeldSignals&) = delete;
+
+  // Readable, for poll(2), once one waits.
+  [[nodiscard]] int descriptor() const { return waiting_.get(); }
+
+ private:
+  FileDescriptor waiting_;
+  sigset_t before_{};
+};
 
 // A key: a character, or an arrow.
 enum class Arrow { Up, Down };

@@ -8,9 +8,10 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <string_view>
 #include <system_error>
+
+#include "daemon/ctl/terminal.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -40,45 +41,26 @@ std::string_view sequence_of(Ink ink) {
   return "";
 }
 
-// Nobody else's writes to the terminal must not wait for it, so this needs a description of its own.
 FileDescriptor open_output() {
-  FileDescriptor own(::open("/proc/self/fd/1", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
-  if (own.get() >= 0) return own;
+  FileDescriptor own = open_output_without_waiting();
+  if (own.valid()) return own;
   return FileDescriptor(::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0));
 }
 
-bool is_ignored(int signal) {
-  struct sigaction action {};
-  return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
-}
-
-// One that is ignored, as nohup does with SIGHUP, stays so.
 sigset_t handled_signals() {
-  sigset_t set;
-  ::sigemptyset(&set);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP})
-    if (!is_ignored(signal)) ::sigaddset(&set, signal);
+  sigset_t set = ending_signals();
   ::sigaddset(&set, SIGWINCH);
   ::sigaddset(&set, SIGCONT);
   return set;
 }
 
-bool in_foreground() {
-  const pid_t group = ::tcgetpgrp(STDOUT_FILENO);
-  return group < 0 || group == ::getpgrp();
-}
-
 }  // namespace
 
 bool has_screen() {
-  const char* const terminal = std::getenv("TERM");
-  const std::string_view name = terminal != nullptr ? terminal : "";
-  return ::isatty(STDOUT_FILENO) != 0 && !name.empty() && name != "dumb" && in_foreground();
+  return knows_sequences() && in_foreground();
 }
 
-TerminalScreen::TerminalScreen() : out_(open_output()) {
-  const char* const no_color = std::getenv("NO_COLOR");
-  colors_ = no_color == nullptr || *no_color == '\0';
+TerminalScreen::TerminalScreen() : out_(open_output()), colors_(wants_colors()) {
   const sigset_t handled = handled_signals();
   signals_ = FileDescriptor(::signalfd(-1, &handled, SFD_CLOEXEC | SFD_NONBLOCK));
   if (signals_.get() < 0) throw std::system_error(errno, std::generic_category(), "cannot wait for signals");

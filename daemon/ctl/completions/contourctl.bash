@@ -10,6 +10,7 @@ _contourctl_words() {
       contourctl status 2>/dev/null | sed -n 's/^job  *//p'
       _contourctl_words waiting
       ;;
+    ended) contourctl history 2>/dev/null | sed -nE 's/^(.+): (done|cancelled|failed(: .*)?)$/\1/p' ;;
     waiting) contourctl queue 2>/dev/null | sed -n 's/^ *[0-9][0-9]*  \(.*\)\.[^.]*$/\1/p' ;;
     resins)
       for name in /etc/contourd/resins/*.json; do
@@ -23,9 +24,14 @@ _contourctl_words() {
 _contourctl() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words='' length=1 each
   if [[ ${COMP_WORDS[1]} == queue && $COMP_CWORD == 3 && $word != -* ]]; then before=queue-job; fi
+  if [[ $before == preview && $COMP_CWORD == 2 && $word != -* ]]; then before=preview-job; fi
   if [[ $before == logs && $COMP_CWORD == 2 && $word != -* ]]; then before=--job; fi
   case $before in
     queue-job) words=$(_contourctl_words waiting) ;;
+    preview-job)
+      words=$(_contourctl_words jobs; _contourctl_words ended)
+      words+=$'\n'$(compgen -d -- "$word")$'\n'$(compgen -f -X '!*.[sS][tT][lL]' -- "$word")
+      ;;
     --job) words=$(_contourctl_words jobs) ;;
     --resin) words=$(_contourctl_words resins) ;;
     schema) words=$'plate\nprinter\nprojector\nresin\nticket' ;;

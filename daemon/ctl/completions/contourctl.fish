@@ -19,6 +19,12 @@ end
 function __contourctl_waiting
     contourctl queue 2>/dev/null | sed -n 's/^ *[0-9][0-9]*  \(.*\)\.[^.]*$/\1/p'
 end
+function __contourctl_ended
+    contourctl history 2>/dev/null | sed -nE 's/^(.+): (done|cancelled|failed(: .*)?)$/\1/p'
+end
+function __contourctl_models
+    __fish_complete_suffix .stl
+end
 function __contourctl_queue_command
     set -l words (commandline -opc)
     test (count $words) -eq 3; and test "$words[2]" = queue
@@ -39,6 +45,7 @@ complete -c contourctl -n '__contourctl_before --resin' -f -a '(__contourctl_res
 for group in motor light projector queue config
     complete -c contourctl -n "__contourctl_before $group" -f -a "(__contourctl_commands $group)"
 end
+complete -c contourctl -n '__contourctl_before preview' -f -a '(__contourctl_jobs) (__contourctl_ended) (__contourctl_models)'
 complete -c contourctl -n '__contourctl_before logs' -f -a '(__contourctl_jobs)'
 complete -c contourctl -n __contourctl_queue_command -f -a '(__contourctl_waiting)'
 complete -c contourctl -n '__contourctl_before show; and not __contourctl_queue_command' -a 'white black grid checker focus border dimensions'

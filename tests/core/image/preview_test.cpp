@@ -147,3 +147,30 @@ TEST_CASE("A preview of moved parts is that of the model they make together") {
     CHECK((expected.lit_pixels() > 0) == true);
   }
 }
+
+TEST_CASE("A preview of facets that cover it thousands of times is drawn in larger pixels") {
+  // Upright squares behind each other, each of which nearly fills the picture.
+  models::Facets squares;
+  for (int i = 0; i < 5'000; ++i) {
+    const float y = static_cast<float>(i) / 5'000;
+    squares.push_back({{Vertex{0, y, 0}, Vertex{100, y, 0}, Vertex{100, y, 100}}});
+    squares.push_back({{Vertex{0, y, 0}, Vertex{100, y, 100}, Vertex{0, y, 100}}});
+  }
+  constexpr int kWidth = 719, kHeight = 701;
+  const auto drawn = [](std::span<const Facet> facets) {
+    return render_preview(facets, kAll, Pixels{kWidth}, Pixels{kHeight});
+  };
+  const auto is_in_blocks_of = [](const Mask& picture, int side) {
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        if (grey_at(picture, x, y) != grey_at(picture, x / side * side, y / side * side)) return false;
+    return true;
+  };
+  const Mask fine = drawn(std::span(squares).first(2)), coarse = drawn(squares);
+  CHECK_FALSE(is_in_blocks_of(fine, 2));
+  CHECK(is_in_blocks_of(coarse, 2));
+  CHECK(coarse.width() == Pixels{kWidth});
+  CHECK(coarse.height() == Pixels{kHeight});
+  // It shows the same: what stands behind moves the edges by some pixels.
+  CHECK(std::abs(coarse.lit_area() - fine.lit_area()) < 0.05 * fine.lit_area());
+}

@@ -1,0 +1,577 @@
+#!/usr/bin/env python3
+"""contourctl preview: pictures of models, jobs and layers, as PNG files and as a terminal shows them."""
+
+import contextlib
+import fcntl
+import os
+import pty
+import re
+import select
+import signal
+import socket
+import struct
+import subprocess
+import termios
+import time
+import unittest
+
+from harness import (
+    BAD_CONFIG, BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, DEADLINE_S, NO_INPUT, OK, UNAVAILABLE, Daemon, FolderTest,
+    Picture, ascii_stl, binary_stl, box, contourctl, main, read_png, wait_until, wedge,
+)  # fmt: skip
+
+INSTALLED = "/etc/contourd/contourd.json"
+SMALL = binary_stl(box((0, 0, 0), (4, 2, 1)))  # 20 layers
+WEDGE = binary_stl(wedge(8, 4, 2))
+ASKED = b"\x1b[c"
+SIXELS, NO_SIXELS = b"\x1b[?62;4;22c", b"\x1b[?62;22c"
+COLORLESS = {"NO_COLOR": None, "COLORTERM": None, "TERM": "xterm"}
+SGR = re.compile(rb"\x1b\[[0-9;]*m")
+# A display of which a whole mask fits on a terminal.
+DISPLAY = {"display": {"width_px": 192, "height_px": 108, "pixel_pitch_um": 100}}
+
+
+def decode_sixels(data):
+    """Greys, row by row. Of the format (DEC STD 070, 9) only what a picture in one piece has, and nothing else."""
+    found = re.fullmatch(rb'\x1bPq"1;1;(\d+);(\d+)(.*)\x1b\\', data, re.DOTALL)
+    assert found, data[:80]
+    width, height = int(found[1]), int(found[2])
+    rows = [bytearray(b"\xff" * width) for _ in range(height)]
+    drawn, levels, x, y, level = 0, {}, 0, 0, None
+    for number, definition, repeat, sixel, control in re.findall(
+            rb"#(\d+)(?:;2;(\d+;\d+;\d+))?|(?:!(\d+))?([?-~])|([$-])|[\r\n]", found[3]):  # fmt: skip
+        if definition:
+            red, green, blue = map(int, definition.split(b";"))
+            assert red == green == blue <= 100, definition
+            levels[int(number)] = red
+        elif number:
+            level = levels[int(number)]
+        elif control:
+            x, y = 0, y + (6 if control == b"-" else 0)
+        else:
+            for _ in range(int(repeat or 1)):
+                for bit in range(6):
+                    if (sixel[0] - 63) >> bit & 1:
+                        assert y + bit < height, "below the picture"
+                        rows[y + bit][x] = round(level * 255 / 100)
+                        drawn += 1
+                x += 1
+    assert drawn == width * height, "each pixel once"
+    return Picture(width, height, [bytes(row) for row in rows])
+
+
+def light(grey):
+    value = grey / 255
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+
+
+def grey_of(light_):
+    return 255 * (light_ * 12.92 if light_ <= 0.0031308 else 1.055 * light_ ** (1 / 2.4) - 0.055)
+
+
+def resized(picture, left, top, right, bottom, width, height):
+    """That part in so many pixels, each with the mean light of what it covers."""
+    def weights(size, count):
+        for i in range(count):
+            begin, end = i * size / count, (i + 1) * size / count
+            yield [(each, min(end, each + 1) - max(begin, each)) for each in range(int(begin), min(size, int(end) + 1))]
+    columns, rows = list(weights(right - left, width)), list(weights(bottom - top, height))
+    area = (right - left) / width * (bottom - top) / height
+    return [[grey_of(sum(light(picture.rows[top + y][left + x]) * wy * wx for y, wy in ys for x, wx in xs) / area)
+             for xs in columns] for ys in rows]  # fmt: skip
+
+
+class PreviewTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.home = os.getcwd()
+        os.chdir(self.folder)
+        self.addCleanup(os.chdir, self.home)
+
+    def printer(self, **config):
+        """A printer's configuration that no daemon has."""
+        return Daemon(self, {**DISPLAY, **config}).config_path
+
+    def spool(self, **jobs):
+        """A spool with each job's model and, if there is one, its ticket; by folder."""
+        for folder in ("incoming", "printing", "done", "failed"):
+            os.makedirs(self.path("spool", folder), exist_ok=True)
+            for name, (model, ticket) in jobs.get(folder, {}).items():
+                self.write(os.path.join(b"spool", folder.encode(), os.fsencode(name) + b".stl"), model)
+                if ticket is not None:
+                    self.write(os.path.join(b"spool", folder.encode(), os.fsencode(name) + b".json"), ticket)
+        return self.path("spool")
+
+    def png(self, *arguments, **options):
+        """What it writes."""
+        output = self.path("out.png")
+        result = contourctl("preview", *arguments, "-o", output, **options)
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (OK, b"", b""), result)
+        return read_png(output)
+
+    def refused(self, result, code, *words):
+        self.assertEqual((result.returncode, result.stdout), (code, b""), result)
+        self.assert_one_line(result.stderr, *words)
+
+    def drawn(self, *arguments):
+        """Its lines, behind a pipe."""
+        result = contourctl("preview", *arguments)
+        self.assertEqual((result.returncode, result.stderr), (OK, b""), result)
+        self.assertNotIn(b"\x1b", result.stdout)
+        lines = result.stdout.decode().splitlines()
+        self.assertTrue(all(len(line) <= 80 for line in lines), lines)
+        return lines
+
+
+class Pictures(PreviewTest):
+    def test_a_file_and_a_job_are_shaded_as_in_the_report_and_a_layer_is_the_mask_that_was_shown(self):
+        daemon = Daemon(self, masks=True).start()
+        for name, ticket in (("plain", None), ("turned", b'{"rotation_deg": {"x": 30}, "scale": 2}')):
+            with self.subTest(name):
+                daemon.drop(name + ".stl", WEDGE, ticket)
+                daemon.wait_done(name)
+                as_printed = ["--socket", daemon.socket_path, "--printer", daemon.config_path]
+                with open(daemon.file("done", name + ".preview.png"), "rb") as file:
+                    report = file.read()
+                self.png(name, *as_printed)
+                with open(self.path("out.png"), "rb") as file:
+                    self.assertEqual(file.read(), report)
+                for number in (1, 17, daemon.report(name)["layers"]):
+                    shown = read_png(self.path("masks", name, f"{number:04}.png"))
+                    self.assertEqual(self.png(name, "--layer", str(number), *as_printed), shown)
+        daemon.stop()
+        # Of a file nothing else is needed.
+        self.write("w.stl", WEDGE)
+        self.png("w.stl")
+        with open(self.path("out.png"), "rb") as mine, open(daemon.file("done", "plain.preview.png"), "rb") as report:
+            self.assertEqual(mine.read(), report.read())
+
+    def test_a_job_is_found_wherever_it_lies(self):
+        spool = self.spool(incoming={"a": (SMALL, None)}, printing={"b": (WEDGE, None)}, done={"c": (SMALL, None)},
+                           failed={"d": (WEDGE, None)})  # fmt: skip
+        for name, folder in (("a", "incoming"), ("b", "printing"), ("c", "done"), ("d", "failed"), ("a.stl", "incoming")):
+            lines = self.drawn(name, "--spool", spool)
+            size = "4 x 2 x 1" if name[0] in "ac" else "8 x 4 x 2"
+            self.assertEqual(lines[0].split(" facets")[0].rsplit(" ", 1)[0], f"{name[0]}, in {folder}: {size} mm,")
+            self.assertTrue(any("\u2592" in line for line in lines))
+        self.refused(contourctl("preview", "e", "--spool", spool), NO_INPUT, 'neither a file nor a job', '"e"')
+        for hostile in ("..", ".", "", "x" * 300, "a\n"):
+            self.assertNotEqual(contourctl("preview", hostile, "--spool", spool).returncode, OK)
+
+    def test_what_waits_comes_before_what_is_done_and_the_other_is_told(self):
+        spool = self.spool(incoming={"a": (SMALL, None)}, done={"a": (WEDGE, None)}, failed={"a": (WEDGE, None)})
+        self.assertIn("a, in incoming (there is another in done and in failed): 4 x 2 x 1 mm", self.drawn("a", "--spool", spool)[0])
+        # Its path is a file's.
+        self.assertIn("a.stl: 8 x 4 x 2 mm", self.drawn("spool/done/a.stl")[0])
+
+    def test_two_files_of_one_name_are_told_apart_by_their_own(self):
+        spool = self.spool(incoming={"a": (SMALL, None)})
+        self.write("spool/incoming/a.STL", WEDGE)
+        self.refused(contourctl("preview", "a", "--spool", spool), BAD_USAGE, 'more than one job in incoming is called "a"', '"a.STL", "a.stl"')
+        self.assertIn("8 x 4 x 2 mm", self.drawn("a.STL", "--spool", spool)[0])
+
+    def test_a_file_comes_before_a_job_and_a_folder_does_not(self):
+        spool = self.spool(incoming={"part": (SMALL, None), "other": (SMALL, None)})
+        self.write("part", WEDGE)
+        os.mkdir("other")
+        self.assertIn("part: 8 x 4 x 2 mm", self.drawn("part", "--spool", spool)[0])
+        self.assertIn("other, in incoming: 4 x 2 x 1 mm", self.drawn("other", "--spool", spool)[0])
+
+    def test_names_are_said_as_people_read_them(self):
+        spool = self.spool(incoming={"b\x1b[31m": (SMALL, None), "B\u00e4r-\u90e8\u54c1" * 9: (SMALL, None)})
+        self.assertIn("b?[31m, in incoming", self.drawn("b?[31m", "--spool", spool)[0])
+        self.drawn("B\u00e4r-\u90e8\u54c1" * 9, "--spool", spool)
+        self.write(b"c\x1b[31m\xff.stl", SMALL)
+        self.assertIn("c?[31m", self.drawn(b"c\x1b[31m\xff.stl")[0])
+
+    def test_a_jobs_ticket_counts(self):
+        ticket = b'{"copies": 3, "scale": 2, "up": {"x": 1}, "layer_height_um": 100}'
+        spool = self.spool(incoming={"a": (SMALL, ticket)})
+        as_printed = ["--spool", spool, "--printer", self.printer()]
+        self.assertIn("a, in incoming: 3 of 2 x 4 x 8 mm, layers 80 of 100 um", self.drawn("a", *as_printed)[0])
+        mask = self.png("a", "--layer", "80", *as_printed)
+        middle = mask.rows[mask.lit_box()[1] + 1]
+        self.assertEqual(len(re.findall(rb"[^\0]+", middle)), 3)
+        self.assertEqual(sum(map(bool, middle)), 3 * 20)  # 2 mm at 0.1 mm
+        # The same of a file.
+        file, given = self.write("a.stl", SMALL), self.write("t", ticket)
+        self.assertEqual(self.png(file, "--layer", "80", "--ticket", given, *as_printed[2:]), mask)
+        self.refused(contourctl("preview", "a", "--ticket", given, *as_printed), BAD_USAGE, "--ticket goes with a file")
+        self.refused(contourctl("preview", file, "--ticket", self.write("bad", b"{"), *as_printed[2:]), BAD_DATA, "ticket")
+
+    def test_a_plate_is_shown_whole(self):
+        spool = self.spool()
+        os.makedirs(self.path("spool", "incoming", "two"))
+        self.write("spool/incoming/two/a.stl", SMALL)
+        self.write("spool/incoming/two/b.stl", WEDGE)
+        self.write("spool/incoming/two/plate.json", '{"models": [{"file": "a.stl", "copies": 2}, {"file": "b.stl"}]}')
+        as_printed = ["--spool", spool, "--printer", self.printer()]
+        self.assertIn("two, in incoming: 3 models, 2 mm high, layers 40 of 50 um", self.drawn("two", *as_printed)[0])
+        self.assertGreater(self.png("two", "--layer", "1", *as_printed).lit_box()[2], 0)
+
+    def test_a_layer_that_there_is_not_is_refused_with_how_many_there_are(self):
+        model = self.write("a.stl", SMALL)
+        for number in ("21", "10000000"):
+            self.refused(contourctl("preview", model, "--layer", number, "--printer", self.printer()), BAD_USAGE,
+                         f"there is no layer {number} of a.stl: it has 20")  # fmt: skip
+        for number in ("0", "-1", "1.5", "x", "", "99999999999999999999"):
+            self.assertEqual(contourctl("preview", model, "--layer", number, "--printer", self.printer()).returncode, BAD_USAGE)
+
+    @unittest.skipIf(os.path.exists(INSTALLED), "contourd is installed")
+    def test_without_a_configuration_it_says_what_needs_one(self):
+        model, ticket = self.write("a.stl", SMALL), self.write("a.json", "{}")
+        self.refused(contourctl("preview", model, "--layer", "1"), BAD_USAGE, "--layer needs a printer's configuration", INSTALLED)
+        self.refused(contourctl("preview", model, "--ticket", ticket), BAD_USAGE, "a ticket needs a printer's configuration")
+        self.refused(contourctl("preview", model, "--layer", "1", "--printer", self.path("none")), BAD_CONFIG, "none")
+        self.drawn(model)
+        self.drawn("a", "--spool", self.spool(incoming={"a": (SMALL, None)}))
+
+    def test_a_job_that_is_refused_is_shown_as_its_file_has_it_with_the_reason(self):
+        high = binary_stl(box((0, 0, 0), (4, 2, 500)))
+        spool = self.spool(failed={"high": (high, b"{}"), "odd": (SMALL, b'{"copis": 2}')})
+        for name, why in (("high", "500.00 mm high"), ("odd", "copis")):
+            result = contourctl("preview", name, "--spool", spool, "--printer", self.printer())
+            self.assertEqual(result.returncode, OK, result)
+            self.assert_one_line(result.stderr, "contourctl: warning: shown as its file has it: ", why)
+            self.assertIn("facets", result.stdout.decode().splitlines()[0])
+            self.refused(contourctl("preview", name, "--layer", "1", "--spool", spool, "--printer", self.printer()), BAD_DATA, why)
+
+    def test_without_a_daemon_it_says_how_a_job_can_be_found(self):
+        self.refused(contourctl("preview", "part", "--socket", self.path("none")), UNAVAILABLE,
+                     'there is no file "part"', "cannot reach contourd", "--spool")  # fmt: skip
+        self.refused(contourctl("preview", "./part.stl", "--socket", self.path("none")), NO_INPUT, "./part.stl")
+        self.refused(contourctl("preview", "part", "--spool", self.path("none")), NO_INPUT, "none/incoming")
+
+    def test_a_daemon_that_tells_no_spool_is_told(self):
+        path = self.path("s")
+        for answer in (b'{"id":1,"result":{"spool":""}}\n', b'{"id":1,"error":{}}\n', b""):
+            with self.subTest(answer), socket.socket(socket.AF_UNIX) as server:
+                server.bind(path)
+                server.listen()
+                with subprocess.Popen([CONTOURCTL, "preview", "part", "--socket", path], stdout=subprocess.PIPE,
+                                      stderr=subprocess.PIPE) as asking:  # fmt: skip
+                    connection, _ = server.accept()
+                    with connection:
+                        connection.recv(4096)
+                        connection.sendall(answer)
+                    out, why = asking.communicate(timeout=DEADLINE_S)
+                os.unlink(path)
+                self.assertEqual((asking.returncode, out), (UNAVAILABLE, b""), why)
+                self.assert_one_line(why, 'there is no file "part"', "--spool")
+
+    def test_what_is_no_model_is_refused_as_by_the_other_commands(self):
+        os.mkfifo("fifo.stl")
+        os.mkdir("folder.stl")
+        self.write("empty.stl", b"")
+        self.write("text.stl", b"hello\n" * 100)
+        self.write("nan.stl", ascii_stl(box((0, 0, 0), (1, 1, 1))).replace(b"vertex 1", b"vertex nan"))
+        for name in ("fifo.stl", "folder.stl", "/dev/zero", "/dev/null", "none.stl", "empty.stl", "text.stl", "nan.stl"):
+            with self.subTest(name):
+                name = name if name.startswith("/") else "./" + name
+                mine, other = contourctl("preview", name), contourctl("inspect", name)
+                self.refused(mine, other.returncode, name)
+                self.assertIn(mine.returncode, (BAD_DATA, NO_INPUT))
+
+    def test_a_model_that_does_not_fit_into_memory_is_not_read(self):
+        with open("large.stl", "wb") as file:
+            file.write(b"\0" * 80 + struct.pack("<I", 2_000_000_000))
+            file.truncate(84 + 50 * 2_000_000_000)
+        self.refused(contourctl("preview", "large.stl"), BAD_DATA, "large.stl", "memory")
+        self.spool()
+        os.rename("large.stl", "spool/incoming/large.stl")
+        self.refused(contourctl("preview", "large", "--spool", "spool"), BAD_DATA, "large.stl", "memory")
+
+    def test_a_link_in_the_spool_is_refused(self):
+        self.spool()
+        os.symlink(self.write("secret.stl", SMALL), self.path("spool", "incoming", "a.stl"))
+        self.refused(contourctl("preview", "a", "--spool", "spool"), BAD_DATA, "symbolic link")
+
+
+class Output(PreviewTest):
+    def test_standard_output_gets_the_same_picture(self):
+        model = self.write("a.stl", SMALL)
+        result = contourctl("preview", model, "-o", "-")
+        self.assertEqual((result.returncode, result.stderr), (OK, b""))
+        self.png(model)
+        with open("out.png", "rb") as file:
+            self.assertEqual(result.stdout, file.read())
+        with open("/dev/full", "wb") as full:
+            self.assertEqual(contourctl("preview", model, "-o", "-", stdout=full).returncode, CANNOT_CREATE)
+            self.assertEqual(contourctl("preview", model, stdout=full).returncode, CANNOT_CREATE)
+
+    def test_what_is_there_is_replaced_whole_or_stays(self):
+        model = self.write("a.stl", SMALL)
+        self.write("old.png", b"old")
+        os.link("old.png", "kept")
+        os.symlink("old.png", "link.png")
+        contourctl("preview", model, "-o", "link.png")
+        self.assertTrue(os.path.islink("link.png"))
+        self.assertEqual(read_png("old.png").width, 720)
+        with open("kept", "rb") as file:
+            self.assertEqual(file.read(), b"old")  # nobody has written into it
+        before = sorted(os.listdir())
+        os.mkfifo("fifo")
+        os.mkdir("folder")
+        os.symlink("nothing", "dangling")
+        for output in ("fifo", "folder", "folder/", "dangling", "/dev/null", "/dev/stdout", "no/where.png", "old.png/x"):
+            self.refused(contourctl("preview", model, "-o", output), CANNOT_CREATE, output)
+        self.assertTrue(os.path.exists("/dev/null") and not os.path.isfile("/dev/null"))
+        self.assertEqual(sorted(set(os.listdir()) - {"fifo", "folder", "dangling"}), before)
+        self.refused(contourctl("preview", self.write("bad.stl", b"x"), "-o", "old.png"), BAD_DATA)
+        self.assertEqual(read_png("old.png").width, 720)
+
+    def test_the_model_is_not_written_over(self):
+        model, ticket = self.write("a.stl", SMALL), self.write("t.json", b"{}")
+        os.link("a.stl", "same.png")
+        spool = self.spool(incoming={"j": (SMALL, None)})
+        for arguments in (["a.stl", "-o", "a.stl"], ["a.stl", "-o", "./same.png"], ["a.stl", "--ticket", ticket, "-o", "t.json"],
+                          ["j", "--spool", spool, "-o", "spool/incoming/j.stl"]):  # fmt: skip
+            self.refused(contourctl("preview", *arguments), BAD_USAGE, "that is the file that is to be shown")
+        with open(model, "rb") as file:
+            self.assertEqual(file.read(), SMALL)
+
+    def test_whoever_is_interrupted_leaves_nothing(self):
+        # Between the first and the last of its calls: each time a little later.
+        model = self.write("a.stl", binary_stl(wedge(8, 4, 2) * 5000))
+        before, begin = sorted(os.listdir()), time.monotonic()
+        self.png(model)
+        whole, steps = time.monotonic() - begin, 25
+        for delay in [whole * step / steps for step in range(steps)]:
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink("out.png")
+            with subprocess.Popen([CONTOURCTL, "preview", model, "-o", "out.png"]) as process:
+                time.sleep(delay)
+                process.send_signal(signal.SIGINT)
+                code = process.wait(DEADLINE_S)
+            self.assertIn(code, (OK, -signal.SIGINT))
+            there = sorted(set(os.listdir()) - {"out.png"})
+            self.assertEqual(there, before)
+            if os.path.exists("out.png"):
+                self.assertEqual(read_png("out.png").width, 720)
+            self.assertTrue(code != OK or os.path.exists("out.png"))
+
+
+class OnTerminal(PreviewTest):
+    """`answer`: what the terminal sends when it is asked for its attributes."""
+
+    def start(self, *arguments, size=(80, 24), cell=(0, 0), typed=b"", controlling=True, **environment):
+        columns, rows = size
+        self.ours, self.its = pty.openpty()
+        for end in (self.ours, self.its):
+            self.addCleanup(os.close, end)
+        fcntl.ioctl(self.ours, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, columns * cell[0], rows * cell[1]))
+        self.modes = termios.tcgetattr(self.its)
+        os.write(self.ours, typed)
+        variables = {**os.environ, **COLORLESS, **environment}
+        # A session of its own, whose terminal this is: in its foreground. What is to be stopped is in a group that is not
+        # orphaned.
+        group = {"start_new_session": True, "preexec_fn": lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0)}
+        self.process = subprocess.Popen(
+            [CONTOURCTL, "preview", *map(os.fspath, arguments)], stdin=self.its, stdout=self.its, stderr=self.its,
+            env={k: v for k, v in variables.items() if v is not None}, **(group if controlling else {"process_group": 0}))  # fmt: skip
+        self.addCleanup(self.process.wait)
+        self.addCleanup(self.process.kill)
+
+    def read(self, answer=None, until=None):
+        """What it writes to its end, or until that has come."""
+        data, asked = b"", False
+        while True:
+            if select.select([self.ours], [], [], 0.02)[0]:
+                data += os.read(self.ours, 65536)
+            elif self.process.poll() is not None:
+                return data
+            if ASKED in data and not asked:
+                asked = True
+                os.write(self.ours, answer or b"")
+            if until and until in data:
+                return data
+
+    def shown(self, *arguments, answer=None, code=OK, **options):
+        """What is on the terminal, whose modes are as they were."""
+        self.start(*arguments, **options)
+        data = self.read(answer)
+        self.assertEqual(self.process.returncode, code, data)
+        self.assertEqual(termios.tcgetattr(self.its), self.modes)
+        return data.replace(b"\r\n", b"\n")
+
+    def left_to_read(self):
+        """What the next program on this terminal would read."""
+        modes = termios.tcgetattr(self.its)
+        modes[3] &= ~(termios.ICANON | termios.ECHO)
+        termios.tcsetattr(self.its, termios.TCSANOW, modes)
+        return os.read(self.its, 4096) if select.select([self.its], [], [], 0)[0] else b""
+
+    def layer(self, model=WEDGE):
+        return [self.write("w.stl", model), "--layer", "5", "--printer", self.printer()]
+
+    def test_a_terminal_with_sixels_shows_the_pixels_of_the_png(self):
+        large = binary_stl(wedge(18, 10, 2))
+        # All of it, by a whole factor, as it is and smaller; what is lit alone, larger and smaller.
+        for size, cell, model, whole in (((80, 24), (9, 18), large, True), ((30, 12), (9, 18), large, True), ((7, 30), (9, 18), large, True),
+                                         ((80, 24), (0, 0), WEDGE, False), ((8, 12), (9, 18), WEDGE, False)):  # fmt: skip
+            with self.subTest(size=size, cell=cell, whole=whole):
+                arguments = self.layer(model)
+                png = self.png(*arguments)
+                data = self.shown(*arguments, answer=SIXELS, size=size, cell=cell)
+                note, _, sixels = data.replace(ASKED, b"").partition(b"\x1bP")
+                note = b" ".join(note.split()).decode()
+                self.assertIn("w.stl: layer 5 of 40, 0.200 to 0.250 mm", note)
+                picture = decode_sixels(b"\x1bP" + sixels.rstrip(b"\n"))
+                self.assertLessEqual(picture.width, size[0] * (cell[0] or 10))
+                self.assertLessEqual(picture.height, (size[1] - 2) * (cell[1] or 20))
+                self.assertGreater(picture.width, 50)
+                area = re.search(r"columns (\d+) to (\d+) and rows (\d+) to (\d+) of 192x108 pixels; the others are dark", note)
+                self.assertEqual((area is None, "all 192x108 pixels" in note), (whole, whole))
+                left, right, top, bottom = map(int, area.groups()) if area else (1, 192, 1, 108)
+                expected = resized(png, left - 1, top - 1, right, bottom, picture.width, picture.height)
+                # A hundredth of the light's grey, as sixels have it, by half; and rounding twice.
+                worst = max(abs(a - b) for mine, theirs in zip(picture.rows, expected, strict=True) for a, b in zip(mine, theirs, strict=True))
+                self.assertLessEqual(worst, 1.275 + 0.5 + 0.5)
+                self.assertGreater(len(picture.values()), 1)
+
+    def test_half_blocks_are_drawn_where_there_are_no_sixels(self):
+        arguments = self.layer()
+        true_color = self.shown(*arguments, answer=NO_SIXELS, COLORTERM="truecolor").replace(ASKED, b"")
+        greys = self.shown(*arguments, answer=NO_SIXELS).replace(ASKED, b"")
+        self.assertIn(b"\x1b[48;2;255;255;255m", true_color)
+        self.assertIn(b"\x1b[48;5;231m", greys)
+        for data in (true_color, greys):
+            lines = SGR.sub(b"", data).decode().splitlines()
+            self.assertTrue(all(set(line) <= {"\u2580", " "} for line in lines[2:]))
+            self.assertTrue(all(len(line) <= 80 for line in lines))
+            self.assertLessEqual(len(lines), 23)
+            self.assertTrue(data.endswith(b"\x1b[0m\n"))
+
+    def test_it_fits_every_terminal(self):
+        arguments = self.layer()
+        for size in ((40, 24), (80, 24), (200, 60), (20, 8), (1, 1), (1000, 3)):
+            with self.subTest(size):
+                lines = SGR.sub(b"", self.shown(*arguments, answer=NO_SIXELS, size=size).replace(ASKED, b"")).decode().splitlines()
+                self.assertTrue(all(len(line) <= size[0] for line in lines), lines)
+                if size[1] >= 24:
+                    self.assertLess(len(lines), size[1])
+        self.assertIn(b"\xe2\x96\x80", self.shown(*arguments, answer=NO_SIXELS, size=(0, 0)))
+
+    def test_characters_are_drawn_where_colours_are_not_wanted_or_not_known_and_nothing_is_asked(self):
+        arguments = self.layer()
+        piped = contourctl("preview", *arguments).stdout
+        for environment in ({"NO_COLOR": "1"}, {"TERM": "dumb"}, {"TERM": None}, {"TERM": ""}):
+            with self.subTest(environment):
+                data = self.shown(*arguments, answer=SIXELS, size=(80, 42), **environment)
+                self.assertNotIn(b"\x1b", data)
+                self.assertEqual(data.count(b"\n"), piped.count(b"\n"))
+        self.assertIn("\u2588", piped.decode())
+        self.assertIn(ASKED, self.shown(*arguments, answer=SIXELS, NO_COLOR=""))
+
+    def test_a_terminal_is_asked_only_when_its_answer_would_be_heard(self):
+        arguments = self.layer()
+        def shown_with(**ends):
+            self.ours, self.its = pty.openpty()
+            self.addCleanup(os.close, self.ours)
+            self.addCleanup(os.close, self.its)
+            self.process = subprocess.Popen([CONTOURCTL, "preview", *arguments], env={**os.environ, "TERM": "xterm", "NO_COLOR": ""},
+                                            **{"stdin": self.its, "stdout": self.its, **ends})  # fmt: skip
+            return self.read(SIXELS)
+        with subprocess.Popen(["sleep", "60"], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
+            self.assertNotIn(ASKED, shown_with(stdin=subprocess.DEVNULL))
+            self.assertNotIn(ASKED, shown_with(stdin=other.stdout))
+            another, its = pty.openpty()
+            self.assertNotIn(ASKED, shown_with(stdin=its))
+            os.close(another)
+            os.close(its)
+            other.kill()
+
+    def test_a_terminal_that_does_not_answer_or_answers_rubbish_gets_half_blocks_and_the_shell_none_of_it(self):
+        arguments = self.layer()
+        for answer in (b"", b"\x1b", b"\x1b[?62;4", b"\x1b[62;4c", b"c" * 3000, b"\x1b[?" + b"1;" * 1500, b"\xff\x00\x9b?62;4c", b"\x1b[>1;2;3c"):
+            with self.subTest(answer[:20]):
+                data = self.shown(*arguments, answer=answer)
+                self.assertIn(b"\xe2\x96\x80", data)
+                self.assertNotIn(b"\x1bP", data)
+                self.assertEqual(self.left_to_read(), b"")
+
+    def test_a_terminal_that_never_stops_sending_ends_nothing(self):
+        self.start(*self.layer())
+        data = b""
+        while self.process.poll() is None:
+            if select.select([self.ours], [], [], 0.001)[0]:
+                data += os.read(self.ours, 65536)
+            if ASKED in data and select.select([], [self.ours], [], 0)[1]:
+                with contextlib.suppress(BlockingIOError):
+                    os.set_blocking(self.ours, False)
+                    os.write(self.ours, b"c\x1b[?" * 100)
+        self.assertEqual(self.process.returncode, OK)
+        self.assertEqual(termios.tcgetattr(self.its), self.modes)
+
+    def test_what_was_typed_before_and_behind_the_answer_is_left_to_the_shell(self):
+        arguments = self.layer()
+        self.shown(*arguments, answer=SIXELS + b"ls\n")
+        self.assertEqual(self.left_to_read(), b"ls\n")
+        self.assertNotIn(ASKED, self.shown(*arguments, answer=SIXELS, typed=b"ls\n"))
+        self.assertEqual(self.left_to_read(), b"ls\n")
+
+    def test_signals_while_it_asks_leave_the_terminal_as_it_was(self):
+        for how in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, b"\x03"):
+            with self.subTest(how):
+                self.start(*self.layer())
+                self.read(until=ASKED)
+                self.assertFalse(termios.tcgetattr(self.its)[3] & termios.ICANON)
+                if isinstance(how, bytes):
+                    os.write(self.ours, how)
+                else:
+                    self.process.send_signal(how)
+                self.read()
+                self.assertEqual(self.process.returncode, -signal.SIGINT if isinstance(how, bytes) else -how)
+                self.assertEqual(termios.tcgetattr(self.its), self.modes)
+
+    def test_a_signal_in_the_middle_of_a_picture_leaves_the_terminal_fit_for_text(self):
+        for answer in (SIXELS, NO_SIXELS):
+            for number in (signal.SIGINT, signal.SIGTERM):
+                with self.subTest(answer=answer, number=number):
+                    # More than a terminal holds that nobody reads from.
+                    self.start(self.write("s.stl", WEDGE), size=(900, 400), cell=(4, 8), COLORTERM="truecolor")
+                    data = self.read(answer, until=b"\x1bP" if answer == SIXELS else b"\x1b[48")
+                    data += self.wait_full()
+                    self.process.send_signal(number)
+                    data += self.read()
+                    self.assertEqual(self.process.returncode, -number)
+                    self.assertTrue(data.endswith(b"\x1b\\\x1b[0m\r\n"), data[-50:])
+                    self.assertEqual(data.count(b"\x1b\\"), 1)
+                    self.assertEqual(termios.tcgetattr(self.its), self.modes)
+
+    def wait_full(self):
+        """Until it waits for the terminal."""
+        def waits():
+            with open(f"/proc/{self.process.pid}/wchan", encoding="utf-8") as file:
+                return "poll" in file.read()
+        with contextlib.suppress(PermissionError):
+            wait_until(waits, "the program to wait")
+        return b""
+
+    def test_one_that_is_stopped_in_the_middle_draws_anew(self):
+        self.start(self.write("s.stl", WEDGE), size=(900, 400), cell=(4, 8), controlling=False)
+        self.read(SIXELS, until=b"\x1bP")
+        self.wait_full()
+        self.process.send_signal(signal.SIGTSTP)
+        data = b""
+        while not os.WIFSTOPPED(os.waitpid(self.process.pid, os.WUNTRACED | os.WNOHANG)[1]):
+            if select.select([self.ours], [], [], 0.02)[0]:
+                data += os.read(self.ours, 65536)
+        self.assertEqual(termios.tcgetattr(self.its), self.modes)
+        self.process.send_signal(signal.SIGCONT)
+        data += self.read()
+        self.assertEqual(self.process.returncode, OK)
+        decode_sixels(b"\x1bP" + data.rsplit(b"\x1bP", 1)[1].replace(b"\r\n", b"\n").rstrip(b"\n"))
+
+    def test_standard_output_is_no_terminal_for_a_file(self):
+        data = self.shown(self.write("a.stl", SMALL), "-o", "-", code=BAD_USAGE)
+        self.assertIn(b"standard output is a terminal", data)
+        self.assertNotIn(b"PNG", data)
+
+    def test_what_cannot_be_shown_is_told_and_the_terminal_is_not_asked(self):
+        data = self.shown(self.write("a.stl", b"x"), answer=SIXELS, code=BAD_DATA)
+        self.assertNotIn(b"\x1b", data)
+
+
+if __name__ == "__main__":
+    main()
