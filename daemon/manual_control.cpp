@@ -100,13 +100,13 @@ ControlMethods ManualControl::methods() {
   };
   ControlMethod motor_off = ends(&ManualControl::motor_off);
   motor_off.needs_service_rights = true;
-  ControlMethod show{
-      .parameters = {"pattern", "uploaded", "seconds"},
-      .changes = true,
-      .needs_service_rights = true,
-      .call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
-        return this->show(given, caller, std::move(later));
-      }};
+  ControlMethod show;
+  show.parameters = {"pattern", "uploaded", "seconds"};
+  show.changes = true;
+  show.needs_service_rights = true;
+  show.call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
+    return this->show(given, caller, std::move(later));
+  };
   // What it changes nobody sees.
   ControlMethod upload = begins(&ManualControl::upload, {"from", "data"});
   upload.changes = false;

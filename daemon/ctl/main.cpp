@@ -26,6 +26,7 @@
 #include "daemon/ctl/level_command.hpp"
 #include "daemon/ctl/logs_command.hpp"
 #include "daemon/ctl/manual_command.hpp"
+#include "daemon/ctl/mask_command.hpp"
 #include "daemon/ctl/preview_command.hpp"
 #include "daemon/ctl/queue_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
@@ -241,6 +242,7 @@ class CommandLine {
     add_slice();
     add_analyze();
     add_preview();
+    add_mask();
     add_submit();
     add_client_commands();
     add_logs();
@@ -344,6 +346,16 @@ class CommandLine {
     add("--pixel-pitch-um", analyze_words_.display.pixel_pitch_um, "Side of a pixel on the plate, um");
     add("--aa", analyze_words_.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")
         ->check(CLI::IsMember({"on", "off"}));
+  }
+
+  void add_mask() {
+    CLI::App* command = add_command("mask", "Show what the display shows: the mask of the layer under way",
+                                    [this] { return mask(client_, preview_.output); });
+    command
+        ->add_option("-o,--output", preview_.output,
+                     "Write a PNG file, - for standard output, and draw nothing")
+        ->check(kNotEmpty);
+    add_socket_option(command);
   }
 
   void add_preview() {

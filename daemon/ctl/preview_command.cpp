@@ -1,10 +1,7 @@
 #include "daemon/ctl/preview_command.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <cstdio>
 #include <limits>
 #include <string_view>
 #include <system_error>
@@ -17,36 +14,24 @@
 #include "daemon/config/profile_file.hpp"
 #include "daemon/control_defaults.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/picture_output.hpp"
 #include "daemon/ctl/read_model.hpp"
 #include "daemon/ctl/spooled_job.hpp"
 #include "daemon/ctl/statistics_text.hpp"
-#include "daemon/ctl/terminal.hpp"
-#include "daemon/ctl/terminal_picture.hpp"
-#include "daemon/ctl/text_columns.hpp"
 #include "daemon/job_content.hpp"
 #include "daemon/job_picture.hpp"
 #include "daemon/memory_room.hpp"
-#include "daemon/new_file.hpp"
 #include "daemon/readable.hpp"
-#include "hw/png_file.hpp"
 
 namespace contourd::ctl {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kStandardOutput = "-";
-
 struct Subject {
   JobFiles files;
   std::string title;  // printable
   bool spooled = false;
-};
-
-struct Picture {
-  Mask mask;
-  std::string note;      // what it shows; printable
-  bool is_mask = false;  // whose every pixel counts; else a picture for people
 };
 
 // --- what is to be shown
@@ -113,7 +98,7 @@ PrinterConfig printer_for(const PreviewOptions& options, std::string_view what) 
   return load_printer_config(file, Places::Elsewhere);
 }
 
-Picture mask_of_layer(const Subject& subject, PreparedJob job, int number) {
+NotedPicture mask_of_layer(const Subject& subject, PreparedJob job, int number) {
   const std::vector<Nanometers>& layers = job.plan.expected_layers;
   if (static_cast<std::size_t>(number) > layers.size())
     throw UsageError(
@@ -139,7 +124,7 @@ std::string size_text(double x, double y, double z) {
   return fmt::format("{:.6g} x {:.6g} x {:.6g} mm", x, y, z);
 }
 
-Picture shaded_job(const Subject& subject, const PreparedJob& job) {
+NotedPicture shaded_job(const Subject& subject, const PreparedJob& job) {
   const JobSummary& summary = job.summary;
   std::size_t parts = 0;
   for (const ModelSummary& model : summary.models)
@@ -166,7 +151,7 @@ std::vector<Facet> facets_of(const Subject& subject) {
   }
 }
 
-Picture shaded_model(const Subject& subject) {
+NotedPicture shaded_model(const Subject& subject) {
   const std::vector<Facet> facets = facets_of(subject);
   const Bounds bounds = bounds_of(facets);
   const Millimeters top{std::numeric_limits<double>::infinity()};
@@ -175,7 +160,7 @@ Picture shaded_model(const Subject& subject) {
                       size_text(bounds.size_x(), bounds.size_y(), bounds.size_z()), facets.size())};
 }
 
-Picture draw(const Subject& subject, const PreviewOptions& options) {
+NotedPicture draw(const Subject& subject, const PreviewOptions& options) {
   const JobFiles& files = subject.files;
   if (options.layer)
     return mask_of_layer(subject, prepare_model(files, printer_for(options, "--layer")), *options.layer);
@@ -186,35 +171,10 @@ Picture draw(const Subject& subject, const PreviewOptions& options) {
   } catch (const ModelError& error) {
     if (!subject.spooled || files.plate) throw;
     // A job that cannot be printed can be looked at.
-    Picture picture = shaded_model(subject);
+    NotedPicture picture = shaded_model(subject);
     fmt::print(stderr, "contourctl: warning: shown as its file has it: {}\n", printable(error.what()));
     return picture;
   }
-}
-
-// --- where it goes
-
-// The file that a link leads to is written, not the link.
-fs::path target_of(const fs::path& output) {
-  std::error_code code;
-  return fs::is_symlink(output, code) ? fs::canonical(output, code) : output;
-}
-
-// Whatever shows before the model is read.
-void check_output(const PreviewOptions& options) {
-  const fs::path output = options.output.value_or("");
-  if (output.empty()) return;
-  if (output == kStandardOutput) {
-    if (::isatty(STDOUT_FILENO) != 0)
-      throw UsageError("-o -: standard output is a terminal; without -o the picture is drawn there");
-    return;
-  }
-  std::error_code code;
-  const fs::path target = target_of(output);
-  if (target.empty())
-    throw OutputError(fmt::format("cannot write {}: it is a link that leads nowhere", output.string()));
-  if (is_there(target) && !fs::is_regular_file(target, code))
-    throw OutputError(fmt::format("cannot write {}: it is there, and no regular file", output.string()));
 }
 
 void refuse_to_overwrite(const JobFiles& files, const PreviewOptions& options) {
@@ -225,53 +185,8 @@ void refuse_to_overwrite(const JobFiles& files, const PreviewOptions& options) {
     throw UsageError(fmt::format("-o {}: that is the file that is to be shown", options.output->string()));
 }
 
-void write_png_file(const fs::path& output, std::string_view png) {
-  const fs::path target = target_of(output);
-  // Nothing is left behind by whoever interrupts it, where files without a name are not to be had.
-  const HeldSignals signals;
-  try {
-    NewFile file(folder_of(target));
-    file.write(png);
-    file.replace(target.filename().string());
-  } catch (const std::system_error& error) {
-    throw OutputError(fmt::format("cannot write {}: {}", output.string(), error.code().message()));
-  }
-}
-
-void write_picture(const fs::path& output, const Mask& mask) {
-  const std::vector<std::uint8_t> bytes = encode_png(mask);
-  const std::string_view png(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (output == kStandardOutput) {
-    (void)std::fwrite(png.data(), 1, png.size(), stdout);  // what is lost is told at the end
-  } else {
-    write_png_file(output, png);
-  }
-}
-
-std::string pixels_text(const Mask& mask, const MaskArea& area) {
-  const std::string all = fmt::format("{}x{} pixels", mask.width().count(), mask.height().count());
-  if (mask.lit_pixels() == 0) return fmt::format("nothing is lit of {}", all);
-  if (area == whole_of(mask)) return fmt::format("all {}", all);
-  return fmt::format("columns {} to {} and rows {} to {} of {}; the others are dark", area.left + 1,
-                     area.left + area.width, area.top + 1, area.top + area.height, all);
-}
-
-void draw_on_terminal(const Picture& picture) {
-  PictureTerminal terminal = find_picture_terminal();
-  const MaskArea area = picture.is_mask ? area_to_show(picture.mask, terminal) : lit_area(picture.mask);
-  std::vector<std::string> lines = wrapped(picture.note, static_cast<std::size_t>(terminal.columns));
-  if (picture.is_mask || picture.mask.lit_pixels() == 0) {
-    const auto more = wrapped(pixels_text(picture.mask, area), static_cast<std::size_t>(terminal.columns));
-    lines.insert(lines.end(), more.begin(), more.end());
-  }
-  for (const std::string& line : lines)
-    fmt::print("{}\n", line);
-  leave_lines(terminal, lines.size());
-  print_picture(draw_picture(picture.mask, area, terminal));
-}
-
 // A job may be moved while it is looked for: from one folder to the next, and there are four.
-Picture find_and_draw(const ClientOptions& client, const PreviewOptions& options) {
+NotedPicture find_and_draw(const ClientOptions& client, const PreviewOptions& options) {
   Subject subject = subject_of(client, options);
   refuse_to_overwrite(subject.files, options);
   for (int moves = 0;; ++moves) {
@@ -288,13 +203,8 @@ Picture find_and_draw(const ClientOptions& client, const PreviewOptions& options
 }  // namespace
 
 int preview(const ClientOptions& client, const PreviewOptions& options) {
-  check_output(options);
-  const Picture picture = find_and_draw(client, options);
-  if (options.output) {
-    write_picture(*options.output, picture.mask);
-  } else {
-    draw_on_terminal(picture);
-  }
+  check_picture_output(options.output);
+  put_out(find_and_draw(client, options), options.output);
   return kOk;
 }
 

@@ -11,7 +11,7 @@ import unittest
 import zlib
 
 from harness import (
-    BAD_DATA, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, Picture,
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, Picture,
     binary_stl, box, contourctl, main, read_png, wait_until,
 )  # fmt: skip
 
@@ -111,6 +111,43 @@ class Mask(ScreenTest):
         answers = [client.wait_for(lambda m: m.get("id") == "all", "the mask")["result"] for client in clients]
         for answer in answers:
             self.assertEqual(answer, answers[0])
+
+
+class Command(ScreenTest):
+    def test_the_mask_is_written_or_drawn_with_what_it_is_of(self):
+        daemon = self.start({**NIMBLE_RESIN, **ENDLESS}, masks=True)
+        for output in ((), ("-o", self.path("none.png"))):
+            result = daemon.ctl("mask", *output)
+            self.assertEqual((result.returncode, result.stdout), (FAILED, b""))
+            self.assert_one_line(result.stderr, BLACK)
+        self.assertFalse(os.path.exists(self.path("none.png")))
+        daemon.drop("pa\x1brt.stl", SMALL)
+        daemon.wait_state("exposing")
+        result = daemon.ctl("mask", "-o", self.path("mask.png"))
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (OK, b"", b""))
+        kept = [os.path.join(folder, name) for folder, _, names in os.walk(self.path("masks")) for name in names if name.endswith(".png")]
+        self.assertEqual(read_png(self.path("mask.png")), read_png(kept[0]))
+        drawn = daemon.ctl("mask", env={**os.environ, "COLUMNS": "60"})
+        self.assertEqual((drawn.returncode, drawn.stderr), (OK, b""))
+        text = drawn.stdout.decode()
+        self.assertIn("layer 1, cut at 0.025 mm; on the screen", text)
+        self.assertIn("\u2588", text)
+        self.assertNotIn("\x1b", text)
+        whole = daemon.ctl("mask", "-o", "-")
+        with open(self.path("mask.png"), "rb") as file:
+            self.assertEqual(whole.stdout, file.read())
+
+    def test_what_the_mask_cannot_be_is_told_in_one_line(self):
+        daemon = self.start()
+        daemon.client().call("show", pattern="grid")
+        os.mkdir(self.path("folder"))
+        for wrong, code in ((("-o", self.path("folder")), CANNOT_CREATE), (("-o", self.path("no/mask.png")), CANNOT_CREATE), (("-o", ""), BAD_USAGE)):
+            result = daemon.ctl("mask", *wrong)
+            self.assertEqual((result.returncode, result.stdout), (code, b""), result)
+        result = contourctl("mask", "--socket", self.path("none"))
+        self.assertEqual(result.returncode, UNAVAILABLE)
+        self.assert_one_line(result.stderr)
+        self.assertIn("grid; on the screen", daemon.ctl("mask").stdout.decode())
 
 
 class Show(ScreenTest):
