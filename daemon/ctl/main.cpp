@@ -197,7 +197,7 @@ AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeWords& words) 
 struct ManualWords {
   std::optional<double> to_mm, by_mm, speed_mm_s, seconds;
   bool plate_is_clear = false, in_resin = false, confirm = false;
-  std::string pattern;
+  ShowOptions show{.what = {}, .seconds = {}, .at_z_mm = {}, .printer = kDefaultConfig, .ticket = {}};
 };
 
 // What the user typed for the commands by which a printer is wired and brought up.
@@ -545,13 +545,20 @@ class CommandLine {
     add_client_options(on);
     by_hand(light, "off", "Turn the light off", "light_off", WaitFor::Rest);
     CLI::App* show = add_command(&app_, "show", "Show a test pattern or a picture, until it is interrupted",
-                                 [this] { return show_by_hand(client_, manual_.pattern, manual_.seconds); });
-    show->add_option("PATTERN|FILE", manual_.pattern,
-                     "white, black, grid, checker, focus, border, dimensions; or a PNG file of the display's "
-                     "size")
+                                 [this] { return show_by_hand(client_, manual_.show); });
+    show->add_option("PATTERN", manual_.show.what,
+                     "white, black, grid, checker, focus, border, dimensions; a PNG file of the display's "
+                     "size; or a model's file")
         ->required()
         ->check(kNotEmpty);
-    show->add_option("--seconds", manual_.seconds, "For how long, s");
+    show->add_option("--seconds", manual_.show.seconds, "For how long, s");
+    CLI::Option* at_z =
+        show->add_option("--at-z", manual_.show.at_z_mm, "The model's mask so high above the plate, mm");
+    show->add_option("--printer", manual_.show.printer, "As contourd with this configuration makes it")
+        ->capture_default_str()
+        ->check(kNotEmpty)
+        ->needs(at_z);
+    show->add_option("--ticket", manual_.show.ticket, "The model's ticket")->check(kNotEmpty)->needs(at_z);
     add_client_options(show);
     CLI::App* projector = add_group("projector", "The projector's power");
     by_hand(projector, "status", "What the projector says of itself", "projector");

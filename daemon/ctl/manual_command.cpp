@@ -18,8 +18,10 @@
 
 #include "core/formats/model_reader.hpp"
 #include "daemon/base64.hpp"
+#include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/daemon_connection.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/read_model.hpp"
 #include "daemon/readable.hpp"
 #include "hw/png_file.hpp"
 
@@ -123,6 +125,23 @@ Mask read_picture(const std::string& path) {
   }
 }
 
+// As contourd with that configuration would expose the model at that height.
+Mask mask_at_z(const ShowOptions& show) {
+  const std::filesystem::path model = show.what;
+  const PrinterConfig printer = load_printer_config(show.printer, Places::Elsewhere);
+  const PreparedJob job = prepare_model({model.stem().string(), model, show.ticket}, printer);
+  const std::optional<Nanometers> height = to_nanometers(Millimeters{*show.at_z_mm});
+  if (!height || *height < Nanometers{} || to_millimeters(*height).count() > job.summary.height_mm)
+    throw UsageError(fmt::format("--at-z {:g}: {} is from 0 to {:.6g} mm high", *show.at_z_mm, show.what,
+                                 job.summary.height_mm));
+  MaskBudget budget(MaskBudget::Clock::now() + printer.mask_budget);
+  const Mask* const mask = job.plan.engine->mask_within(*height, budget);
+  if (mask == nullptr)
+    throw ModelError(
+        fmt::format("{}: the mask at {:g} mm takes longer than mask_budget_ms", show.what, *show.at_z_mm));
+  return *mask;
+}
+
 // Nothing when all of it is there; else what the daemon had to say.
 std::optional<Json> upload(DaemonConnection& connection, std::span<const std::uint8_t> bytes) {
   constexpr std::size_t kPieceBytes = 5'700;  // as much as a message has room for
@@ -142,15 +161,15 @@ int control_by_hand(const ClientOptions& options, const Request& request, WaitFo
   return carry_out(connection, options, request, what);
 }
 
-int show_by_hand(const ClientOptions& options, const std::string& what, std::optional<double> seconds) {
+int show_by_hand(const ClientOptions& options, const ShowOptions& show) {
   Request request{"show"};
-  if (seconds) request.parameters["seconds"] = *seconds;
+  if (show.seconds) request.parameters["seconds"] = *show.seconds;
   // Patterns' names have none of these.
-  if (what.find_first_of("./") == std::string::npos) {
-    request.parameters["pattern"] = what;
+  if (!show.at_z_mm && show.what.find_first_of("./") == std::string::npos) {
+    request.parameters["pattern"] = show.what;
     return control_by_hand(options, request, WaitFor::Picture);
   }
-  const Mask picture = read_picture(what);
+  const Mask picture = show.at_z_mm ? mask_at_z(show) : read_picture(show.what);
   DaemonConnection connection(options.socket);
   if (const std::optional<Json> refusal = upload(connection, encode_png(picture))) {
     if (options.json)

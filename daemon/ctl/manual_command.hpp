@@ -2,6 +2,7 @@
 // it too, since the connection is gone then.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -17,8 +18,16 @@ enum class WaitFor {
 };
 int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what);
 
-// Shows a test pattern of that name, or a PNG file's picture, until it is shown no more.
-int show_by_hand(const ClientOptions& options, const std::string& what, std::optional<double> seconds);
+struct ShowOptions {
+  std::string what;  // a pattern's name, a PNG file, or with `at_z_mm` a model's file
+  std::optional<double> seconds;
+  std::optional<double> at_z_mm;  // above the plate: the model's mask there, by
+  std::filesystem::path printer;  // this configuration
+  std::optional<std::filesystem::path> ticket;
+};
+
+// Shows that until it is shown no more.
+int show_by_hand(const ClientOptions& options, const ShowOptions& show);
 
 // The same for light, for which a person has to say yes; `confirmed`: that was said already. Throws
 // UsageError where nobody can be asked.

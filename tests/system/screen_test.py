@@ -207,6 +207,28 @@ class Show(ScreenTest):
         self.assertEqual(contourctl("show", self.write("good.png", good), "--socket", self.path("none")).returncode, UNAVAILABLE)
         self.assertEqual(self.refusal(daemon.rpc("mask")), BLACK)
 
+    def test_a_models_mask_at_a_height_is_shown_as_a_print_would_expose_it(self):
+        daemon = self.start(masks=True)
+        model = self.write("part.stl", SMALL)
+        process = self.show(model, "--at-z", "0.075", "--printer", daemon.config_path)
+        self.assertIn(b"shown", process.stdout.readline())
+        client = daemon.client()
+        seen = self.whole(client, client.call("mask"))
+        process.kill()
+        wait_until(lambda: daemon.status()["manual"]["picture"] is None, "the end of the picture")
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_done("part")
+        kept = sorted(os.path.join(folder, name) for folder, _, names in os.walk(self.path("masks")) for name in names
+                      if name.endswith(".png") and folder.endswith("part"))  # fmt: skip
+        self.assertEqual(len(kept), 4, kept)
+        self.assertEqual(seen, read_png(kept[1]))
+        for wrong, code, words in ((("--at-z", "0.3"), BAD_USAGE, "from 0 to 0.2 mm"), (("--at-z", "-1"), BAD_USAGE, "from 0"),
+                                   (("--at-z", "nan"), BAD_USAGE, "from 0"), (("--at-z", "0.1", "--ticket", "x"), BAD_DATA, "no such file")):  # fmt: skip
+            result = daemon.ctl("show", model, *wrong, "--printer", daemon.config_path)
+            self.assertEqual((result.returncode, result.stdout), (code, b""), result)
+            self.assert_one_line(result.stderr, words)
+        self.assertEqual(daemon.ctl("show", model).returncode, BAD_DATA)
+
     def test_no_picture_is_shown_while_a_job_prints(self):
         daemon = self.start({**NIMBLE_RESIN, **ENDLESS})
         client = daemon.client()
