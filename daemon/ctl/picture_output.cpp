@@ -60,13 +60,16 @@ void write_picture(const fs::path& output, const Mask& mask) {
 
 std::string pixels_text(const Mask& mask, const MaskArea& area) {
   const std::string all = fmt::format("{}x{} pixels", mask.width().count(), mask.height().count());
-  if (mask.lit_pixels() == 0) return fmt::format("nothing is lit of {}", all);
   if (area == whole_of(mask)) return fmt::format("all {}", all);
   return fmt::format("columns {} to {} and rows {} to {} of {}; the others are dark", area.left + 1,
                      area.left + area.width, area.top + 1, area.top + area.height, all);
 }
 
 void draw_on_terminal(const NotedPicture& picture) {
+  if (picture.mask.lit_pixels() == 0) {
+    fmt::print("{}\n{}\n", picture.note, picture.is_mask ? "nothing is lit" : "nothing of it can be seen");
+    return;
+  }
   PictureTerminal terminal = find_picture_terminal();
   const MaskArea area = picture.is_mask ? area_to_show(picture.mask, terminal) : lit_area(picture.mask);
   std::vector<std::string> lines = wrapped(picture.note, static_cast<std::size_t>(terminal.columns));

@@ -153,6 +153,7 @@ std::vector<Facet> facets_of(const Subject& subject) {
 
 NotedPicture shaded_model(const Subject& subject) {
   const std::vector<Facet> facets = facets_of(subject);
+  if (facets.empty()) throw ModelError(subject.files.model.string() + ": the file holds no facets");
   const Bounds bounds = bounds_of(facets);
   const Millimeters top{std::numeric_limits<double>::infinity()};
   return {render_preview(facets, top, kJobPictureSide, kJobPictureSide),

@@ -62,6 +62,26 @@ class Completion(FolderTest):
         self.assertFalse(os.path.exists("harm"))
         daemon.stop()
 
+    def test_preview_is_offered_jobs_wherever_they_lie_and_models_files(self):
+        daemon = Daemon(self, {"wait_for_plate_cleared": True}).start()
+        daemon.drop("done: it.stl", SMALL)
+        daemon.wait_done("done: it")
+        daemon.drop("waits.stl", SMALL)
+        wait_until(lambda: daemon.status()["queued"] == 1, "the job in the queue")
+        os.mkdir(self.path("here"))
+        os.mkdir(self.path("here", "models"))
+        for name in ("my part.stl", "B.STL", "notes.txt"):
+            self.write(os.path.join("here", name), b"")
+        before = os.getcwd()
+        self.addCleanup(os.chdir, before)
+        os.chdir(self.path("here"))
+        offered = self.bash("preview", "", CONTOURD_SOCKET=daemon.socket_path)
+        self.assertEqual(sorted(offered), ["B.STL", "done: it", "models", "my part.stl", "waits"])
+        self.assertEqual(self.bash("preview", "wai", CONTOURD_SOCKET=daemon.socket_path), ["waits"])
+        self.assertEqual(self.bash("preview", "--la"), ["--layer"])
+        self.assertEqual(self.bash("preview", "waits", "--pri"), ["--printer"])
+        daemon.stop()
+
     def test_without_a_daemon_no_job_is_offered_and_nothing_is_said(self):
         self.assertEqual(self.bash("watch", "--job", "", CONTOURD_SOCKET=self.path("none")), [])
 
@@ -78,6 +98,9 @@ class Completion(FolderTest):
         self.assertEqual(fish("contourctl history --outcome d"), ["done"])
         self.assertEqual(sorted(fish("contourctl light o")), ["off", "on"])
         self.assertEqual(fish("contourctl light on --sec"), ["--seconds"])
+        self.assertEqual(fish("contourctl preview --la"), ["--layer"])
+        model = self.write("fishy.stl", b"")
+        self.assertEqual(fish(f"contourctl preview {os.fsdecode(model)[:-6]}"), [os.fsdecode(model)])
 
     @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
     def test_zsh_takes_its_file(self):

@@ -264,6 +264,8 @@ class Pictures(PreviewTest):
         os.mkdir("folder.stl")
         self.write("empty.stl", b"")
         self.write("text.stl", b"hello\n" * 100)
+        self.write("nothing.stl", ascii_stl([]))
+        self.refused(contourctl("preview", "nothing.stl"), BAD_DATA, "nothing.stl: the file holds no facets")
         self.write("nan.stl", ascii_stl(box((0, 0, 0), (1, 1, 1))).replace(b"vertex 1", b"vertex nan"))
         for name in ("fifo.stl", "folder.stl", "/dev/zero", "/dev/null", "none.stl", "empty.stl", "text.stl", "nan.stl"):
             with self.subTest(name):
@@ -271,6 +273,27 @@ class Pictures(PreviewTest):
                 mine, other = contourctl("preview", name), contourctl("inspect", name)
                 self.refused(mine, other.returncode, name)
                 self.assertIn(mine.returncode, (BAD_DATA, NO_INPUT))
+
+    def test_nothing_to_see_is_said(self):
+        self.write("point.stl", binary_stl(box((1, 1, 1), (1, 1, 1))))
+        self.assertEqual(self.drawn("point.stl"), ["point.stl: 0 x 0 x 0 mm, 12 facets", "nothing of it can be seen"])
+        self.png("point.stl")
+        # A layer between two parts, one above the other.
+        self.write("gap.stl", binary_stl(box((0, 0, 0), (4, 4, 0.5)) + box((0, 0, 1), (4, 4, 2))))
+        self.assertEqual(self.drawn("gap.stl", "--layer", "15", "--printer", self.printer()),
+                         ["gap.stl: layer 15 of 40, 0.700 to 0.750 mm, 0.00 mm2", "nothing is lit"])  # fmt: skip
+
+    def test_a_job_that_is_moved_meanwhile_is_found_where_it_is_then(self):
+        spool = self.spool(incoming={"a": (binary_stl(wedge(8, 4, 2) * 200), None)})
+        places = [self.path("spool", folder, "a.stl") for folder in ("incoming", "printing", "done")]
+        for _ in range(20):
+            with subprocess.Popen([CONTOURCTL, "preview", "a", "--spool", spool], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+                for here, there in zip(places, places[1:]):
+                    os.rename(here, there)
+                out, why = process.communicate(timeout=DEADLINE_S)
+            os.rename(places[-1], places[0])
+            self.assertEqual((process.returncode, why), (OK, b""))
+            self.assertRegex(out, rb"^a, in (incoming|printing|done): 8 x 4 x 2 mm")
 
     def test_a_model_that_does_not_fit_into_memory_is_not_read(self):
         with open("large.stl", "wb") as file:
