@@ -16,7 +16,7 @@ import time
 import unittest
 
 from harness import (
-    BAD_CONFIG, BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, DEADLINE_S, NO_INPUT, OK, UNAVAILABLE, Daemon, FolderTest,
+    BAD_CONFIG, BAD_DATA, BAD_USAGE, BIN, CANNOT_CREATE, CONTOURCTL, DEADLINE_S, NO_INPUT, OK, UNAVAILABLE, Daemon, FolderTest,
     Picture, ascii_stl, binary_stl, box, contourctl, main, read_png, wait_until, wedge,
 )  # fmt: skip
 
@@ -189,6 +189,10 @@ class Pictures(PreviewTest):
         spool = self.spool(incoming={"a": (SMALL, ticket)})
         as_printed = ["--spool", spool, "--printer", self.printer()]
         self.assertIn("a, in incoming: 3 of 2 x 4 x 8 mm, layers 80 of 100 um", self.drawn("a", *as_printed)[0])
+        # Three of them are smaller in the picture than one.
+        three = self.png("a", *as_printed).lit_box()
+        alone = self.png(self.write("one.stl", SMALL), "--ticket", self.write("one", ticket.replace(b"3", b"1", 1)), *as_printed[2:]).lit_box()
+        self.assertLess((three[3] - three[1]) * 1.2, alone[3] - alone[1])
         mask = self.png("a", "--layer", "80", *as_printed)
         middle = mask.rows[mask.lit_box()[1] + 1]
         self.assertEqual(len(re.findall(rb"[^\0]+", middle)), 3)
@@ -284,16 +288,18 @@ class Pictures(PreviewTest):
                          ["gap.stl: layer 15 of 40, 0.700 to 0.750 mm, 0.00 mm2", "nothing is lit"])  # fmt: skip
 
     def test_a_job_that_is_moved_meanwhile_is_found_where_it_is_then(self):
-        spool = self.spool(incoming={"a": (binary_stl(wedge(8, 4, 2) * 200), None)})
-        places = [self.path("spool", folder, "a.stl") for folder in ("incoming", "printing", "done")]
-        for _ in range(20):
-            with subprocess.Popen([CONTOURCTL, "preview", "a", "--spool", spool], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-                for here, there in zip(places, places[1:]):
-                    os.rename(here, there)
-                out, why = process.communicate(timeout=DEADLINE_S)
-            os.rename(places[-1], places[0])
-            self.assertEqual((process.returncode, why), (OK, b""))
-            self.assertRegex(out, rb"^a, in (incoming|printing|done): 8 x 4 x 2 mm")
+        spool = self.spool(incoming={"a": (SMALL, None)})
+        os.mkdir("slow")
+        self.write("slow/models", b"")  # what opens a model waits as long as that is there (slow_disk.cpp)
+        slow = {**os.environ, "LD_PRELOAD": os.path.join(BIN, "libslow-disk.so"), "SLOW_DISK": self.path("slow")}
+        with subprocess.Popen([CONTOURCTL, "preview", "a", "--spool", spool], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              env=slow) as process:  # fmt: skip
+            wait_until(lambda: os.path.exists("slow/waiting"), "the model to be opened")
+            os.rename(self.path("spool", "incoming", "a.stl"), self.path("spool", "done", "a.stl"))
+            os.unlink("slow/models")
+            out, why = process.communicate(timeout=DEADLINE_S)
+        self.assertEqual((process.returncode, why), (OK, b""))
+        self.assertIn(b"a, in done: 4 x 2 x 1 mm", out)
 
     def test_a_model_that_does_not_fit_into_memory_is_not_read(self):
         with open("large.stl", "wb") as file:
@@ -546,6 +552,18 @@ class OnTerminal(PreviewTest):
                 self.read()
                 self.assertEqual(self.process.returncode, -signal.SIGINT if isinstance(how, bytes) else -how)
                 self.assertEqual(termios.tcgetattr(self.its), self.modes)
+
+    def test_an_answer_that_comes_with_a_signal_is_not_left_to_the_shell(self):
+        self.start(*self.layer(), controlling=False)
+        self.read(until=ASKED)
+        self.process.send_signal(signal.SIGSTOP)
+        self.assertTrue(os.WIFSTOPPED(os.waitpid(self.process.pid, os.WUNTRACED)[1]))
+        os.write(self.ours, SIXELS)
+        self.process.send_signal(signal.SIGTERM)
+        self.process.send_signal(signal.SIGCONT)
+        self.read()
+        self.assertEqual(self.process.returncode, -signal.SIGTERM)
+        self.assertEqual(self.left_to_read(), b"")
 
     def test_a_signal_in_the_middle_of_a_picture_leaves_the_terminal_fit_for_text(self):
         for answer in (SIXELS, NO_SIXELS):
