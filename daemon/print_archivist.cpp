@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <exception>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include "core/contract/expects.hpp"
 #include "core/image/preview.hpp"
+#include "daemon/layer_pictures.hpp"
 #include "daemon/print_report_html.hpp"
 #include "daemon/print_report_json.hpp"
 #include "daemon/readable.hpp"
@@ -20,6 +22,8 @@ namespace {
 
 // It gives way to the event loop, and to a model that is read.
 constexpr int kNiceness = 5;
+// For the pictures of layers in all: contourd may be about to stop, and waits for what is filed.
+constexpr std::chrono::seconds kLongestPictures{5};
 constexpr Pixels kPreviewWidth{720}, kPreviewHeight{720};
 
 // What the preview shows: all copies on a plate, but one of each model when that is too much to draw.
@@ -66,6 +70,10 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   PrintReport& report = print.report;
   const Spool::Folder folder = folder_for(report.outcome);
   attempt("no picture", filed, [&] { report.preview_png = draw_preview(report, *print.engine); });
+  attempt("no pictures of layers", filed, [&] {
+    report.layer_pictures =
+        draw_layer_pictures(report, *print.engine, MaskBudget::Clock::now() + kLongestPictures);
+  });
   attempt("no report.html", filed,
           [&] { spool.write_beside(folder, report.job, "report.html", report_as_html(report)); });
   if (report.preview_png.empty()) return;

@@ -10,7 +10,8 @@ namespace contourd {
 // The program, with its threads and connections, when it has nothing to do.
 inline constexpr std::uint64_t kProgramBytes = 10'000'000;
 
-// Masks of the print and of its analysis, what they are painted from, a uniformity mask, the preview.
+// Masks of the print and of its analysis, what they are painted from, a uniformity mask, the preview
+// and the report's pictures of layers, which take no mask of their own.
 [[nodiscard]] constexpr std::uint64_t memory_for_display(Pixels width, Pixels height) {
   constexpr std::uint64_t kBytesAPixel = 10, kOthers = 12'000'000;
   return kOthers + kBytesAPixel * static_cast<std::uint64_t>(width.count()) *
