@@ -175,7 +175,10 @@ void CurrentJob::state_changed(PrintState state) {
   observer_.print_state_changed(state);
   // Told to the disk before the first light: from there on the plate is not clear, whatever happens next.
   if (state == PrintState::Showing && job_->record->layers().empty()) hold_.set_plate_occupant(name());
-  if (job_) log_.entered(name(), state);
+  if (job_) {
+    if (job_->record) job_->record->enter(state, state == PrintState::Idle ? 0 : process_.layer());
+    log_.entered(name(), state);
+  }
   observer_.job_changed("state");
 }
 

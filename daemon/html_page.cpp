@@ -13,7 +13,7 @@ namespace contourd {
 namespace {
 
 constexpr double kPlotWidth = 860, kPlotHeight = 190;
-constexpr double kPlotLeft = 64, kPlotBottom = 34, kPlotTop = 14;
+constexpr double kPlotLeft = 84, kPlotBottom = 40, kPlotTop = 14;
 // More points than a plot has room for are drawn as the largest of each group: peaks must not vanish.
 constexpr std::size_t kMaxPoints = 800;
 
@@ -103,7 +103,7 @@ std::string svg_plot(const std::string& title, std::span<const PlotPoint> all) {
   for (int i = 0; i * step <= right; ++i) {
     const double height = i * step;
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{:g}{}</text>\n", x(height),
-                       kPlotHeight - kPlotBottom + 18, height, height == 0 ? " mm" : "");
+                       kPlotHeight - kPlotBottom + 26, height, height == 0 ? " mm" : "");
   }
   svg += "<polyline class=\"curve\" points=\"";
   for (const PlotPoint& p : points)

@@ -10,16 +10,18 @@
 namespace contourd {
 
 inline constexpr std::string_view kPageStyle = R"(
-:root { color-scheme: light dark; --ink: #1d2733; --paper: #fbfbfa; --line: #c9ced6; --accent: #6a3fb5; }
-@media (prefers-color-scheme: dark) { :root { --ink: #dfe4ea; --paper: #14181d; --line: #3a4450; --accent: #b99af0; } }
+:root { color-scheme: light dark; --ink: #1d2733; --paper: #fbfbfa; --line: #c9ced6; --accent: #6a3fb5; --good: #1b7a40; --bad: #b83227; }
+@media (prefers-color-scheme: dark) { :root { --ink: #dfe4ea; --paper: #14181d; --line: #3a4450; --accent: #b99af0; --good: #58c98b; --bad: #f1786b; } }
+@media print { :root { color-scheme: light; --ink: #000; --paper: #fff; --line: #999; --accent: #6a3fb5; --good: #1b7a40; --bad: #b83227; } }
 body { font: 15px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.5rem; margin-bottom: 0; } h2 { font-size: 1.05rem; margin: 1.8rem 0 .4rem; }
-.outcome { font-weight: 600; } .done { color: #1d8348; } .failed, .cancelled { color: #c0392b; }
+h1 { font-size: 1.5rem; margin-bottom: 0; overflow-wrap: anywhere; } h2 { font-size: 1.05rem; margin: 1.8rem 0 .4rem; }
+.outcome { font-weight: 600; } .done { color: var(--good); } .failed, .cancelled { color: var(--bad); } a { color: var(--accent); }
 .top { display: flex; flex-wrap: wrap; gap: 1.5rem; align-items: flex-start; margin-top: 1rem; }
 .top img { width: 22rem; max-width: 100%; border-radius: 6px; background: #000; }
 table { border-collapse: collapse; } td, th { text-align: left; padding: .15rem 1.2rem .15rem 0; vertical-align: top; }
 th { font-weight: 400; opacity: .7; } svg { width: 100%; height: auto; }
 svg text { font: 12px system-ui, sans-serif; fill: var(--ink); } svg .grid { stroke: var(--line); stroke-width: 1; }
+@media (max-width: 40rem) { svg text { font-size: 24px; } }
 svg .curve { fill: none; stroke: var(--accent); stroke-width: 1.5; stroke-linejoin: round; }
 )";
 

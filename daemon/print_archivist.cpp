@@ -11,6 +11,7 @@
 
 #include "core/contract/expects.hpp"
 #include "daemon/job_picture.hpp"
+#include "daemon/layer_pictures.hpp"
 #include "daemon/print_report_html.hpp"
 #include "daemon/print_report_json.hpp"
 #include "daemon/readable.hpp"
@@ -23,6 +24,8 @@ namespace {
 constexpr int kNiceness = 5;
 // How long a disk may take to note the print in the history before the print is filed all the same.
 constexpr std::chrono::seconds kLongestNoting{2};
+// For the pictures of layers in all: contourd may be about to stop, and waits for what is filed.
+constexpr std::chrono::seconds kLongestPictures{5};
 
 std::vector<std::uint8_t> draw_preview(const PrintReport& report, const ContourEngine& engine) {
   const Nanometers printed =
@@ -47,6 +50,10 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   PrintReport& report = print.report;
   const Spool::Folder folder = folder_for(report.outcome);
   attempt("no picture", filed, [&] { report.preview_png = draw_preview(report, *print.engine); });
+  attempt("no pictures of layers", filed, [&] {
+    report.layer_pictures =
+        draw_layer_pictures(report, *print.engine, MaskBudget::Clock::now() + kLongestPictures);
+  });
   attempt("no report.html", filed,
           [&] { spool.write_beside(folder, report.job, "report.html", report_as_html(report)); });
   if (report.preview_png.empty()) return;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "daemon/readable.hpp"
 
@@ -25,51 +26,76 @@ std::string area_text(double area_mm2) {
   return area_mm2 < 999.5 ? fmt::format("{:.3g} mm2", area_mm2) : fmt::format("{:.0f} mm2", area_mm2);
 }
 
-// "3", "3 to 7", "3 to 7, 9, 12 and 4 more" for layers in rising order.
-std::string stretches(std::span<const std::int32_t> layers) {
-  std::string text;
-  std::size_t named = 0, i = 0;
-  for (; i < layers.size() && named < kNamed; ++named) {
+// The ends of the first stretches of layers that follow each other, for layers in rising order.
+std::vector<std::span<const std::int32_t>> first_stretches(std::span<const std::int32_t> layers) {
+  std::vector<std::span<const std::int32_t>> stretches;
+  for (std::size_t i = 0; i < layers.size() && stretches.size() < kNamed;) {
     std::size_t end = i + 1;
     while (end < layers.size() && layers[end] == layers[end - 1] + 1)
       ++end;
-    text += fmt::format("{}{}", named == 0 ? "" : ", ", layers[i] + 1);
-    if (end - i > 1) text += fmt::format(" to {}", layers[end - 1] + 1);
+    stretches.push_back(layers.subspan(i, end - i));
     i = end;
   }
-  if (i < layers.size()) text += fmt::format(" and {} more", layers.size() - i);
+  return stretches;
+}
+
+// "3", "3 to 7", "3 to 7, 9, 12 and 4 more".
+std::string stretches(std::span<const std::int32_t> layers) {
+  std::string text;
+  std::size_t told = 0;
+  for (const auto& stretch : first_stretches(layers)) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", stretch.front() + 1);
+    if (stretch.size() > 1) text += fmt::format(" to {}", stretch.back() + 1);
+    told += stretch.size();
+  }
+  if (told < layers.size()) text += fmt::format(" and {} more", layers.size() - told);
   return text;
 }
 
-std::string island_warning(const PrintFindings& findings) {
+FindingWarning warning_about(std::span<const std::int32_t> layers, std::string_view mark,
+                             std::string sentence) {
+  FindingWarning warning{std::move(sentence), mark, {}};
+  for (const auto& stretch : first_stretches(layers))
+    warning.layers.push_back(stretch.front());
+  return warning;
+}
+
+FindingWarning island_warning(const PrintFindings& findings) {
   std::vector<Island> largest(std::min(kNamed, findings.islands.size()));
   std::ranges::partial_sort_copy(findings.islands, largest,
                                  [](const Island& a, const Island& b) { return a.area_mm2 > b.area_mm2; });
-  std::string text = fmt::format(
-      "{} with nothing under {}:", count_of(findings.island_count, "island begins", "islands begin"),
-      findings.island_count == 1 ? "it" : "them");
+  FindingWarning warning{fmt::format("{} with nothing under {}:",
+                                     count_of(findings.island_count, "island begins", "islands begin"),
+                                     findings.island_count == 1 ? "it" : "them"),
+                         "island",
+                         {}};
   for (std::size_t i = 0; i < largest.size(); ++i) {
     const Island& island = largest[i];
-    text += fmt::format("{} layer {} at {:.2f}, {:.2f} mm from the plate's centre ({})", i == 0 ? "" : ",",
-                        island.layer + 1, island.plate_mm.x, island.plate_mm.y, area_text(island.area_mm2));
+    if (std::ranges::find(warning.layers, island.layer) == warning.layers.end())
+      warning.layers.push_back(island.layer);
+    warning.sentence +=
+        fmt::format("{} layer {} at {:.2f}, {:.2f} mm from the plate's centre ({})", i == 0 ? "" : ",",
+                    island.layer + 1, island.plate_mm.x, island.plate_mm.y, area_text(island.area_mm2));
   }
   if (findings.island_count > largest.size())
-    text += fmt::format(", and {} more", findings.island_count - largest.size());
-  return text;
+    warning.sentence += fmt::format(", and {} more", findings.island_count - largest.size());
+  return warning;
 }
 
-void add_empty_layers_warnings(const PrintFindings& findings, std::vector<std::string>& warnings) {
+void add_empty_layers_warnings(const PrintFindings& findings, std::vector<FindingWarning>& warnings) {
   const std::span<const std::int32_t> empty = findings.empty_layers;
   if (!empty.empty() && empty.size() == findings.area_mm2.size()) {
-    warnings.push_back(fmt::format("all masks are dark ({}): nothing would be printed",
-                                   count_of(empty.size(), "layer", "layers")));
+    warnings.push_back(warning_about(empty, "empty",
+                                     fmt::format("all masks are dark ({}): nothing would be printed",
+                                                 count_of(empty.size(), "layer", "layers"))));
     return;
   }
   const auto warn = [&warnings](std::span<const std::int32_t> layers, std::string_view consequence) {
     if (layers.empty()) return;
     const bool one = layers.size() == 1;
-    warnings.push_back(fmt::format("layer{} {} {} empty: {}", one ? "" : "s", stretches(layers),
-                                   one ? "is" : "are", consequence));
+    warnings.push_back(warning_about(layers, "empty",
+                                     fmt::format("layer{} {} {} empty: {}", one ? "" : "s", stretches(layers),
+                                                 one ? "is" : "are", consequence)));
   };
   std::size_t inside = empty.size();
   for (std::int32_t top = findings.layers() - 1; inside > 0 && empty[inside - 1] == top; --top)
@@ -78,23 +104,26 @@ void add_empty_layers_warnings(const PrintFindings& findings, std::vector<std::s
   warn(empty.subspan(inside), "the print ends beneath");
 }
 
-std::string open_contours_warning(const PrintFindings& findings) {
+FindingWarning open_contours_warning(const PrintFindings& findings) {
   std::vector<std::int32_t> open;
   for (const CrackedLayer& each : findings.cracked_layers) {
     if (each.cracks.open_chains > 0) open.push_back(each.layer);
   }
-  return fmt::format(
-      "the model is cracked: contours of {} ({}) did not close; the widest gap bridged is {:.3f} mm",
-      count_of(open.size(), "layer", "layers"), stretches(open), findings.cracks.widest_gap.count());
+  return warning_about(
+      open, "crack",
+      fmt::format(
+          "the model is cracked: contours of {} ({}) did not close; the widest gap bridged is {:.3f} mm",
+          count_of(open.size(), "layer", "layers"), stretches(open), findings.cracks.widest_gap.count()));
 }
 
-std::string turned_chains_warning(const PrintFindings& findings) {
+FindingWarning turned_chains_warning(const PrintFindings& findings) {
   std::vector<std::int32_t> turned;
   for (const CrackedLayer& each : findings.cracked_layers) {
     if (each.cracks.turned_chains > 0) turned.push_back(each.layer);
   }
-  return fmt::format("facets of {} ({}) are turned against the others; they were turned back",
-                     count_of(turned.size(), "layer", "layers"), stretches(turned));
+  return warning_about(turned, "turned facets",
+                       fmt::format("facets of {} ({}) are turned against the others; they were turned back",
+                                   count_of(turned.size(), "layer", "layers"), stretches(turned)));
 }
 
 }  // namespace
@@ -111,18 +140,26 @@ std::string findings_line(const PrintFindings& findings) {
                             count_of(findings.empty_layers.size(), "empty layer", "empty layers"));
 }
 
-std::vector<std::string> warnings_about(const PrintFindings& findings) {
-  std::vector<std::string> warnings;
+std::vector<FindingWarning> findings_warnings(const PrintFindings& findings) {
+  std::vector<FindingWarning> warnings;
   if (findings.island_count > 0) warnings.push_back(island_warning(findings));
   add_empty_layers_warnings(findings, warnings);
-  if (!findings.abandoned_layers.empty()) {
-    warnings.push_back(fmt::format(
-        "the mask of {} ({}) takes far longer than mask_budget_ms: the print will stop there",
-        count_of(findings.abandoned_layers.size(), "layer", "layers"), stretches(findings.abandoned_layers)));
+  if (const auto& abandoned = findings.abandoned_layers; !abandoned.empty()) {
+    warnings.push_back(warning_about(
+        abandoned, "no mask",
+        fmt::format("the mask of {} ({}) takes far longer than mask_budget_ms: the print will stop there",
+                    count_of(abandoned.size(), "layer", "layers"), stretches(abandoned))));
   }
   if (findings.cracks.open_chains > 0) warnings.push_back(open_contours_warning(findings));
   if (findings.cracks.turned_chains > 0) warnings.push_back(turned_chains_warning(findings));
   return warnings;
+}
+
+std::vector<std::string> warnings_about(const PrintFindings& findings) {
+  std::vector<std::string> sentences;
+  for (FindingWarning& warning : findings_warnings(findings))
+    sentences.push_back(std::move(warning.sentence));
+  return sentences;
 }
 
 Json findings_summary_json(const PrintFindings& findings) {

@@ -1,7 +1,5 @@
 #include "daemon/print_record.hpp"
 
-#include <fmt/format.h>
-
 #include <utility>
 
 namespace contourd {
@@ -12,10 +10,30 @@ PrintRecord::PrintRecord(Machine& machine, Clock& clock, std::optional<std::file
       masks_(std::move(masks)),
       started_(clock.now()),
       late_steps_then_(machine.z_axis().late_steps().count),
-      started_at_(std::chrono::system_clock::now()) {}
+      started_at_(std::chrono::system_clock::now()),
+      states_(started_) {}
+
+void PrintRecord::enter(PrintState state, std::int32_t layer) {
+  const bool stopped = activity_of(state) == PrintActivity::Stopped;
+  const bool was_stopped = activity_of(states_.state()) == PrintActivity::Stopped;
+  states_.enter(state, clock_.now());
+  if (stopped && !was_stopped) {
+    pause_known_ = stops_.pauses.size() < PrintStops::kMost;
+    if (pause_known_) {
+      stops_.pauses.push_back({layer, states_.total(), {}});
+    } else {
+      ++stops_.more_pauses;
+    }
+  }
+  if (was_stopped && pause_known_) stops_.pauses.back().lasted = states_.total() - stops_.pauses.back().at;
+}
 
 void PrintRecord::add_interruption(std::int32_t layer, const std::string& what) {
-  interruptions_.push_back(fmt::format("layer {}: {}", layer + 1, what));
+  if (stops_.interruptions.size() < PrintStops::kMost) {
+    stops_.interruptions.push_back({layer, elapsed(), what});
+  } else {
+    ++stops_.more_interruptions;
+  }
 }
 
 void PrintRecord::add_lit_turn(const EventLoop::Turn& turn) {
@@ -25,10 +43,12 @@ void PrintRecord::add_lit_turn(const EventLoop::Turn& turn) {
 PrintReport PrintRecord::take_report() {
   PrintReport report;
   report.layers = std::move(layers_);
-  report.interruptions = std::move(interruptions_);
+  enter(PrintState::Idle, 0);
+  report.stops = std::move(stops_);
+  report.print_time = states_.total();
+  report.states = std::move(states_);
   report.started = started_at_;
   report.ended = std::chrono::system_clock::now();
-  report.print_time = elapsed();
   report.late_steps = late_steps();
   report.busiest_lit = busiest_lit_;
   report.masks = masks_;

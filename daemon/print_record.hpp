@@ -24,7 +24,8 @@ class PrintRecord {
   PrintRecord(Machine& machine, Clock& clock, std::optional<std::filesystem::path> masks);
 
   void add(const LayerRecord& layer) { layers_.push_back(layer); }
-  // `layer` counts from 0.
+  // The print, at this layer, is in this state from now on. Layers count from 0.
+  void enter(PrintState state, std::int32_t layer);
   void add_interruption(std::int32_t layer, const std::string& what);
   // One in which there was or may have been light: the longest is kept.
   void add_lit_turn(const EventLoop::Turn& turn);
@@ -33,7 +34,7 @@ class PrintRecord {
   // By the machine's clock.
   [[nodiscard]] Duration elapsed() const { return clock_.now() - started_; }
 
-  // The print ends now. Takes the layers and interruptions; what the record does not know is left out: job,
+  // The print ends now. Takes the layers and stops; what the record does not know is left out: job,
   // printer, outcome and reason, summary, findings, the time to the first mask.
   [[nodiscard]] PrintReport take_report();
 
@@ -47,7 +48,9 @@ class PrintRecord {
   std::uint64_t late_steps_then_;  // of the axis
   std::chrono::system_clock::time_point started_at_;
   std::vector<LayerRecord> layers_;
-  std::vector<std::string> interruptions_;
+  StateTimes states_;
+  PrintStops stops_;
+  bool pause_known_ = false;  // the one under way is the last of those that are kept
   EventLoop::Turn busiest_lit_{};
 };
 

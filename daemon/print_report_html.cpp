@@ -3,14 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 #include "daemon/base64.hpp"
 #include "daemon/html_page.hpp"
+#include "daemon/light_histogram.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
+#include "daemon/report_page_style.hpp"
+#include "daemon/state_time_line.hpp"
 
 namespace contourd {
 namespace {
+
+// Whatever a print was, its page has so many of each; report.json has all. The bytes are a sentence's.
+constexpr std::size_t kMaxItems = 50, kMaxModels = 20, kMaxSentence = 500;
 
 template <typename Value>
 std::string plot_of(const PrintReport& report, const std::string& title, Value&& value) {
@@ -55,12 +65,7 @@ std::string thickness_of(const JobSummary& summary) {
 }
 
 std::string settings_rows(const JobSummary& summary) {
-  const ResinProfile& resin = summary.resin;
   std::string rows = row("Resin", describe_settings(summary));
-  rows += row("Lift", fmt::format("{:g} mm, {:g} mm/s up, {:g} mm/s down", to_millimeters(resin.lift).count(),
-                                  resin.lift_speed.count(), resin.retract_speed.count()));
-  rows +=
-      row("Waits", fmt::format("{:g} ms before the light, {:g} ms after", ms(resin.settle), ms(resin.rest)));
   const std::string correction = describe_correction(summary);
   if (!correction.empty()) rows += row("Compensation", correction);
   return rows;
@@ -76,8 +81,7 @@ std::string exposure_rows(const std::vector<LayerRecord>& layers) {
   }
   return row("Exposure", fmt::format("{:.0f} ms first, {:.0f} ms last", ms(layers.front().exposure_asked),
                                      ms(layers.back().exposure_asked))) +
-         row("Light against asked",
-             fmt::format("{:.2f} ms at the least, +{:.2f} ms at the most", ms(least), ms(most)));
+         row("Light", fmt::format("{:+.2f} to {:+.2f} ms from what was asked", ms(least), ms(most)));
 }
 
 std::string mask_row(const std::vector<LayerRecord>& layers) {
@@ -91,11 +95,9 @@ std::string mask_row(const std::vector<LayerRecord>& layers) {
                                   ms(sum) / static_cast<double>(layers.size()), ms(slowest)));
 }
 
-// What did not go as it should.
+// What did not go as it should beside stops and the model's own.
 std::string trouble_rows(const PrintReport& report) {
   std::string rows;
-  for (const std::string& interruption : report.interruptions)
-    rows += row("Interrupted", interruption);
   if (report.late_steps > 0)
     rows += row("Late steps", fmt::format("{}: the computer was too busy for them", report.late_steps));
   if (report.busiest_lit.busy > kLongestLitTurn) {
@@ -105,15 +107,21 @@ std::string trouble_rows(const PrintReport& report) {
   return rows;
 }
 
-std::string finding_rows(const PrintReport& report) {
+// What was exposed, and of how much in all.
+std::string resin_row(const PrintReport& report) {
+  std::string used = fmt::format("{:.2f} ml", exposed_volume_mm3(report.layers) / 1000);
+  if (report.findings && report.outcome != PrintOutcome::Done)
+    used += fmt::format(" of {:.2f} ml in all layers", report.findings->resin_ml());
+  return row("Resin used", used);
+}
+
+// A copy of a model is no other model, but a plate may hold hundreds of models.
+std::string models_rows(const std::vector<ModelSummary>& models) {
   std::string rows;
-  if (report.findings) rows += row("Analysis", findings_line(*report.findings));
-  for (const std::string& warning : report.summary.warnings)
-    rows += row("Warning", warning);
-  if (report.findings) {
-    for (const std::string& warning : warnings_about(*report.findings))
-      rows += row("Warning", warning);
-  }
+  for (std::size_t i = 0; i < std::min(models.size(), kMaxModels); ++i)
+    rows += model_rows(models[i]);
+  if (models.size() > kMaxModels)
+    rows += row("Models", fmt::format("and {} more", models.size() - kMaxModels));
   return rows;
 }
 
@@ -124,11 +132,138 @@ std::string facts(const PrintReport& report) {
   rows += row("Print time", readable(report.print_time));
   rows += row("Layers", fmt::format("{} of {} exposed, {}", layers_exposed(report.layers),
                                     summary.layers.count, thickness_of(summary)));
-  for (const ModelSummary& model : summary.models)
-    rows += model_rows(model);
+  rows += resin_row(report) + models_rows(summary.models);
   rows += settings_rows(summary) + exposure_rows(report.layers) + trouble_rows(report);
   rows += row("First mask", fmt::format("{:.1f} ms after its turn came", ms(report.first_mask_after)));
-  return rows + mask_row(report.layers) + finding_rows(report);
+  rows += mask_row(report.layers);
+  if (report.findings) rows += row("Analysis", findings_line(*report.findings));
+  return rows;
+}
+
+// --- what to look at
+
+// "<a href="#layer-8">layer 8</a>" for each of these that has a picture.
+std::string links_to(const PrintReport& report, std::span<const std::int32_t> layers) {
+  std::string links;
+  for (const std::int32_t layer : layers) {
+    if (std::ranges::find(report.layer_pictures, layer, &LayerPicture::layer) == report.layer_pictures.end())
+      continue;
+    links += fmt::format("{}<a href=\"#layer-{}\">layer {}</a>", links.empty() ? "; see " : ", ", layer + 1,
+                         layer + 1);
+  }
+  return links;
+}
+
+std::string item(const std::string& sentence, const std::string& links = "") {
+  return fmt::format("<li>{}{}</li>\n", escaped(shortened(sentence, kMaxSentence)), links);
+}
+
+std::string more_items(std::uint64_t more) {
+  return more > 0 ? item(fmt::format("and {} more", more)) : "";
+}
+
+std::string warning_list(const PrintReport& report) {
+  const std::vector<std::string>& of_model = report.summary.warnings;
+  const auto of_layers =
+      report.findings ? findings_warnings(*report.findings) : std::vector<FindingWarning>{};
+  if (of_model.empty() && of_layers.empty()) return "";
+  std::string list = "<h2>Warnings</h2>\n<ul class=\"notes warnings\">\n";
+  for (const FindingWarning& warning : of_layers)
+    list += item(warning.sentence, links_to(report, warning.layers));
+  const std::size_t told = std::min(of_model.size(), kMaxItems);
+  for (std::size_t i = 0; i < told; ++i)
+    list += item(of_model[i]);
+  return list + more_items(of_model.size() - told) + "</ul>\n";
+}
+
+std::string stop_list(const PrintReport& report) {
+  const PrintStops& stops = report.stops;
+  std::string list;
+  const std::size_t pauses = std::min(stops.pauses.size(), kMaxItems);
+  const std::size_t interruptions = std::min(stops.interruptions.size(), kMaxItems);
+  for (std::size_t i = 0; i < interruptions; ++i) {
+    const PrintInterruption& each = stops.interruptions[i];
+    const std::int32_t layers[]{each.layer};
+    list +=
+        item(fmt::format("After {}, layer {}: interrupted: {}", readable(each.at), each.layer + 1, each.what),
+             links_to(report, layers));
+  }
+  list += more_items(stops.interruptions.size() - interruptions + stops.more_interruptions);
+  for (std::size_t i = 0; i < pauses; ++i) {
+    const PrintPause& pause = stops.pauses[i];
+    list += item(fmt::format("After {}, layer {}: stopped for {}", readable(pause.at), pause.layer + 1,
+                             readable(pause.lasted)));
+  }
+  list += more_items(stops.pauses.size() - pauses + stops.more_pauses);
+  return list.empty() ? "" : "<ul class=\"notes\">\n" + list + "</ul>\n";
+}
+
+std::string time_section(const PrintReport& report) {
+  const std::string line = state_time_line(report);
+  if (line.empty()) return "";
+  return "<h2>Where the time went</h2>\n" + line + stop_list(report) + state_table(report.states);
+}
+
+std::string light_section(const PrintReport& report) {
+  const LightHistogram histogram = histogram_of_light(report.layers);
+  if (histogram.bins.empty()) return "";
+  std::string html = "<h2>Light given against asked, ms</h2>\n" + svg_of(histogram);
+  std::string text =
+      fmt::format("{}, by how much longer the light was on than was asked for.",
+                  histogram.layers == 1 ? "1 layer" : fmt::format("{} layers", histogram.layers));
+  if (std::abs(histogram.farthest_ms) >= LightHistogram::kFinest_ms) {
+    text +=
+        fmt::format(" The farthest is layer {}: {:+.2f} ms.", histogram.farthest + 1, histogram.farthest_ms);
+  }
+  if (histogram.left_out > 0)
+    text += fmt::format(" Not counted: {} whose light was not all given, or not confirmed off.",
+                        histogram.left_out);
+  html += "<p>" + text;
+  if (!histogram.exact) {
+    html +=
+        " What is known are bounds: <span class=\"swatch least\"></span>at the least, "
+        "<span class=\"swatch most\"></span>at the most.";
+  }
+  return html + "</p>\n";
+}
+
+std::string figure(const PrintReport& report, const LayerPicture& picture) {
+  const auto record = std::ranges::lower_bound(report.layers, picture.layer, {}, &LayerRecord::layer);
+  const std::string height = record == report.layers.end()
+                                 ? ""
+                                 : fmt::format(", {:.3f} mm, {:.2f} mm²",
+                                               to_millimeters(record->mask_height).count(), record->area_mm2);
+  std::string html = fmt::format(
+      "<figure id=\"layer-{0}\"><div class=\"shot\"><img alt=\"What the projector showed for layer {0}\" "
+      "width=\"{1}\" height=\"{2}\" src=\"data:image/png;base64,{3}\">",
+      picture.layer + 1, picture.width.count(), picture.height.count(), base64(picture.png));
+  if (!picture.islands.empty()) {
+    html += fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"Islands that begin here\">",
+                        picture.width.count(), picture.height.count());
+    for (const IslandMark& island : picture.islands) {
+      html += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>", island.middle.x,
+                          island.middle.y, island.radius);
+    }
+    html += "</svg>";
+  }
+  return html + fmt::format("</div><figcaption>Layer {}{}{}</figcaption></figure>\n", picture.layer + 1,
+                            height, picture.why.empty() ? "" : ": " + escaped(picture.why));
+}
+
+std::string layer_section(const PrintReport& report) {
+  if (report.layer_pictures.empty()) return "";
+  std::string html = "<h2>Layers, as the projector showed them</h2>\n<div class=\"layers\">\n";
+  for (const LayerPicture& picture : report.layer_pictures)
+    html += figure(report, picture);
+  return html + "</div>\n";
+}
+
+std::string plots(const PrintReport& report) {
+  if (report.layers.empty()) return "";
+  return plot_of(report, "Exposed area, mm² by height", [](const LayerRecord& l) { return l.area_mm2; }) +
+         plot_of(report, "Time from height to mask, ms by height",
+                 [](const LayerRecord& l) { return ms(l.mask_time); }) +
+         plot_of(report, "Contour loops by height", [](const LayerRecord& l) { return l.loops; });
 }
 
 }  // namespace
@@ -136,23 +271,24 @@ std::string facts(const PrintReport& report) {
 std::string report_as_html(const PrintReport& report) {
   const std::string job = escaped(report.job);
   const std::string outcome(name_of(report.outcome));
+  const std::string reason =
+      report.reason.empty() ? "" : ": " + escaped(shortened(report.reason, kMaxSentence));
+  // Nothing is fetched and nothing is run, whatever a name has in it.
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width\">\n<title>{0}: {1}</title>\n<style>{2}</style>\n"
-      "<h1>{0}</h1>\n<div class=\"outcome {1}\">{1}{3}</div>\n<div class=\"top\">\n",
-      job, outcome, kPageStyle, report.reason.empty() ? "" : ": " + escaped(report.reason));
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
+      "'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{0}: {1}</title>\n<style>{2}{3}</style>\n"
+      "<h1>{0}</h1>\n<div class=\"outcome {1}\">{1}{4}</div>\n<div class=\"top\">\n",
+      job, outcome, kPageStyle, kReportPageStyle, reason);
   if (!report.preview_png.empty()) {
     html += fmt::format("<img alt=\"The part as far as it was printed\" src=\"data:image/png;base64,{}\">\n",
                         base64(report.preview_png));
   }
   html += "<table>\n" + facts(report) + "</table>\n</div>\n";
-  if (!report.layers.empty()) {
-    html += plot_of(report, "Exposed area, mm² by height", [](const LayerRecord& l) { return l.area_mm2; });
-    html += plot_of(report, "Time from height to mask, ms by height",
-                    [](const LayerRecord& l) { return ms(l.mask_time); });
-    html += plot_of(report, "Contour loops by height", [](const LayerRecord& l) { return l.loops; });
-  }
-  return html + "</html>\n";
+  html += warning_list(report) + layer_section(report) + time_section(report) + light_section(report);
+  return html + plots(report) + "</html>\n";
 }
 
 }  // namespace contourd

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "daemon/mesh_repair_text.hpp"
 #include "daemon/print_findings.hpp"
@@ -16,6 +15,9 @@ using Json = nlohmann::ordered_json;
 
 double ms(Duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
+}
+double seconds(Duration duration) {
+  return ms(duration) / 1000;
 }
 double mm(Nanometers height) {
   return to_millimeters(height).count();
@@ -103,6 +105,28 @@ void add_layer_figures(const LayerSummary& layers, Json& json) {
   json["layers"] = layers.count;
 }
 
+// Where the print's time went.
+void add_stops(const PrintReport& report, Json& json) {
+  const PrintStops& stops = report.stops;
+  Json states = Json::object(), interruptions = Json::array(), pauses = Json::array();
+  for (std::size_t i = 0; i < kPrintStates; ++i) {
+    const auto state = static_cast<PrintState>(i);
+    if (report.states.in(state) > Duration{0})
+      states[std::string(name_of(state))] = seconds(report.states.in(state));
+  }
+  for (const PrintInterruption& each : stops.interruptions)
+    interruptions.push_back(fmt::format("layer {}: {}", each.layer + 1, each.what));
+  if (stops.more_interruptions > 0)
+    interruptions.push_back(fmt::format("and {} more", stops.more_interruptions));
+  for (const PrintPause& each : stops.pauses)
+    pauses.push_back(
+        {{"layer", each.layer + 1}, {"at_s", seconds(each.at)}, {"lasted_s", seconds(each.lasted)}});
+  json["states_s"] = std::move(states);
+  json["interruptions"] = std::move(interruptions);
+  json["pauses"] = std::move(pauses);
+  json["pause_count"] = stops.pauses.size() + stops.more_pauses;
+}
+
 Json layer_json(const LayerRecord& layer) {
   return {{"layer", layer.layer + 1},
           {"thickness_um", mm(layer.thickness) * 1000},
@@ -157,17 +181,14 @@ std::string report_as_json(const PrintReport& report) {
            {"threshold", summary.tone.threshold}});
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = layers_exposed(report.layers);
-  json["interruptions"] = report.interruptions;
+  add_stops(report, json);
   json["late_steps"] = report.late_steps;
   json["loop_busy_ms_worst_lit"] = ms(report.busiest_lit.busy);
   json["reading_ms"] = ms(summary.reading);
   json["indexing_ms"] = ms(summary.indexing);
   json["first_mask_ms"] = ms(summary.first_mask);
   json["arrival_to_first_mask_ms"] = ms(report.first_mask_after);
-  const double volume =
-      std::accumulate(report.layers.begin(), report.layers.end(), 0.0,
-                      [](double sum, const LayerRecord& l) { return sum + l.area_mm2 * mm(l.thickness); });
-  json["exposed_volume_mm3"] = volume;
+  json["exposed_volume_mm3"] = exposed_volume_mm3(report.layers);
   if (report.masks) json["masks_folder"] = report.masks->string();
   json["analysis"] = report.findings ? findings_json(*report.findings) : Json();
   Json layers = Json::array();

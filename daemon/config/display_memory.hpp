@@ -10,8 +10,9 @@ namespace contourd {
 // The program, with its threads and connections, when it has nothing to do.
 inline constexpr std::uint64_t kProgramBytes = 10'000'000;
 
-// Masks of the print and of its analysis, what they are painted from, a uniformity mask, the preview; a copy
-// of the mask for whoever asks, and its PNG.
+// Masks of the print and of its analysis, what they are painted from, a uniformity mask, the preview and the
+// report's pictures of layers, which take no mask of their own; a copy of the mask for whoever asks, and its
+// PNG.
 [[nodiscard]] constexpr std::uint64_t memory_for_display(Pixels width, Pixels height) {
   constexpr std::uint64_t kBytesAPixel = 12, kOthers = 12'000'000;
   return kOthers + kBytesAPixel * static_cast<std::uint64_t>(width.count()) *

@@ -5,11 +5,13 @@
 #include <utility>
 
 #include "daemon/html_page.hpp"
+#include "daemon/light_histogram.hpp"
 #include "daemon/manual_process.hpp"
 #include "daemon/print_process.hpp"
 #include "daemon/print_queue.hpp"
 #include "daemon/printer_control.hpp"
 #include "daemon/service_user.hpp"
+#include "daemon/state_times.hpp"
 #include "daemon/unfiled_jobs.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
@@ -117,4 +119,16 @@ TEST_CASE("ManualProcess begins one operation at a time, moves from a known heig
     REQUIRE(desk.clock.run_next());
   CHECK(contract_broken_by([&] { process.show(picture, "white", std::chrono::seconds{1}); }) ==
         "nothing shines while the picture changes");
+}
+
+TEST_CASE("StateTimes goes forwards only") {
+  const TimePoint start{std::chrono::hours(1)};
+  StateTimes times(start);
+  CHECK(contract_broken_by([&] { times.enter(PrintState::Homing, start - std::chrono::nanoseconds(1)); }) ==
+        "times do not fall");
+  CHECK(contract_broken_by([&] { times.enter(PrintState::Homing, start); }).empty());
+}
+
+TEST_CASE("A histogram of light is drawn when it has bins") {
+  CHECK(contract_broken_by([] { (void)svg_of(LightHistogram{}); }) == "a histogram has bins");
 }

@@ -56,6 +56,17 @@ TEST_CASE("Warnings name the largest islands, the empty layers and the open cont
         "the model is cracked: contours of 1 layer (4) did not close; the widest gap bridged is 1.500 mm");
 }
 
+TEST_CASE("A warning tells the layers that its sentence names, and what is to be seen there") {
+  const auto warnings = findings_warnings(spoilt());
+  REQUIRE(warnings.size() == 3);
+  CHECK(warnings[0].mark == "island");
+  CHECK(warnings[0].layers == std::vector<std::int32_t>{5, 7, 9});
+  CHECK(warnings[1].mark == "empty");
+  CHECK(warnings[1].layers == std::vector<std::int32_t>{1, 4, 6});
+  CHECK(warnings[2].mark == "crack");
+  CHECK(warnings[2].layers == std::vector<std::int32_t>{3});
+}
+
 TEST_CASE("Turned facets are a warning and a figure") {
   PrintFindings findings;
   findings.area_mm2 = {1, 1, 1};

@@ -1,5 +1,8 @@
-// That RunDeflater checks what it requires.
+// That the headers of core/image check what they require.
+#include <string>
+
 #include "core/image/run_deflater.hpp"
+#include "core/image/thumbnail.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
@@ -19,4 +22,18 @@ TEST_CASE("A stream of runs is at most as long as the largest mask's") {
   };
   CHECK(stream_of(RunDeflater::kMaxBytes).empty());
   CHECK(stream_of(RunDeflater::kMaxBytes + 1) == "a stream has at most kMaxBytes");
+}
+
+TEST_CASE("A thumbnail is of pixels that the mask has") {
+  const Mask mask(Pixels{10}, Pixels{5});
+  const auto broken = [&](const PixelBox& box, std::int32_t longest) {
+    return contract_broken_by([&] { (void)make_thumbnail(mask, box, Pixels{longest}); });
+  };
+  const std::string outside = "the box is the mask's and has pixels";
+  CHECK(broken({0, 0, 11, 5}, 5) == outside);
+  CHECK(broken({0, 0, 10, 6}, 5) == outside);
+  CHECK(broken({-1, 0, 10, 5}, 5) == outside);
+  CHECK(broken({3, 0, 3, 5}, 5) == outside);
+  CHECK(broken({0, 0, 10, 5}, 0) == "a thumbnail has pixels");
+  CHECK(broken({0, 0, 10, 5}, 1).empty());
 }

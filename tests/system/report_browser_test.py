@@ -1,0 +1,178 @@
+"""The report page in a real browser: without an error, a request that leaves it, or anything wider than the screen."""
+
+import base64
+import fcntl
+import json
+import os
+import re
+import select
+import shutil
+import subprocess
+import time
+
+from harness import DEADLINE_S, Daemon, FolderTest, binary_stl, box, main, skip_file
+
+CHROMIUM = shutil.which("chromium")
+# 60 layers of 50 um: a slab, a millimetre of nothing, and a box in the air.
+FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
+HOSTILE = 'a & b "quoted" <b>bold <script>alert(1)<img src=x onerror=y>'
+
+
+class Browser:
+    """A headless chromium, by its DevTools protocol over two pipes. It can reach nothing."""
+
+    def __init__(self, test):
+        self.errors, self.requests, self.numbers, self.waiting = [], [], iter(range(1, 1 << 30)), []
+        to_read, self.to = os.pipe()
+        self.from_, to_write = os.pipe()
+        ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 64) for end in (to_read, to_write)]  # out of the way of 3 and 4
+        def place():
+            os.dup2(ends[0], 3)
+            os.dup2(ends[1], 4)
+        self.process = subprocess.Popen(
+            [CHROMIUM, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
+             "--disable-background-networking", "--disable-component-update", "--disable-extensions", "--hide-scrollbars",
+             "--host-resolver-rules=MAP * ~NOTFOUND", "--remote-debugging-pipe", "--user-data-dir=" + test.path("browser")],
+            preexec_fn=place, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+        for end in (to_read, to_write, *ends):
+            os.close(end)
+        self.received, self.session = b"", None
+        test.addCleanup(self.close)
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(domain + ".enable")
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        os.close(self.to)
+        os.close(self.from_)
+
+    def next_message(self, end):
+        while b"\0" not in self.received:
+            if not select.select([self.from_], [], [], max(0.0, end - time.monotonic()))[0]:
+                raise AssertionError(f"chromium says nothing for {DEADLINE_S:g} s")
+            data = os.read(self.from_, 1 << 20)
+            assert data, "chromium has ended"
+            self.received += data
+        message, self.received = self.received.split(b"\0", 1)
+        return json.loads(message)
+
+    def hear(self, accept):
+        """The first message that `accept` takes; what all of them tell is kept."""
+        end = time.monotonic() + DEADLINE_S
+        while True:
+            message = self.next_message(end)
+            method, parameters = message.get("method"), message.get("params", {})
+            if method == "Network.requestWillBeSent":
+                self.requests.append(parameters["request"]["url"])
+            elif method == "Runtime.exceptionThrown":
+                self.errors.append(parameters["exceptionDetails"]["text"])
+            elif method == "Runtime.consoleAPICalled":
+                self.errors.append(str(parameters["args"]))
+            elif method == "Log.entryAdded":
+                self.errors.append(parameters["entry"]["text"])
+            if accept(message):
+                return message
+
+    def call(self, method, **parameters):
+        number = next(self.numbers)
+        message = {"id": number, "method": method, "params": parameters}
+        if self.session:
+            message["sessionId"] = self.session
+        os.write(self.to, json.dumps(message).encode() + b"\0")
+        answer = self.hear(lambda m: m.get("id") == number)
+        assert "error" not in answer, answer
+        return answer["result"]
+
+    def open(self, path, width, scheme):
+        self.errors, self.requests = [], []
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=width < 800)
+        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+        self.call("Page.navigate", url="file://" + path)
+        self.hear(lambda m: m.get("method") == "Page.loadEventFired")
+
+    def value(self, expression):
+        return self.call("Runtime.evaluate", expression=expression, returnByValue=True)["result"].get("value")
+
+    def screenshot(self, path):
+        size = self.call("Page.getLayoutMetrics")["cssContentSize"]
+        clip = {"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1}
+        shot = self.call("Page.captureScreenshot", format="png", clip=clip, captureBeyondViewport=True)
+        with open(path, "wb") as file:
+            file.write(base64.b64decode(shot["data"]))
+
+
+# Of every text on the page, the least contrast with what is behind it (WCAG 2, 1.4.3), and whose that is.
+LEAST_CONTRAST = """(() => {
+  const parse = (text) => (text.match(/[\\d.]+/g) || []).map(Number);
+  const luminance = (rgb) => rgb.map((c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+  const paper = parse(getComputedStyle(document.body).backgroundColor);
+  let least = [99, ""];
+  for (const element of document.querySelectorAll("h1, h2, th, td, li, a, p, figcaption, .outcome, svg text")) {
+    const style = getComputedStyle(element);
+    const colour = parse(element.closest("svg") ? style.fill : style.color);
+    const alpha = Number(style.opacity);
+    const seen = colour.slice(0, 3).map((c, i) => c * alpha + paper[i] * (1 - alpha));
+    const both = [luminance(seen), luminance(paper)].sort((a, b) => b - a);
+    const contrast = (both[0] + 0.05) / (both[1] + 0.05);
+    if (contrast < least[0]) least = [contrast, element.outerHTML.slice(0, 80)];
+  }
+  return least;
+})()"""
+
+
+class InABrowser(FolderTest):
+    """CONTOURD_SCREENSHOTS, a folder, gets what is seen, to be looked at."""
+
+    def test_the_page_is_shown_without_an_error_or_a_request_on_a_phone_and_a_screen_light_and_dark(self):
+        daemon = Daemon(self).start()
+        daemon.drop(HOSTILE + ".stl", FLOATING)
+        daemon.wait_done(HOSTILE)
+        path = self.path("page.html")
+        shutil.copy(daemon.file("done", HOSTILE + ".report.html"), path)
+        daemon.stop()
+        browser = Browser(self)
+        for width in (390, 1280):
+            for scheme in ("light", "dark"):
+                with self.subTest(width=width, scheme=scheme):
+                    browser.open(path, width, scheme)
+                    self.assertEqual(browser.value("document.documentElement.scrollWidth"), width)
+                    self.assertEqual(browser.value("[...document.images].filter((i) => !i.complete || !i.naturalWidth).length"), 0)
+                    self.assertEqual(browser.value("document.images.length"), 13)
+                    contrast, of = browser.value(LEAST_CONTRAST)
+                    self.assertGreaterEqual(contrast, 4.5, of)
+                    if folder := os.environ.get("CONTOURD_SCREENSHOTS"):
+                        browser.screenshot(os.path.join(folder, f"report-{width}-{scheme}.png"))
+                    self.assertEqual(browser.errors, [])
+                    self.assertEqual([url for url in browser.requests if not url.startswith("data:")], ["file://" + path])
+        # A link leads to the picture of its layer.
+        browser.value("document.querySelector('a[href=\"#layer-41\"]').click()")
+        self.assertEqual(browser.value("document.querySelector(':target').id"), "layer-41")
+        printed = base64.b64decode(browser.call("Page.printToPDF")["data"])
+        if folder := os.environ.get("CONTOURD_SCREENSHOTS"):
+            with open(os.path.join(folder, "report.pdf"), "wb") as file:
+                file.write(printed)
+        self.assertLessEqual(len(re.findall(rb"/Type\s*/Page\b", printed)), 6)
+
+    def test_a_page_that_asks_for_something_or_fails_is_found_out(self):
+        """What the test above would say of one."""
+        browser = Browser(self)
+        browser.open(self.write("asks.html", '<img src="http://192.0.2.1/x.png">').decode(), 390, "light")
+        self.assertIn("http://192.0.2.1/x.png", browser.requests)
+        self.assertNotEqual(browser.errors, [])
+        browser.open(self.write("fails.html", "<script>throw 1</script>").decode(), 390, "light")
+        self.assertNotEqual(browser.errors, [])
+        policy = "<meta http-equiv=Content-Security-Policy content=\"default-src 'none'\">"
+        browser.open(self.write("held.html", policy + "<script>throw 1</script>").decode(), 390, "light")
+        self.assertIn("Content Security Policy", browser.errors[0])
+        browser.open(self.write("wide.html", "<div style='width: 500px'>x</div>").decode(), 390, "light")
+        self.assertGreater(browser.value("document.documentElement.scrollWidth"), 390)
+
+
+if __name__ == "__main__":
+    if CHROMIUM is None:
+        skip_file("chromium, Debian's package, is not installed")
+    main()
