@@ -48,7 +48,8 @@ JobFigures figures_of(const PrintReport& report) {
     for (const std::string& warning : warnings_about(*report.findings))
       figures.warnings.push_back(warning);
   }
-  figures.interruptions = static_cast<std::int64_t>(report.interruptions.size());
+  figures.interruptions =
+      static_cast<std::int64_t>(report.stops.interruptions.size() + report.stops.more_interruptions);
   figures.late_steps = static_cast<std::int64_t>(report.late_steps);
   return figures;
 }
