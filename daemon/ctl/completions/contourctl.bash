@@ -10,7 +10,7 @@ _contourctl_words() {
       contourctl status 2>/dev/null | sed -n 's/^job  *//p'
       _contourctl_words waiting
       ;;
-    ended) contourctl history 2>/dev/null | sed -nE 's/^(.+): (done|cancelled|failed(: .*)?)$/\1/p' ;;
+    ended) contourctl history --csv 2>/dev/null | sed -nE '1d; s/^"(([^"]|"")*)",.*/\1/; s/""/"/g; p' | sort -u ;;
     waiting) contourctl queue 2>/dev/null | sed -n 's/^ *[0-9][0-9]*  \(.*\)\.[^.]*$/\1/p' ;;
     resins)
       for name in /etc/contourd/resins/*.json; do

@@ -20,7 +20,7 @@ function __contourctl_waiting
     contourctl queue 2>/dev/null | sed -n 's/^ *[0-9][0-9]*  \(.*\)\.[^.]*$/\1/p'
 end
 function __contourctl_ended
-    contourctl history 2>/dev/null | sed -nE 's/^(.+): (done|cancelled|failed(: .*)?)$/\1/p'
+    contourctl history --csv 2>/dev/null | sed -nE '1d; s/^"(([^"]|"")*)",.*/\1/; s/""/"/g; p' | sort -u
 end
 function __contourctl_models
     __fish_complete_suffix .stl
