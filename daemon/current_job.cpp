@@ -234,7 +234,8 @@ void CurrentJob::filed(const FiledPrint& print) {
   job_.reset();
   observer_.memory_freed();
   if (!print.moved) hold_.add_unfiled(print.files, PrintEnd{print.outcome, print.reason});
-  observer_.job_ended({name, std::string(name_of(print.outcome)), print.reason, std::move(analysis)});
+  observer_.job_ended(
+      {name, std::string(name_of(print.outcome)), print.reason, std::move(analysis), print.reports});
   observer_.may_stop();
 }
 

@@ -6,11 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "daemon/job_files.hpp"
+
 namespace contourd {
 
 struct EndedJob {
   std::string name, outcome, reason;
   nlohmann::ordered_json analysis{};  // in short; null when there is none
+  ReportFiles reports{};
 };
 
 class JobHistory {

@@ -36,6 +36,7 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       queue_(log, calls_of_queue()),
       job_(context_, spool_, reader_, hold_, *this),
       scheduler_(context_, spool_, queue_, hold_, calls_of_scheduler()),
+      notices_(loop, log, config.job_ended_socket, config.name),
       manual_(machine, clock, [this] { manual_changed(); }),
       status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_, manual_}),
       control_(context_, hold_, job_, scheduler_, status_),
@@ -48,7 +49,8 @@ PrinterService::~PrinterService() {
 
 QueueHold::Calls PrinterService::calls_of_hold() {
   return {.light_may_be_on = [this] { return job_.print().light_may_be_on() || manual_.light_may_be_on(); },
-          .retry = [this] { scheduler_.run(); }};
+          .retry = [this] { scheduler_.run(); },
+          .filed = [this](const EndedJob& job) { notices_.add(job); }};
 }
 
 PrintQueue::Calls PrinterService::calls_of_queue() {
@@ -240,6 +242,7 @@ void PrinterService::job_ended(EndedJob job) {
 
 void PrinterService::note_end(EndedJob job) {
   const std::string last = fmt::format("last job {}: {}", printable(job.name), job.outcome);
+  notices_.add(job);
   history_.add(std::move(job));
   context_.supervisor.status(fmt::format("{}; {}", readiness(), last));
   notify("ended", ControlServer::Delivery::Certain);

@@ -11,6 +11,7 @@
 
 #include "daemon/control_server.hpp"
 #include "daemon/current_job.hpp"
+#include "daemon/ended_job_notices.hpp"
 #include "daemon/incoming_log.hpp"
 #include "daemon/job_history.hpp"
 #include "daemon/job_reader.hpp"
@@ -88,6 +89,7 @@ class PrinterService final : private JobObserver {
   CurrentJob job_;
   JobScheduler scheduler_;
   JobHistory history_;
+  EndedJobNotices notices_;
   ManualProcess manual_;
   PrinterStatus status_;
   PrinterControl control_;

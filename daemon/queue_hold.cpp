@@ -20,7 +20,10 @@ constexpr Duration kRetryInterval = 30s;
 }  // namespace
 
 QueueHold::QueueHold(const PrinterContext& context, Spool& spool, Calls calls)
-    : context_(context), spool_(spool), calls_(std::move(calls)), unfiled_(spool, context.log) {}
+    : context_(context),
+      spool_(spool),
+      calls_(std::move(calls)),
+      unfiled_(spool, context.log, calls_.filed) {}
 
 void QueueHold::load() {
   plate_occupant_ = spool_.records().plate_occupant();
@@ -31,7 +34,7 @@ void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ende
   for (const JobFiles& files : spool_.interrupted()) {
     // It had not begun.
     if (plate_occupant_ != files.name && ended_in_reading(files)) {
-      unfiled_.add(files, PrintEnd{PrintOutcome::Failed, std::string(kEndedAProcess)});
+      unfiled_.add_left(files, PrintEnd{PrintOutcome::Failed, std::string(kEndedAProcess)});
       context_.log.error("refused", fmt::format("{}: {}", printable(files.name), kEndedAProcess),
                          job_fields(files.name));
     } else {
@@ -44,7 +47,7 @@ void QueueHold::adopt_left_jobs(const std::function<bool(const JobFiles&)>& ende
 }
 
 void QueueHold::adopt(const JobFiles& files, const std::optional<PrintEnd>& end) {
-  unfiled_.add(files, end);
+  unfiled_.add_left(files, end);
   const std::string how =
       end ? fmt::format("contourd did not file this print, which was {}", name_of(end->outcome))
           : "contourd did not end this print";
@@ -86,7 +89,7 @@ void QueueHold::set_plate_occupant(const std::optional<std::string>& job) {
 }
 
 void QueueHold::add_unfiled(const JobFiles& files, const PrintEnd& end) {
-  unfiled_.add(files, end);
+  unfiled_.add_known(files, end);
   keep();
 }
 
