@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -24,9 +26,13 @@ class JobHistory {
   void add(EndedJob job);
   // The latest last.
   [[nodiscard]] const std::deque<EndedJob>& jobs() const { return jobs_; }
+  // How many have ended so, each outcome that there is, of all.
+  using Counts = std::map<std::string, std::uint64_t, std::less<>>;
+  [[nodiscard]] const Counts& counts() const { return counts_; }
 
  private:
   std::deque<EndedJob> jobs_;
+  Counts counts_{{"done", 0}, {"cancelled", 0}, {"failed", 0}};
 };
 
 }  // namespace contourd

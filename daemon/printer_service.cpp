@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/printer_metrics.hpp"
 #include "daemon/readable.hpp"
 #include "daemon/system_users.hpp"
 
@@ -107,8 +108,16 @@ void PrinterService::start() {
       [&log](const std::string& method, const ControlServer::Peer& peer) { log_command(log, method, peer); });
   queue_.load_order(spool_.order());
   spool_.open();
+  if (context_.config.metrics_file)
+    metrics_file_.emplace(context_.loop, log, *context_.config.metrics_file, [this] { return metrics(); });
   context_.supervisor.status(readiness());
   scheduler_.run_soon();
+}
+
+std::string PrinterService::metrics() const {
+  PrinterMetrics metrics = status_.metrics();
+  metrics.lit = lit_;
+  return as_open_metrics(metrics);
 }
 
 std::string PrinterService::readiness() const {
@@ -228,6 +237,7 @@ void PrinterService::print_state_changed(PrintState state) {
 }
 
 void PrinterService::job_changed(const std::string& what) {
+  if (what == "layer") lit_ += job_.job()->record->layers().back().exposure_most;
   notify(what, ControlServer::Delivery::Lossy);
 }
 

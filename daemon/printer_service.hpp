@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "daemon/control_server.hpp"
@@ -18,6 +19,7 @@
 #include "daemon/job_scheduler.hpp"
 #include "daemon/manual_control.hpp"
 #include "daemon/manual_process.hpp"
+#include "daemon/metrics_file.hpp"
 #include "daemon/print_queue.hpp"
 #include "daemon/printer_context.hpp"
 #include "daemon/printer_control.hpp"
@@ -75,6 +77,7 @@ class PrinterService final : private JobObserver {
   void end_manual_control();
   // For the service manager's status line.
   [[nodiscard]] std::string readiness() const;
+  [[nodiscard]] std::string metrics() const;
   // Into the history, and to all who watch.
   void note_end(EndedJob job);
   void notify(const std::string& what, ControlServer::Delivery delivery);
@@ -96,7 +99,9 @@ class PrinterService final : private JobObserver {
   QueueControl queue_control_;
   ManualControl manual_control_;
   std::unique_ptr<ControlServer> server_;
+  std::optional<MetricsFile> metrics_file_;
   std::uint64_t manual_operations_logged_ = 0;
+  Duration lit_{};  // light that prints have given, at most
   Ending ending_ = Ending::No;
   std::function<void(bool)> printing_;
   EventLoop::SourcePtr stop_timer_;

@@ -184,6 +184,7 @@ TEST_CASE("relative paths start from the file's folder, wherever the process is"
   CHECK(config.spool_folder == folder.path() / "spool");
   CHECK(config.control_socket == folder.path() / "control.sock");
   CHECK(config.job_ended_socket == "/run/contourd-job-ended.socket");
+  CHECK_FALSE(config.metrics_file);
   const auto relative = std::filesystem::relative(folder.path() / "printer.json");
   CHECK(load_printer_config(relative).spool_folder.is_absolute());
   json printer = smallest_printer();
