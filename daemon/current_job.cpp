@@ -246,6 +246,7 @@ void CurrentJob::filed(const FiledPrint& print) {
   job_.reset();
   observer_.memory_freed();
   if (!print.moved) hold_.add_unfiled(print.files, PrintEnd{print.outcome, print.reason});
+  ended.reports = print.reports;
   observer_.job_ended(std::move(ended));
   observer_.may_stop();
 }

@@ -18,4 +18,9 @@ struct JobFiles {
   std::string original{};       // in incoming/: what these are a copy of; empty when they were moved
 };
 
+// Of a print's report; a path is empty where there is none.
+struct ReportFiles {
+  std::filesystem::path json, html;
+};
+
 }  // namespace contourd

@@ -6,9 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "daemon/job_files.hpp"
 
 namespace contourd {
 
@@ -33,6 +36,7 @@ struct EndedJob {
   JobFigures figures{};
   std::chrono::system_clock::time_point began{}, ended{};  // began: its turn came
   std::int64_t key = 0;  // tells jobs of the kept history apart, for ever; 0 where it is not known
+  ReportFiles reports{};
 };
 
 // As the control socket tells it (docs/control-api.md, "A job of the history").
@@ -46,9 +50,13 @@ class JobHistory {
   void add(EndedJob job);
   // The latest last.
   [[nodiscard]] const std::deque<EndedJob>& jobs() const { return jobs_; }
+  // How many have ended so, each outcome that there is, of all.
+  using Counts = std::map<std::string, std::uint64_t, std::less<>>;
+  [[nodiscard]] const Counts& counts() const { return counts_; }
 
  private:
   std::deque<EndedJob> jobs_;
+  Counts counts_{{"done", 0}, {"cancelled", 0}, {"failed", 0}};
 };
 
 }  // namespace contourd

@@ -52,9 +52,16 @@ NewFile::~NewFile() {
 }
 
 void NewFile::let_group_read() {
+  add_mode(S_IRUSR | S_IRGRP);
+}
+
+void NewFile::let_all_read() {
+  add_mode(S_IRUSR | S_IRGRP | S_IROTH);
+}
+
+void NewFile::add_mode(mode_t mode) {
   struct stat status {};
-  if (::fstat(file_.get(), &status) != 0 ||
-      ::fchmod(file_.get(), (status.st_mode & 07777U) | S_IRUSR | S_IRGRP) != 0)
+  if (::fstat(file_.get(), &status) != 0 || ::fchmod(file_.get(), (status.st_mode & 07777U) | mode) != 0)
     throw failure();
 }
 
@@ -87,6 +94,10 @@ void NewFile::name_temporarily() {
 
 void NewFile::replace(const std::string& name) {
   sync();
+  replace_for_now(name);
+}
+
+void NewFile::replace_for_now(const std::string& name) {
   name_temporarily();
   fs::rename(temporary_, folder_ / name);
   named_ = false;

@@ -2,6 +2,8 @@
 // files without a name, with the process. Blocks until the disk has it. Not thread-safe.
 #pragma once
 
+#include <sys/types.h>
+
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -20,14 +22,18 @@ class NewFile {
 
   // Whatever the umask says.
   void let_group_read();
+  void let_all_read();
   void write(std::string_view bytes);
 
   // The last call: it takes the place of what has that name.
   void replace(const std::string& name);
+  // The same for what nobody misses after a power cut: the disk is not waited for.
+  void replace_for_now(const std::string& name);
   // The last call that returns true: nothing has had that name. Whoever sees it there sees nobody writing it.
   [[nodiscard]] bool appear(const std::string& name);
 
  private:
+  void add_mode(mode_t mode);
   void sync();
   void close_for_writing();
   void name_temporarily();

@@ -75,7 +75,7 @@ void write_record(const Spool& spool, const std::string& job, const PrintEnd& en
 
 FiledPrint file_print(const Spool& spool, EndedPrint& print) {
   const PrintReport& report = print.report;
-  FiledPrint filed{print.files, false, report.outcome, report.reason, {}};
+  FiledPrint filed{print.files, false, report.outcome, report.reason, {}, {}};
   const Spool::Folder folder = folder_for(report.outcome);
   const PrintEnd end{report.outcome, report.reason};
   attempt("no record of its end", filed, [&] { write_record(spool, report.job, end); });
@@ -88,6 +88,7 @@ FiledPrint file_print(const Spool& spool, EndedPrint& print) {
     spool.write_beside(folder, report.job, "report.json", report_as_json(report));
   });
   if (recorded) write_page_and_picture(spool, print, filed);
+  filed.reports = spool.reports_of(folder, report.job);
   // As long as they are in printing/, the next start knows of the print what the history does not.
   if (print.noted.valid()) (void)print.noted.wait_for(kLongestNoting);
   filed.moved = attempt("stays in printing", filed, [&] {

@@ -29,6 +29,7 @@ struct FiledPrint {
   bool moved = false;
   PrintOutcome outcome = PrintOutcome::Failed;
   std::string reason;
+  ReportFiles reports;
   std::vector<std::string> troubles;  // a sentence each: what is not there, or not as it should be, and why
 };
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/printer_metrics.hpp"
 #include "daemon/readable.hpp"
 #include "daemon/state_folder.hpp"
 #include "daemon/system_users.hpp"
@@ -40,6 +41,7 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       job_(context_, spool_, reader_, hold_, *this),
       scheduler_(context_, spool_, queue_, hold_, calls_of_scheduler()),
       kept_history_(loop, log, state_folder_path(config.spool_folder) / "history.sqlite"),
+      notices_(loop, log, config.job_ended_socket, config.name),
       manual_(machine, clock, [this] { manual_changed(); }),
       status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_, manual_}),
       control_(context_, hold_, job_, scheduler_, status_),
@@ -55,7 +57,8 @@ PrinterService::~PrinterService() {
 
 QueueHold::Calls PrinterService::calls_of_hold() {
   return {.light_may_be_on = [this] { return job_.print().light_may_be_on() || manual_.light_may_be_on(); },
-          .retry = [this] { scheduler_.run(); }};
+          .retry = [this] { scheduler_.run(); },
+          .filed = [this](const EndedJob& job) { notices_.add(job); }};
 }
 
 PrintQueue::Calls PrinterService::calls_of_queue() {
@@ -115,6 +118,8 @@ void PrinterService::start() {
       [&log](const std::string& method, const ControlServer::Peer& peer) { log_command(log, method, peer); });
   queue_.load_order(spool_.order());
   spool_.open();
+  if (context_.config.metrics_file)
+    metrics_file_.emplace(context_.loop, log, *context_.config.metrics_file, [this] { return metrics(); });
   context_.supervisor.status(readiness());
   scheduler_.run_soon();
 }
@@ -137,6 +142,12 @@ void PrinterService::adopt_left_jobs() {
        hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); }))
     left.push_back(ended(name, end));
   kept_history_.adopt(std::move(left), std::move(last_end));
+}
+
+std::string PrinterService::metrics() const {
+  PrinterMetrics metrics = status_.metrics();
+  metrics.lit = lit_;
+  return as_open_metrics(metrics);
 }
 
 std::string PrinterService::readiness() const {
@@ -259,7 +270,10 @@ void PrinterService::print_state_changed(PrintState state) {
 }
 
 void PrinterService::job_changed(const std::string& what) {
-  if (what == "layer") kept_history_.note([this] { return job_.figures(); });
+  if (what == "layer") {
+    lit_ += job_.job()->record->layers().back().exposure_most;
+    kept_history_.note([this] { return job_.figures(); });
+  }
   notify(what, ControlServer::Delivery::Lossy);
 }
 
@@ -285,6 +299,7 @@ void PrinterService::note_refusal(EndedJob job) {
 
 void PrinterService::note_end(EndedJob job) {
   const std::string last = fmt::format("last job {}: {}", printable(job.name), job.outcome);
+  notices_.add(job);
   history_.add(std::move(job));
   context_.supervisor.status(fmt::format("{}; {}", readiness(), last));
   notify("ended", ControlServer::Delivery::Certain);

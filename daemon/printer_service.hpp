@@ -8,10 +8,12 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "daemon/control_server.hpp"
 #include "daemon/current_job.hpp"
+#include "daemon/ended_job_notices.hpp"
 #include "daemon/history_control.hpp"
 #include "daemon/incoming_log.hpp"
 #include "daemon/job_history.hpp"
@@ -20,6 +22,7 @@
 #include "daemon/kept_history.hpp"
 #include "daemon/manual_control.hpp"
 #include "daemon/manual_process.hpp"
+#include "daemon/metrics_file.hpp"
 #include "daemon/print_queue.hpp"
 #include "daemon/printer_context.hpp"
 #include "daemon/printer_control.hpp"
@@ -80,6 +83,7 @@ class PrinterService final : private JobObserver {
   void end_manual_control();
   // For the service manager's status line.
   [[nodiscard]] std::string readiness() const;
+  [[nodiscard]] std::string metrics() const;
   // Has the history know what the last process left.
   void adopt_left_jobs();
   // Of a job whose turn never came.
@@ -99,6 +103,7 @@ class PrinterService final : private JobObserver {
   JobScheduler scheduler_;
   JobHistory history_;
   KeptHistory kept_history_;
+  EndedJobNotices notices_;
   ManualProcess manual_;
   PrinterStatus status_;
   PrinterControl control_;
@@ -108,7 +113,9 @@ class PrinterService final : private JobObserver {
   HistoryControl history_control_;
   ScreenControl screen_control_;
   std::unique_ptr<ControlServer> server_;
+  std::optional<MetricsFile> metrics_file_;
   std::uint64_t manual_operations_logged_ = 0;
+  Duration lit_{};  // light that prints have given, at most
   Ending ending_ = Ending::No;
   std::function<void(bool)> printing_;
   EventLoop::SourcePtr stop_timer_;

@@ -105,6 +105,26 @@ std::string PrinterStatus::reason_to_wait(std::size_t number) const {
   return number == 0 ? parts_.scheduler.waiting_for() : "";
 }
 
+PrinterMetrics PrinterStatus::metrics() const {
+  const PrintProcess& print = parts_.job.print();
+  PrinterMetrics metrics{.printer = context_.config.name,
+                         .state = state(),
+                         .print = {},
+                         .light_may_be_on = !dark(),
+                         .ready = context_.machine.why_not_ready().empty(),
+                         .held = parts_.hold.reason().has_value(),
+                         .plate_occupied = parts_.hold.plate_occupant().has_value(),
+                         .queued = parts_.queue.jobs().size(),
+                         .ended = parts_.history.counts(),
+                         .lit = {},
+                         .late_steps = context_.machine.z_axis().late_steps().count};
+  if (parts_.job.job() != nullptr && print.state() != PrintState::Idle) {
+    const JobSummary& summary = parts_.job.job()->prepared->summary;
+    metrics.print = {print.layer() + 1, static_cast<std::int32_t>(summary.layers.count), print.time_left()};
+  }
+  return metrics;
+}
+
 Json PrinterStatus::status() const {
   Json status{{"printer", context_.config.name},
               {"spool", context_.config.spool_folder.string()},

@@ -14,6 +14,7 @@
 #include "daemon/manual_process.hpp"
 #include "daemon/print_queue.hpp"
 #include "daemon/printer_context.hpp"
+#include "daemon/printer_metrics.hpp"
 #include "daemon/queue_hold.hpp"
 #include "daemon/spool.hpp"
 
@@ -36,6 +37,8 @@ class PrinterStatus {
   PrinterStatus(const PrinterContext& context, const Parts& parts) : context_(context), parts_(parts) {}
 
   [[nodiscard]] Json status() const;
+  // All but the light that prints have given.
+  [[nodiscard]] PrinterMetrics metrics() const;
   // The waiting jobs in their order, and what is still arriving; all that is known of the first of them, or
   // of the one of this number alone. REQUIRES: there is that one.
   [[nodiscard]] Json queue(std::optional<std::size_t> number = std::nullopt) const;

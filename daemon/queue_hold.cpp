@@ -20,7 +20,10 @@ constexpr Duration kRetryInterval = 30s;
 }  // namespace
 
 QueueHold::QueueHold(const PrinterContext& context, Spool& spool, Calls calls)
-    : context_(context), spool_(spool), calls_(std::move(calls)), unfiled_(spool, context.log) {}
+    : context_(context),
+      spool_(spool),
+      calls_(std::move(calls)),
+      unfiled_(spool, context.log, calls_.filed) {}
 
 void QueueHold::load() {
   plate_occupant_ = spool_.records().plate_occupant();
@@ -34,7 +37,7 @@ std::vector<QueueHold::LeftJob> QueueHold::adopt_left_jobs(
     // It had not begun.
     if (plate_occupant_ != files.name && ended_in_reading(files)) {
       left.push_back({files.name, {PrintOutcome::Failed, std::string(kEndedAProcess)}});
-      unfiled_.add(files, left.back().end);
+      unfiled_.add_left(files, left.back().end);
       context_.log.error("refused", fmt::format("{}: {}", printable(files.name), kEndedAProcess),
                          job_fields(files.name));
     } else {
@@ -54,7 +57,7 @@ PrintEnd QueueHold::adopt(const JobFiles& files, const std::optional<PrintEnd>& 
       "was interrupted: the power was cut, or contourd was killed or crashed";
   const PrintEnd ended =
       end.value_or(PrintEnd{PrintOutcome::Failed, std::string("the print ") + kInterrupted});
-  unfiled_.add(files, end);
+  unfiled_.add_left(files, end);
   const std::string how =
       end ? fmt::format("contourd did not file this print, which was {}", name_of(end->outcome))
           : "contourd did not end this print";
@@ -96,7 +99,7 @@ void QueueHold::set_plate_occupant(const std::optional<std::string>& job) {
 }
 
 void QueueHold::add_unfiled(const JobFiles& files, const PrintEnd& end) {
-  unfiled_.add(files, end);
+  unfiled_.add_known(files, end);
   keep();
 }
 

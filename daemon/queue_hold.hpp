@@ -21,6 +21,8 @@ class QueueHold {
     std::function<bool()> light_may_be_on;
     // Some time after the disk did not take the records. To come back to keep_due().
     std::function<void()> retry;
+    // A job is filed that the last process did not file.
+    std::function<void(const EndedJob&)> filed{};
   };
   // Context and spool must outlive the hold.
   QueueHold(const PrinterContext& context, Spool& spool, Calls calls);

@@ -165,6 +165,15 @@ void Spool::write_beside(Folder where, const std::string& name, const std::strin
   write_durably(folder(where) / (name + "." + suffix), text);
 }
 
+ReportFiles Spool::reports_of(Folder where, const std::string& name) const {
+  const auto report = [&](const char* suffix) {
+    std::error_code error;
+    const fs::path file = folder(where) / (name + suffix);
+    return fs::exists(fs::symlink_status(file, error)) ? file : fs::path();
+  };
+  return {.json = report(".report.json"), .html = report(".report.html")};
+}
+
 std::vector<JobFiles> Spool::interrupted() const {
   return jobs_left_in_printing(folders_);
 }

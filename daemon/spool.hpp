@@ -1,6 +1,7 @@
 // The spool folder: incoming/ printing/ done/ failed/. Jobs move through it by rename, so that after a power
 // cut at any moment every file is in exactly one place and its folder says how it stands. Event loop's thread
-// only, but for folder(), files_of(), is_unfinished(), write_beside() and end(), which any may call.
+// only, but for folder(), files_of(), is_unfinished(), write_beside(), reports_of() and end(), which any may
+// call.
 //
 // A disk may take seconds. What comes at any time, also while the light is on (looks at incoming/, refusals),
 // waits for it on a thread of its own; the rest is for when there is no light.
@@ -97,6 +98,9 @@ class Spool {
   // std::system_error.
   void write_beside(Folder folder, const std::string& name, const std::string& suffix,
                     const std::string& text) const;
+
+  // Those that are there. Any thread may call it; blocks.
+  [[nodiscard]] ReportFiles reports_of(Folder folder, const std::string& name) const;
 
   // See jobs_left_in_printing().
   [[nodiscard]] std::vector<JobFiles> interrupted() const;

@@ -2,11 +2,14 @@
 // them, or as the disk did not take them. Event loop's thread only.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/contract/expects.hpp"
+#include "daemon/job_history.hpp"
 #include "daemon/log.hpp"
 #include "daemon/print_archivist.hpp"
 #include "daemon/spool.hpp"
@@ -15,11 +18,17 @@ namespace contourd {
 
 class UnfiledJobs {
  public:
-  // Both must outlive it.
-  UnfiledJobs(const Spool& spool, const Log& log) : spool_(spool), log_(log) {}
+  using Filed = std::function<void(const EndedJob&)>;
+  // Spool and log must outlive it. `filed` is told of those whose end nobody has heard of.
+  UnfiledJobs(const Spool& spool, const Log& log, Filed filed)
+      : spool_(spool), log_(log), filed_(std::move(filed)) {}
 
-  // `end` is nothing when the print was interrupted.
-  void add(const JobFiles& files, const std::optional<PrintEnd>& end) { jobs_.push_back({files, end}); }
+  // Left by another process. `end` is nothing when the print was interrupted.
+  void add_left(const JobFiles& files, const std::optional<PrintEnd>& end) {
+    jobs_.push_back({files, end, true});
+  }
+  // One of this process', whose end is known already.
+  void add_known(const JobFiles& files, const PrintEnd& end) { jobs_.push_back({files, end, false}); }
 
   [[nodiscard]] bool empty() const { return jobs_.empty(); }
   // REQUIRES: not empty.
@@ -38,10 +47,12 @@ class UnfiledJobs {
   struct Job {
     JobFiles files;
     std::optional<PrintEnd> end;
+    bool tell = false;
   };
 
   const Spool& spool_;
   const Log& log_;
+  Filed filed_;
   std::vector<Job> jobs_;
 };
 

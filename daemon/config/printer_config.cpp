@@ -44,6 +44,17 @@ void check_memory_limit(JsonDocument& document) {
                                                  std::to_string(least / kBytesPerMb + 1) + " MB");
 }
 
+void check_socket_path(JsonDocument& document, const fs::path& folder, const char* key) {
+  constexpr std::size_t kLongestSocketPath = 107;  // unix(7): sun_path has 108 bytes, one for the NUL
+  const auto socket = document.valid_text(key);
+  if (!socket) return;
+  const std::size_t length = resolved(folder, *socket).string().size();
+  if (length <= kLongestSocketPath) return;
+  document.add_violation(key, "the absolute path is " + std::to_string(length) +
+                                  " bytes long; the limit for a socket is " +
+                                  std::to_string(kLongestSocketPath));
+}
+
 void check_rules(JsonDocument& document, const fs::path& folder) {
   const auto start = document.valid_number("/simulation/start_height_mm");
   const auto travel = document.valid_number("/z_axis/travel_mm");
@@ -54,15 +65,8 @@ void check_rules(JsonDocument& document, const fs::path& folder) {
                                                               nlohmann::json(*travel).dump() + " mm");
   }
   check_memory_limit(document);
-  constexpr std::size_t kLongestSocketPath = 107;  // unix(7): sun_path has 108 bytes, one for the NUL
-  if (const auto socket = document.valid_text("/control_socket")) {
-    const std::size_t length = resolved(folder, *socket).string().size();
-    if (length > kLongestSocketPath) {
-      document.add_violation("/control_socket", "the absolute path is " + std::to_string(length) +
-                                                    " bytes long; the limit for a socket is " +
-                                                    std::to_string(kLongestSocketPath));
-    }
-  }
+  for (const char* key : {"/control_socket", "/job_ended_socket"})
+    check_socket_path(document, folder, key);
 }
 
 struct LoadedResin {
@@ -137,6 +141,10 @@ std::optional<int> read_count(const JsonSection& section, std::string_view key) 
   return section.has(key) ? std::optional(section.integer<int>(key)) : std::nullopt;
 }
 
+std::optional<fs::path> read_path(const JsonSection& section, std::string_view key, const fs::path& folder) {
+  return section.has(key) ? std::optional(resolved(folder, section.text(key))) : std::nullopt;
+}
+
 std::optional<Duration> read_duration(const JsonSection& section, std::string_view key) {
   return section.has(key) ? std::optional(section.duration(key)) : std::nullopt;
 }
@@ -156,8 +164,7 @@ SimulatedPrinterConfig read_simulated(const JsonSection& root, const fs::path& f
   config.display.width = Pixels{display.integer<std::int32_t>("width_px")};
   config.display.height = Pixels{display.integer<std::int32_t>("height_px")};
   config.display.frame = Duration{std::llround(1e9 / display.number("refresh_hz"))};
-  if (simulation.has("masks_folder"))
-    config.display.masks = resolved(folder, simulation.text("masks_folder"));
+  config.display.masks = read_path(simulation, "masks_folder", folder);
   config.display.lost_after_frames = read_count(simulation, "display_lost_after_frames");
   config.display.back_after = read_duration(simulation, "display_back_after_s");
   config.lid_opened_after_light = read_duration(simulation, "lid_opened_after_light_s");
@@ -230,6 +237,8 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .name = root.text("name"),
       .spool_folder = resolved(folder, root.text("spool_folder")),
       .control_socket = resolved(folder, root.text("control_socket")),
+      .job_ended_socket = resolved(folder, root.text("job_ended_socket")),
+      .metrics_file = read_path(root, "metrics_file", folder),
       .resins_folder = resolved(folder, root.text("resins_folder")),
       .wait_for_plate_cleared = root.boolean("wait_for_plate_cleared"),
       .min_free_disk_bytes = kBytesPerMb * root.integer<std::uintmax_t>("min_free_disk_mb"),

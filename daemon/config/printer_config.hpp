@@ -34,6 +34,8 @@ struct PrinterConfig {
   std::string name;
   std::filesystem::path spool_folder;  // has incoming, printing, done and failed in it
   std::filesystem::path control_socket;
+  std::filesystem::path job_ended_socket;
+  std::optional<std::filesystem::path> metrics_file{};
   std::filesystem::path resins_folder;
   bool wait_for_plate_cleared = true;
   std::uintmax_t min_free_disk_bytes = 0;

@@ -86,7 +86,7 @@ TEST_CASE("PrintQueue has a first job while one waits") {
 
 TEST_CASE("UnfiledJobs has a last job while there is one") {
   testing::PrinterFixture desk;
-  const UnfiledJobs jobs(desk.spool, desk.log.log);
+  const UnfiledJobs jobs(desk.spool, desk.log.log, nullptr);
   CHECK(contract_broken_by([&] { (void)jobs.last(); }) == kJob);
 }
 

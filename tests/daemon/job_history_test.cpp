@@ -12,3 +12,11 @@ TEST_CASE("The latest ended jobs are remembered, the oldest first") {
   CHECK(history.jobs().front().name == "1");
   CHECK(history.jobs().back().name == std::to_string(JobHistory::kLongest));
 }
+
+TEST_CASE("Of all jobs that have ended, it is known how many ended in which way") {
+  JobHistory history;
+  CHECK(history.counts() == JobHistory::Counts{{"done", 0}, {"cancelled", 0}, {"failed", 0}});
+  for (int i = 0; i < 250; ++i)
+    history.add({"part", i % 5 == 0 ? "failed" : "done", ""});
+  CHECK(history.counts() == JobHistory::Counts{{"done", 200}, {"cancelled", 0}, {"failed", 50}});
+}

@@ -1,7 +1,9 @@
 #include "daemon/unfiled_jobs.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <system_error>
+#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/daemon/printer_fixture.hpp"
@@ -15,10 +17,11 @@ class Desk : public testing::PrinterFixture {
  public:
   void leave(const std::string& name, const std::optional<PrintEnd>& end) {
     put(Spool::Folder::Printing, name + ".stl");
-    jobs.add(spool.files_of(Spool::Folder::Printing, name + ".stl"), end);
+    jobs.add_left(spool.files_of(Spool::Folder::Printing, name + ".stl"), end);
   }
 
-  UnfiledJobs jobs{spool, log.log};
+  std::vector<EndedJob> told;
+  UnfiledJobs jobs{spool, log.log, [this](const EndedJob& job) { told.push_back(job); }};
 };
 
 }  // namespace
@@ -35,6 +38,26 @@ TEST_CASE("Each job that was left is filed by its own end, and one without an en
   CHECK(desk.has("failed/bad.reason.txt"));
   CHECK(desk.has("failed/cut.reason.txt"));
   CHECK(desk.log.has("info: cut: moved to failed"));
+}
+
+TEST_CASE("Of each job that another process left its end is told, and of this one's it is not told twice") {
+  Desk desk;
+  desk.leave("cut", std::nullopt);
+  desk.leave("good", PrintEnd{PrintOutcome::Done, ""});
+  desk.put_text(Spool::Folder::Done, "good.report.json", "{}");
+  desk.put(Spool::Folder::Printing, "known.stl");
+  desk.jobs.add_known(desk.spool.files_of(Spool::Folder::Printing, "known.stl"), {PrintOutcome::Done, ""});
+  desk.jobs.file_all();
+  CHECK(desk.has("done/known.stl"));
+  REQUIRE(desk.told.size() == 2);
+  CHECK(desk.told[0].name == "good");
+  CHECK(desk.told[0].outcome == "done");
+  CHECK(desk.told[0].reports.json == desk.spool.folder(Spool::Folder::Done) / "good.report.json");
+  CHECK(desk.told[0].reports.html.empty());
+  CHECK(desk.told[1].name == "cut");
+  CHECK(desk.told[1].outcome == "failed");
+  CHECK(desk.told[1].reason ==
+        "The print was interrupted: the power was cut, or contourd was killed or crashed");
 }
 
 TEST_CASE("What cannot be filed stays, with those that come behind it") {

@@ -80,7 +80,7 @@ class Printer:
         for name in ("run", "secrets", "masks"):
             os.mkdir(self.path(name))
         with open(os.path.join(SOURCE, "systemd", "contourd.tmpfiles"), encoding="utf-8") as file:
-            folders = [line.split() for line in file if line.startswith("d ")]
+            folders = [line.split() for line in file if line.startswith("d /var/spool")]
         for _, path, mode, *_ in folders:
             path = path.replace("/var/spool/contourd", daemon.spool)
             os.mkdir(path)

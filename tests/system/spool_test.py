@@ -545,7 +545,7 @@ class Members(SpoolTest):
         for name in ("state", "run"):
             os.chown(self.path(name), self.SERVICE, self.GROUP)
         with open(os.path.join(SOURCE, "systemd", "contourd.tmpfiles"), encoding="utf-8") as file:
-            folders = [line.split() for line in file if line.startswith("d ")]
+            folders = [line.split() for line in file if line.startswith("d /var/spool")]
         for _, path, mode, *_ in folders:
             folder = path.replace("/var/spool/contourd", self.printer.spool)
             os.mkdir(folder)

@@ -183,6 +183,8 @@ TEST_CASE("relative paths start from the file's folder, wherever the process is"
   const PrinterConfig config = folder.load();
   CHECK(config.spool_folder == folder.path() / "spool");
   CHECK(config.control_socket == folder.path() / "control.sock");
+  CHECK(config.job_ended_socket == "/run/contourd-job-ended.socket");
+  CHECK_FALSE(config.metrics_file);
   const auto relative = std::filesystem::relative(folder.path() / "printer.json");
   CHECK(load_printer_config(relative).spool_folder.is_absolute());
   json printer = smallest_printer();
@@ -315,6 +317,8 @@ TEST_CASE("a control socket whose absolute path is too long for a socket is refu
   CHECK(complaints_with("/control_socket", "/" + std::string(106, 'x')).empty());
   CHECK(complaints_with("/control_socket", "/" + std::string(107, 'x')) ==
         Complaints{"/control_socket: the absolute path is 108 bytes long; the limit for a socket is 107"});
+  CHECK(complaints_with("/job_ended_socket", "/" + std::string(107, 'x')) ==
+        Complaints{"/job_ended_socket: the absolute path is 108 bytes long; the limit for a socket is 107"});
 }
 
 TEST_CASE("the resin's lift is less than the printer's travel") {
