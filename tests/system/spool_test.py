@@ -1733,7 +1733,8 @@ class Interruption(SpoolTest):
         """That the next job does not begin after a restart though no plate is waited for, until the owner has spoken."""
         daemon = self.printing_daemon()
         daemon.drop("next.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 1, "a job in the queue")
+        # Read, too: a kill in the reading would have it refused.
+        wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready"], "a job in the queue")
         end(daemon)
         for _ in range(2):
             daemon.start()
