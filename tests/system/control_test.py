@@ -609,6 +609,7 @@ class Contourctl(ControlTest):
         lines = out.decode().splitlines()
         self.assertEqual(len([line for line in lines if line.startswith("part: warning: 1 island")]), 1)
         self.assertEqual(lines[-1], "part: done")
+        self.assertNotEqual(lines[-2], "part: waits")  # what has ended does not wait
         progress = [line for line in lines if "layer" in line and "warning" not in line]
         self.assertEqual(len(progress), len(set(progress)))
         self.assertLess(len(progress), 20)
