@@ -62,48 +62,66 @@ std::optional<std::int64_t> before_of(const Json& given) {
   return before->get<std::int64_t>();
 }
 
+std::size_t bytes_of(const Json& json) {
+  return json.dump(-1, ' ', true, Json::error_handler_t::replace).size();
+}
+
 bool is_wanted(const EndedJob& job, const HistoryQuery& query) {
   return (!query.since || job.ended >= *query.since) && (!query.outcome || job.outcome == *query.outcome) &&
          (!query.resin || job.figures.resin == *query.resin) &&
          (!query.name || job.name.find(*query.name) != std::string::npos);
 }
 
-// Of those that are remembered without the database.
-Json recent_jobs(const JobHistory& recent, const HistoryQuery& query) {
+// Of those that are remembered without the database: its numbers count all that have ended.
+HistoryPage recent_jobs(const JobHistory& recent, const HistoryQuery& query) {
+  HistoryPage page;
   std::vector<Json> found;
-  for (auto job = recent.jobs().rbegin(); job != recent.jobs().rend() && found.size() < query.last; ++job)
-    if (is_wanted(*job, query)) found.push_back(history_json(*job));
-  Json jobs = Json::array();
-  std::ranges::move(found.rbegin(), found.rend(), std::back_inserter(jobs.get_ref<Json::array_t&>()));
-  return jobs;
+  std::size_t bytes = 0;
+  std::int64_t number = recent.total() + 1, earliest = 0;
+  for (auto job = recent.jobs().rbegin(); job != recent.jobs().rend(); ++job) {
+    --number;
+    if (number >= query.before.value_or(INT64_MAX) || !is_wanted(*job, query)) continue;
+    if (found.size() == query.last || bytes > HistoryPage::kMostBytes) {
+      page.before = earliest;
+      break;
+    }
+    found.push_back(history_json(*job));
+    bytes += bytes_of(found.back());
+    earliest = number;
+  }
+  std::ranges::move(found.rbegin(), found.rend(), std::back_inserter(page.jobs.get_ref<Json::array_t&>()));
+  return page;
 }
 
 Json or_null(const std::string& text) {
   return text.empty() ? Json() : Json(text);
 }
 
-Json reply(Json jobs, const std::optional<std::int64_t>& before, const std::string& trouble) {
-  return {
-      {"ended", std::move(jobs)}, {"before", before ? Json(*before) : Json()}, {"trouble", or_null(trouble)}};
+Json reply(HistoryPage page, const std::string& trouble) {
+  return {{"ended", std::move(page.jobs)},
+          {"before", page.before ? Json(*page.before) : Json()},
+          {"trouble", or_null(trouble)}};
 }
 
 constexpr double kSecondsPerHour = 3600;
+constexpr const char* kAskerHasGone = "nobody waits for the answer";
 
 }  // namespace
 
 ControlMethods HistoryControl::methods() {
   ControlMethod jobs, used;
   jobs.parameters = {"last", "before", "since", "outcome", "resin", "job", "this_run"};
-  jobs.call_later = [this](const Json& given, const ControlCaller&, ControlMethod::Later later) {
-    return history(given, std::move(later));
+  jobs.call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
+    return history(given, caller, std::move(later));
   };
-  used.call_later = [this](const Json&, const ControlCaller&, ControlMethod::Later later) {
-    return usage(std::move(later));
+  used.call_later = [this](const Json&, const ControlCaller& caller, ControlMethod::Later later) {
+    return usage(caller, std::move(later));
   };
   return {{"history", std::move(jobs)}, {"usage", std::move(used)}};
 }
 
-std::optional<Json> HistoryControl::history(const Json& given, ControlMethod::Later later) {
+std::optional<Json> HistoryControl::history(const Json& given, const ControlCaller& caller,
+                                            ControlMethod::Later later) {
   const HistoryQuery query{.last = last_of(given),
                            .before = before_of(given),
                            .since = since_of(given),
@@ -112,19 +130,21 @@ std::optional<Json> HistoryControl::history(const Json& given, ControlMethod::La
                            .name = text_of(given, "job")};
   if (const auto this_run = given.find("this_run"); this_run != given.end()) {
     if (!this_run->is_boolean()) throw InvalidParameters("this_run is true or false");
-    if (this_run->get<bool>()) return reply(recent_jobs(recent_, query), std::nullopt, "");
+    if (this_run->get<bool>()) return reply(recent_jobs(recent_, query), "");
   }
-  kept_.list(query, [this, query, later = std::move(later)](const std::optional<HistoryPage>& page,
-                                                            const std::string& trouble) {
-    later(page ? reply(page->jobs, page->before, "")
-               : reply(recent_jobs(recent_, query), std::nullopt, trouble));
-  });
+  kept_.list(query, caller,
+             [this, query, later = std::move(later)](const std::optional<HistoryPage>& page,
+                                                     const std::string& trouble) {
+               if (!page && trouble.empty()) return later(ControlRefusal(kAskerHasGone));
+               later(page ? reply(*page, "") : reply(recent_jobs(recent_, query), trouble));
+             });
   return std::nullopt;
 }
 
-std::optional<Json> HistoryControl::usage(ControlMethod::Later later) {
-  kept_.usage([later = std::move(later)](const std::optional<KeptHistory::AllUsage>& usage,
-                                         const std::string& trouble) {
+std::optional<Json> HistoryControl::usage(const ControlCaller& caller, ControlMethod::Later later) {
+  kept_.usage(caller, [later = std::move(later)](const std::optional<KeptHistory::AllUsage>& usage,
+                                                 const std::string& trouble) {
+    if (!usage && trouble.empty()) return later(ControlRefusal(kAskerHasGone));
     const Usage all = usage ? usage->all : Usage{};
     Json resins = Json::array();
     for (const Usage& each : usage ? usage->by_resin : std::vector<Usage>{}) {

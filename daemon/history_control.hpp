@@ -19,10 +19,12 @@ class HistoryControl {
 
   // All of them, by name. The control must outlive them.
   [[nodiscard]] ControlMethods methods();
+  // What it asked is not answered any more.
+  void disconnected(std::uint64_t connection) { kept_.disconnected(connection); }
 
  private:
-  std::optional<Json> history(const Json& given, ControlMethod::Later later);
-  std::optional<Json> usage(ControlMethod::Later later);
+  std::optional<Json> history(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
+  std::optional<Json> usage(const ControlCaller& caller, ControlMethod::Later later);
 
   KeptHistory& kept_;
   const JobHistory& recent_;

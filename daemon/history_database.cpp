@@ -18,8 +18,6 @@ using std::chrono::system_clock;
 
 // How long a lock of another program is waited for, and how long an answer may take.
 constexpr milliseconds kPatience{500}, kLongestQuery{2000};
-// A page's size, about: it becomes a message while a light may wait.
-constexpr std::size_t kMostPageBytes = 65'536;
 // A row's texts.
 constexpr std::size_t kLongestText = 1'000, kLongestAnalysis = 8'000, kMostWarnings = 10;
 constexpr std::size_t kMostResins = 100;
@@ -295,7 +293,7 @@ HistoryPage HistoryDatabase::list(const HistoryQuery& query) {
   std::size_t bytes = 0;
   std::int64_t earliest = 0;
   while (rows.step()) {
-    if (found.size() == query.last || bytes > kMostPageBytes) {
+    if (found.size() == query.last || bytes > HistoryPage::kMostBytes) {
       page.before = earliest;
       break;
     }

@@ -37,6 +37,9 @@ struct HistoryQuery {
 };
 
 struct HistoryPage {
+  // About: it becomes a message while a light may wait.
+  static constexpr std::size_t kMostBytes = 65'536;
+
   nlohmann::ordered_json jobs = nlohmann::ordered_json::array();  // as history_json(), the latest last
   std::optional<std::int64_t> before;  // there are earlier ones: what to ask for them with
 };

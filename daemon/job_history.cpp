@@ -32,6 +32,7 @@ nlohmann::ordered_json history_json(const EndedJob& job) {
 
 void JobHistory::add(EndedJob job) {
   ++counts_[job.outcome];
+  ++total_;
   jobs_.push_back(std::move(job));
   if (jobs_.size() > kLongest) jobs_.pop_front();
 }

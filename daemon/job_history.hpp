@@ -53,9 +53,12 @@ class JobHistory {
   // How many have ended so, each outcome that there is, of all.
   using Counts = std::map<std::string, std::uint64_t, std::less<>>;
   [[nodiscard]] const Counts& counts() const { return counts_; }
+  // How many have ended, of all.
+  [[nodiscard]] std::int64_t total() const { return total_; }
 
  private:
   std::deque<EndedJob> jobs_;
+  std::int64_t total_ = 0;
   Counts counts_{{"done", 0}, {"cancelled", 0}, {"failed", 0}};
 };
 

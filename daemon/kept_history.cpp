@@ -1,5 +1,6 @@
 #include "daemon/kept_history.hpp"
 
+#include <algorithm>
 #include <random>
 #include <utility>
 
@@ -120,36 +121,68 @@ void KeptHistory::tell(const Health& health) {
 // --- what is asked
 
 template <typename Answer, typename Question>
-void KeptHistory::ask(Question question, Done<Answer> done) {
+void KeptHistory::ask(const ControlCaller& asker, Question question, Done<Answer> done) {
   struct Told {
     std::optional<Answer> answer;
     std::string trouble;
     Health health;
   };
-  worker_.run(
-      [store = store_, question = std::move(question)] {
-        Told told;
-        try {
-          store->ask([&](HistoryDatabase& database) { told.answer = question(database); });
-        } catch (const std::runtime_error& error) {
-          told.answer.reset();
-          told.trouble = error.what();
-        }
-        told.health = health_of(*store);
-        return told;
-      },
-      [this, done = std::move(done)](Told told) {
-        tell(told.health);
-        done(std::move(told.answer), told.trouble);
-      });
+  auto ask = [this, question = std::move(question), done = std::move(done)](bool gone) {
+    const auto look_up = [store = store_, question, gone] {
+      Told told;
+      if (gone) return told;
+      try {
+        store->ask([&](HistoryDatabase& database) { told.answer = question(database); });
+      } catch (const std::runtime_error& error) {
+        told.answer.reset();
+        told.trouble = error.what();
+      }
+      told.health = health_of(*store);
+      return told;
+    };
+    worker_.run(look_up, [this, done, gone](Told told) {
+      asking_ = false;
+      ask_next();
+      if (!gone) tell(told.health);
+      done(std::move(told.answer), told.trouble);
+    });
+  };
+  questions_.push_back({asker, std::move(ask)});
+  ask_next();
 }
 
-void KeptHistory::list(const HistoryQuery& query, Done<HistoryPage> done) {
-  ask<HistoryPage>([query](HistoryDatabase& database) { return database.list(query); }, std::move(done));
+void KeptHistory::ask_next() {
+  if (asking_ || questions_.empty()) return;
+  asking_ = true;
+  const auto next = next_question();
+  const Waiting question = std::move(*next);
+  questions_.erase(next);
+  if (!question.gone) last_asker_ = question.asker.user;
+  question.ask(question.gone);
 }
 
-void KeptHistory::usage(Done<AllUsage> done) {
+// What nobody waits for takes no time. Else users take turns.
+std::deque<KeptHistory::Waiting>::iterator KeptHistory::next_question() {
+  auto found = std::ranges::find(questions_, true, &Waiting::gone);
+  if (found == questions_.end())
+    found = std::ranges::find_if(
+        questions_, [this](const Waiting& question) { return question.asker.user != last_asker_; });
+  return found == questions_.end() ? questions_.begin() : found;
+}
+
+void KeptHistory::disconnected(std::uint64_t connection) {
+  for (Waiting& question : questions_)
+    question.gone = question.gone || question.asker.connection == connection;
+}
+
+void KeptHistory::list(const HistoryQuery& query, const ControlCaller& asker, Done<HistoryPage> done) {
+  ask<HistoryPage>(
+      asker, [query](HistoryDatabase& database) { return database.list(query); }, std::move(done));
+}
+
+void KeptHistory::usage(const ControlCaller& asker, Done<AllUsage> done) {
   ask<AllUsage>(
+      asker,
       [](HistoryDatabase& database) {
         return AllUsage{database.usage(), database.usage_by_resin()};
       },

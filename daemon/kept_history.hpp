@@ -1,9 +1,11 @@
 // The history as the daemon has it: what happens to jobs goes to its database on a thread of its own, and
-// questions about it are answered from there. Nothing waits for it. Event loop's thread only.
+// questions about it are answered from there. Nothing waits for it. Whoever asks much makes neither what
+// happens to jobs wait nor another user's question: one is asked at a time. Event loop's thread only.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <future>
@@ -12,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/control_method.hpp"
 #include "daemon/history_store.hpp"
 #include "daemon/job_history.hpp"
 #include "daemon/log.hpp"
@@ -43,15 +46,18 @@ class KeptHistory {
   // A job was refused before its turn: its times are set.
   void refuse(EndedJob& job);
 
-  // Calls `done` later with the answer, or with nothing and a sentence that says why.
+  // Calls `done` later with the answer, or with nothing and a sentence that says why; that is empty where the
+  // asker has gone.
   template <typename Answer>
   using Done = std::function<void(std::optional<Answer>, const std::string& trouble)>;
-  void list(const HistoryQuery& query, Done<HistoryPage> done);
+  void list(const HistoryQuery& query, const ControlCaller& asker, Done<HistoryPage> done);
   struct AllUsage {
     Usage all;
     std::vector<Usage> by_resin;
   };
-  void usage(Done<AllUsage> done);
+  void usage(const ControlCaller& asker, Done<AllUsage> done);
+  // What that connection asked is looked up no more.
+  void disconnected(std::uint64_t connection);
 
  private:
   struct UnderWay {
@@ -59,6 +65,11 @@ class KeptHistory {
     std::string name;
     std::chrono::system_clock::time_point began;
     std::optional<TimePoint> noted;
+  };
+  struct Waiting {
+    ControlCaller asker;
+    std::function<void(bool gone)> ask;
+    bool gone = false;
   };
   // Of the store, behind a task.
   struct Health {
@@ -70,7 +81,9 @@ class KeptHistory {
   std::shared_future<void> change(HistoryStore::Call call);
   std::shared_future<void> change_for(std::int64_t key, EndedJob& job);
   template <typename Answer, typename Question>
-  void ask(Question question, Done<Answer> done);
+  void ask(const ControlCaller& asker, Question question, Done<Answer> done);
+  void ask_next();
+  [[nodiscard]] std::deque<Waiting>::iterator next_question();
   [[nodiscard]] static Health health_of(HistoryStore& store);
   void tell(const Health& health);
 
@@ -78,6 +91,9 @@ class KeptHistory {
   const Log& log_;
   std::shared_ptr<HistoryStore> store_;  // the worker's
   std::optional<UnderWay> under_way_;
+  std::deque<Waiting> questions_;
+  bool asking_ = false;
+  uid_t last_asker_ = 0;  // a user
   bool told_well_ = true;
   EventLoop::SourcePtr retry_timer_;
   Worker worker_;  // last: its thread ends before what its tasks use, and does them all before

@@ -113,7 +113,10 @@ void PrinterService::start() {
   server_ =
       std::make_unique<ControlServer>(context_.loop, context_.config.control_socket, std::move(methods));
   server_->set_service_group(find_group("contourd-service"));
-  server_->on_disconnected([this](std::uint64_t connection) { manual_control_.disconnected(connection); });
+  server_->on_disconnected([this](std::uint64_t connection) {
+    manual_control_.disconnected(connection);
+    history_control_.disconnected(connection);
+  });
   server_->on_call(
       [&log](const std::string& method, const ControlServer::Peer& peer) { log_command(log, method, peer); });
   queue_.load_order(spool_.order());

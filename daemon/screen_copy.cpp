@@ -103,8 +103,21 @@ void ScreenCopy::finish(const std::shared_ptr<const Picture>& picture, const std
   copy_.reset();
   latest_ = picture;
   if (latest_) (void)this->picture(latest_->number);
-  for (const Done& done : std::exchange(waiting_, {}))
-    done(picture, trouble);
+  const bool telling = !to_tell_.empty();
+  for (Done& done : std::exchange(waiting_, {}))
+    to_tell_.emplace_back([done = std::move(done), picture, trouble] { done(picture, trouble); });
+  if (!telling) tell_next();
+}
+
+// An answer is long, and a light may wait: one a turn.
+void ScreenCopy::tell_next() {
+  if (to_tell_.empty()) return;
+  next_telling_ = loop_.at(std::chrono::steady_clock::now(), "a copy of the screen", [this] {
+    const std::function<void()> tell = std::move(to_tell_.front());
+    to_tell_.pop_front();
+    tell_next();
+    tell();
+  });
 }
 
 }  // namespace contourd

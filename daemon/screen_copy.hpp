@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -37,7 +38,7 @@ class ScreenCopy {
   // copy.
   ScreenCopy(EventLoop& loop, Worker& worker, std::function<ShownMask()> shown);
 
-  // Calls `done` later, from the loop. All who ask meanwhile get the same picture.
+  // Calls `done` later, from the loop, in a turn of its own. All who ask meanwhile get the same picture.
   void take(Done done);
   // The one taken last, if it is that mask's. Null where it is not, or not any more.
   [[nodiscard]] std::shared_ptr<const Picture> picture(std::uint64_t number);
@@ -48,6 +49,7 @@ class ScreenCopy {
   void copy_some();
   void encode();
   void finish(const std::shared_ptr<const Picture>& picture, const std::string& trouble);
+  void tell_next();
 
   EventLoop& loop_;
   Worker& worker_;
@@ -58,7 +60,8 @@ class ScreenCopy {
   std::int32_t next_row_ = 0;
   int attempts_ = 0;
   std::shared_ptr<const Picture> latest_;
-  EventLoop::SourcePtr next_turn_, latest_end_;
+  std::deque<std::function<void()>> to_tell_;
+  EventLoop::SourcePtr next_turn_, next_telling_, latest_end_;
   // Behind a task of the worker's, which may outlive the copy.
   std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);
 };

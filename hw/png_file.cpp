@@ -15,6 +15,9 @@
 namespace contourd {
 namespace {
 
+// A display's picture has some megabytes at most.
+constexpr std::size_t kLargestFile = std::size_t{128} << 20U;
+
 struct DisplaySize {
   Pixels width, height;
 };
@@ -60,8 +63,13 @@ std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
   if (!file) throw cannot_read(errno);
   std::vector<std::uint8_t> bytes;
   std::uint8_t block[65536];
-  while (const std::size_t count = std::fread(block, 1, sizeof block, file.get()))
+  while (const std::size_t count = std::fread(block, 1, sizeof block, file.get())) {
     bytes.insert(bytes.end(), block, block + count);
+    if (bytes.size() > kLargestFile) {
+      throw std::runtime_error("the file has more than " + std::to_string(kLargestFile >> 20U) +
+                               " MiB, the limit for a picture");
+    }
+  }
   if (std::ferror(file.get()) != 0) throw cannot_read(errno);
   return bytes;
 }
@@ -81,6 +89,8 @@ class PngReader {
   // Of this size, where one is given.
   Mask decode(std::optional<DisplaySize> wanted = std::nullopt) {
     require_signature(left_);
+    // Texts, profiles and the like say nothing of the pixels, and one of some kilobytes may unpack to 8 MB.
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_set_read_fn(png_, this, take);
     png_read_info(png_, info_);
     if (png_get_color_type(png_, info_) != PNG_COLOR_TYPE_GRAY || png_get_bit_depth(png_, info_) != 8 ||

@@ -18,8 +18,8 @@ void write_png(const std::filesystem::path& path, const Mask& mask);
 void write_png(const std::filesystem::path& path, const Mask& mask, MaskPngEncoder& encoder);
 
 // Reads one. Blocks. Throws std::system_error when the file cannot be read, and std::runtime_error, whose
-// what() is one clause without the path, when it is no PNG of 8-bit grey without transparency, is damaged, or
-// has a side longer than a mask's.
+// what() is one clause without the path, when it is no PNG of 8-bit grey without transparency, is damaged,
+// has a side longer than a mask's or more than 128 MiB.
 [[nodiscard]] Mask read_png(const std::filesystem::path& path);
 
 // Reads any PNG as 8-bit grey: colours by their lightness, what is transparent over black. The same

@@ -40,9 +40,14 @@ system_clock::time_point parse_since(const std::string& word) {
     return system_clock::now() - std::chrono::hours((unit == 'd' ? 24 : 1) * number);
   std::tm date{};
   const char* const end = ::strptime(word.c_str(), "%Y-%m-%d", &date);
+  // mktime() takes the 31st of February for a day of March.
+  const bool is_day = std::chrono::year_month_day(std::chrono::year(date.tm_year + 1900),
+                                                  std::chrono::month(static_cast<unsigned>(date.tm_mon + 1)),
+                                                  std::chrono::day(static_cast<unsigned>(date.tm_mday)))
+                          .ok();
   date.tm_isdst = -1;
   const std::time_t time = std::mktime(&date);
-  if (end == nullptr || end != word.c_str() + word.size() || time < 0 || time > kLatest)
+  if (end == nullptr || end != word.c_str() + word.size() || !is_day || time < 0 || time > kLatest)
     throw UsageError(fmt::format("--since {}: expected a date such as 2026-11-20, or 7d, or 12h", word));
   return system_clock::from_time_t(time);
 }

@@ -40,14 +40,14 @@ void WatchEnd::begin(DaemonConnection& connection) {
   connection.send("watch", kWatch);
   connection.send("status", kStatus);
   if (job_.empty()) return;
-  connection.send("history", kHistory, {{"this_run", true}});
+  connection.send("history", kHistory, {{"this_run", true}, {"job", job_}});
   connection.send("queue", kQueue);
 }
 
 void WatchEnd::ask_again(DaemonConnection& connection) const {
   if (job_.empty() || is_under_way_) return;  // its end will be told
   connection.send("status", kStatusAgain);
-  connection.send("history", kHistoryAgain, {{"this_run", true}});
+  connection.send("history", kHistoryAgain, {{"this_run", true}, {"job", job_}});
   connection.send("queue", kQueueAgain);
 }
 

@@ -21,12 +21,15 @@ namespace {
 class Desk : public testing::PrinterFixture {
  public:
   // Returns the reply's number.
-  std::size_t ask(const std::string& method, const Json& parameters = Json::object()) {
+  std::size_t ask(const std::string& method, const Json& parameters = Json::object(),
+                  const ControlCaller& caller = {}) {
     const std::size_t number = replies.size();
     replies.emplace_back();
     const auto reply = methods.at(method).call_later(
-        parameters, {}, [this, number](std::variant<Json, ControlRefusal> later) {
-          replies[number] = std::move(std::get<Json>(later));
+        parameters, caller, [this, number](std::variant<Json, ControlRefusal> later) {
+          const auto* const refusal = std::get_if<ControlRefusal>(&later);
+          replies[number] = refusal != nullptr ? Json(refusal->what()) : std::move(std::get<Json>(later));
+          answered.push_back(number);
         });
     if (reply) replies[number] = *reply;
     return number;
@@ -40,8 +43,8 @@ class Desk : public testing::PrinterFixture {
       found.push_back(job["job"]);
     return found;
   }
-  void end(const std::string& name, const std::string& outcome = "done") {
-    EndedJob job{.name = name, .outcome = outcome, .reason = ""};
+  void end(const std::string& name, const std::string& outcome = "done", const std::string& reason = "") {
+    EndedJob job{.name = name, .outcome = outcome, .reason = reason};
     kept.refuse(job);
     recent.add(std::move(job));
   }
@@ -51,7 +54,8 @@ class Desk : public testing::PrinterFixture {
 
  public:
   const std::filesystem::path file = folder_.path() / "history.sqlite";
-  std::vector<Json> replies;
+  std::vector<Json> replies;          // of a refusal its words
+  std::vector<std::size_t> answered;  // their numbers, as they came
   KeptHistory kept{loop, log.log, file};
   JobHistory recent;
   HistoryControl control{kept, recent};
@@ -134,6 +138,28 @@ TEST_CASE("The history of this run is told at once, whatever the file is like") 
   CHECK((*reply)["ended"][0] == history_json(desk.recent.jobs().front()));
 }
 
+TEST_CASE("The history of this run comes page by page when its jobs are long") {
+  Desk desk;
+  std::string reason;
+  for (int i = 0; i < 4'000; ++i)
+    reason += "\u00e9";  // six letters in a reply
+  Names all;
+  for (int i = 0; i < 150; ++i) {
+    all.push_back("job " + std::to_string(i));
+    desk.end(all.back(), "failed", reason);
+  }
+  Names found;
+  Json parameters{{"this_run", true}, {"outcome", "failed"}};
+  for (bool more = true; more; parameters["before"] = desk.replies.back()["before"]) {
+    const Names page = desk.names(desk.ask("history", parameters));
+    CHECK(desk.replies.back()["ended"].dump(-1, ' ', true).size() < 100'000);
+    REQUIRE_FALSE(page.empty());
+    found.insert(found.begin(), page.begin(), page.end());
+    more = desk.replies.back()["before"].is_number();
+  }
+  CHECK(found == Names(all.end() - JobHistory::kLongest, all.end()));
+}
+
 TEST_CASE("A job under way counts what it used so far, and one that is forgotten nothing") {
   Desk desk;
   desk.kept.begin("part");
@@ -170,4 +196,37 @@ TEST_CASE("A job that is refused in the queue does not end the one under way tha
   desk.run();
   CHECK(desk.names(0).size() == 2);
   CHECK(desk.names(1).size() == 1);
+}
+
+TEST_CASE("What happens to a job is noted behind the question under way, not behind all that wait") {
+  Desk desk;
+  for (int i = 0; i < 5; ++i)
+    desk.ask("history");
+  desk.end("part");
+  desk.run();
+  for (std::size_t i = 1; i < 5; ++i)
+    CHECK(desk.names(i) == Names{"part"});
+}
+
+TEST_CASE("Users take turns at asking the history") {
+  Desk desk;
+  for (int i = 0; i < 4; ++i)
+    desk.ask("history", Json::object(), {1, 1001});
+  desk.ask("usage", Json::object(), {2, 1002});
+  desk.run();
+  CHECK(desk.answered == std::vector<std::size_t>{0, 4, 1, 2, 3});
+}
+
+TEST_CASE("What an asker wanted who has gone is not looked up") {
+  Desk desk;
+  desk.ask("history", Json::object(), {1, 1001});
+  for (const char* method : {"history", "usage"})
+    desk.ask(method, Json::object(), {2, 1001});
+  desk.ask("history", Json::object(), {3, 1001});
+  desk.control.disconnected(2);
+  desk.run();
+  CHECK(desk.answered == std::vector<std::size_t>{0, 1, 2, 3});
+  CHECK(desk.replies[1] == "nobody waits for the answer");
+  CHECK(desk.replies[2] == desk.replies[1]);
+  CHECK(desk.replies[3].contains("ended"));
 }

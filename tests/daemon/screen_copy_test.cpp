@@ -1,5 +1,6 @@
 #include "daemon/screen_copy.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -29,6 +30,7 @@ class Screen : public testing::PrinterFixture {
     answers.emplace_back();
     copy.take([this, number](std::shared_ptr<const ScreenCopy::Picture> picture, const std::string& trouble) {
       answers[number] = {true, std::move(picture), trouble};
+      most_a_turn = std::max(most_a_turn, ++this_turn);
     });
   }
   bool all_answered() {
@@ -41,6 +43,7 @@ class Screen : public testing::PrinterFixture {
     std::string trouble;
   };
   std::vector<Answer> answers;
+  int this_turn = 0, most_a_turn = 0;
   Mask mask = grey_mask(17);
   ShownMask shown{&mask, 1, "part", 4, Nanometers{225'000}};
   std::function<void()> look = [] {};
@@ -68,6 +71,19 @@ TEST_CASE("A copy of the screen has its pixels, and what they are of") {
   CHECK(screen.answers[1].picture == picture);
   CHECK(screen.copy.picture(1) == picture);
   CHECK(screen.copy.picture(2) == nullptr);
+}
+
+TEST_CASE("Who asked for the same copy is told in a turn of the loop of its own") {
+  Screen screen;
+  screen.loop.on_turn_over([&](const EventLoop::Turn&) { screen.this_turn = 0; });
+  for (int i = 0; i < 64; ++i)
+    screen.ask();
+  REQUIRE(screen.run_until([&] { return screen.all_answered(); }));
+  CHECK(screen.most_a_turn == 1);
+  CHECK(std::ranges::all_of(screen.answers, [&](const Screen::Answer& answer) {
+    return answer.picture && answer.picture == screen.answers[0].picture;
+  }));
+  screen.loop.on_turn_over(nullptr);
 }
 
 TEST_CASE("A copy is of one mask, also when another comes in between") {

@@ -308,3 +308,17 @@ TEST_CASE("A picture that is not there, or is no file, is an error that says so"
     CHECK(std::string(error.what()) == "it is not a regular file");
   }
 }
+
+TEST_CASE("A file that is far too large for a picture is not read to its end") {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path path = folder.write("huge.png", "");
+  std::filesystem::resize_file(path, std::uintmax_t{200} << 20U);
+  for (const auto read : {read_png, read_png_as_grey}) {
+    try {
+      (void)read(path);
+      FAIL("it was read");
+    } catch (const std::runtime_error& error) {
+      CHECK(std::string(error.what()) == "the file has more than 128 MiB, the limit for a picture");
+    }
+  }
+}

@@ -11,7 +11,7 @@ import unittest
 import zlib
 
 from harness import (
-    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, Picture,
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon, FolderTest, Picture,
     binary_stl, box, contourctl, main, read_png, wait_until,
 )  # fmt: skip
 
@@ -19,12 +19,12 @@ SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 BLACK = "nothing is shown: the screen is black"
 
 
+def chunk(kind, body):
+    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+
 def png(width, height, rows, depth=8, colour=0, more=b""):
     """A PNG file of rows of bytes; `more` are chunks before the pixels."""
-
-    def chunk(kind, body):
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-
     head = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, 0)
     pixels = zlib.compress(b"".join(b"\0" + row for row in rows), 1)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + more + chunk(b"IDAT", pixels) + chunk(b"IEND", b"")
@@ -268,6 +268,22 @@ class Upload(ScreenTest):
         self.assertLessEqual(at, limit)
         self.assertIn("no picture was uploaded", self.refusal(client.call("show", uploaded=True)))
         self.assertEqual(daemon.status()["state"], "idle")
+
+    @unittest.skipIf(SANITIZED, "what AddressSanitizer takes says nothing")
+    def test_texts_in_a_picture_take_no_memory(self):
+        daemon = self.start()
+        client = daemon.client()
+
+        def peak_mb():
+            with open(f"/proc/{daemon.process.pid}/status", encoding="ascii") as file:
+                return next(int(line.split()[1]) // 1024 for line in file if line.startswith("VmHWM"))
+
+        before = peak_mb()
+        text = zlib.compress(b"a" * 7_900_000)  # libpng itself unpacks no more of one
+        texts = (chunk(b"zTXt", b"Title\0\0" + text) + chunk(b"iTXt", b"Title\0\1\0\0\0" + text)) * 10
+        self.upload(client, png(self.width, self.height, [bytes(self.width)] * self.height, more=texts))
+        self.assertIn("result", client.call("show", uploaded=True, seconds=60))
+        self.assertLess(peak_mb() - before, 60, "the texts are 158 MB")
 
     def test_two_ways_to_say_what_is_shown_exclude_each_other(self):
         daemon = self.start()
