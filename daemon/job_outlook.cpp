@@ -47,6 +47,7 @@ JobOutlook outlook_of(const PreparedJob& job, const JobFiles& files, const Print
   const JobSummary& summary = job.summary;
   JobOutlook outlook{.bytes = bytes_of(files),
                      .resin = summary.resin.name,
+                     .overridden = summary.overridden,
                      .layers = summary.layers.count,
                      .thinnest_layer = summary.layers.thinnest,
                      .thickest_layer = summary.layers.thickest,

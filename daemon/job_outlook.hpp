@@ -18,6 +18,7 @@ struct JobOutlook {
   std::uintmax_t bytes = 0;  // of its files
   std::size_t parts = 0;     // on the plate: models and their copies
   std::string resin{};       // the profile's name
+  OverriddenSettings overridden{};
   std::int32_t layers = 0;
   Nanometers thinnest_layer{}, thickest_layer{};
   double height_mm = 0;

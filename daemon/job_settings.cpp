@@ -8,6 +8,7 @@
 #include "daemon/config/config_error.hpp"
 #include "daemon/config/printable.hpp"
 #include "daemon/config/profile_file.hpp"
+#include "daemon/config/ticket_overrides.hpp"
 
 namespace contourd {
 namespace {
@@ -40,13 +41,23 @@ ResinProfile resin_for(const JobTicket& ticket, const PrinterConfig& printer) {
   }
 }
 
+std::string ticket_file(const JobFiles& files) {
+  if (files.plate) return (files.model / kPlateTicket).string();
+  return files.ticket ? files.ticket->string() : "";
+}
+
 }  // namespace
+
+JobSettings settings_by(JobTicket ticket, const std::string& file, const PrinterConfig& printer) {
+  ResinProfile resin = resin_for(ticket, printer);
+  const OverrideFiles files{file, printer.resins_folder / (resin.name + ".json")};
+  OverriddenSettings overridden = override_settings(resin, ticket, printer.irradiance_mw_cm2, files);
+  return {std::move(ticket), std::move(resin), std::move(overridden)};
+}
 
 JobSettings read_settings(const JobFiles& files, const PrinterConfig& printer) {
   try {
-    JobTicket ticket = ticket_of(files);
-    ResinProfile resin = resin_for(ticket, printer);
-    return {std::move(ticket), std::move(resin)};
+    return settings_by(ticket_of(files), ticket_file(files), printer);
   } catch (const JobRefused&) {
     throw;
   } catch (const ConfigError& error) {

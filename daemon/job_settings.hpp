@@ -15,7 +15,8 @@ namespace contourd {
 
 struct JobSettings {
   JobTicket ticket;
-  ResinProfile resin;
+  ResinProfile resin;               // with what the ticket sets in its place
+  OverriddenSettings overridden{};  // which that is
   bool operator==(const JobSettings&) const = default;
 };
 
@@ -39,5 +40,9 @@ class ProfileTrouble : public JobRefused {
 
 // Throws JobRefused with what is wrong with the ticket, ProfileTrouble among it.
 [[nodiscard]] JobSettings read_settings(const JobFiles& files, const PrinterConfig& printer);
+// The same of a ticket at hand; `file` is its name in messages. Throws ConfigError with what the profile does
+// not let it set, and ProfileTrouble.
+[[nodiscard]] JobSettings settings_by(JobTicket ticket, const std::string& file,
+                                      const PrinterConfig& printer);
 
 }  // namespace contourd

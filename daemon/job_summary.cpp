@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "daemon/overrides_text.hpp"
 #include "daemon/readable.hpp"
 
 namespace contourd {
@@ -42,11 +43,12 @@ std::string describe_settings(const JobSummary& summary) {
   if (resin.bottom_layers > 0)
     text += fmt::format(", {:g} ms in {} bottom layers, fading over {}", light(layers.thinnest, 0),
                         resin.bottom_layers, resin.fade_layers);
-  return text + fmt::format(
-                    "; lift of {:g} mm at {:g} mm/s, back at {:g} mm/s; waits of {:g} ms before the light, "
-                    "{:g} ms after",
-                    to_millimeters(resin.lift).count(), resin.lift_speed.count(), resin.retract_speed.count(),
-                    milliseconds(resin.settle), milliseconds(resin.rest));
+  text += fmt::format(
+      "; lift of {:g} mm at {:g} mm/s, back at {:g} mm/s; waits of {:g} ms before the light, {:g} ms after",
+      to_millimeters(resin.lift).count(), resin.lift_speed.count(), resin.retract_speed.count(),
+      milliseconds(resin.settle), milliseconds(resin.rest));
+  if (!summary.overridden.empty()) text += "; by its ticket: " + describe(summary.overridden);
+  return text;
 }
 
 }  // namespace contourd

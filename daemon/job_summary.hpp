@@ -40,9 +40,10 @@ struct LayerSummary {
 struct JobSummary {
   std::vector<ModelSummary> models;  // at least one
   bool plate = false;
-  double height_mm = 0;  // of the highest model's top, above the plate
-  ResinProfile resin;
-  double irradiance_mw_cm2 = 0;  // of the printer, and the next two
+  double height_mm = 0;           // of the highest model's top, above the plate
+  ResinProfile resin;             // as the job is printed
+  OverriddenSettings overridden;  // what of it is the ticket's
+  double irradiance_mw_cm2 = 0;   // of the printer, and the next two
   ToneCurve tone;
   bool uniformity_mask = false;  // whether the printer has one
   LayerSummary layers;
@@ -57,7 +58,8 @@ struct JobSummary {
 // Empty when nothing is.
 [[nodiscard]] std::string describe_correction(const JobSummary& summary);
 
-// The resin's values that the job is printed with, for a person: "standard: light of 3000 ms, ...".
+// The values that the job is printed with, for a person: "standard: light of 3000 ms, ...". At the end, which
+// of them are the ticket's.
 [[nodiscard]] std::string describe_settings(const JobSummary& summary);
 
 }  // namespace contourd

@@ -298,6 +298,7 @@ PreparedJob prepare(const JobFiles& files, const JobSettings& settings, const Pr
   JobSummary& summary = job.summary;
   summary.plate = files.plate;
   summary.resin = settings.resin;
+  summary.overridden = settings.overridden;
   summary.irradiance_mw_cm2 = printer.irradiance_mw_cm2;
   const BuildVolume volume = build_volume(printer, summary.resin);
   JobContent content(files.model, files.plate, files.links, ticket);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/mesh_repair_text.hpp"
+#include "daemon/overrides_text.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
 
@@ -179,6 +180,7 @@ std::string report_as_json(const PrintReport& report) {
            {"lamp_mask", summary.uniformity_mask},
            {"gamma", summary.tone.gamma},
            {"threshold", summary.tone.threshold}});
+  json["overrides"] = overrides_json(summary.overridden);
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = layers_exposed(report.layers);
   add_stops(report, json);

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/contract/expects.hpp"
+#include "daemon/overrides_text.hpp"
 #include "daemon/spool_folders.hpp"
 
 namespace contourd {
@@ -81,14 +82,15 @@ Json PrinterStatus::waiting_job(std::size_t number) const {
            {"job", job_name_of(waiting.file)},
            {"state", name_of(waiting.check)},
            {"waiting_for", or_null(reason_to_wait(number))}};
-  for (const char* key : {"bytes", "parts", "resin", "layers", "thinnest_layer_um", "thickest_layer_um",
-                          "height_mm", "print_time_s"})
+  for (const char* key : {"bytes", "parts", "resin", "overrides", "layers", "thinnest_layer_um",
+                          "thickest_layer_um", "height_mm", "print_time_s"})
     job[key] = nullptr;
   if (!waiting.outlook) return job;
   const JobOutlook& outlook = *waiting.outlook;
   job["bytes"] = outlook.bytes;
   job["parts"] = outlook.parts;
   job["resin"] = outlook.resin;
+  job["overrides"] = overrides_json(outlook.overridden);
   job["layers"] = outlook.layers;
   job["thinnest_layer_um"] = to_millimeters(outlook.thinnest_layer).count() * 1000;
   job["thickest_layer_um"] = to_millimeters(outlook.thickest_layer).count() * 1000;

@@ -58,6 +58,11 @@ std::string in_quotes(std::string_view text) {
   return printable(nlohmann::json(cut(text, kLongestQuote)).dump(-1, ' ', false, kReplace));
 }
 
+std::string decimal(double number) {
+  const auto whole = static_cast<long long>(number);
+  return static_cast<double>(whole) == number ? std::to_string(whole) : nlohmann::json(number).dump();
+}
+
 std::string child_pointer(std::string_view pointer, std::string_view token) {
   std::string result(pointer);
   result += '/';

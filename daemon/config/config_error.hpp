@@ -40,6 +40,9 @@ class ConfigError : public std::runtime_error {
 // The text in double quotes, cut at 60 bytes, fit for a message (printable.hpp).
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
+// The shortest decimal form of a number in a file.
+[[nodiscard]] std::string decimal(double number);
+
 // The pointer to the member or element `token` of what `pointer` points to.
 [[nodiscard]] std::string child_pointer(std::string_view pointer, std::string_view token);
 

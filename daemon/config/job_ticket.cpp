@@ -29,6 +29,14 @@ void check_layer_rules(JsonDocument& document) {
     document.add_violation("/adaptive_layers",
                            "a ticket has either adaptive_layers or layer_height_um, not both");
   }
+  for (const char* exposure : {"exposure_ms", "bottom_exposure_ms"}) {
+    const std::string key = std::string("/") + exposure;
+    if (document.valid_number(key) && document.value().contains("adaptive_layers")) {
+      document.add_violation(key, std::string("a ticket has either adaptive_layers, whose exposures follow "
+                                              "the thickness, or ") +
+                                      exposure + ", not both");
+    }
+  }
   const auto thinnest = document.valid_number("/adaptive_layers/min_um");
   const auto thickest = document.valid_number("/adaptive_layers/max_um");
   if (thinnest && thickest && *thinnest > *thickest)
@@ -62,6 +70,17 @@ ModelTicket read_model(const JsonSection& root) {
   return model;
 }
 
+TicketOverrides read_overrides(const JsonSection& root) {
+  const auto duration = [&root](const char* key) {
+    return root.has(key) ? std::optional(root.duration(key)) : std::nullopt;
+  };
+  return {.exposure = duration("exposure_ms"),
+          .bottom_exposure = duration("bottom_exposure_ms"),
+          .lift = root.has("lift_mm") ? std::optional(root.length("lift_mm")) : std::nullopt,
+          .settle = duration("settle_ms"),
+          .rest = duration("rest_ms")};
+}
+
 // What holds for the whole job.
 JobTicket read_job(const JsonSection& root) {
   JobTicket ticket;
@@ -73,6 +92,7 @@ JobTicket read_job(const JsonSection& root) {
     if (adaptive.has("min_um")) ticket.adaptive->thinnest = adaptive.length("min_um");
     if (adaptive.has("max_um")) ticket.adaptive->thickest = adaptive.length("max_um");
   }
+  ticket.overrides = read_overrides(root);
   ticket.cracks = root.text("cracks") == "refuse" ? CrackPolicy::Refuse : CrackPolicy::Repair;
   return ticket;
 }

@@ -11,6 +11,7 @@
 #include "core/geometry/units.hpp"
 #include "core/model/placement.hpp"
 #include "daemon/config/regular_file.hpp"
+#include "daemon/config/ticket_limits.hpp"
 
 namespace contourd {
 
@@ -58,7 +59,8 @@ struct AdaptiveTicket {
 struct JobTicket {
   std::optional<std::string> resin;        // profile name; not yet known to exist
   std::optional<Nanometers> layer_height;  // not yet checked against the resin
-  std::optional<AdaptiveTicket> adaptive;  // never together with layer_height
+  std::optional<AdaptiveTicket> adaptive;  // never together with layer_height, or an exposure
+  TicketOverrides overrides{};             // not yet checked against the resin's limits
   CrackPolicy cracks = CrackPolicy::Repair;
   std::vector<ModelTicket> models{ModelTicket{}};  // exactly one in a model's own ticket
   bool operator==(const JobTicket&) const = default;

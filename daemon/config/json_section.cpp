@@ -8,6 +8,16 @@
 #include "core/contract/expects.hpp"
 
 namespace contourd {
+namespace {
+
+bool is_length(std::string_view key) {
+  return key.ends_with("_mm") || key.ends_with("_um");
+}
+bool is_duration(std::string_view key) {
+  return key.ends_with("_s") || key.ends_with("_ms") || key.ends_with("_us");
+}
+
+}  // namespace
 
 JsonSection::JsonSection(const JsonDocument& document) : JsonSection(document, document.value(), "") {}
 
@@ -79,23 +89,56 @@ std::int64_t JsonSection::int64(std::string_view key) const {
   return value.get<std::int64_t>();
 }
 
-Nanometers JsonSection::length(std::string_view key) const {
-  const bool in_um = key.ends_with("_um");
-  expects(in_um || key.ends_with("_mm"), "the key ends in a length's unit");
-  const double length_mm = in_um ? number(key) / 1e3 : number(key);
-  const std::optional<Nanometers> length = to_nanometers(Millimeters{length_mm});
+std::vector<double> JsonSection::numbers(std::string_view key) const {
+  const nlohmann::json& list = at(key);
+  if (!list.is_array()) reject(key, "expected a list");
+  std::vector<double> numbers;
+  for (const nlohmann::json& value : list) {
+    if (!value.is_number() || !std::isfinite(value.get<double>())) reject(key, "expected numbers");
+    numbers.push_back(value.get<double>());
+  }
+  return numbers;
+}
+
+Nanometers JsonSection::as_length(std::string_view key, double number) const {
+  const std::optional<Nanometers> length =
+      to_nanometers(Millimeters{key.ends_with("_um") ? number / 1e3 : number});
   if (!length) reject(key, "this length is out of range");
   return *length;
 }
 
-Duration JsonSection::duration(std::string_view key) const {
-  expects(key.ends_with("_s") || key.ends_with("_ms") || key.ends_with("_us"),
-          "the key ends in a duration's unit");
+Duration JsonSection::as_duration(std::string_view key, double number) const {
   const double unit_ns = key.ends_with("_ms") ? 1e6 : key.ends_with("_us") ? 1e3 : 1e9;
-  const double duration_ns = number(key) * unit_ns;
+  const double duration_ns = number * unit_ns;
   constexpr double kHundredYearsNs = 3.2e18;  // int64 nanoseconds overflow after 292 years
   if (!(std::fabs(duration_ns) <= kHundredYearsNs)) reject(key, "this duration is out of range");
   return Duration{std::llround(duration_ns)};
+}
+
+Nanometers JsonSection::length(std::string_view key) const {
+  expects(is_length(key), "the key ends in a length's unit");
+  return as_length(key, number(key));
+}
+
+Duration JsonSection::duration(std::string_view key) const {
+  expects(is_duration(key), "the key ends in a duration's unit");
+  return as_duration(key, number(key));
+}
+
+std::vector<Nanometers> JsonSection::lengths(std::string_view key) const {
+  expects(is_length(key), "the key ends in a length's unit");
+  std::vector<Nanometers> lengths;
+  for (const double each : numbers(key))
+    lengths.push_back(as_length(key, each));
+  return lengths;
+}
+
+std::vector<Duration> JsonSection::durations(std::string_view key) const {
+  expects(is_duration(key), "the key ends in a duration's unit");
+  std::vector<Duration> durations;
+  for (const double each : numbers(key))
+    durations.push_back(as_duration(key, each));
+  return durations;
 }
 
 }  // namespace contourd

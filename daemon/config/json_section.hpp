@@ -45,11 +45,17 @@ class JsonSection {
   [[nodiscard]] Nanometers length(std::string_view key) const;
   // In the unit that the key ends in, rounded to whole nanoseconds: _s, _ms or _us. REQUIRES: one of these.
   [[nodiscard]] Duration duration(std::string_view key) const;
+  // A list's, each in the unit that the list's key ends in. REQUIRES: as above.
+  [[nodiscard]] std::vector<Nanometers> lengths(std::string_view key) const;
+  [[nodiscard]] std::vector<Duration> durations(std::string_view key) const;
 
  private:
   JsonSection(const JsonDocument& document, const nlohmann::json& object, std::string pointer);
   [[nodiscard]] const nlohmann::json& at(std::string_view key) const;
   [[nodiscard]] std::int64_t int64(std::string_view key) const;
+  [[nodiscard]] std::vector<double> numbers(std::string_view key) const;
+  [[nodiscard]] Nanometers as_length(std::string_view key, double number) const;
+  [[nodiscard]] Duration as_duration(std::string_view key, double number) const;
   [[noreturn]] void reject(std::string_view key, std::string message) const;
 
   const JsonDocument& document_;

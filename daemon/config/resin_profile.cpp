@@ -6,18 +6,13 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "daemon/config/config_error.hpp"
 #include "daemon/config/json_document.hpp"
 #include "daemon/config/json_schema.hpp"
 #include "daemon/config/json_section.hpp"
 
 namespace contourd {
 namespace {
-
-// The shortest decimal form of a number.
-std::string plain(double number) {
-  const auto whole = static_cast<long long>(number);
-  return static_cast<double>(whole) == number ? std::to_string(whole) : nlohmann::json(number).dump();
-}
 
 struct ExposureSeconds {
   double normal;
@@ -46,7 +41,7 @@ std::optional<std::string> exposure_problem(const std::string& which, double sec
   const double longest = std::chrono::duration<double>(kLongestExposure).count();
   if (seconds >= shortest && seconds <= longest) return std::nullopt;
   const double rounded_ms = std::round(seconds * 1e6) / 1e3;
-  return which + " at a layer height of " + plain(static_cast<double>(layer_height.count()) / 1e3) +
+  return which + " at a layer height of " + decimal(static_cast<double>(layer_height.count()) / 1e3) +
          " um comes to " + (std::isfinite(rounded_ms) ? nlohmann::json(rounded_ms).dump() : "ever so many") +
          " ms; it must be from 1 ms to 120 s";
 }
@@ -56,7 +51,36 @@ void check_order(JsonDocument& document, const std::string& lower, const std::st
   const auto low = document.valid_number("/" + lower);
   const auto high = document.valid_number("/" + upper);
   if (low && high && *low > *high) {
-    document.add_violation("/" + lower, plain(*low) + " is more than " + upper + ", " + plain(*high));
+    document.add_violation("/" + lower, decimal(*low) + " is more than " + upper + ", " + decimal(*high));
+  }
+}
+
+std::string limits_place(std::string_view key) {
+  return "/ticket_limits/" + std::string(key);
+}
+
+void check_ticket_limits(JsonDocument& document, const ResinMachine& machine) {
+  for (const std::string_view key : kTicketSettings) {
+    const std::string place = limits_place(key);
+    const auto least = document.valid_number(place + "/0"), most = document.valid_number(place + "/1");
+    if (!least || !most) continue;
+    if (*least > *most) {
+      document.add_violation(place,
+                             "the least, " + decimal(*least) + ", is more than the most, " + decimal(*most));
+      continue;
+    }
+    const auto own = document.valid_number("/" + std::string(key));
+    if (own && (*own < *least || *own > *most)) {
+      document.add_violation(place, decimal(*least) + " to " + decimal(*most) +
+                                        " leave out the profile's own " + std::string(key) + ", " +
+                                        decimal(*own));
+    }
+  }
+  const auto most_lift = document.valid_number("/ticket_limits/lift_mm/1");
+  if (most_lift && machine.travel && *most_lift >= to_millimeters(*machine.travel).count()) {
+    document.add_violation("/ticket_limits/lift_mm",
+                           decimal(*most_lift) + " is not less than the printer's travel, " +
+                               decimal(to_millimeters(*machine.travel).count()) + " mm");
   }
 }
 
@@ -72,25 +96,44 @@ void check_rules(JsonDocument& document, const ResinMachine& machine) {
   const auto fade = document.valid_number("/fade_layers");
   if (bottom && fade && *bottom == 0 && *fade > 0) {
     document.add_violation("/fade_layers",
-                           plain(*fade) + " layers to fade, but bottom_layers is 0: from what?");
+                           decimal(*fade) + " layers to fade, but bottom_layers is 0: from what?");
   }
   const auto foot = document.valid_number("/elephant_foot_um");
   const auto foot_height = document.valid_number("/elephant_foot_height_um");
   if (foot && foot_height && (*foot > 0) != (*foot_height > 0)) {
-    document.add_violation("/elephant_foot_um", plain(*foot) + " um, but elephant_foot_height_um is " +
-                                                    plain(*foot_height) + ": both are 0 or neither is");
+    document.add_violation("/elephant_foot_um", decimal(*foot) + " um, but elephant_foot_height_um is " +
+                                                    decimal(*foot_height) + ": both are 0 or neither is");
   }
   const auto lift = document.valid_number("/lift_mm");
   if (lift && machine.travel && *lift >= to_millimeters(*machine.travel).count()) {
-    document.add_violation("/lift_mm", plain(*lift) + " is not less than the printer's travel, " +
-                                           plain(to_millimeters(*machine.travel).count()) + " mm");
+    document.add_violation("/lift_mm", decimal(*lift) + " is not less than the printer's travel, " +
+                                           decimal(to_millimeters(*machine.travel).count()) + " mm");
   }
   for (const char* key : {"/lift_speed_mm_s", "/retract_speed_mm_s"}) {
     const auto speed = document.valid_number(key);
     if (!speed || !machine.top_speed || *speed <= machine.top_speed->count()) continue;
-    document.add_violation(key, plain(*speed) + " is more than the printer's top speed, " +
-                                    plain(machine.top_speed->count()) + " mm/s");
+    document.add_violation(key, decimal(*speed) + " is more than the printer's top speed, " +
+                                    decimal(machine.top_speed->count()) + " mm/s");
   }
+  check_ticket_limits(document, machine);
+}
+
+// What a working curve comes to is known when it has been read.
+void check_limits_of_curve(JsonDocument& document, const ResinProfile& resin, double irradiance_mw_cm2) {
+  if (!std::holds_alternative<WorkingCurve>(resin.exposure)) return;
+  const auto [normal, bottom] = exposures_s(resin, resin.layer_height, irradiance_mw_cm2);
+  const auto check = [&document](const char* key, const std::optional<Limits<Duration>>& limits,
+                                 double seconds) {
+    if (!limits) return;
+    const auto ms = [](Duration time) { return std::chrono::duration<double, std::milli>(time).count(); };
+    const double own_ms = std::round(seconds * 1e6) / 1e3;
+    if (own_ms >= ms(limits->least) && own_ms <= ms(limits->most)) return;
+    document.add_violation(limits_place(key),
+                           decimal(ms(limits->least)) + " to " + decimal(ms(limits->most)) +
+                               " leave out what the working curve comes to, " + decimal(own_ms));
+  };
+  check("exposure_ms", resin.limits.exposure, normal);
+  check("bottom_exposure_ms", resin.limits.bottom_exposure, bottom);
 }
 
 std::variant<FixedExposure, WorkingCurve> read_exposure(const JsonSection& profile) {
@@ -108,6 +151,27 @@ Scale read_shrinkage(const JsonSection& profile) {
   const JsonSection percent = profile.section("shrinkage_percent");
   const auto factor = [&](const char* axis) { return 1 / (1 - percent.number(axis) / 100); };
   return {factor("x"), factor("y"), factor("z")};
+}
+
+std::optional<Limits<Duration>> read_time_limits(const JsonSection& limits, std::string_view key) {
+  if (!limits.has(key)) return std::nullopt;
+  const std::vector<Duration> both = limits.durations(key);
+  return Limits<Duration>{both.at(0), both.at(1)};
+}
+
+TicketLimits read_ticket_limits(const JsonSection& profile) {
+  if (!profile.has("ticket_limits")) return {};
+  const JsonSection limits = profile.section("ticket_limits");
+  TicketLimits read{.exposure = read_time_limits(limits, "exposure_ms"),
+                    .bottom_exposure = read_time_limits(limits, "bottom_exposure_ms"),
+                    .lift = {},
+                    .settle = read_time_limits(limits, "settle_ms"),
+                    .rest = read_time_limits(limits, "rest_ms")};
+  if (limits.has("lift_mm")) {
+    const std::vector<Nanometers> both = limits.lengths("lift_mm");
+    read.lift = {both.at(0), both.at(1)};
+  }
+  return read;
 }
 
 ResinProfile read_profile(const JsonSection& profile, std::string name) {
@@ -134,6 +198,7 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
                     .policy = profile.text("exposure_doubt") == "interrupt"
                                   ? ExposureTolerance::Policy::Interrupt
                                   : ExposureTolerance::Policy::Warn},
+      .limits = read_ticket_limits(profile),
   };
 }
 
@@ -150,6 +215,8 @@ ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMa
          layer_height_problems(resin, resin.layer_height, *machine.irradiance_mw_cm2)) {
       document.add_violation("/working_curve", std::move(problem));
     }
+    document.throw_if_violated();
+    check_limits_of_curve(document, resin, *machine.irradiance_mw_cm2);
   }
   document.throw_if_violated();
   return resin;
@@ -176,7 +243,9 @@ std::vector<std::string> layer_height_problems(const ResinProfile& resin, Nanome
                                                double irradiance_mw_cm2) {
   expects(layer_height > Nanometers{} && irradiance_mw_cm2 > 0,
           "the layer has a thickness, and there is light");
-  const auto um = [](Nanometers height) { return plain(static_cast<double>(height.count()) / 1e3) + " um"; };
+  const auto um = [](Nanometers height) {
+    return decimal(static_cast<double>(height.count()) / 1e3) + " um";
+  };
   std::vector<std::string> problems;
   if (layer_height < resin.layer_height_min || layer_height > resin.layer_height_max) {
     problems.push_back("the layer height of " + um(layer_height) + " is outside what resin " +

@@ -13,6 +13,7 @@
 #include "core/engine/compensation.hpp"
 #include "core/geometry/units.hpp"
 #include "core/model/placement.hpp"
+#include "daemon/config/ticket_limits.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {
@@ -62,6 +63,7 @@ struct ResinProfile {
   Duration settle{};  // plate still, before the light
   Duration rest{};    // light off, before the lift
   ExposureTolerance tolerance;
+  TicketLimits limits;
   bool operator==(const ResinProfile&) const = default;
 };
 
@@ -74,7 +76,7 @@ struct ResinMachine {
 };
 
 // Throws ConfigError with everything that is wrong with the profile, its exposures at its own layer height
-// included.
+// included. What it lets tickets set keeps to the same bounds as its own settings, which are within that.
 [[nodiscard]] ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMachine& machine);
 
 // Light of layer `layer_index` (0 is the one on the plate). The fade is linear: of n fade layers, the k-th

@@ -386,10 +386,17 @@ class CommandLine {
     };
     add("--resin", submit_.resin, "Name of the resin's profile")->check(kNotEmpty);
     add("--layer-height-um", submit_.layer_height_um, "Layer height, um");
+    add("--exposure-ms", submit_.exposure_ms,
+        "Light on a normal layer, ms; within the resin's ticket_limits");
+    add("--bottom-exposure-ms", submit_.bottom_exposure_ms, "Light on a bottom layer, ms; the same");
+    add("--lift-mm", submit_.lift_mm, "Rise after an exposure, mm; the same");
+    add("--settle-ms", submit_.settle_ms, "Wait before the light, ms; the same");
+    add("--rest-ms", submit_.rest_ms, "Wait after the light, ms; the same");
     add("--copies", submit_.copies, "How many of each model");
     add("--up", submit_.up, "What points up: X,Y,Z in the model's coordinates")->delimiter(',')->expected(3);
     CLI::Option* scale = add("--scale", submit_.scale, "Factor on the model's size");
     command->add_flag("--fit", submit_.fit, "Fill the display")->excludes(ticket)->excludes(scale);
+    command->add_option("--printer", submit_.printer, "Whose resins' ticket_limits count")->check(kNotEmpty);
     command->add_option("--spool", submit_.spool, "The spool's folder, if contourd does not run")
         ->check(kNotEmpty);
     command->add_flag("--wait", submit_.wait, "Until all of them have ended");

@@ -39,6 +39,15 @@ std::string time_of(const Json& job) {
       std::chrono::duration_cast<Duration>(std::chrono::duration<double>(job["print_time_s"].get<double>())));
 }
 
+// "exposure_ms 4000 instead of 3000, ..."; empty where its ticket sets none in the place of the profile.
+std::string overrides_of(const Json& job) {
+  std::string text;
+  for (const Json& each : job.value("overrides", Json::array()))
+    text += fmt::format("{}{} {} instead of {}", text.empty() ? "" : ", ", text_of(each, "setting"),
+                        each["asked"].get<double>(), each["profile"].get<double>());
+  return text;
+}
+
 // Of one that is not ready.
 std::string_view state_of(const Json& job) {
   const std::string state = job.value("state", "");
@@ -57,6 +66,7 @@ void print_job(const Json& job) {
                layers_of(job), text_of(job, "resin"), size_of(job));
   }
   fmt::print("\n");
+  if (const std::string set = overrides_of(job); !set.empty()) fmt::print("     by its ticket: {}\n", set);
   if (const std::string why = text_of(job, "waiting_for"); !why.empty()) fmt::print("     waits: {}\n", why);
 }
 
@@ -86,6 +96,7 @@ void print_waiting_job(const Json& waiting) {
   fmt::print("size      {}\nresin     {}\nparts     {}\nlayers    {}, {:.2f} mm high\ntime      {}\n",
              size_of(job), text_of(job, "resin"), job["parts"].get<std::int64_t>(), layers_of(job),
              job["height_mm"].get<double>(), time_of(job));
+  if (const std::string set = overrides_of(job); !set.empty()) fmt::print("ticket    {}\n", set);
 }
 
 int remove_from_queue(const ClientOptions& options, const std::string& job) {

@@ -16,11 +16,14 @@
 #include "core/formats/model_reader.hpp"
 #include "daemon/config/config_error.hpp"
 #include "daemon/config/job_ticket.hpp"
+#include "daemon/config/printer_config.hpp"
 #include "daemon/config/regular_file.hpp"
+#include "daemon/control_defaults.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/read_model.hpp"
 #include "daemon/ctl/watch_command.hpp"
 #include "daemon/durable_file.hpp"
+#include "daemon/job_settings.hpp"
 #include "daemon/new_file.hpp"
 #include "daemon/readable.hpp"
 #include "daemon/spool_folders.hpp"
@@ -55,6 +58,11 @@ std::string ticket_of(const SubmitOptions& options) {
   Json ticket = Json::object();
   if (options.resin) ticket["resin"] = *options.resin;
   if (options.layer_height_um) ticket["layer_height_um"] = *options.layer_height_um;
+  for (const auto& [key, value] :
+       {std::pair("exposure_ms", options.exposure_ms),
+        std::pair("bottom_exposure_ms", options.bottom_exposure_ms), std::pair("lift_mm", options.lift_mm),
+        std::pair("settle_ms", options.settle_ms), std::pair("rest_ms", options.rest_ms)})
+    if (value) ticket[key] = *value;
   if (!options.up.empty()) ticket["up"] = {{"x", options.up[0]}, {"y", options.up[1]}, {"z", options.up[2]}};
   if (options.scale) ticket["scale"] = *options.scale;
   if (options.fit) ticket["fit"] = true;
@@ -67,6 +75,35 @@ std::string ticket_of(const SubmitOptions& options) {
     throw UsageError(error.what());
   }
   return text;
+}
+
+// The installed one only if it is that of who prints from this spool.
+std::optional<PrinterConfig> printer_for(const SubmitOptions& options, const fs::path& spool) {
+  if (options.printer) return load_printer_config(*options.printer, Places::Elsewhere);
+  try {
+    PrinterConfig printer = load_printer_config(kDefaultConfig, Places::Elsewhere);
+    if (fs::weakly_canonical(printer.spool_folder) == fs::weakly_canonical(spool)) return printer;
+  } catch (const std::exception&) {
+    // contourd, which can read it, looks at every ticket itself.
+  }
+  return std::nullopt;
+}
+
+// What the resin's profile does not let the ticket set.
+void check_overrides(const SubmitOptions& options, const std::string& text, const fs::path& spool) {
+  const std::string file = options.ticket ? options.ticket->string() : "the options";
+  JobTicket ticket = text.empty() ? JobTicket{} : parse_job_ticket(text, file);
+  if (ticket.overrides == TicketOverrides{}) return;
+  const std::optional<PrinterConfig> printer = printer_for(options, spool);
+  if (!printer) return;
+  try {
+    (void)settings_by(std::move(ticket), file, *printer);
+  } catch (const ProfileTrouble&) {
+    // It may be mended by the time that its turn comes.
+  } catch (const ConfigError& error) {
+    if (options.ticket) throw;
+    throw UsageError(error.what());
+  }
 }
 
 // What can be told without reading it whole.
@@ -136,7 +173,9 @@ void tell(const ClientOptions& client, const fs::path& model, const std::string&
 int submit(const ClientOptions& client, const SubmitOptions& options) {
   const std::string ticket = ticket_of(options);
   std::ranges::for_each(options.models, check_model);
-  const Submission submission(find_spool(client, options.spool));
+  const fs::path spool = find_spool(client, options.spool);
+  check_overrides(options, ticket, spool);
+  const Submission submission(spool);
   std::vector<std::string> jobs;
   for (const fs::path& model : options.models) {
     jobs.push_back(submission.put(model, ticket));

@@ -16,11 +16,15 @@ struct SubmitOptions {
   // The tickets' keys of these names (config/ticket.schema.json); what is not given is not in the ticket.
   std::optional<std::string> resin;
   std::optional<double> layer_height_um, scale;
+  std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
   std::optional<int> copies;
   std::vector<double> up;  // x, y, z; or none
   bool fit = false;
   // In the place of all these.
   std::optional<std::filesystem::path> ticket;
+  // By whose resins a ticket's settings are checked beforehand. The installed one where it is not given, can
+  // be read, and has that spool.
+  std::optional<std::filesystem::path> printer;
   std::optional<std::filesystem::path> spool;  // contourd is asked for it when it is not given
   bool wait = false;
 };

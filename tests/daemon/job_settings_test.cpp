@@ -23,9 +23,11 @@ class Desk {
     file["resins_folder"] = "resins";
     printer = load_printer_config(folder.write_json("contourd.json", file));
   }
-  void write_resin(const std::string& name, double exposure_ms) const {
+  void write_resin(const std::string& name, double exposure_ms,
+                   const nlohmann::json& limits = nullptr) const {
     nlohmann::json profile = testing::shipped("resins/standard.json");
     profile["exposure_ms"] = exposure_ms;
+    if (!limits.is_null()) profile["ticket_limits"] = limits;
     folder.write_json("resins/" + name + ".json", profile);
   }
   [[nodiscard]] JobSettings read(const std::string& ticket = "") const {
@@ -117,4 +119,42 @@ TEST_CASE("A wrong ticket is refused before its profile is looked at") {
   } catch (const JobRefused& refusal) {
     CHECK(std::string(refusal.what()).find("/copies") != std::string::npos);
   }
+}
+
+TEST_CASE("A ticket's exposure counts within the profile's limits, which are read anew each time") {
+  Desk desk;
+  constexpr const char* kLonger = R"({"resin": "tough", "exposure_ms": 5000})";
+  const auto refusal = [&desk] {
+    try {
+      (void)desk.read(kLonger);
+      return std::string();
+    } catch (const ProfileTrouble&) {
+      return std::string("it is the profile's fault");
+    } catch (const JobRefused& refusal) {
+      return std::string(refusal.what());
+    }
+  };
+  const std::string file = (desk.folder.path() / "part.json").string(),
+                    profile = (desk.folder.path() / "resins/tough.json").string();
+  CHECK(refusal() == "the job ticket is wrong:\n" + file +
+                         ": /exposure_ms: 5000 is asked for, but the resin's profile names no ticket_limits "
+                         "for it: " +
+                         profile);
+  desk.write_resin("tough", 4000, {{"exposure_ms", {3000, 6000}}});
+  CHECK(desk.exposure(kLonger) == milliseconds{5000});
+  CHECK(desk.read(kLonger).overridden == OverriddenSettings{{"exposure_ms", 5000, 4000}});
+  desk.write_resin("tough", 4000, {{"exposure_ms", {3000, 4500}}});
+  CHECK(refusal() ==
+        "the job ticket is wrong:\n" + file +
+            ": /exposure_ms: 5000 is asked for, but the resin's profile allows tickets 3000 to 4500: " +
+            profile);
+}
+
+TEST_CASE("Settings that differ in their limits alone are not the same") {
+  Desk desk;
+  desk.write_resin("tough", 4000, {{"exposure_ms", {3000, 6000}}});
+  const JobSettings before = desk.read(kTough);
+  CHECK(before == desk.read(kTough));
+  desk.write_resin("tough", 4000, {{"exposure_ms", {3000, 6001}}});
+  CHECK_FALSE(before == desk.read(kTough));
 }

@@ -35,4 +35,7 @@ TEST_CASE("The resin's values are told, those of the bottom layers where there a
   resin.fade_layers = 10;
   CHECK(describe_settings(summary).starts_with(
       "standard: light of 3000 ms, 30000 ms in 5 bottom layers, fading over 10; "));
+  summary.overridden = {{"exposure_ms", 3000, 2500.5}, {"lift_mm", 8, 6}};
+  CHECK(describe_settings(summary).ends_with(
+      "500 ms after; by its ticket: exposure_ms 3000 instead of 2500.5, lift_mm 8 instead of 6"));
 }

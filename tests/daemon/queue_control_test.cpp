@@ -70,8 +70,8 @@ TEST_CASE("The queue has all that is known of a job that waits") {
   REQUIRE(jobs.size() == 2);
   CHECK(jobs[0].dump() ==
         R"({"number":1,"file":"one.stl","job":"one","state":"ready","waiting_for":null,"bytes":84,"parts":0,)"
-        R"("resin":"grey","layers":7,"thinnest_layer_um":0.0,"thickest_layer_um":0.0,"height_mm":0.0,)"
-        R"("print_time_s":0.0})");
+        R"("resin":"grey","overrides":[],"layers":7,"thinnest_layer_um":0.0,"thickest_layer_um":0.0,)"
+        R"("height_mm":0.0,"print_time_s":0.0})");
   CHECK(jobs[1]["state"] == "unchecked");
   CHECK(jobs[1]["bytes"].is_null());
   CHECK(jobs[1].size() == jobs[0].size());

@@ -47,7 +47,7 @@ REPLIES = {name: re.search(r"Reply:\s+(?:a\s+\[(\w+)\]|`(\w+)`)", section(f"### 
 NOTIFICATIONS = [name for name, _ in rows("## Notifications")]
 STATUS, JOB, ANALYSIS = rows("### A status"), rows("### A job"), rows("### An analysis")
 ENDED_JOB, MANUAL = rows("### An ended job"), rows("### What is done by hand")
-WAITING = rows("### A waiting job")
+WAITING, OVERRIDE = rows("### A waiting job"), rows("### An override")
 PAST_JOB = rows("### A job of the history")
 INPUT = rows("### An input")
 TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history"), "usage": rows("### A usage"), "reading": rows("### A reading of the inputs"),
@@ -71,7 +71,7 @@ class ControlApiTest(FolderTest):
     def printing(self, simulation=None):
         """A daemon whose print stays in its first exposure."""
         config = merge(json.loads(json.dumps(REALTIME)), {"simulation": simulation or {}})
-        daemon = Daemon(self, config, {**NIMBLE_RESIN, **ENDLESS}).start()
+        daemon = Daemon(self, config, {**NIMBLE_RESIN, **ENDLESS, "ticket_limits": {"settle_ms": [0, 100]}}).start()
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
         return daemon
@@ -111,6 +111,9 @@ class ControlApiTest(FolderTest):
         for job in result["jobs"] if reply[1] == "queue" else ():
             self.assert_fields(job, WAITING)
             self.assertIn(f"`{job['state']}`", WAITING[3][2])
+            for each in job["overrides"] or ():
+                self.assert_fields(each, OVERRIDE)
+                self.assertIn(f"`{each['setting']}`", OVERRIDE[0][2])
         for job in result.get("ended", ()):
             self.assert_fields(job, PAST_JOB)
 
@@ -137,7 +140,7 @@ class ControlApiTest(FolderTest):
         daemon = self.printing()
         answers = {}
         for name in ("one", "two"):
-            daemon.drop(f"{name}.stl", SMALL)
+            daemon.drop(f"{name}.stl", SMALL, {"settle_ms": 10})
         wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready"] * 2, "their checks")
         of_job = {"queue_move": {"job": "two", "to": 1}, "queue_remove": {"job": "one"}}
         for method in ("watch", "status", "queue", "history", "usage", "queue_move", "queue_remove", "pause", "resume", "cancel"):

@@ -15,6 +15,11 @@ JobTicket load(std::string_view text) {
   return load_job_ticket(folder.write("part.json", text));
 }
 
+JobTicket load_plate(std::string_view text) {
+  const ConfigFolder folder;
+  return load_plate_ticket(folder.write("plate.json", text));
+}
+
 Complaints complaints_about(std::string_view text) {
   return complaints_of([&] { (void)load(text); });
 }
@@ -125,6 +130,44 @@ TEST_CASE("a ticket's figures have limits") {
         Complaints{"/rotation_deg: expected an object, found an array"});
 }
 
+TEST_CASE("a ticket's own exposures, lift and waits arrive with their units") {
+  using std::chrono::milliseconds;
+  CHECK(load("{}").overrides == TicketOverrides{});
+  const TicketOverrides asked = load(R"({"exposure_ms": 2500.5, "bottom_exposure_ms": 2e4, "lift_mm": 7.5,
+                                         "settle_ms": 0, "rest_ms": 250})")
+                                    .overrides;
+  CHECK(asked.exposure == std::chrono::microseconds{2'500'500});
+  CHECK(asked.bottom_exposure == milliseconds{20'000});
+  CHECK(asked.lift == Nanometers{7'500'000});
+  CHECK(asked.settle == milliseconds{0});
+  CHECK(asked.rest == milliseconds{250});
+  CHECK(load_plate(R"({"settle_ms": 40, "models": [{"file": "a.stl"}]})").overrides.settle ==
+        milliseconds{40});
+}
+
+TEST_CASE("no number in a ticket, however odd, becomes light or a way") {
+  CHECK(complaints_about(R"({"exposure_ms": 1e308})") ==
+        Complaints{"/exposure_ms: 1e+308 is more than the limit, 120000 ms"});
+  for (const char* key : {"exposure_ms", "bottom_exposure_ms", "lift_mm", "settle_ms", "rest_ms"}) {
+    for (const char* value : {"-1", "1e308", "-1e308", "1e999", "120001", "18446744073709551616", "\"NaN\"",
+                              "\"3000\"", "true", "null", "[3000, 4000]", "{}"}) {
+      INFO(key << ": " << value);
+      CHECK(complaints_about(std::string("{\"") + key + "\": " + value + "}").size() == 1);
+    }
+    CHECK(complaints_about(std::string("{\"") + key + "\": NaN}").size() == 1);
+  }
+  for (const char* key : {"exposure_ms", "bottom_exposure_ms", "lift_mm"})
+    CHECK(complaints_about(std::string("{\"") + key + "\": 0}").size() == 1);
+}
+
+TEST_CASE("exposures that follow the thickness of adaptive layers are not set by a ticket") {
+  CHECK(complaints_about(R"({"exposure_ms": 3000, "adaptive_layers": {"cusp_um": 10}})") ==
+        Complaints{"/exposure_ms: a ticket has either adaptive_layers, whose exposures follow the thickness, "
+                   "or exposure_ms, not both"});
+  CHECK(complaints_about(R"({"bottom_exposure_ms": 3000, "adaptive_layers": {"cusp_um": 10}})").size() == 1);
+  CHECK(complaints_about(R"({"lift_mm": 7, "adaptive_layers": {"cusp_um": 10}})").empty());
+}
+
 TEST_CASE("a ticket cannot name a resin outside the resins folder") {
   for (const char* name : {"../x", "a/b", ".x", ""}) {
     CHECK(complaints_about(nlohmann::json{{"resin", name}}.dump()).size() == 1);
@@ -144,11 +187,6 @@ TEST_CASE("ten mistakes in a ticket are ten lines") {
                              "scale": true, "fit": true, "position_mm": {"z": 1}, "copies": -1, "copies": -1,
                              "colour": "red"})")
           .size() == 10);
-}
-
-JobTicket load_plate(std::string_view text) {
-  const ConfigFolder folder;
-  return load_plate_ticket(folder.write("plate.json", text));
 }
 
 Complaints complaints_about_plate(std::string_view text) {

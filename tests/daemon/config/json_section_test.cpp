@@ -66,5 +66,23 @@ TEST_CASE("lengths and durations take their unit from the key and round to the n
         "the key ends in a duration's unit");
 }
 
+TEST_CASE("the lengths and durations of a list take their unit from the list's key") {
+  const JsonDocument document = JsonDocument::from_text(
+      R"({"a_mm": [0.0025, 3], "a_ms": [0.5, 0], "none_ms": [], "odd_ms": [1, "2"], "a": [1], "one_ms": 1,
+          "huge_mm": [1, 1e200]})",
+      "test.json");
+  const JsonSection root(document);
+  CHECK(root.lengths("a_mm") == std::vector{Nanometers{2500}, Nanometers{3'000'000}});
+  CHECK(root.durations("a_ms") == std::vector{Duration{500'000}, Duration{0}});
+  CHECK(root.durations("none_ms").empty());
+  CHECK(complaints_of([&] { (void)root.durations("odd_ms"); }) == Complaints{"/odd_ms: expected numbers"});
+  CHECK(complaints_of([&] { (void)root.durations("one_ms"); }) == Complaints{"/one_ms: expected a list"});
+  CHECK(complaints_of([&] { (void)root.lengths("huge_mm"); }) ==
+        Complaints{"/huge_mm: this length is out of range"});
+  CHECK(testing::contract_broken_by([&] { (void)root.lengths("a"); }) == "the key ends in a length's unit");
+  CHECK(testing::contract_broken_by([&] { (void)root.durations("a"); }) ==
+        "the key ends in a duration's unit");
+}
+
 }  // namespace
 }  // namespace contourd

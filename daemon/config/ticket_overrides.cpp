@@ -1,0 +1,103 @@
+#include "daemon/config/ticket_overrides.hpp"
+
+#include <chrono>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/contract/expects.hpp"
+#include "daemon/config/config_error.hpp"
+
+namespace contourd {
+namespace {
+
+// In the unit of their keys.
+double figure_of(Duration time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+double figure_of(Nanometers length) {
+  return to_millimeters(length).count();
+}
+
+class Overriding {
+ public:
+  explicit Overriding(const OverrideFiles& files) : files_(files) {}
+
+  template <typename Quantity>
+  void set(std::string_view key, const std::optional<Quantity>& asked,
+           const std::optional<Limits<Quantity>>& limits, Quantity& setting) {
+    if (!asked) return;
+    const std::string wanted = decimal(figure_of(*asked)) + " is asked for, but ";
+    if (!limits) {
+      refuse(key, wanted + "the resin's profile names no ticket_limits for it: " + files_.profile.string());
+    } else if (!limits->contain(*asked)) {
+      refuse(key, wanted + "the resin's profile allows tickets " + decimal(figure_of(limits->least)) +
+                      " to " + decimal(figure_of(limits->most)) + ": " + files_.profile.string());
+    } else {
+      overridden_.push_back({key, figure_of(*asked), figure_of(setting)});
+      setting = *asked;
+    }
+  }
+  void refuse(std::string_view key, std::string message) {
+    refused_.push_back({files_.ticket, "/" + std::string(key), std::move(message)});
+  }
+  void throw_if_refused() const {
+    if (!refused_.empty()) throw ConfigError(refused_);
+  }
+  [[nodiscard]] OverriddenSettings take() { return std::move(overridden_); }
+
+ private:
+  const OverrideFiles& files_;
+  OverriddenSettings overridden_;
+  std::vector<Violation> refused_;
+};
+
+// At the ticket's layer height, whatever they follow from.
+FixedExposure exposures_at(const ResinProfile& resin, Nanometers layer_height, double irradiance_mw_cm2) {
+  if (const auto* fixed = std::get_if<FixedExposure>(&resin.exposure)) return *fixed;
+  const int behind_fade = resin.bottom_layers + resin.fade_layers;
+  ResinProfile with_bottom = resin;
+  with_bottom.bottom_layers = 1;
+  return {exposure_time(resin, layer_height, behind_fade, irradiance_mw_cm2),
+          exposure_time(with_bottom, layer_height, 0, irradiance_mw_cm2)};
+}
+
+void override_exposures(ResinProfile& resin, const JobTicket& ticket, double irradiance_mw_cm2,
+                        Overriding& overriding) {
+  const TicketOverrides& asked = ticket.overrides;
+  if (!asked.exposure && !asked.bottom_exposure) return;
+  const Nanometers layer_height = ticket.layer_height.value_or(resin.layer_height);
+  const std::vector<std::string> problems = layer_height_problems(resin, layer_height, irradiance_mw_cm2);
+  for (const std::string& problem : problems)
+    overriding.refuse("layer_height_um", problem);
+  if (!problems.empty()) return;
+  FixedExposure exposures = exposures_at(resin, layer_height, irradiance_mw_cm2);
+  overriding.set("exposure_ms", asked.exposure, resin.limits.exposure, exposures.exposure);
+  overriding.set("bottom_exposure_ms", asked.bottom_exposure, resin.limits.bottom_exposure,
+                 exposures.bottom_exposure);
+  // As in a profile.
+  if (exposures.exposure > exposures.bottom_exposure) {
+    overriding.refuse(asked.exposure ? "exposure_ms" : "bottom_exposure_ms",
+                      "an exposure of " + decimal(figure_of(exposures.exposure)) +
+                          " ms would be more than the bottom exposure, " +
+                          decimal(figure_of(exposures.bottom_exposure)) + " ms");
+  }
+  resin.exposure = exposures;
+}
+
+}  // namespace
+
+OverriddenSettings override_settings(ResinProfile& resin, const JobTicket& ticket, double irradiance_mw_cm2,
+                                     const OverrideFiles& files) {
+  expects(irradiance_mw_cm2 > 0, "there is light");
+  const TicketOverrides& asked = ticket.overrides;
+  Overriding overriding(files);
+  override_exposures(resin, ticket, irradiance_mw_cm2, overriding);
+  overriding.set("lift_mm", asked.lift, resin.limits.lift, resin.lift);
+  overriding.set("settle_ms", asked.settle, resin.limits.settle, resin.settle);
+  overriding.set("rest_ms", asked.rest, resin.limits.rest, resin.rest);
+  overriding.throw_if_refused();
+  return overriding.take();
+}
+
+}  // namespace contourd
