@@ -42,11 +42,14 @@ ResinProfile resin_for(const JobTicket& ticket, const PrinterConfig& printer) {
 
 }  // namespace
 
+JobSettings settings_by(JobTicket ticket, const PrinterConfig& printer) {
+  ResinProfile resin = resin_for(ticket, printer);
+  return {std::move(ticket), std::move(resin)};
+}
+
 JobSettings read_settings(const JobFiles& files, const PrinterConfig& printer) {
   try {
-    JobTicket ticket = ticket_of(files);
-    ResinProfile resin = resin_for(ticket, printer);
-    return {std::move(ticket), std::move(resin)};
+    return settings_by(ticket_of(files), printer);
   } catch (const JobRefused&) {
     throw;
   } catch (const ConfigError& error) {

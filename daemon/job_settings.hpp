@@ -39,5 +39,7 @@ class ProfileTrouble : public JobRefused {
 
 // Throws JobRefused with what is wrong with the ticket, ProfileTrouble among it.
 [[nodiscard]] JobSettings read_settings(const JobFiles& files, const PrinterConfig& printer);
+// The same of a ticket at hand. Throws ProfileTrouble.
+[[nodiscard]] JobSettings settings_by(JobTicket ticket, const PrinterConfig& printer);
 
 }  // namespace contourd
