@@ -19,6 +19,7 @@
 #include "daemon/config/regular_file.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/read_model.hpp"
+#include "daemon/ctl/submit_outlook.hpp"
 #include "daemon/ctl/watch_command.hpp"
 #include "daemon/durable_file.hpp"
 #include "daemon/new_file.hpp"
@@ -121,9 +122,9 @@ class Submission {
   fs::path incoming_;
 };
 
-void tell(const ClientOptions& client, const fs::path& model, const std::string& job) {
+void tell(const ClientOptions& client, const fs::path& model, const std::string& job, const Json& outlook) {
   if (client.json) {
-    const Json told{{"file", model.string()}, {"job", job}};
+    const Json told{{"file", model.string()}, {"job", job}, {"outlook", outlook}};
     fmt::print("{}\n", told.dump(-1, ' ', true, Json::error_handler_t::replace));
   } else {
     fmt::print("{}: job {}\n", printable(model.string()), printable(job));
@@ -131,16 +132,30 @@ void tell(const ClientOptions& client, const fs::path& model, const std::string&
   std::fflush(stdout);
 }
 
+// Tells what is to be expected.
+bool is_agreed(const std::vector<ModelOutlook>& outlooks, const SubmitOptions& options) {
+  for (const ModelOutlook& each : outlooks)
+    for (const std::string& line : each.lines)
+      fmt::print("{}\n", line);
+  std::fflush(stdout);
+  if (options.yes || agreed_to(outlooks)) return true;
+  fmt::print("Nothing is queued.\n");
+  return false;
+}
+
 }  // namespace
 
 int submit(const ClientOptions& client, const SubmitOptions& options) {
   const std::string ticket = ticket_of(options);
   std::ranges::for_each(options.models, check_model);
-  const Submission submission(find_spool(client, options.spool));
+  const fs::path spool = find_spool(client, options.spool);
+  const std::vector<ModelOutlook> outlooks = outlooks_of({options.models, ticket, spool, options.printer});
+  if (!client.json && !is_agreed(outlooks, options)) return kFailed;
+  const Submission submission(spool);
   std::vector<std::string> jobs;
-  for (const fs::path& model : options.models) {
-    jobs.push_back(submission.put(model, ticket));
-    tell(client, model, jobs.back());
+  for (std::size_t i = 0; i < options.models.size(); ++i) {
+    jobs.push_back(submission.put(options.models[i], ticket));
+    tell(client, options.models[i], jobs.back(), outlooks[i].json);
   }
   int result = kOk;
   if (!options.wait) return result;

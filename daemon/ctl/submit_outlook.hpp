@@ -1,0 +1,33 @@
+// What contourctl submit tells of models before it queues them: time, resin and warnings.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace contourd::ctl {
+
+struct OutlookQuestion {
+  std::vector<std::filesystem::path> models;
+  std::string ticket;           // as text; empty when there is none
+  std::filesystem::path spool;  // that they are to go to
+  // The configuration by which they are printed; without it the installed one, where that has this spool.
+  std::optional<std::filesystem::path> printer;
+};
+
+struct ModelOutlook {
+  std::vector<std::string> lines;  // for a person
+  nlohmann::ordered_json json;
+  bool warns = false;
+};
+
+// One for each model. Takes some seconds for all of their layers together, not longer: what is not known by
+// then is told as not known. Throws ConfigError when `printer` was given and cannot be used.
+[[nodiscard]] std::vector<ModelOutlook> outlooks_of(const OutlookQuestion& question);
+
+// Whether these are to be queued: asked at a terminal where one warns. Elsewhere they are.
+[[nodiscard]] bool agreed_to(const std::vector<ModelOutlook>& outlooks);
+
+}  // namespace contourd::ctl
