@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "daemon/acceptances.hpp"
 #include "daemon/copied_originals.hpp"
 #include "daemon/durable_file.hpp"
 #include "daemon/job_memory.hpp"
@@ -25,6 +26,10 @@ JobReader::JobReader(const PrinterConfig& config, const Spool& spool, EventLoop&
       spool_(spool),
       record_(state_folder_path(config.spool_folder) / kReadingRecord),
       worker_(loop, "contourd-reader", kNiceness) {}
+
+JobReader::~JobReader() {
+  screening_.request_stop();
+}
 
 ReadJob JobReader::read_now(const JobFiles& files, const std::optional<JobSettings>& settings) {
   if (record_.take_ended(files)) return JobRefusal{std::string(kEndedAProcess)};
@@ -52,6 +57,7 @@ ReadJob JobReader::prepare(const JobFiles& files, const std::optional<JobSetting
 
 void JobReader::read(const JobFiles& files, const std::optional<JobSettings>& settings,
                      std::function<void(ReadJob)> done) {
+  screening_.request_stop();
   worker_.run(
       [this, files, settings]() -> ReadJob {
         if (std::optional<PreparedJob> kept = kept_.take(files, settings)) return std::move(*kept);
@@ -76,7 +82,46 @@ CheckedJob JobReader::check_now(const JobFiles& files, Keep keep) {
   return outlook;
 }
 
+void JobReader::screen(const std::string& file, Keep keep, std::function<void(const JobScreened&)> done) {
+  screening_ = std::stop_source();
+  screened_ = file;
+  worker_.run(
+      [this, file, keep, stop = screening_.get_token()] {
+        return screen_now(spool_.files_of(Spool::Folder::Incoming, file), keep, stop);
+      },
+      std::move(done));
+}
+
+JobScreened JobReader::screen_now(const JobFiles& files, Keep keep, const std::stop_token& stop) {
+  if (stop.stop_requested()) return ScreeningGivenUp{};
+  const std::string mark = mark_of(files), content = content_mark(files);
+  ReadJob read = keep == Keep::Prepared ? take_or_read(files) : read_now(files, std::nullopt);
+  if (auto* refusal = std::get_if<JobRefusal>(&read)) return std::move(*refusal);
+  auto& job = std::get<PreparedJob>(read);
+  std::optional<JobScreening> screening;
+  {
+    const ReadingRecord::Reading under_way(record_, files);
+    screening = screen_job(job, config_, stop);
+  }
+  if (!screening) return ScreeningGivenUp{};
+  ScreenedJob screened{std::move(*screening), content, job.settings};
+  if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(job));
+  return screened;
+}
+
+// As its check has kept it, or anew.
+ReadJob JobReader::take_or_read(const JobFiles& files) {
+  try {
+    if (std::optional<PreparedJob> kept = kept_.take(files, read_settings(files, config_)))
+      return std::move(*kept);
+  } catch (const JobRefused&) {
+    // Reading it says so.
+  }
+  return read_now(files, std::nullopt);
+}
+
 void JobReader::forget(const std::string& file) {
+  if (file == screened_) screening_.request_stop();
   worker_.run(
       [this, file] {
         kept_.forget(spool_.files_of(Spool::Folder::Incoming, file));

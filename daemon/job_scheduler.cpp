@@ -32,8 +32,8 @@ void JobScheduler::run_later(Duration wait) {
   timer_ = context_.loop.at(std::chrono::steady_clock::now() + wait, "the queue's timer", [this] { run(); });
 }
 
-void JobScheduler::retry_later() {
-  timer_ = context_.loop.at(std::chrono::steady_clock::now() + kRetryInterval, "the queue's timer", [this] {
+void JobScheduler::retry_later(Duration wait) {
+  timer_ = context_.loop.at(std::chrono::steady_clock::now() + wait, "the queue's timer", [this] {
     queue_.check_postponed();
     run();
   });
@@ -48,7 +48,7 @@ void JobScheduler::run() {
     // The spool's disk is gone or full: the queue waits for it.
     const std::string trouble = fmt::format("the spool cannot be used: {}", printable(error.what()));
     if (std::exchange(waiting_for_, trouble) != trouble) context_.log.error("spool", trouble);
-    retry_later();
+    retry_later(kRetryInterval);
   }
 }
 
@@ -56,15 +56,16 @@ void JobScheduler::take_what_is_due() {
   if (stopped_) return;
   const bool has_job = calls_.has_job();
   const std::string reason = has_job || queue_.empty() ? "" : reason_to_wait();
-  if (std::exchange(waiting_for_, reason) != reason && !reason.empty()) {
-    context_.log.info("waiting",
-                      fmt::format("{} waits: {}", printable(queue_.jobs().front().file), printable(reason)));
+  // Of one that is to be accepted, it is in the log already.
+  if (std::exchange(waiting_for_, reason) != reason && !reason.empty() && queue_.has_first()) {
+    context_.log.info("waiting", fmt::format("{} waits: {}", printable(queue_.jobs()[queue_.first()].file),
+                                             printable(reason)));
   }
   if (queue_.empty()) return;
   if (!has_job && reason.empty()) return claim_next();
-  queue_.keep_first_waiting();
-  // A disk may get room again without a word.
-  if (!reason.empty()) retry_later();
+  if (queue_.has_first()) queue_.keep_first_waiting();
+  // A disk may get room again without a word, and a profile may be mended.
+  if (!reason.empty()) retry_later(waits_for_profile() ? kProfileInterval : kRetryInterval);
   queue_.check_next();
 }
 
@@ -79,7 +80,12 @@ std::string JobScheduler::reason_to_wait() const {
     return fmt::format("the spool's disk has {} MB free, {} MB are needed", free / 1'000'000,
                        needed / 1'000'000);
   }
-  return "";
+  if (!queue_.has_first()) return question_about(queue_.jobs().front().file, queue_.jobs().front().asks);
+  return queue_.first_unscreened();
+}
+
+bool JobScheduler::waits_for_profile() const {
+  return queue_.has_first() && queue_.jobs()[queue_.first()].screening == WaitingJob::Screening::Blocked;
 }
 
 void JobScheduler::claim_next() {
@@ -95,6 +101,13 @@ void JobScheduler::claim_next() {
   JobFiles files;
   try {
     claimed.settings = settings_of(claimed.job);
+    const JobFiles there = spool_.files_of(Spool::Folder::Incoming, claimed.job.file);
+    if (spool_.is_waiting(claimed.job.file) &&
+        !queue_.questions().knows(claimed.job.screened, there, claimed.settings)) {
+      claimed.job.screen_again();
+      queue_.put_first(std::move(claimed.job));
+      return run_soon();
+    }
     files = spool_.begin(claimed.job.file);
   } catch (const ProfileTrouble& trouble) {
     return wait_for_profile(std::move(claimed.job), trouble.sentence());
@@ -120,8 +133,11 @@ std::optional<JobSettings> JobScheduler::settings_of(const WaitingJob& job) cons
 void JobScheduler::begin(CopiedJob claimed, const JobFiles& files) {
   const WaitingJob& job = claimed.job;
   queue_.claimed(job.file);
+  queue_.questions().begun(job.screened);
   calls_.begin(
       {files, std::move(claimed.settings), job.waited ? std::chrono::steady_clock::now() : job.arrived});
+  // The next one is looked through beside it.
+  if (queue_.questions().wanted()) run_soon();
 }
 
 // An owner who mends it says nothing: it is read again.
@@ -149,7 +165,7 @@ void JobScheduler::not_claimed(CopiedJob claimed, const std::system_error& error
   if (Spool::is_immovable(error.code())) return copy(std::move(claimed), error.code().message());
   note_trouble(job, fmt::format("{} cannot be claimed: {}", printable(job.file), printable(error.what())));
   queue_.put_first(std::move(job));
-  retry_later();
+  retry_later(kRetryInterval);
 }
 
 void JobScheduler::note_trouble(WaitingJob& job, const std::string& trouble) {
@@ -188,10 +204,10 @@ void JobScheduler::not_copied(WaitingJob job, const std::string& trouble) {
   note_trouble(job, fmt::format("{} cannot be copied: {}", printable(job.file), printable(trouble)));
   // What is about this job alone keeps no other waiting.
   queue_.put_last(std::move(job));
-  if (queue_.jobs().front().trouble.empty())
+  if (queue_.jobs()[queue_.first()].trouble.empty())
     run_soon();
   else
-    retry_later();
+    retry_later(kRetryInterval);
 }
 
 }  // namespace contourd

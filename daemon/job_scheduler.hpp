@@ -49,9 +49,10 @@ class JobScheduler {
   };
 
   void run_later(Duration wait);
-  void retry_later();
+  void retry_later(Duration wait);
   void take_what_is_due();
   [[nodiscard]] std::string reason_to_wait() const;
+  [[nodiscard]] bool waits_for_profile() const;
   void claim_next();
   // Throws ProfileTrouble when the queue has to wait for the profile.
   [[nodiscard]] std::optional<JobSettings> settings_of(const WaitingJob& job) const;

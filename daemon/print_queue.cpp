@@ -15,12 +15,33 @@
 #include "daemon/readable.hpp"
 
 namespace contourd {
+namespace {
+
+void tell_question(const Log& log, const WaitingJob& job) {
+  const std::string file = printable(job.file);
+  const LogFields fields = file_fields(job.file);
+  log.warning("unaccepted", fmt::format("{} waits: {}", file, question_about(job.file, job.asks)), fields);
+  for (const std::string& warning : job.screened->screening.warnings)
+    log.warning("unaccepted", fmt::format("{}: {}", file, printable(warning)), fields);
+}
+
+}  // namespace
+
+void WaitingJob::screen_again() {
+  screening = Screening::Wanted;
+  screened.reset();
+  asks.clear();
+}
 
 PrintQueue::PrintQueue(const Log& log, Calls calls)
-    : log_(log), calls_(std::move(calls)), order_(calls_.keep_order, [&log](const std::string& trouble) {
-        log.warning("queue",
-                    fmt::format("the queue's order will be lost with a restart: {}", printable(trouble)));
-      }) {}
+    : log_(log),
+      calls_(std::move(calls)),
+      order_(calls_.keep_order,
+             [&log](const std::string& trouble) {
+               log.warning("queue", fmt::format("the queue's order will be lost with a restart: {}",
+                                                printable(trouble)));
+             }),
+      questions_(log, calls_.questions) {}
 
 PrintQueue::Position PrintQueue::find(const std::string& file) {
   return std::ranges::find(jobs_, file, &WaitingJob::file);
@@ -71,10 +92,11 @@ void PrintQueue::remove_withdrawn(const Position& job) {
 
 void PrintQueue::check_next() {
   const Position wanted = std::ranges::find(jobs_, WaitingJob::Check::Wanted, &WaitingJob::check);
-  if (wanted == jobs_.end()) return;
+  if (wanted == jobs_.end()) return screen_next();
   wanted->check = WaitingJob::Check::Running;
   const std::uint64_t number = wanted->check_number = ++checks_begun_;
-  const auto keep = wanted == jobs_.begin() ? JobReader::Keep::Prepared : JobReader::Keep::Nothing;
+  const auto keep = wanted == jobs_.begin() + static_cast<std::ptrdiff_t>(first()) ? JobReader::Keep::Prepared
+                                                                                   : JobReader::Keep::Nothing;
   calls_.check(wanted->file, keep, [this, file = wanted->file, number](const CheckedJob& found) {
     checked(file, number, found);
   });
@@ -120,19 +142,109 @@ void PrintQueue::postpone(WaitingJob& job, const std::string& why) {
 void PrintQueue::check_postponed() {
   for (WaitingJob& job : jobs_) {
     if (job.check == WaitingJob::Check::Postponed) job.check = WaitingJob::Check::Wanted;
+    if (job.screening == WaitingJob::Screening::Blocked) job.screening = WaitingJob::Screening::Wanted;
   }
 }
 
+// Behind all checks, and one at a time: what is wrong with a job is to be heard of before.
+void PrintQueue::screen_next() {
+  using Check = WaitingJob::Check;
+  using Screening = WaitingJob::Screening;
+  if (!questions_.wanted()) return;
+  const bool busy = std::ranges::any_of(jobs_, [](const WaitingJob& job) {
+    return job.check == Check::Running || job.screening == Screening::Running;
+  });
+  if (busy) return;
+  const Position wanted = std::ranges::find_if(jobs_, [](const WaitingJob& job) {
+    return job.check == Check::Passed && job.screening == Screening::Wanted;
+  });
+  if (wanted == jobs_.end()) return;
+  wanted->screening = Screening::Running;
+  const std::uint64_t number = wanted->check_number = ++checks_begun_;
+  const auto keep = wanted == jobs_.begin() + static_cast<std::ptrdiff_t>(first()) ? JobReader::Keep::Prepared
+                                                                                   : JobReader::Keep::Nothing;
+  questions_.screen(wanted->file, keep, [this, file = wanted->file, number](const JobScreened& found) {
+    screened(file, number, found);
+  });
+}
+
+void PrintQueue::screened(const std::string& file, std::uint64_t number, const JobScreened& found) {
+  const Position job = find(file);
+  if (job != jobs_.end() && job->screening == WaitingJob::Screening::Running && job->check_number == number) {
+    job->screening = WaitingJob::Screening::Wanted;
+    const auto* const refusal = std::get_if<JobRefusal>(&found);
+    const bool is_leaving = job->check == WaitingJob::Check::Refused;
+    if (refusal != nullptr && !refusal->for_now && refusal->profile.empty() && !is_leaving)
+      return leave(*job, refusal->reason, Leaving::Refused);
+    if (!is_leaving) note_screening(*job, found);
+  }
+  calls_.changed();
+}
+
+// Of a job that stays.
+void PrintQueue::note_screening(WaitingJob& job, const JobScreened& found) {
+  if (const auto* const refusal = std::get_if<JobRefusal>(&found)) {
+    if (refusal->for_now) return postpone(job, refusal->reason);
+    job.screening = WaitingJob::Screening::Blocked;
+    const std::string trouble =
+        fmt::format("{}; the queue goes on when it is mended", printable(refusal->profile));
+    if (std::exchange(job.trouble, trouble) != trouble)
+      log_.error("profile", fmt::format("{} waits: {}", printable(job.file), trouble), file_fields(job.file));
+  } else if (const auto* const screened = std::get_if<ScreenedJob>(&found)) {
+    job.screening = WaitingJob::Screening::Done;
+    job.trouble.clear();
+    job.asks = questions_.about(*screened);
+    job.screened = *screened;
+    if (job.asks.empty()) return;
+    tell_question(log_, job);
+    questions_.tell_change();
+  }
+}
+
+void PrintQueue::accept(const std::string& file, const std::string& who) {
+  const Position job = find(file);
+  expects(job != jobs_.end() && !job->asks.empty() && job->screened, "the job waits for its owner's word");
+  questions_.accept(*job->screened, job->asks);
+  log_.info("accepted",
+            fmt::format("{}: {} accepts it with {}", printable(file), who, findings_text(job->asks)),
+            file_fields(file));
+  job->asks.clear();
+  job->waited = true;
+  questions_.tell_change();
+  calls_.changed();
+}
+
+std::size_t PrintQueue::first() const {
+  return static_cast<std::size_t>(
+      std::ranges::find_if(jobs_, [](const WaitingJob& job) { return job.asks.empty(); }) - jobs_.begin());
+}
+
+std::string PrintQueue::first_unscreened() const {
+  expects(has_first(), "a job waits");
+  const WaitingJob& job = jobs_[first()];
+  if (!questions_.wanted() || job.screened || job.check == WaitingJob::Check::Refused) return "";
+  if (!job.postponed.empty()) return job.postponed;
+  if (!job.trouble.empty()) return job.trouble;
+  return "its layers are looked through first, as ask_before demands";
+}
+
 bool PrintQueue::first_may_begin() const {
-  expects(!empty(), "a job waits");
-  return jobs_.front().check != WaitingJob::Check::Running && rejections_ == 0;
+  expects(has_first(), "a job waits");
+  return jobs_[first()].check != WaitingJob::Check::Running && rejections_ == 0;
 }
 
 WaitingJob PrintQueue::take_first() {
-  expects(!empty(), "a job waits");
-  WaitingJob job = std::move(jobs_.front());
-  jobs_.pop_front();
+  expects(has_first(), "a job waits");
+  const std::size_t place = first();
+  WaitingJob job = std::move(jobs_[place]);
+  job.taken_from = place;
+  jobs_.erase(jobs_.begin() + static_cast<std::ptrdiff_t>(place));
   return job;
+}
+
+void PrintQueue::put_first(WaitingJob job) {
+  const std::size_t place = std::min({job.taken_from, first(), jobs_.size()});
+  jobs_.insert(jobs_.begin() + static_cast<std::ptrdiff_t>(place), std::move(job));
 }
 
 void PrintQueue::put_last(WaitingJob job) {
@@ -142,8 +254,8 @@ void PrintQueue::put_last(WaitingJob job) {
 }
 
 void PrintQueue::refuse_first(const std::string& reason) {
-  expects(!empty(), "a job waits");
-  leave(jobs_.front(), reason, Leaving::Refused);
+  expects(has_first(), "a job waits");
+  leave(jobs_[first()], reason, Leaving::Refused);
 }
 
 void PrintQueue::remove(const std::string& file, const std::string& reason) {
@@ -211,6 +323,7 @@ void PrintQueue::not_rejected(const Position& job) {
   if (job != jobs_.end()) {
     if (job->withdrawn) return remove_withdrawn(job);
     job->check = job->seen_again ? WaitingJob::Check::Wanted : WaitingJob::Check::Passed;
+    if (job->seen_again) job->screen_again();
     job->seen_again = false;
   }
   calls_.changed();

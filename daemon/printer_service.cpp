@@ -62,22 +62,38 @@ QueueHold::Calls PrinterService::calls_of_hold() {
 }
 
 PrintQueue::Calls PrinterService::calls_of_queue() {
-  return {.check = [this](const std::string& file, JobReader::Keep keep,
-                          auto done) { reader_.check(file, keep, std::move(done)); },
-          .forget = [this](const std::string& file) { reader_.forget(file); },
-          .reject = [this](const std::string& file, const std::string& reason,
-                           Spool::Rejected done) { spool_.reject(file, reason, std::move(done)); },
-          .changed = [this] { scheduler_.run(); },
-          .refused =
-              [this](const std::string& file, const std::string& reason) {
-                note_refusal({job_name_of(file), "failed", reason});
-              },
-          .removed =
-              [this](const std::string& file, const std::string& reason) {
-                note_refusal({job_name_of(file), "cancelled", reason});
-              },
-          .keep_order = [this](const QueueOrder::Names& files,
-                               auto done) { spool_.keep_order(files, std::move(done)); }};
+  PrintQueue::Calls calls{
+      .check = [this](const std::string& file, JobReader::Keep keep,
+                      auto done) { reader_.check(file, keep, std::move(done)); },
+      .forget = [this](const std::string& file) { reader_.forget(file); },
+      .reject = [this](const std::string& file, const std::string& reason,
+                       Spool::Rejected done) { spool_.reject(file, reason, std::move(done)); },
+      .changed = [this] { scheduler_.run(); },
+      .refused =
+          [this](const std::string& file, const std::string& reason) {
+            note_refusal({job_name_of(file), "failed", reason});
+          },
+      .removed =
+          [this](const std::string& file, const std::string& reason) {
+            note_refusal({job_name_of(file), "cancelled", reason});
+          },
+      .keep_order =
+          [this](const QueueOrder::Names& files, auto done) {
+            spool_.keep([files](const StateRecords& records) { records.keep_queue_order(files); },
+                        std::move(done));
+          }};
+  if (context_.config.ask_before.empty()) return calls;
+  calls.questions.screen = [this](const std::string& file, JobReader::Keep keep, auto done) {
+    reader_.screen(file, keep, std::move(done));
+  };
+  calls.questions.changed = [this] { notify("question", ControlServer::Delivery::Lossy); };
+  calls.questions.asked = [this](const JobScreening& screening) {
+    return asked_findings(screening, context_.config);
+  };
+  calls.questions.keep_accepted = [this](const RecordKeeper::Lines& lines, auto done) {
+    spool_.keep([lines](const StateRecords& records) { records.keep_accepted(lines); }, std::move(done));
+  };
+  return calls;
 }
 
 JobScheduler::Calls PrinterService::calls_of_scheduler() {
@@ -120,6 +136,7 @@ void PrinterService::start() {
   server_->on_call(
       [&log](const std::string& method, const ControlServer::Peer& peer) { log_command(log, method, peer); });
   queue_.load_order(spool_.order());
+  queue_.questions().load_accepted(spool_.records().accepted());
   spool_.open();
   if (context_.config.metrics_file)
     metrics_file_.emplace(context_.loop, log, *context_.config.metrics_file, [this] { return metrics(); });
@@ -291,6 +308,7 @@ std::shared_future<void> PrinterService::print_over(EndedJob& job) {
 void PrinterService::job_ended(EndedJob job) {
   const bool was_refused = job.ended == std::chrono::system_clock::time_point{};
   if (was_refused) kept_history_.end(job);
+  queue_.questions().ended();
   note_end(std::move(job));
   scheduler_.run_soon();
 }

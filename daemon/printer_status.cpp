@@ -75,16 +75,25 @@ Json PrinterStatus::queue(std::optional<std::size_t> number) const {
               {"arriving", parts_.spool.incoming().arriving(kMaxQueued)}};
 }
 
+std::string_view PrinterStatus::state_of(const WaitingJob& job) const {
+  if (job.check != WaitingJob::Check::Passed || !parts_.queue.questions().wanted()) return name_of(job.check);
+  if (!job.screened) return "screening";
+  return job.asks.empty() ? "ready" : "unaccepted";
+}
+
 Json PrinterStatus::waiting_job(std::size_t number) const {
   const WaitingJob& waiting = parts_.queue.jobs()[number];
   Json job{{"number", number + 1},
            {"file", waiting.file},
            {"job", job_name_of(waiting.file)},
-           {"state", name_of(waiting.check)},
+           {"state", state_of(waiting)},
            {"waiting_for", or_null(reason_to_wait(number))}};
   for (const char* key : {"bytes", "parts", "resin", "overrides", "layers", "thinnest_layer_um",
                           "thickest_layer_um", "height_mm", "print_time_s"})
     job[key] = nullptr;
+  job["resin_ml"] = waiting.screened ? Json(waiting.screened->screening.resin_ml) : Json();
+  job["asks"] = waiting.asks;
+  job["warnings"] = waiting.screened ? Json(waiting.screened->screening.warnings) : Json::array();
   if (!waiting.outlook) return job;
   const JobOutlook& outlook = *waiting.outlook;
   job["bytes"] = outlook.bytes;
@@ -99,12 +108,13 @@ Json PrinterStatus::waiting_job(std::size_t number) const {
   return job;
 }
 
-// Its own before the queue's, which is the first one's.
+// Its own before the queue's, which is the next one's.
 std::string PrinterStatus::reason_to_wait(std::size_t number) const {
   const WaitingJob& job = parts_.queue.jobs()[number];
   if (!job.trouble.empty()) return job.trouble;
   if (!job.postponed.empty()) return job.postponed;
-  return number == 0 ? parts_.scheduler.waiting_for() : "";
+  if (!job.asks.empty()) return question_about(job.file, job.asks);
+  return number == parts_.queue.first() ? parts_.scheduler.waiting_for() : "";
 }
 
 PrinterMetrics PrinterStatus::metrics() const {
@@ -205,6 +215,7 @@ void PrinterStatus::add_incoming(Json& status) const {
             [&](const auto& plate) { status["incomplete"][plate.first] = plate.second; });
   status["incomplete_more"] = beyond(incomplete.size(), kMaxIncomplete);
   add_postponed(status);
+  add_unaccepted(status);
   const auto& passed_over = parts_.spool.incoming().passed_over();
   status["passed_over"] = Json::object();
   for_first(passed_over, kMaxIncomplete,
@@ -224,6 +235,16 @@ void PrinterStatus::add_postponed(Json& status) const {
       status["postponed"][job.file] = job.postponed;
   }
   status["postponed_more"] = beyond(postponed, kMaxIncomplete);
+}
+
+void PrinterStatus::add_unaccepted(Json& status) const {
+  status["unaccepted"] = Json::object();
+  std::size_t unaccepted = 0;
+  for (const WaitingJob& job : parts_.queue.jobs()) {
+    if (!job.asks.empty() && ++unaccepted <= kMaxIncomplete)
+      status["unaccepted"][job.file] = question_about(job.file, job.asks);
+  }
+  status["unaccepted_more"] = beyond(unaccepted, kMaxIncomplete);
 }
 
 void PrinterStatus::add_reasons_to_wait(Json& status) const {

@@ -45,7 +45,11 @@ ControlMethods QueueControl::methods() {
             {"job"},
             true}},
           {"queue_move",
-           {[this](const Json& given, const ControlCaller&) { return move(given); }, {"job", "to"}, true}}};
+           {[this](const Json& given, const ControlCaller&) { return move(given); }, {"job", "to"}, true}},
+          {"accept",
+           {[this](const Json& given, const ControlCaller& caller) { return accept(given, caller); },
+            {"job"},
+            true}}};
 }
 
 Json QueueControl::look(const Json& given) const {
@@ -73,9 +77,45 @@ Json QueueControl::move(const Json& given) {
   return status_.queue();
 }
 
+Json QueueControl::accept(const Json& given, const ControlCaller& caller) {
+  const std::string name = job_of(given);
+  const std::optional<std::size_t> number = find(name);
+  if (!number) refuse_to_accept(name);
+  const WaitingJob& job = queue_.jobs()[*number];
+  if (job.check == WaitingJob::Check::Refused)
+    throw ControlRefusal(fmt::format("{} is on its way to failed already", in_quotes(job.file)));
+  if (!queue_.questions().wanted())
+    throw ControlRefusal(
+        fmt::format("{} needs no word: this printer's ask_before names nothing", in_quotes(job.file)));
+  if (!job.screened)
+    throw ControlRefusal(fmt::format("{} is not looked through yet: nobody knows what there is to accept",
+                                     in_quotes(job.file)));
+  if (job.asks.empty()) throw ControlRefusal(fmt::format("{} waits for nobody's word", in_quotes(job.file)));
+  queue_.accept(std::string(job.file), fmt::format("user {}", user_name(caller.user)));
+  return status_.queue();
+}
+
+void QueueControl::refuse_to_accept(const std::string& job) const {
+  if (job_.job() != nullptr && job_.name() == job_name_of(job))
+    throw ControlRefusal(
+        fmt::format("{} does not wait, its turn has come: there is nothing to accept", in_quotes(job)));
+  std::string asking;
+  std::size_t named = 0;
+  for (const WaitingJob& each : queue_.jobs()) {
+    if (each.asks.empty()) continue;
+    if (named++ == kMostNamed) {
+      asking += " and others";
+      break;
+    }
+    asking += (asking.empty() ? "" : ", ") + in_quotes(job_name_of(each.file));
+  }
+  throw ControlRefusal(fmt::format("no job {} waits{}", in_quotes(job),
+                                   asking.empty() ? "" : "; to be accepted there is " + asking));
+}
+
 // By its file's name, by its own, or by either as people read it: what is not fit for a terminal they cannot
 // say.
-std::size_t QueueControl::number_of(const std::string& job) const {
+std::optional<std::size_t> QueueControl::find(const std::string& job) const {
   const auto& jobs = queue_.jobs();
   const std::vector<std::function<bool(const std::string&)>> ways{
       [&](const std::string& file) { return file == job; },
@@ -92,6 +132,11 @@ std::size_t QueueControl::number_of(const std::string& job) const {
       files += (files.empty() ? "" : ", ") + in_quotes(jobs[each].file);
     throw ControlRefusal(fmt::format("more than one job is called {}: {}", in_quotes(job), files));
   }
+  return std::nullopt;
+}
+
+std::size_t QueueControl::number_of(const std::string& job) const {
+  if (const std::optional<std::size_t> number = find(job)) return *number;
   if (job_.job() != nullptr && job_.name() == job_name_of(job))
     throw ControlRefusal(fmt::format("{} does not wait, its turn has come: cancel ends it", in_quotes(job)));
   throw ControlRefusal(fmt::format("no job {} waits", in_quotes(job)));

@@ -2,6 +2,7 @@
 // PrinterControl's. Event loop's thread only.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "daemon/control_method.hpp"
@@ -27,8 +28,12 @@ class QueueControl {
   [[nodiscard]] Json look(const Json& given) const;
   Json remove(const Json& given, const ControlCaller& caller);
   Json move(const Json& given);
-  // Of the one job that is meant.
+  Json accept(const Json& given, const ControlCaller& caller);
+  // Of the one job that is meant; nothing when none of that name waits.
+  [[nodiscard]] std::optional<std::size_t> find(const std::string& job) const;
   [[nodiscard]] std::size_t number_of(const std::string& job) const;
+  // Says so of a job that has no question.
+  [[noreturn]] void refuse_to_accept(const std::string& job) const;
 
   PrintQueue& queue_;
   const CurrentJob& job_;

@@ -14,19 +14,23 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/record_keeper.hpp"
+
 namespace contourd {
 
 class QueueOrder {
  public:
-  using Names = std::vector<std::string>;
-  // Has these names on the disk, and calls `done` from the loop with why it could not; empty when it could.
-  using Keep = std::function<void(const Names& names, std::function<void(const std::string& trouble)> done)>;
-  // `failed` is told why the disk does not have the order, once for the same reason.
+  using Names = RecordKeeper::Lines;
+  using Keep = RecordKeeper::Keep;
+  // As RecordKeeper's.
   QueueOrder(Keep keep, std::function<void(const std::string& trouble)> failed)
-      : keep_(std::move(keep)), failed_(std::move(failed)) {}
+      : keeper_(std::move(keep), std::move(failed)) {}
 
   // What the last process has kept.
-  void load(Names names) { names_ = kept_ = std::move(names); }
+  void load(Names names) {
+    keeper_.load(names);
+    names_ = std::move(names);
+  }
   [[nodiscard]] const Names& names() const { return names_; }
 
   // Where a new job belongs among these, which are in the queue's order: before the job of that number; their
@@ -51,14 +55,8 @@ class QueueOrder {
   void remove(const std::string& file);
 
  private:
-  // One write at a time, of the latest order.
-  void keep_now();
-
-  Keep keep_;
-  std::function<void(const std::string&)> failed_;
-  Names names_, kept_;
-  bool keeping_ = false;
-  std::string trouble_;  // told already
+  RecordKeeper keeper_;
+  Names names_;
 };
 
 }  // namespace contourd

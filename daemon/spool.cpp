@@ -186,12 +186,12 @@ std::vector<std::string> Spool::order() const {
   return files;
 }
 
-void Spool::keep_order(const std::vector<std::string>& files,
-                       std::function<void(const std::string& trouble)> done) {
+void Spool::keep(std::function<void(const StateRecords& records)> change,
+                 std::function<void(const std::string& trouble)> done) {
   disk_.run(
-      [this, files]() -> std::string {
+      [this, change = std::move(change)]() -> std::string {
         try {
-          records_.keep_queue_order(files);
+          change(records_);
           return "";
         } catch (const std::system_error& error) {
           return error.what();

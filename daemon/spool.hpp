@@ -107,11 +107,12 @@ class Spool {
   // The end of a print is known to no job that is claimed or filed after it.
   [[nodiscard]] const StateRecords& records() const { return records_; }
 
-  // The order of those that wait in incoming/, where their owner has changed it: see QueueOrder. keep_order()
-  // returns at once; `done` is called from the loop, with why the disk did not take it.
+  // The order of those that wait in incoming/, where their owner has changed it: see QueueOrder.
   [[nodiscard]] std::vector<std::string> order() const;
-  void keep_order(const std::vector<std::string>& files,
-                  std::function<void(const std::string& trouble)> done);
+  // Changes the records on the spool's thread. Returns at once; `done` is called from the loop, with why the
+  // disk did not take it.
+  void keep(std::function<void(const StateRecords& records)> change,
+            std::function<void(const std::string& trouble)> done);
 
   // Why nothing in the spool can be changed at this moment; empty when that is possible.
   [[nodiscard]] std::string trouble() const;

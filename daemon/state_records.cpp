@@ -14,6 +14,7 @@ constexpr const char* kOccupied = "plate-occupied";
 constexpr const char* kHeld = "queue-held";
 constexpr const char* kEnded = "ended-print";
 constexpr const char* kOrder = "queue-order";
+constexpr const char* kAccepted = "accepted";
 
 }  // namespace
 
@@ -60,23 +61,38 @@ void StateRecords::forget_end_of_print() const {
   if (fs::remove(folder_ / kEnded, ignored)) sync_folder(folder_);
 }
 
-std::vector<std::string> StateRecords::queue_order() const {
-  std::vector<std::string> files;
-  std::ifstream file(folder_ / kOrder);
-  // A last name without its end was not written whole: none is.
-  for (std::string name; std::getline(file, name, '\0') && !file.eof();)
-    files.push_back(name);
-  return files;
+std::vector<std::string> StateRecords::texts_of(const char* name, char end) const {
+  std::vector<std::string> texts;
+  std::ifstream file(folder_ / name);
+  // A last one without its end was not written whole: none is.
+  for (std::string text; std::getline(file, text, end) && !file.eof();)
+    texts.push_back(text);
+  return texts;
 }
-void StateRecords::keep_queue_order(const std::vector<std::string>& files) const {
-  if (files.empty()) {
-    if (fs::remove(folder_ / kOrder)) sync_folder(folder_);
+
+void StateRecords::keep_texts(const char* name, const std::vector<std::string>& texts, char end) const {
+  if (texts.empty()) {
+    if (fs::remove(folder_ / name)) sync_folder(folder_);
     return;
   }
-  std::string text;
-  for (const std::string& name : files)
-    text.append(name).push_back('\0');
-  write_durably(folder_ / kOrder, text);
+  std::string all;
+  for (const std::string& each : texts)
+    all.append(each).push_back(end);
+  write_durably(folder_ / name, all);
+}
+
+std::vector<std::string> StateRecords::queue_order() const {
+  return texts_of(kOrder, '\0');
+}
+void StateRecords::keep_queue_order(const std::vector<std::string>& files) const {
+  keep_texts(kOrder, files, '\0');
+}
+
+std::vector<std::string> StateRecords::accepted() const {
+  return texts_of(kAccepted, '\n');
+}
+void StateRecords::keep_accepted(const std::vector<std::string>& lines) const {
+  keep_texts(kAccepted, lines, '\n');
 }
 
 }  // namespace contourd

@@ -7,6 +7,7 @@
 //   queue-order      the names of the waiting jobs whose owner has changed their order, as files in
 //   incoming/;
 //                    each ended by a zero byte in the place of a line's end
+//   accepted         what owners have accepted: contents and a finding, a line each (acceptances.hpp)
 //
 // What is set is on the disk before the call returns; what is there already is not written again. Thread-safe
 // for different records (no shared state). All but what reads throws std::system_error.
@@ -42,9 +43,14 @@ class StateRecords {
   [[nodiscard]] std::vector<std::string> queue_order() const;
   void keep_queue_order(const std::vector<std::string>& files) const;
 
+  [[nodiscard]] std::vector<std::string> accepted() const;
+  void keep_accepted(const std::vector<std::string>& lines) const;
+
  private:
   [[nodiscard]] std::optional<std::string> first_line_of(const char* file) const;
   void keep_line(const char* file, const std::optional<std::string>& line) const;
+  [[nodiscard]] std::vector<std::string> texts_of(const char* file, char end) const;
+  void keep_texts(const char* file, const std::vector<std::string>& texts, char end) const;
 
   std::filesystem::path folder_;
 };

@@ -58,6 +58,17 @@ std::vector<JsonSection> JsonSection::sections(std::string_view key) const {
   return all;
 }
 
+std::vector<std::string> JsonSection::texts(std::string_view key) const {
+  const nlohmann::json& list = at(key);
+  if (!list.is_array()) reject(key, "expected a list");
+  std::vector<std::string> all;
+  for (const nlohmann::json& each : list) {
+    if (!each.is_string()) reject(key, "expected a list of texts");
+    all.push_back(each.get<std::string>());
+  }
+  return all;
+}
+
 bool JsonSection::boolean(std::string_view key) const {
   const nlohmann::json& value = at(key);
   if (!value.is_boolean()) reject(key, "expected true or false");

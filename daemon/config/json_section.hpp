@@ -29,6 +29,8 @@ class JsonSection {
   [[nodiscard]] std::vector<JsonSection> sections(std::string_view key) const;
   [[nodiscard]] bool boolean(std::string_view key) const;
   [[nodiscard]] std::string text(std::string_view key) const;
+  // A list of texts.
+  [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;
   // A text, or the digits of a whole number.
   [[nodiscard]] std::string text_or_digits(std::string_view key) const;
   // Finite. An integer or a fraction.

@@ -267,6 +267,8 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .warnings = warnings_of(document, *companions.resin),
       .files = std::move(files),
       .light_record = {},
+      .ask_before = root.texts("ask_before"),
+      .tiny_first_layer_percent = root.number("tiny_first_layer_percent"),
   };
   if (real) read_real(document, std::move(companions.table), config);
   return config;

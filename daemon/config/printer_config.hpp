@@ -67,6 +67,9 @@ struct PrinterConfig {
   std::vector<std::filesystem::path> files;  // that were read for it, its own first
   std::string
       light_record;  // what is to be left for `--light-off`; see light_config.hpp. Real machines' only
+
+  std::vector<std::string> ask_before{};  // findings of which a job's owner is asked; see job_screening.hpp
+  double tiny_first_layer_percent = 0;    // of the largest layer's area: a first layer below that is one
 };
 
 // Whether the printer is this computer's, so that its folders must be possible here.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -24,6 +25,10 @@ void print_analysis(const Json& analysis) {
 std::string end_of(const Json& job) {
   const std::string reason = job.value("reason", "");
   return printable(job.value("outcome", "")) + (reason.empty() ? "" : ": " + printable_lines(reason));
+}
+
+bool is_value_in(const Json& object, const Json& value) {
+  return std::ranges::any_of(object, [&](const Json& each) { return each == value; });
 }
 
 }  // namespace
@@ -49,6 +54,10 @@ void print_status(const Json& status) {
   fmt::print("queue     {}\n", status.value("queued", 0));
   for (const auto& [file, why] : status["postponed"].items())
     fmt::print("postponed {}: {}\n", printable(file), why.get<std::string>());
+  for (const auto& [file, why] : status["unaccepted"].items())
+    fmt::print("accept    {}: {}\n", printable(file), printable(why.get<std::string>()));
+  if (const auto more = status.value("unaccepted_more", std::size_t{0}); more > 0)
+    fmt::print("accept    {} more in the queue\n", more);
   for (const Json& file : status["deletable"])
     fmt::print("deletable {} in incoming: it had its turn, and cannot be moved\n",
                printable(file.get<std::string>()));
@@ -59,7 +68,8 @@ void print_status(const Json& status) {
   if (status["hindrance"].is_string())
     fmt::print("machine   {}\n", printable(status["hindrance"].get<std::string>()));
   if (status["held"].is_string()) fmt::print("held      {}\n", printable(status["held"].get<std::string>()));
-  if (status["waiting_for"].is_string() && status["waiting_for"] != status["held"])
+  if (status["waiting_for"].is_string() && status["waiting_for"] != status["held"] &&
+      !is_value_in(status["unaccepted"], status["waiting_for"]))
     fmt::print("waiting   {}\n", printable(status["waiting_for"].get<std::string>()));
   if (status["last"].is_object()) {
     const Json& last = status["last"];

@@ -396,16 +396,21 @@ class CommandLine {
     add("--up", submit_.up, "What points up: X,Y,Z in the model's coordinates")->delimiter(',')->expected(3);
     CLI::Option* scale = add("--scale", submit_.scale, "Factor on the model's size");
     command->add_flag("--fit", submit_.fit, "Fill the display")->excludes(ticket)->excludes(scale);
-    command->add_option("--printer", submit_.printer, "Whose resins' ticket_limits count")->check(kNotEmpty);
+    command
+        ->add_option("--printer", submit_.printer,
+                     "Tell and check as contourd with this configuration prints it")
+        ->check(kNotEmpty);
     command->add_option("--spool", submit_.spool, "The spool's folder, if contourd does not run")
         ->check(kNotEmpty);
     command->add_flag("--wait", submit_.wait, "Until all of them have ended");
+    command->add_flag("--yes", submit_.yes, "Do not ask, whatever there is to warn of");
     add_client_options(command);
   }
 
   void add_client_commands() {
     add_client("status", "What the printer is doing", "status");
     add_queue_commands();
+    add_accept();
     add_history();
     add_client("usage", "Hours of light, layers and resin so far", "usage", print_usage);
     add_client("pause", "Pause after the layer under way", "pause");
@@ -448,6 +453,16 @@ class CommandLine {
     place->add_option("--to", queue_.to, "To this place, from 1")->check(CLI::Range(1, 1000));
     place->add_flag("--first", queue_.first, "It is the next one");
     place->add_flag("--last", queue_.last, "Behind all others");
+  }
+
+  void add_accept() {
+    CLI::App* command =
+        add_command("accept", "Have a job printed as it is, of which the printer asks its owner",
+                    [this] { return accept_job(client_, queue_.job); });
+    command->add_option("JOB", queue_.job, "Its name, or its file's in incoming")
+        ->required()
+        ->check(kNotEmpty);
+    add_client_options(command);
   }
 
   [[nodiscard]] nlohmann::ordered_json place_in_queue() const {

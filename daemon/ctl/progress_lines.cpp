@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "daemon/readable.hpp"
+#include "daemon/spool_folders.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -41,12 +42,21 @@ bool is_worth_a_line(const std::string& state) {
          state == "parking";
 }
 
+// Of a job that waits to be accepted.
+std::string question_of(const Json& status, const std::string& job) {
+  for (const auto& [file, question] : status["unaccepted"].items())
+    if (job_name_of(file) == job) return printable(question.get<std::string>());
+  return "";
+}
+
 }  // namespace
 
 void ProgressLines::show(const Json& status, const std::string& job, bool is_under_way) {
   if (job.empty() || is_under_way) return show_job(status);
   std::string text = printable(job) + ": waits";
-  if (status["job"].is_object()) {
+  if (const std::string question = question_of(status, job); !question.empty()) {
+    text += ": " + question;
+  } else if (status["job"].is_object()) {
     text += fmt::format(" while {} is printed", printable(status["job"].value("name", "")));
   } else if (status["waiting_for"].is_string()) {
     text += ": " + printable(status["waiting_for"].get<std::string>());

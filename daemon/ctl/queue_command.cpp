@@ -55,6 +55,8 @@ std::string_view state_of(const Json& job) {
   if (state == "checking") return "is being checked";
   if (state == "postponed") return "is checked later";
   if (state == "leaving") return "on its way to failed";
+  if (state == "screening") return "is being looked through";
+  if (state == "unaccepted") return "waits to be accepted";
   return "ready";
 }
 
@@ -97,12 +99,23 @@ void print_waiting_job(const Json& waiting) {
              size_of(job), text_of(job, "resin"), job["parts"].get<std::int64_t>(), layers_of(job),
              job["height_mm"].get<double>(), time_of(job));
   if (const std::string set = overrides_of(job); !set.empty()) fmt::print("ticket    {}\n", set);
+  if (!job["resin_ml"].is_number()) return;
+  fmt::print("needs     {:.2f} ml of resin\n", job["resin_ml"].get<double>());
+  for (const Json& warning : job["warnings"])
+    fmt::print("warning   {}\n", printable(warning.get<std::string>()));
 }
 
 int remove_from_queue(const ClientOptions& options, const std::string& job) {
   const int result = request(options, {"queue_remove", {{"job", job}}}, [](const Json&) {});
   if (result == kOk && !options.json)
     fmt::print("{}: removed; its files go to failed, with the reason beside them\n", printable(job));
+  return result;
+}
+
+int accept_job(const ClientOptions& options, const std::string& job) {
+  const int result = request(options, {"accept", {{"job", job}}}, [](const Json&) {});
+  if (result == kOk && !options.json)
+    fmt::print("{}: accepted; it is printed when its turn comes\n", printable(job));
   return result;
 }
 

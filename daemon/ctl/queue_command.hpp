@@ -14,5 +14,7 @@ void print_waiting_job(const nlohmann::ordered_json& queue);
 
 // Says what becomes of the job's files. Returns the exit code.
 int remove_from_queue(const ClientOptions& options, const std::string& job);
+// Has it printed with what was found in it. Returns the exit code.
+int accept_job(const ClientOptions& options, const std::string& job);
 
 }  // namespace contourd::ctl

@@ -16,11 +16,11 @@
 #include "core/formats/model_reader.hpp"
 #include "daemon/config/config_error.hpp"
 #include "daemon/config/job_ticket.hpp"
-#include "daemon/config/printer_config.hpp"
 #include "daemon/config/regular_file.hpp"
-#include "daemon/control_defaults.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/read_model.hpp"
+#include "daemon/ctl/spool_printer.hpp"
+#include "daemon/ctl/submit_outlook.hpp"
 #include "daemon/ctl/watch_command.hpp"
 #include "daemon/durable_file.hpp"
 #include "daemon/job_settings.hpp"
@@ -77,27 +77,15 @@ std::string ticket_of(const SubmitOptions& options) {
   return text;
 }
 
-// The installed one only if it is that of who prints from this spool.
-std::optional<PrinterConfig> printer_for(const SubmitOptions& options, const fs::path& spool) {
-  if (options.printer) return load_printer_config(*options.printer, Places::Elsewhere);
-  try {
-    PrinterConfig printer = load_printer_config(kDefaultConfig, Places::Elsewhere);
-    if (fs::weakly_canonical(printer.spool_folder) == fs::weakly_canonical(spool)) return printer;
-  } catch (const std::exception&) {
-    // contourd, which can read it, looks at every ticket itself.
-  }
-  return std::nullopt;
-}
-
 // What the resin's profile does not let the ticket set.
-void check_overrides(const SubmitOptions& options, const std::string& text, const fs::path& spool) {
+void check_overrides(const SubmitOptions& options, const std::string& text, const SpoolPrinter& printer) {
   const std::string file = options.ticket ? options.ticket->string() : "the options";
   JobTicket ticket = text.empty() ? JobTicket{} : parse_job_ticket(text, file);
   if (ticket.overrides == TicketOverrides{}) return;
-  const std::optional<PrinterConfig> printer = printer_for(options, spool);
-  if (!printer) return;
+  // contourd, which knows the printer, looks at every ticket itself.
+  if (!printer.config) return;
   try {
-    (void)settings_by(std::move(ticket), file, *printer);
+    (void)settings_by(std::move(ticket), file, *printer.config);
   } catch (const ProfileTrouble&) {
     // It may be mended by the time that its turn comes.
   } catch (const ConfigError& error) {
@@ -158,14 +146,25 @@ class Submission {
   fs::path incoming_;
 };
 
-void tell(const ClientOptions& client, const fs::path& model, const std::string& job) {
+void tell(const ClientOptions& client, const fs::path& model, const std::string& job, const Json& outlook) {
   if (client.json) {
-    const Json told{{"file", model.string()}, {"job", job}};
+    const Json told{{"file", model.string()}, {"job", job}, {"outlook", outlook}};
     fmt::print("{}\n", told.dump(-1, ' ', true, Json::error_handler_t::replace));
   } else {
     fmt::print("{}: job {}\n", printable(model.string()), printable(job));
   }
   std::fflush(stdout);
+}
+
+// Tells what is to be expected.
+bool is_agreed(const std::vector<ModelOutlook>& outlooks, const SubmitOptions& options) {
+  for (const ModelOutlook& each : outlooks)
+    for (const std::string& line : each.lines)
+      fmt::print("{}\n", line);
+  std::fflush(stdout);
+  if (options.yes || agreed_to(outlooks)) return true;
+  fmt::print("Nothing is queued.\n");
+  return false;
 }
 
 }  // namespace
@@ -174,12 +173,15 @@ int submit(const ClientOptions& client, const SubmitOptions& options) {
   const std::string ticket = ticket_of(options);
   std::ranges::for_each(options.models, check_model);
   const fs::path spool = find_spool(client, options.spool);
-  check_overrides(options, ticket, spool);
+  const SpoolPrinter printer = printer_of(spool, options.printer);
+  check_overrides(options, ticket, printer);
+  const std::vector<ModelOutlook> outlooks = outlooks_of({options.models, ticket, printer});
+  if (!client.json && !is_agreed(outlooks, options)) return kFailed;
   const Submission submission(spool);
   std::vector<std::string> jobs;
-  for (const fs::path& model : options.models) {
-    jobs.push_back(submission.put(model, ticket));
-    tell(client, model, jobs.back());
+  for (std::size_t i = 0; i < options.models.size(); ++i) {
+    jobs.push_back(submission.put(options.models[i], ticket));
+    tell(client, options.models[i], jobs.back(), outlooks[i].json);
   }
   int result = kOk;
   if (!options.wait) return result;

@@ -22,16 +22,18 @@ struct SubmitOptions {
   bool fit = false;
   // In the place of all these.
   std::optional<std::filesystem::path> ticket;
-  // By whose resins a ticket's settings are checked beforehand. The installed one where it is not given, can
-  // be read, and has that spool.
-  std::optional<std::filesystem::path> printer;
   std::optional<std::filesystem::path> spool;  // contourd is asked for it when it is not given
   bool wait = false;
+  // By which a ticket's settings are checked beforehand, and time, resin and warnings told. The installed one
+  // where it is not given, can be read, and has that spool.
+  std::optional<std::filesystem::path> printer;
+  bool yes = false;  // nobody is asked
 };
 
 // Puts the models into the queue, in their order, under names that no job has. Each appears there whole, its
-// ticket before it. What can be seen to be wrong with any is told before the first is put there. With `wait`,
-// until all have ended.
+// ticket before it. What can be seen to be wrong with any is told before the first is put there, and what is
+// to be expected of them; where that is a warning, whoever sits at the terminal is asked. With `wait`, until
+// all have ended.
 int submit(const ClientOptions& client, const SubmitOptions& options);
 
 }  // namespace contourd::ctl

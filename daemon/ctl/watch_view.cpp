@@ -304,7 +304,10 @@ class View {
     const std::string hindrance = text_of(status_, "hindrance");
     add_if("machine", hindrance, kStopped, Ink::Warning);
     if (held != hindrance) add_if("held", held, kStopped, Ink::Warning);
-    if (waiting != held && waiting != hindrance) add_if("waiting", waiting, kWait, Ink::Warning);
+    const Json& unaccepted = part_of(status_, "unaccepted");
+    const bool is_question = std::ranges::find(unaccepted, Json(waiting)) != unaccepted.end();
+    if (waiting != held && waiting != hindrance && !is_question)
+      add_if("waiting", waiting, kWait, Ink::Warning);
   }
 
   void add_queue() {
@@ -326,11 +329,11 @@ class View {
   }
 
   void add_files() {
-    for (const char* const what : {"postponed", "passed_over"}) {
+    for (const auto& [what, name] : {std::pair("unaccepted", "accept"), std::pair("postponed", "postponed"),
+                                     std::pair("passed_over", "unprinted")}) {
       for (const auto& [file, why] : part_of(status_, what).items())
         if (why.is_string())
-          add(what == std::string_view("postponed") ? "postponed" : "unprinted",
-              fmt::format("{}: {}", printable(file), printable(why.get<std::string>())), kUnprinted,
+          add(name, fmt::format("{}: {}", printable(file), printable(why.get<std::string>())), kUnprinted,
               Ink::Warning);
     }
     for (const auto& [plate, files] : part_of(status_, "incomplete").items())

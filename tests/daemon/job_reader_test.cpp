@@ -1,12 +1,14 @@
 #include "daemon/job_reader.hpp"
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "daemon/acceptances.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/printer_fixture.hpp"
 
@@ -151,4 +153,57 @@ TEST_CASE("Jobs are read in the order in which they were given") {
 TEST_CASE("The text of a refusal is bounded and fit for a terminal, and keeps its lines") {
   CHECK(refusal_text("one\ntwo\x1b[2J") == "one\ntwo?[2J");
   CHECK(refusal_text(std::string(100'000, 'x')).size() < 10'000);
+}
+
+namespace {
+
+// Looks through this file in incoming/, which waits for `before`.
+JobScreened screened(
+    Started& desk, const std::string& file, const std::function<void()>& before = [] {}) {
+  std::optional<JobScreened> found;
+  desk.reader->screen(file, JobReader::Keep::Nothing, [&](const JobScreened& said) { found = said; });
+  before();
+  CHECK(desk.run_until([&] { return found.has_value(); }));
+  return found.value_or(JobScreened{ScreeningGivenUp{}});
+}
+
+}  // namespace
+
+TEST_CASE("A job that is looked through is told with its resin, its files and its settings") {
+  Started desk;
+  desk.put(Spool::Folder::Incoming, "part.stl");
+  const JobFiles files = desk.spool.files_of(Spool::Folder::Incoming, "part.stl");
+  const JobScreened found = screened(desk, "part.stl");
+  REQUIRE(std::holds_alternative<ScreenedJob>(found));
+  const auto& job = std::get<ScreenedJob>(found);
+  CHECK(job.screening.findings.empty());
+  // 3 x 2 x 0.2 mm.
+  CHECK(job.screening.resin_ml == Approx(0.0012).epsilon(0.01));
+  CHECK(job.content == content_mark(files));
+  CHECK(job.settings == read_settings(files, desk.config));
+}
+
+TEST_CASE("What is no model is refused when it is looked through, too") {
+  Started desk;
+  desk.put_text(Spool::Folder::Incoming, "part.stl", "no model");
+  CHECK(std::holds_alternative<JobRefusal>(screened(desk, "part.stl")));
+}
+
+TEST_CASE("A job whose turn has come, and one that is forgotten, end a look through layers") {
+  Started desk;
+  // Thousands of layers, so that it is not over before.
+  models::write_binary_stl(desk.spool.folder(Spool::Folder::Incoming) / "part.stl",
+                           models::box({0, 0, 0}, {90, 50, 100}));
+  desk.put(Spool::Folder::Printing, "next.stl");
+  SECTION("a turn") {
+    const JobScreened found = screened(desk, "part.stl", [&] {
+      desk.reader->read(desk.spool.files_of(Spool::Folder::Printing, "next.stl"), std::nullopt,
+                        [](const auto&) {});
+    });
+    CHECK(std::holds_alternative<ScreeningGivenUp>(found));
+  }
+  SECTION("a forgotten one") {
+    const JobScreened found = screened(desk, "part.stl", [&] { desk.reader->forget("part.stl"); });
+    CHECK(std::holds_alternative<ScreeningGivenUp>(found));
+  }
 }

@@ -18,7 +18,8 @@ namespace {
 // A scheduler whose jobs begin, end and are checked when a test says so.
 class Desk : public testing::PrinterFixture {
  public:
-  Desk() { hold.load(); }
+  // `asks`: of a printer whose owner is asked about islands.
+  explicit Desk(bool asks = false) : asking(asks) { hold.load(); }
 
   void arrive(const std::string& file) {
     put(Spool::Folder::Incoming, file);
@@ -40,15 +41,37 @@ class Desk : public testing::PrinterFixture {
   Names checked;
   QueueHold hold{
       context, spool, {.light_may_be_on = [this] { return lit; }, .retry = [this] { scheduler.run(); }}};
-  PrintQueue queue{
-      log.log,
-      {.check = [this](const std::string& file, JobReader::Keep, const auto&) { checked.push_back(file); },
-       .forget = [](const std::string&) {},
-       .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
-       .changed = [this] { scheduler.run(); },
-       .refused = [](const std::string&, const std::string&) {},
-       .removed = [](const std::string&, const std::string&) {},
-       .keep_order = [](const QueueOrder::Names&, const auto&) {}}};
+  bool asking;
+  std::vector<std::function<void(const JobScreened&)>> screenings;  // under way, by when they were begun
+  // The last one ends: the job as it is now has these.
+  void find(const std::string& file, const Names& findings) {
+    const JobFiles files = spool.files_of(Spool::Folder::Incoming, file);
+    JobScreening screening;
+    screening.findings = findings;
+    screenings.back()(ScreenedJob{screening, content_mark(files), read_settings(files, config)});
+  }
+  PrintQueue::Calls queue_calls() {
+    PrintQueue::Calls calls{.check =
+                                [this](const std::string& file, JobReader::Keep, const auto& done) {
+                                  checked.push_back(file);
+                                  if (asking) done(JobOutlook{});
+                                },
+                            .forget = [](const std::string&) {},
+                            .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
+                            .changed = [this] { scheduler.run(); },
+                            .refused = [](const std::string&, const std::string&) {},
+                            .removed = [](const std::string&, const std::string&) {},
+                            .keep_order = [](const QueueOrder::Names&, const auto&) {}};
+    if (!asking) return calls;
+    calls.questions.screen = [this](const std::string&, JobReader::Keep, const auto& done) {
+      screenings.push_back(done);
+    };
+    calls.questions.changed = [] {};
+    calls.questions.asked = [](const JobScreening& screening) { return screening.findings; };
+    calls.questions.keep_accepted = [](const Acceptances::Lines&, const auto& done) { done(""); };
+    return calls;
+  }
+  PrintQueue queue{log.log, queue_calls()};
   JobScheduler scheduler{context,
                          spool,
                          queue,
@@ -226,4 +249,72 @@ TEST_CASE("No job begins while the printer is controlled by hand, and the reason
   desk.by_hand = false;
   desk.scheduler.run();
   CHECK(desk.scheduler.waiting_for().empty());
+}
+
+TEST_CASE("A job at an idle printer that asks is looked through first, and begins when nothing is found") {
+  Desk desk(true);
+  desk.arrive("part.stl");
+  CHECK(desk.begun().empty());
+  CHECK(desk.scheduler.waiting_for() == "its layers are looked through first, as ask_before demands");
+  REQUIRE(desk.screenings.size() == 1);
+  desk.find("part.stl", {});
+  CHECK(desk.begun() == Names{"part"});
+  CHECK(desk.scheduler.waiting_for().empty());
+}
+
+TEST_CASE("Jobs behind one that asks go on in their order, and it is the next one when it is accepted") {
+  Desk desk(true);
+  for (const char* file : {"a.stl", "b.stl", "c.stl"})
+    desk.arrive(file);
+  desk.find("a.stl", {"islands"});
+  CHECK(desk.begun().empty());
+  desk.find("b.stl", {});
+  CHECK(desk.begun() == Names{"b"});
+  CHECK(desk.run_until([&] { return desk.screenings.size() == 3; }));  // beside the print
+  desk.find("c.stl", {});
+  desk.queue.accept("a.stl", "user me");
+  desk.end_job();
+  CHECK(desk.begun() == Names{"b", "a"});
+  desk.end_job();
+  CHECK(desk.begun() == Names{"b", "a", "c"});
+}
+
+TEST_CASE("When all jobs ask, the queue says which command goes on, and goes on with it") {
+  Desk desk(true);
+  desk.arrive("part.stl");
+  desk.find("part.stl", {"islands"});
+  CHECK(desk.begun().empty());
+  CHECK(desk.scheduler.waiting_for() == "islands; \"contourctl accept part\" has it printed as it is");
+  CHECK(desk.log.count("contourctl accept part") == 1);
+  desk.queue.accept("part.stl", "user me");
+  CHECK(desk.begun() == Names{"part"});
+}
+
+TEST_CASE("A job that is still looked through keeps those behind it waiting") {
+  Desk desk(true);
+  desk.arrive("a.stl");
+  desk.arrive("b.stl");
+  REQUIRE(desk.screenings.size() == 1);
+  desk.scheduler.run();
+  CHECK(desk.begun().empty());
+}
+
+TEST_CASE("A job that is not as it was looked through is looked through again") {
+  Desk desk(true);
+  desk.has_job = true;
+  desk.arrive("part.stl");
+  desk.find("part.stl", {});
+  SECTION("its file is another") {
+    fs::last_write_time(desk.config.spool_folder / "incoming/part.stl",
+                        fs::file_time_type::clock::now() + std::chrono::hours{1});
+  }
+  SECTION("it has a ticket") {
+    desk.put_text(Spool::Folder::Incoming, "part.json", R"({"copies": 2})");
+  }
+  desk.has_job = false;
+  desk.scheduler.run();
+  CHECK(desk.begun().empty());
+  CHECK(desk.run_until([&] { return desk.screenings.size() == 2; }));
+  desk.find("part.stl", {});
+  CHECK(desk.begun() == Names{"part"});
 }

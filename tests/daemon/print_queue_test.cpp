@@ -73,6 +73,77 @@ class Desk {
            }}};
 };
 
+// The same of a printer whose owner is asked about islands and cracks. What a job is found to have is put
+// there by hand.
+class AskingDesk {
+ public:
+  struct RunningScreening {
+    std::string file;
+    JobReader::Keep keep;
+    std::function<void(const JobScreened&)> done;
+  };
+
+  void arrive(const Names& files) {
+    for (const std::string& file : files) {
+      queue.arrived(file);
+      queue.check_next();
+      queue.check_next();
+    }
+  }
+  // The screening under way ends.
+  void find(const Names& findings, const std::string& content = "a1") {
+    REQUIRE_FALSE(screenings.empty());
+    JobScreening screening;
+    screening.findings = findings;
+    for (const std::string& each : findings)
+      screening.warnings.push_back("it has " + each);
+    screenings.back().done(ScreenedJob{screening, content, {}});
+  }
+  // Each in its turn; in the queue's order.
+  void look_through(const std::vector<Names>& findings) {
+    for (const Names& each : findings) {
+      queue.check_next();
+      find(each, std::to_string(screenings.size()));
+    }
+  }
+
+  EventLoop loop;
+  testing::LogText log{loop};
+  std::vector<RunningScreening> screenings;
+  std::vector<Acceptances::Lines> kept;
+  Names refused;
+  bool check_ends = true;
+  int questions_told = 0;
+  PrintQueue queue{log.log,
+                   {.check =
+                        [this](const std::string&, JobReader::Keep, const auto& done) {
+                          if (check_ends) done(JobOutlook{});
+                        },
+                    .forget = [](const std::string&) {},
+                    .reject = [this](const std::string& file, const std::string& reason,
+                                     const Spool::Rejected&) { refused.push_back(file + ": " + reason); },
+                    .changed = [] {},
+                    .refused = [](const std::string&, const std::string&) {},
+                    .removed = [](const std::string&, const std::string&) {},
+                    .keep_order = [](const QueueOrder::Names&, const auto&) {},
+                    .questions = {.screen =
+                                      [this](const std::string& file, JobReader::Keep keep, auto done) {
+                                        screenings.push_back({file, keep, std::move(done)});
+                                      },
+                                  .asked =
+                                      [](const JobScreening& screening) {
+                                        Names asked = screening.findings;
+                                        std::erase(asked, "empty_layers");
+                                        return asked;
+                                      },
+                                  .keep_accepted =
+                                      [this](const Acceptances::Lines& lines, const auto& done) {
+                                        kept.push_back(lines);
+                                        done("");
+                                      },
+                                  .changed = [this] { ++questions_told; }}}};
+};
+
 }  // namespace
 
 TEST_CASE("Jobs wait in the order of their arrival, and the first is the next") {
@@ -472,4 +543,160 @@ TEST_CASE("What a check has found counts until the file is written again") {
   CHECK(desk.queue.jobs().front().outlook->layers == 7);
   desk.queue.arrived("a.stl");
   CHECK_FALSE(desk.queue.jobs().front().outlook);
+}
+
+TEST_CASE("Where nobody is to be asked, no job is looked through") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  CHECK_FALSE(desk.queue.questions().wanted());
+  CHECK(desk.queue.first_unscreened().empty());
+  CHECK(desk.queue.questions().knows(std::nullopt, {}, std::nullopt));
+}
+
+TEST_CASE("Jobs are looked through one after the other, behind all checks, and the next one is kept") {
+  AskingDesk desk;
+  desk.check_ends = false;
+  desk.arrive({"a.stl"});
+  desk.queue.check_next();
+  CHECK(desk.screenings.empty());
+  desk.check_ends = true;
+  desk.arrive({"b.stl", "c.stl"});
+  CHECK(desk.screenings.empty());  // the first's check has not ended
+  desk.queue.arrived("a.stl");
+  desk.queue.check_next();
+  for (int i = 0; i < 3; ++i)
+    desk.queue.check_next();
+  REQUIRE(desk.screenings.size() == 1);
+  CHECK(desk.screenings[0].file == "a.stl");
+  CHECK(desk.screenings[0].keep == JobReader::Keep::Prepared);
+  CHECK(desk.queue.first_unscreened() == "its layers are looked through first, as ask_before demands");
+  desk.find({});
+  CHECK(desk.queue.first_unscreened().empty());
+  desk.queue.check_next();
+  REQUIRE(desk.screenings.size() == 2);
+  CHECK(desk.screenings[1].file == "b.stl");
+  CHECK(desk.screenings[1].keep == JobReader::Keep::Nothing);
+}
+
+TEST_CASE("A job that asks is passed over and keeps its place") {
+  AskingDesk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  desk.look_through({{"islands", "empty_layers"}, {}});
+  CHECK(desk.queue.jobs()[0].asks == Names{"islands"});
+  CHECK(desk.log.has("warning: a.stl waits: islands; \"contourctl accept a\" has it printed as it is"));
+  CHECK(desk.log.has("warning: a.stl: it has islands"));
+  REQUIRE(desk.queue.has_first());
+  CHECK(desk.queue.first() == 1);
+  WaitingJob next = desk.queue.take_first();
+  CHECK(next.file == "b.stl");
+  CHECK_FALSE(desk.queue.has_first());
+  desk.queue.put_first(std::move(next));
+  REQUIRE(desk.queue.jobs().size() == 2);
+  CHECK(desk.queue.jobs()[0].file == "a.stl");
+  CHECK(desk.queue.jobs()[1].file == "b.stl");
+}
+
+TEST_CASE("An accepted job is the next one again, and is in the log with who accepted it") {
+  AskingDesk desk;
+  desk.arrive({"a.stl", "b.stl"});
+  desk.look_through({{"islands"}, {}});
+  desk.queue.accept("a.stl", "user me");
+  CHECK(desk.queue.first() == 0);
+  CHECK(desk.questions_told == 2);  // it asks, it was accepted
+  CHECK(desk.log.has("info: a.stl: user me accepts it with islands"));
+  CHECK(desk.kept == std::vector<Acceptances::Lines>{{"1 islands"}});
+}
+
+TEST_CASE("What was accepted needs no second word from these files, and one from others") {
+  AskingDesk desk;
+  desk.queue.questions().load_accepted({"a1 islands"});
+  desk.arrive({"a.stl", "b.stl", "c.stl"});
+  desk.find({"islands"}, "a1");
+  CHECK(desk.queue.jobs()[0].asks.empty());
+  desk.queue.check_next();
+  desk.find({"islands"}, "b1");
+  CHECK(desk.queue.jobs()[1].asks == Names{"islands"});
+  desk.queue.check_next();
+  desk.find({"islands", "cracks"}, "a1");
+  CHECK(desk.queue.jobs()[2].asks == Names{"cracks"});
+}
+
+TEST_CASE("What was accepted is forgotten when the job has ended, and not when it only begins") {
+  AskingDesk desk;
+  desk.arrive({"a.stl"});
+  desk.find({"islands"}, "a1");
+  desk.queue.accept("a.stl", "user me");
+  desk.queue.questions().begun(desk.queue.take_first().screened);
+  CHECK(desk.kept.back() == Acceptances::Lines{"a1 islands"});
+  desk.queue.questions().ended();
+  CHECK(desk.kept.back().empty());
+}
+
+TEST_CASE("A job that is written again while it asks, or is looked through, is looked through again") {
+  AskingDesk desk;
+  desk.arrive({"a.stl"});
+  const auto late = desk.screenings[0].done;
+  desk.queue.arrived("a.stl");
+  late(ScreenedJob{});
+  CHECK_FALSE(desk.queue.jobs()[0].screened);
+  desk.queue.check_next();
+  desk.queue.check_next();
+  REQUIRE(desk.screenings.size() == 2);
+  desk.find({"islands"});
+  CHECK_FALSE(desk.queue.has_first());
+  desk.queue.arrived("a.stl");
+  CHECK(desk.queue.has_first());
+  CHECK_FALSE(desk.queue.first_unscreened().empty());
+}
+
+TEST_CASE("A screening that was given up is made again, and one that finds a mistake refuses the job") {
+  AskingDesk desk;
+  desk.arrive({"a.stl"});
+  desk.screenings[0].done(ScreeningGivenUp{});
+  desk.queue.check_next();
+  REQUIRE(desk.screenings.size() == 2);
+  desk.screenings[1].done(JobRefusal{"no model"});
+  CHECK(desk.refused == Names{"a.stl: no model\n"});
+}
+
+TEST_CASE("Without room in memory, or with a broken profile, a job is looked through later") {
+  AskingDesk desk;
+  desk.arrive({"a.stl"});
+  SECTION("no room") {
+    desk.screenings[0].done(JobRefusal{"100 MB", true});
+    CHECK(desk.queue.jobs()[0].check == Check::Postponed);
+    CHECK(desk.queue.first_unscreened() == "100 MB");
+  }
+  SECTION("a broken profile") {
+    desk.screenings[0].done(JobRefusal{"wrong", false, "the resin profile x cannot be used"});
+    CHECK(desk.queue.jobs()[0].screening == WaitingJob::Screening::Blocked);
+    CHECK(desk.queue.first_unscreened() ==
+          "the resin profile x cannot be used; the queue goes on when it is mended");
+  }
+  desk.queue.check_next();
+  CHECK(desk.screenings.size() == 1);
+  desk.queue.check_postponed();
+  desk.queue.check_next();
+  desk.queue.check_next();
+  REQUIRE(desk.screenings.size() == 2);
+  desk.find({});
+  CHECK(desk.queue.first_unscreened().empty());
+}
+
+TEST_CASE("A removed job that asks is filed, whatever its screening says later") {
+  AskingDesk desk;
+  desk.arrive({"a.stl"});
+  desk.queue.remove("a.stl", "removed by me");
+  desk.find({"islands"});
+  CHECK(desk.queue.jobs()[0].check == Check::Refused);
+  CHECK(desk.queue.jobs()[0].asks.empty());
+}
+
+TEST_CASE("The command that accepts a job is one for a shell, whatever the job is called") {
+  const auto question = [](const char* file) { return question_about(file, {"cracks"}); };
+  CHECK(question("a-1.b.stl") == "cracks; \"contourctl accept a-1.b\" has it printed as it is");
+  CHECK(question("two words.stl").find("accept 'two words'\"") != std::string::npos);
+  CHECK(question("it's.stl").find(R"(accept 'it'\''s'")") != std::string::npos);
+  CHECK(question("-x.stl").find("accept -- -x\"") != std::string::npos);
+  CHECK(question("\x1b[2J.stl").find('\x1b') == std::string::npos);
 }

@@ -45,7 +45,8 @@ TEST_CASE("An idle printer's status has all its keys, in their order") {
   for (const auto& [key, value] : status.items())
     keys += key + " ";
   CHECK(keys ==
-        "printer spool state job queued incomplete incomplete_more postponed postponed_more passed_over "
+        "printer spool state job queued incomplete incomplete_more postponed postponed_more "
+        "unaccepted unaccepted_more passed_over "
         "passed_over_more deletable deletable_more plate plate_job hindrance held waiting_for last dark "
         "manual ");
   CHECK(status["state"] == "idle");

@@ -1,6 +1,8 @@
 #include "daemon/queue_control.hpp"
 
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/broken_contract.hpp"
@@ -15,7 +17,7 @@ namespace {
 
 class Desk : public testing::CurrentJobFixture {
  public:
-  explicit Desk(const Names& files = {}) {
+  explicit Desk(const Names& files = {}, bool asks = false) : asking(asks) {
     for (const std::string& file : files)
       queue.arrived(file);
   }
@@ -34,17 +36,39 @@ class Desk : public testing::CurrentJobFixture {
   [[nodiscard]] Names order() { return call("queue")["queue"].get<Names>(); }
 
   Names rejected;  // "FILE: REASON"
-  PrintQueue queue{
-      log.log,
-      {.check = [](const std::string&, JobReader::Keep,
-                   const auto& done) { done(JobOutlook{.bytes = 84, .resin = "grey", .layers = 7}); },
-       .forget = [](const std::string&) {},
-       .reject = [this](const std::string& file, const std::string& reason,
-                        const Spool::Rejected&) { rejected.push_back(file + ": " + reason); },
-       .changed = [] {},
-       .refused = [](const std::string&, const std::string&) {},
-       .removed = [](const std::string&, const std::string&) {},
-       .keep_order = [](const QueueOrder::Names&, const auto&) {}}};
+  bool asking;
+  // Each job is found to have these at once.
+  Names findings;
+  PrintQueue::Calls queue_calls() {
+    PrintQueue::Calls calls{
+        .check =
+            [](const std::string&, JobReader::Keep, const std::function<void(const CheckedJob&)>& done) {
+              JobOutlook outlook{.bytes = 84, .resin = "grey", .layers = 7};
+              done(std::move(outlook));
+            },
+        .forget = [](const std::string&) {},
+        .reject = [this](const std::string& file, const std::string& reason,
+                         const Spool::Rejected&) { rejected.push_back(file + ": " + reason); },
+        .changed = [] {},
+        .refused = [](const std::string&, const std::string&) {},
+        .removed = [](const std::string&, const std::string&) {},
+        .keep_order = [](const QueueOrder::Names&, const auto&) {}};
+    if (!asking) return calls;
+    calls.questions.screen = [this](const std::string& file, JobReader::Keep,
+                                    const std::function<void(const JobScreened&)>& done) {
+      ScreenedJob found;
+      found.screening.resin_ml = 1.5;
+      found.screening.findings = findings;
+      found.screening.warnings = findings;
+      found.content = file;
+      done(found);
+    };
+    calls.questions.changed = [] {};
+    calls.questions.asked = [](const JobScreening& screening) { return screening.findings; };
+    calls.questions.keep_accepted = [](const Acceptances::Lines&, const auto& done) { done(""); };
+    return calls;
+  }
+  PrintQueue queue{log.log, queue_calls()};
   JobScheduler scheduler{context,
                          spool,
                          queue,
@@ -71,7 +95,7 @@ TEST_CASE("The queue has all that is known of a job that waits") {
   CHECK(jobs[0].dump() ==
         R"({"number":1,"file":"one.stl","job":"one","state":"ready","waiting_for":null,"bytes":84,"parts":0,)"
         R"("resin":"grey","overrides":[],"layers":7,"thinnest_layer_um":0.0,"thickest_layer_um":0.0,)"
-        R"("height_mm":0.0,"print_time_s":0.0})");
+        R"("height_mm":0.0,"print_time_s":0.0,"resin_ml":null,"asks":[],"warnings":[]})");
   CHECK(jobs[1]["state"] == "unchecked");
   CHECK(jobs[1]["bytes"].is_null());
   CHECK(jobs[1].size() == jobs[0].size());
@@ -166,4 +190,52 @@ TEST_CASE("Only what changes the queue is told in the log") {
   CHECK_FALSE(desk.methods.at("queue").changes);
   CHECK(desk.methods.at("queue_remove").changes);
   CHECK(desk.methods.at("queue_move").changes);
+  CHECK(desk.methods.at("accept").changes);
+}
+
+TEST_CASE("A job that asks is told with what was found, and is accepted by whoever may change the queue") {
+  Desk desk({"a.stl", "b.stl"}, true);
+  desk.findings = {"islands"};
+  desk.queue.check_next();
+  CHECK(desk.call("queue")["jobs"][0]["state"] == "screening");
+  desk.queue.check_next();
+  desk.queue.check_next();
+  const Json job = desk.call("queue", {{"job", "a"}})["jobs"][0];
+  CHECK(job["state"] == "unaccepted");
+  CHECK(job["waiting_for"] == "islands; \"contourctl accept a\" has it printed as it is");
+  CHECK(job["asks"] == Json({"islands"}));
+  CHECK(job["warnings"] == Json({"islands"}));
+  CHECK(job["resin_ml"] == 1.5);
+  CHECK(desk.status.status()["unaccepted"] == Json({{"a.stl", job["waiting_for"]}}));
+  const Json reply = desk.call("accept", {{"job", "a.stl"}});
+  CHECK(reply["jobs"][0]["state"] == "ready");
+  CHECK(reply["jobs"][0]["asks"].empty());
+  CHECK(desk.status.status()["unaccepted"].empty());
+  CHECK(desk.log.has("a.stl: user root (0) accepts it with islands"));
+  CHECK_FALSE(desk.methods.at("accept").needs_service_rights);
+}
+
+TEST_CASE("A word for a job that does not wait for one is refused with why") {
+  const auto refusal_of = [](Desk& desk, const char* job) {
+    return desk.refusal_of("accept", {{"job", job}});
+  };
+  Desk silent({"a.stl"});
+  CHECK(refusal_of(silent, "a") == R"("a.stl" needs no word: this printer's ask_before names nothing)");
+  Desk desk({"a.stl", "b.stl", "c.stl", "d.stl"}, true);
+  CHECK(refusal_of(desk, "none") == R"(no job "none" waits)");
+  CHECK(refusal_of(desk, "a") ==
+        R"("a.stl" is not looked through yet: nobody knows what there is to accept)");
+  for (int i = 0; i < 4; ++i)
+    desk.queue.check_next();
+  desk.queue.check_next();
+  CHECK(refusal_of(desk, "a") == R"("a.stl" waits for nobody's word)");
+  desk.findings = {"cracks"};
+  desk.queue.check_next();
+  desk.queue.check_next();
+  CHECK(refusal_of(desk, "nine") == R"(no job "nine" waits; to be accepted there is "b", "c")");
+  CHECK(refusal_of(desk, "b").empty());
+  CHECK(refusal_of(desk, "b") == R"("b.stl" waits for nobody's word)");
+  desk.queue.remove("c.stl", "no");
+  CHECK(refusal_of(desk, "c") == R"("c.stl" is on its way to failed already)");
+  CHECK_THROWS_AS(desk.call("accept"), InvalidParameters);
 }

@@ -62,3 +62,13 @@ TEST_CASE("The queue's order is there for the next process, whatever its files a
   CHECK(fs::is_empty(folder.path()));
   CHECK_NOTHROW(records.keep_queue_order({}));
 }
+
+TEST_CASE("What was accepted is there for the next process") {
+  const testing::TemporaryFolder folder;
+  const StateRecords records(folder.path());
+  CHECK(records.accepted().empty());
+  records.keep_accepted({"a1 islands", "a1 cracks"});
+  CHECK(StateRecords(folder.path()).accepted() == std::vector<std::string>{"a1 islands", "a1 cracks"});
+  records.keep_accepted({});
+  CHECK(fs::is_empty(folder.path()));
+}

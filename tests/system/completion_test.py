@@ -62,6 +62,19 @@ class Completion(FolderTest):
         self.assertFalse(os.path.exists("harm"))
         daemon.stop()
 
+    def test_accept_is_offered_the_jobs_that_wait_for_it(self):
+        daemon = Daemon(self, {**REALTIME, "ask_before": ["islands"]}, {**NIMBLE_RESIN, **ENDLESS}).start()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        island = binary_stl([*box((0, 0, 0), (10, 5, 0.2)), *box((15, 0, 0.1), (20, 5, 0.2))])
+        for name, model in (("two words", island), ("sound", SMALL), ("$(touch harm)", island)):
+            daemon.drop(name + ".stl", model)
+        wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["unaccepted", "ready", "unaccepted"], "their looks")
+        self.assertEqual(self.bash("accept", "", CONTOURD_SOCKET=daemon.socket_path), ["two words", "$(touch harm)"])
+        self.assertEqual(self.bash("accept", "--j"), ["--json"])
+        self.assertFalse(os.path.exists("harm"))
+        daemon.stop()
+
     def test_preview_is_offered_jobs_wherever_they_lie_and_models_files(self):
         daemon = Daemon(self, {"wait_for_plate_cleared": True}).start()
         daemon.drop("done: it.stl", SMALL)

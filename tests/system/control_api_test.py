@@ -15,6 +15,7 @@ from harness import (
 
 PAGE = (pathlib.Path(SOURCE) / "docs/control-api.md").read_text(encoding="utf-8")
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
+ISLAND = binary_stl([*box((0, 0, 0), (10, 5, 0.2)), *box((15, 0, 0.1), (20, 5, 0.2))])
 # An exception that no request brings about.
 INTERNAL_ERROR = -32603
 # A caller of another user and group (manual_test.py).
@@ -68,9 +69,9 @@ class ControlApiTest(FolderTest):
     def fast(self):
         return Daemon(self).start()
 
-    def printing(self, simulation=None):
+    def printing(self, simulation=None, **more):
         """A daemon whose print stays in its first exposure."""
-        config = merge(json.loads(json.dumps(REALTIME)), {"simulation": simulation or {}})
+        config = merge(json.loads(json.dumps(REALTIME)), {"simulation": simulation or {}, **more})
         daemon = Daemon(self, config, {**NIMBLE_RESIN, **ENDLESS, "ticket_limits": {"settle_ms": [0, 100]}}).start()
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
@@ -137,13 +138,13 @@ class ControlApiTest(FolderTest):
                 self.assertEqual(sorted(names), sorted(there_are.split(", ")) if there_are else [], error["message"])
 
     def test_every_methods_reply_has_the_fields_that_are_told(self):
-        daemon = self.printing()
+        daemon = self.printing(ask_before=["islands"])
         answers = {}
-        for name in ("one", "two"):
-            daemon.drop(f"{name}.stl", SMALL, {"settle_ms": 10})
-        wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready"] * 2, "their checks")
-        of_job = {"queue_move": {"job": "two", "to": 1}, "queue_remove": {"job": "one"}}
-        for method in ("watch", "status", "queue", "history", "usage", "queue_move", "queue_remove", "pause", "resume", "cancel"):
+        for name, model in (("one", SMALL), ("two", ISLAND)):
+            daemon.drop(f"{name}.stl", model, {"settle_ms": 10})
+        wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready", "unaccepted"], "their checks")
+        of_job = {"queue_move": {"job": "two", "to": 1}, "accept": {"job": "two"}, "queue_remove": {"job": "one"}}
+        for method in ("watch", "status", "queue", "history", "usage", "queue_move", "accept", "queue_remove", "pause", "resume", "cancel"):
             answers[method] = daemon.client().call(method, **of_job.get(method, {}))
         daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
@@ -178,7 +179,7 @@ class ControlApiTest(FolderTest):
             self.assert_fields(job["analysis"], ANALYSIS)
 
     def test_the_notifications_are_the_programs(self):
-        daemon = self.printing({"lid_opened_after_light_s": 0.05, "lid_open_s": 0.05})
+        daemon = self.printing({"lid_opened_after_light_s": 0.05, "lid_open_s": 0.05}, ask_before=["islands"])
         daemon.watcher.wait_for(lambda m: m.get("method") == "machine", "the lid")
         daemon.wait_state("paused")
         daemon.rpc("cancel")
@@ -187,6 +188,8 @@ class ControlApiTest(FolderTest):
         daemon.rpc("plate_cleared")
         daemon.drop("thin.stl", binary_stl(box((0, 0, 0), (10, 5, 0.05))))
         daemon.wait_ended("thin")
+        daemon.drop("odd.stl", ISLAND)
+        daemon.watcher.wait_for(lambda m: m.get("method") == "question", "a question")
         daemon.rpc("projector")
         daemon.watcher.wait_for(lambda m: m.get("method") == "manual", "the projector")
         told = [message for message in daemon.watcher.seen if "id" not in message]

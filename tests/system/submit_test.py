@@ -3,6 +3,8 @@
 
 import json
 import os
+import pty
+import re
 import signal
 import stat
 import subprocess
@@ -42,8 +44,9 @@ class WithContourd(SubmitTest):
     def test_a_model_is_printed_with_the_ticket_of_the_options(self):
         daemon = Daemon(self).start()
         model = self.write("two words.stl", SMALL)
-        lines = self.lines(daemon.ctl("submit", model, "--copies", "3", "--layer-height-um=25", "--up", "0,0,1", "--wait"))
-        self.assertEqual(lines[0], f"{os.fsdecode(model)}: job two words")
+        lines = self.lines(daemon.ctl("submit", model, "--copies", "3", "--layer-height-um=25", "--up", "0,0,1", "--wait", "--printer", daemon.config_path))
+        self.assertRegex(lines[0], rf"^{re.escape(os.fsdecode(model))}: 8 layers in [\d.]+ (s|min \d\d s), 0\.0\d ml of standard$")
+        self.assertEqual(lines[1], f"{os.fsdecode(model)}: job two words")
         self.assertEqual(lines[-1], "two words: done")
         report = daemon.report("two words")
         self.assertEqual(report["model"]["copies"], 3)
@@ -158,7 +161,7 @@ class WithoutContourd(SubmitTest):
 
     def test_a_spool_that_cannot_be_written_is_told_and_keeps_nothing(self):
         model = self.write("part.stl", SMALL)
-        self.refused(contourctl("submit", model, "--spool", self.path("none")), CANNOT_CREATE, "none/incoming", "No such file")
+        self.not_written(contourctl("submit", model, "--spool", self.path("none")), "none/incoming", "No such file")
         os.makedirs(self.path("full", "incoming"))
         if os.geteuid() != 0 or subprocess.run(
             ["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", self.path("full", "incoming")], capture_output=True, check=False
@@ -166,15 +169,22 @@ class WithoutContourd(SubmitTest):
             self.skipTest("no file system can be mounted")
         self.addCleanup(subprocess.run, ["umount", self.path("full", "incoming")], check=True)
         large = self.write("large.stl", binary_stl(box((0, 0, 0), (10, 5, 0.2)) * 100))
-        self.refused(contourctl("submit", large, "--spool", self.path("full")), CANNOT_CREATE, "No space left")
+        self.not_written(contourctl("submit", large, "--spool", self.path("full")), "No space left")
         self.assertEqual(os.listdir(self.path("full", "incoming")), [])
+
+    def not_written(self, result, *words):
+        """What is to be expected of the model has been told."""
+        self.assertEqual(result.returncode, CANNOT_CREATE, result)
+        self.assertNotIn(b": job ", result.stdout)
+        self.assert_one_line(result.stderr, *words)
 
     def test_killed_on_the_way_it_leaves_nothing(self):
         spool = self.spool()
         model = self.write("part.stl", SMALL)
         # Stopped behind the first, whatever it is about to do with the others.
         process = subprocess.Popen([CONTOURCTL, "submit", *[model] * 50, "--spool", spool], stdout=subprocess.PIPE)
-        process.stdout.readline()
+        while b": job " not in process.stdout.readline():
+            pass
         process.send_signal(signal.SIGKILL)
         process.wait()
         process.stdout.close()
@@ -182,6 +192,88 @@ class WithoutContourd(SubmitTest):
         for name in self.incoming():
             with open(os.path.join(spool, "incoming", name), "rb") as file:
                 self.assertEqual(file.read(), SMALL, name)
+
+
+class Outlook(SubmitTest):
+    """What it tells before anything is queued."""
+
+    def setUp(self):
+        super().setUp()
+        self.daemon = Daemon(self, {"ask_before": ["islands"]})
+        self.island = self.write("island.stl", binary_stl([*box((0, 0, 0), (10, 5, 0.2)), *box((15, 0, 0.1), (20, 5, 0.2))]))
+
+    def submit(self, *arguments):
+        return contourctl("submit", "--spool", self.spool(), "--printer", self.daemon.config_path, *arguments)
+
+    def in_terminal(self, keys, *arguments):
+        """What a person sees, and the exit code; `keys` are typed behind the question."""
+        command = [CONTOURCTL, "submit", "--spool", self.spool(), "--printer", self.daemon.config_path, *arguments]
+        child, terminal = pty.fork()
+        if child == 0:
+            os.execv(command[0], command)
+        seen = b""
+        with open(terminal, "r+b", buffering=0) as file:
+            while True:
+                try:
+                    data = file.read(4096)
+                except OSError:  # the other end is closed
+                    break
+                if not data:
+                    break
+                asked = b"[Y/n] " in seen
+                seen += data
+                if not asked and b"[Y/n] " in seen:
+                    file.write(keys)
+        _, status = os.waitpid(child, 0)
+        return seen.decode(), os.waitstatus_to_exitcode(status)
+
+    def test_time_resin_and_warnings_come_before_the_job_and_nobody_is_asked_without_a_terminal(self):
+        lines = self.lines(self.submit(self.island))
+        self.assertRegex(lines[0], r"island\.stl: 4 layers in .*, 0\.0\d ml of standard$")
+        self.assertRegex(lines[1], r"^  warning: 1 island begins with nothing under it: layer 3 ")
+        self.assertEqual(lines[2], "  the printer will ask before it prints this: islands")
+        self.assertRegex(lines[3], r"island\.stl: job island$")
+        outlook = json.loads(self.lines(self.submit(self.island, "--json"))[0])["outlook"]
+        self.assertEqual((outlook["layers"], outlook["resin"], outlook["asks"], outlook["unknown"]), (4, "standard", ["islands"], None))
+        self.assertEqual(len(outlook["warnings"]), 1)
+        self.assertAlmostEqual(outlook["resin_ml"], (10 * 5 * 0.2 + 5 * 5 * 0.1) / 1000, 4)
+
+    def test_at_a_terminal_a_warning_is_a_question(self):
+        for keys, code, queued in ((b"n\n", FAILED, []), (b"\x04", FAILED, []), (b"\x03", -signal.SIGINT, []), (b"\n", OK, ["island.stl"]), (b"y\n", OK, ["island-2.stl", "island.stl"])):
+            with self.subTest(keys):
+                seen, ended = self.in_terminal(keys, self.island)
+                self.assertIn("Queue it all the same? [Y/n] ", seen)
+                self.assertEqual((ended, self.incoming()), (code, queued), seen)
+
+    def test_without_a_warning_or_with_yes_there_is_no_question(self):
+        for arguments in ([self.write("sound.stl", SMALL)], [self.island, "--yes"]):
+            seen, ended = self.in_terminal(b"n\n", *arguments)
+            self.assertEqual(ended, OK, seen)
+            self.assertNotIn("[Y/n]", seen)
+        self.assertEqual(self.incoming(), ["island.stl", "sound.stl"])
+
+    def test_what_it_does_not_know_it_says_and_queues_all_the_same(self):
+        flat = self.write("flat.stl", binary_stl(box((0, 0, 0), (5, 5, 0))))
+        lines = self.lines(self.submit(flat))
+        self.assertTrue(lines[0].endswith("flat.stl: time and resin not known"), lines)
+        self.assertRegex(lines[1], "^  warning: contourd would not print it: .*flat")
+        lines = self.lines(contourctl("submit", flat, "--spool", self.spool()))
+        self.assertRegex(lines[0], r"flat\.stl: time and resin not known: the printer is not known: .*; --printer FILE says it$")
+        self.assertEqual(self.incoming(), ["flat-2.stl", "flat.stl"])
+
+    def test_a_large_file_is_queued_without_being_read_before(self):
+        large = self.path("large.stl")
+        with open(large, "wb") as file:
+            file.write(b"\0" * 80 + (2_100_000).to_bytes(4, "little"))
+            file.truncate(84 + 50 * 2_100_000)
+        lines = self.lines(self.submit(large))
+        self.assertIn("105 MB are too much to be looked at here", lines[0])
+
+    def test_a_wrong_configuration_is_told_and_nothing_is_queued(self):
+        for file, code in ((self.path("none.json"), BAD_CONFIG), (self.write("bad.json", b"{}"), BAD_CONFIG)):
+            result = contourctl("submit", self.island, "--spool", self.spool(), "--printer", file)
+            self.assertEqual(result.returncode, code, result)
+            self.assertEqual((result.stdout, self.incoming()), (b"", []))
 
 
 if __name__ == "__main__":

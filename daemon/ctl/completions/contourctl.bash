@@ -12,6 +12,10 @@ _contourctl_words() {
       ;;
     ended) contourctl history --csv 2>/dev/null | sed -nE '1d; s/^"(([^"]|"")*)",.*/\1/; s/""/"/g; p' | sort -u ;;
     waiting) contourctl queue 2>/dev/null | sed -n 's/^ *[0-9][0-9]*  \(.*\)\.[^.]*$/\1/p' ;;
+    asking)
+      contourctl queue 2>/dev/null |
+        sed -nE '/^ *[0-9]+  /{s/^ *[0-9]+  (.*)\.[^.]*$/\1/;h}; /^     waits to be accepted/{x;p}'
+      ;;
     resins)
       for name in /etc/contourd/resins/*.json; do
         name=${name##*/}
@@ -26,7 +30,9 @@ _contourctl() {
   if [[ ${COMP_WORDS[1]} == queue && $COMP_CWORD == 3 && $word != -* ]]; then before=queue-job; fi
   if [[ $before == preview && $COMP_CWORD == 2 && $word != -* ]]; then before=preview-job; fi
   if [[ $before == logs && $COMP_CWORD == 2 && $word != -* ]]; then before=--job; fi
+  if [[ $before == accept && $COMP_CWORD == 2 && $word != -* ]]; then before=asking-job; fi
   case $before in
+    asking-job) words=$(_contourctl_words asking) ;;
     queue-job) words=$(_contourctl_words waiting) ;;
     preview-job)
       words=$(_contourctl_words jobs; _contourctl_words ended)

@@ -19,6 +19,9 @@ end
 function __contourctl_waiting
     contourctl queue 2>/dev/null | sed -n 's/^ *[0-9][0-9]*  \(.*\)\.[^.]*$/\1/p'
 end
+function __contourctl_asking
+    contourctl queue 2>/dev/null | sed -nE '/^ *[0-9]+  /{s/^ *[0-9]+  (.*)\.[^.]*$/\1/;h}; /^     waits to be accepted/{x;p}'
+end
 function __contourctl_ended
     contourctl history --csv 2>/dev/null | sed -nE '1d; s/^"(([^"]|"")*)",.*/\1/; s/""/"/g; p' | sort -u
 end
@@ -46,6 +49,7 @@ for group in motor light projector queue config
     complete -c contourctl -n "__contourctl_before $group" -f -a "(__contourctl_commands $group)"
 end
 complete -c contourctl -n '__contourctl_before preview' -f -a '(__contourctl_jobs) (__contourctl_ended) (__contourctl_models)'
+complete -c contourctl -n '__contourctl_before accept' -f -a '(__contourctl_asking)'
 complete -c contourctl -n '__contourctl_before logs' -f -a '(__contourctl_jobs)'
 complete -c contourctl -n __contourctl_queue_command -f -a '(__contourctl_waiting)'
 complete -c contourctl -n '__contourctl_before show; and not __contourctl_queue_command' -a 'white black grid checker focus border dimensions'

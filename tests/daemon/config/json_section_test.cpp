@@ -37,6 +37,17 @@ TEST_CASE("an integer is read only from a whole number that the type can hold") 
         Complaints{"/x: 18446744073709551615 is out of range"});
 }
 
+TEST_CASE("a list of texts is read only from texts") {
+  CHECK(JsonSection(holding({"a", "b"})).texts("x") == std::vector<std::string>{"a", "b"});
+  CHECK(JsonSection(holding(nlohmann::json::array())).texts("x").empty());
+  const auto complaints = [](const nlohmann::json& value) {
+    const JsonDocument document = holding(value);
+    return complaints_of([&] { (void)JsonSection(document).texts("x"); });
+  };
+  CHECK(complaints("a") == Complaints{"/x: expected a list"});
+  CHECK(complaints({"a", 1}) == Complaints{"/x: expected a list of texts"});
+}
+
 TEST_CASE("a read of the wrong kind or of nothing throws with its place") {
   const JsonDocument document = JsonDocument::from_text(R"({"a": {"b": true, "c": 1}})", "test.json");
   const JsonSection a = JsonSection(document).section("a");
