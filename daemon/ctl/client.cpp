@@ -61,6 +61,8 @@ void print_status(const Json& status) {
   if (status["held"].is_string()) fmt::print("held      {}\n", printable(status["held"].get<std::string>()));
   if (status["waiting_for"].is_string() && status["waiting_for"] != status["held"])
     fmt::print("waiting   {}\n", printable(status["waiting_for"].get<std::string>()));
+  for (const Json& reminder : status["reminders"])
+    fmt::print("reminder  {}\n", printable(reminder.get<std::string>()));
   if (status["last"].is_object()) {
     const Json& last = status["last"];
     fmt::print("last job  {}: {}\n", printable(last.value("job", "")), end_of(last));

@@ -50,6 +50,7 @@ ENDED_JOB, MANUAL = rows("### An ended job"), rows("### What is done by hand")
 WAITING = rows("### A waiting job")
 PAST_JOB = rows("### A job of the history")
 INPUT = rows("### An input")
+PART = rows("### A part that wears")
 TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history"), "usage": rows("### A usage"), "reading": rows("### A reading of the inputs"),
           "picture": rows("### A picture"), "piece": rows("### A piece")}
 STATES = {name for name, _ in rows("### States")}
@@ -111,6 +112,8 @@ class ControlApiTest(FolderTest):
         for job in result["jobs"] if reply[1] == "queue" else ():
             self.assert_fields(job, WAITING)
             self.assertIn(f"`{job['state']}`", WAITING[3][2])
+        for part in result.get("parts", ()):
+            self.assert_fields(part, PART)
         for job in result.get("ended", ()):
             self.assert_fields(job, PAST_JOB)
 
@@ -139,9 +142,9 @@ class ControlApiTest(FolderTest):
         for name in ("one", "two"):
             daemon.drop(f"{name}.stl", SMALL)
         wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready"] * 2, "their checks")
-        of_job = {"queue_move": {"job": "two", "to": 1}, "queue_remove": {"job": "one"}}
-        for method in ("watch", "status", "queue", "history", "usage", "queue_move", "queue_remove", "pause", "resume", "cancel"):
-            answers[method] = daemon.client().call(method, **of_job.get(method, {}))
+        parameters_of = {"queue_move": {"job": "two", "to": 1}, "queue_remove": {"job": "one"}, "replaced": {"part": "film"}}
+        for method in ("watch", "status", "queue", "history", "usage", "replaced", "queue_move", "queue_remove", "pause", "resume", "cancel"):
+            answers[method] = daemon.client().call(method, **parameters_of.get(method, {}))
         daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
         answers["plate_cleared"] = daemon.rpc("plate_cleared")
@@ -184,6 +187,8 @@ class ControlApiTest(FolderTest):
         daemon.rpc("plate_cleared")
         daemon.drop("thin.stl", binary_stl(box((0, 0, 0), (10, 5, 0.05))))
         daemon.wait_ended("thin")
+        daemon.rpc("replaced", part="film")
+        daemon.watcher.wait_for(lambda m: m.get("method") == "reminders", "the new film")
         daemon.rpc("projector")
         daemon.watcher.wait_for(lambda m: m.get("method") == "manual", "the projector")
         told = [message for message in daemon.watcher.seen if "id" not in message]
