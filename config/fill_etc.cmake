@@ -3,7 +3,7 @@
 set(etc "$ENV{DESTDIR}/etc/contourd")
 file(GLOB_RECURSE files RELATIVE "$ENV{DESTDIR}${shipped}" "$ENV{DESTDIR}${shipped}/*.json")
 foreach(file ${files})
-  if(file STREQUAL "raspberry-pi.json")  # an example
+  if(file MATCHES "^raspberry-pi-")  # examples
     continue()
   elseif(EXISTS "${etc}/${file}" OR IS_SYMLINK "${etc}/${file}")
     message(STATUS "Left as it is: ${etc}/${file}")

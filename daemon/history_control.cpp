@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/readable.hpp"
+
 namespace contourd {
 
 using Json = HistoryControl::Json;
@@ -106,10 +108,36 @@ Json reply(HistoryPage page, const std::string& trouble) {
 constexpr double kSecondsPerHour = 3600;
 constexpr const char* kAskerHasGone = "nobody waits for the answer";
 
+WearPart part_of(const Json& given) {
+  const auto name = given.find("part");
+  const auto* const part = std::ranges::find_if(kWearParts, [&](WearPart each) {
+    return name != given.end() && name->is_string() && name->get_ref<const std::string&>() == name_of(each);
+  });
+  if (part == kWearParts.end()) throw InvalidParameters("part is one of lamp, film, vat");
+  return *part;
+}
+
+template <typename Number>
+Json or_null(const std::optional<Number>& number) {
+  return number ? Json(*number) : Json();
+}
+
+Json part_json(const WearPartUse& use, const WearLimits& limits) {
+  return {{"part", name_of(use.part)},
+          {"replaced", use.replaced ? Json(iso_time(*use.replaced)) : Json()},
+          {"lamp_h", use.lamp_h},
+          {"layers", use.layers},
+          {"prints", use.prints},
+          {"lamp_h_limit", or_null(limits.lamp_h)},
+          {"layers_limit", or_null(limits.layers)},
+          {"prints_limit", or_null(limits.prints)},
+          {"reminder", or_null(reminder_of(use, limits))}};
+}
+
 }  // namespace
 
 ControlMethods HistoryControl::methods() {
-  ControlMethod jobs, used;
+  ControlMethod jobs, used, replaced;
   jobs.parameters = {"last", "before", "since", "outcome", "resin", "job", "this_run"};
   jobs.call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
     return history(given, caller, std::move(later));
@@ -117,7 +145,12 @@ ControlMethods HistoryControl::methods() {
   used.call_later = [this](const Json&, const ControlCaller& caller, ControlMethod::Later later) {
     return usage(caller, std::move(later));
   };
-  return {{"history", std::move(jobs)}, {"usage", std::move(used)}};
+  replaced.parameters = {"part"};
+  replaced.changes = true;
+  replaced.call_later = [this](const Json& given, const ControlCaller& caller, ControlMethod::Later later) {
+    return replace(given, caller, std::move(later));
+  };
+  return {{"history", std::move(jobs)}, {"usage", std::move(used)}, {"replaced", std::move(replaced)}};
 }
 
 std::optional<Json> HistoryControl::history(const Json& given, const ControlCaller& caller,
@@ -141,26 +174,47 @@ std::optional<Json> HistoryControl::history(const Json& given, const ControlCall
   return std::nullopt;
 }
 
+Json HistoryControl::usage_reply(const std::optional<KeptHistory::AllUsage>& usage,
+                                 const std::string& trouble) const {
+  const Usage all = usage ? usage->all : Usage{};
+  Json resins = Json::array(), parts = Json::array();
+  for (const Usage& each : usage ? usage->by_resin : std::vector<Usage>{}) {
+    resins.push_back({{"resin", each.resin},
+                      {"jobs", each.jobs},
+                      {"layers", each.layers},
+                      {"lamp_h", each.lit_s / kSecondsPerHour},
+                      {"resin_ml", each.resin_ml}});
+  }
+  for (const WearPartUse& each : usage ? usage->wear : std::vector<WearPartUse>{})
+    parts.push_back(part_json(each, reminders_.limits(each.part)));
+  return {
+      {"jobs", all.jobs},           {"layers", all.layers},        {"lamp_h", all.lit_s / kSecondsPerHour},
+      {"resin_ml", all.resin_ml},   {"resins", std::move(resins)}, {"parts", std::move(parts)},
+      {"trouble", or_null(trouble)}};
+}
+
 std::optional<Json> HistoryControl::usage(const ControlCaller& caller, ControlMethod::Later later) {
-  kept_.usage(caller, [later = std::move(later)](const std::optional<KeptHistory::AllUsage>& usage,
-                                                 const std::string& trouble) {
+  kept_.usage(caller, [this, later = std::move(later)](const std::optional<KeptHistory::AllUsage>& usage,
+                                                       const std::string& trouble) {
     if (!usage && trouble.empty()) return later(ControlRefusal(kAskerHasGone));
-    const Usage all = usage ? usage->all : Usage{};
-    Json resins = Json::array();
-    for (const Usage& each : usage ? usage->by_resin : std::vector<Usage>{}) {
-      resins.push_back({{"resin", each.resin},
-                        {"jobs", each.jobs},
-                        {"layers", each.layers},
-                        {"lamp_h", each.lit_s / kSecondsPerHour},
-                        {"resin_ml", each.resin_ml}});
-    }
-    later(Json{{"jobs", all.jobs},
-               {"layers", all.layers},
-               {"lamp_h", all.lit_s / kSecondsPerHour},
-               {"resin_ml", all.resin_ml},
-               {"resins", std::move(resins)},
-               {"trouble", or_null(trouble)}});
+    later(usage_reply(usage, trouble));
   });
+  return std::nullopt;
+}
+
+std::optional<Json> HistoryControl::replace(const Json& given, const ControlCaller& caller,
+                                            ControlMethod::Later later) {
+  const WearPart part = part_of(given);
+  kept_.replace(
+      part, caller,
+      [this, part, later = std::move(later)](const std::optional<KeptHistory::AllUsage>& usage,
+                                             const std::string& trouble) {
+        if (!usage)
+          return later(ControlRefusal(trouble.empty() ? kAskerHasGone : trouble + "; nothing is noted"));
+        reminders_.update(usage->wear);
+        later(usage_reply(usage, trouble));
+        replaced_(part);
+      });
   return std::nullopt;
 }
 

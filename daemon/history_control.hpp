@@ -2,9 +2,15 @@
 // loop's thread only.
 #pragma once
 
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+
 #include "daemon/control_method.hpp"
 #include "daemon/job_history.hpp"
 #include "daemon/kept_history.hpp"
+#include "daemon/reminders.hpp"
 
 namespace contourd {
 
@@ -14,8 +20,11 @@ class HistoryControl {
   // A reply's jobs.
   static constexpr std::size_t kLongestPage = 100;
 
-  // Both must outlive the control. `recent` is asked where the kept one cannot be.
-  HistoryControl(KeptHistory& kept, const JobHistory& recent) : kept_(kept), recent_(recent) {}
+  // All must outlive the control. `recent` is asked where the kept one cannot be; `replaced` is called when a
+  // part was.
+  HistoryControl(KeptHistory& kept, const JobHistory& recent, Reminders& reminders,
+                 std::function<void(WearPart)> replaced)
+      : kept_(kept), recent_(recent), reminders_(reminders), replaced_(std::move(replaced)) {}
 
   // All of them, by name. The control must outlive them.
   [[nodiscard]] ControlMethods methods();
@@ -25,9 +34,14 @@ class HistoryControl {
  private:
   std::optional<Json> history(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
   std::optional<Json> usage(const ControlCaller& caller, ControlMethod::Later later);
+  std::optional<Json> replace(const Json& given, const ControlCaller& caller, ControlMethod::Later later);
+  [[nodiscard]] Json usage_reply(const std::optional<KeptHistory::AllUsage>& usage,
+                                 const std::string& trouble) const;
 
   KeptHistory& kept_;
   const JobHistory& recent_;
+  Reminders& reminders_;
+  std::function<void(WearPart)> replaced_;
 };
 
 }  // namespace contourd

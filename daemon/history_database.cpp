@@ -22,8 +22,7 @@ constexpr milliseconds kPatience{500}, kLongestQuery{2000};
 constexpr std::size_t kLongestText = 1'000, kLongestAnalysis = 8'000, kMostWarnings = 10;
 constexpr std::size_t kMostResins = 100;
 
-// What makes a database of one version one of the next; a new file is of version 0.
-constexpr std::array<const char*, 1> kMigrations{R"(
+constexpr const char* kJobTables = R"(
 CREATE TABLE job(
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   key INTEGER NOT NULL UNIQUE,
@@ -56,7 +55,21 @@ CREATE TABLE forgotten(
   lit_s REAL NOT NULL,
   resin_ml REAL NOT NULL
 ) STRICT;
-)"};
+)";
+// `replaced`: what all prints had used when the part was new.
+constexpr const char* kWearTable = R"(
+ALTER TABLE forgotten ADD COLUMN prints INTEGER NOT NULL DEFAULT 0;
+UPDATE forgotten SET prints=jobs;
+CREATE TABLE replaced(
+  part TEXT PRIMARY KEY,
+  at_ms INTEGER NOT NULL,
+  layers INTEGER NOT NULL,
+  prints INTEGER NOT NULL,
+  lit_s REAL NOT NULL
+) STRICT;
+)";
+// What makes a database of one version one of the next; a new file is of version 0.
+constexpr std::array<const char*, 2> kMigrations{kJobTables, kWearTable};
 constexpr std::int64_t kVersion = std::ssize(kMigrations);
 
 // In the order of bind_figures().
@@ -65,8 +78,8 @@ constexpr const char* kSetFigures =
     "light_asked_s=?,most_light_over_ms=?,resin_ml=?,interruptions=?,late_steps=?,warnings=?";
 // What was used up, of both tables.
 constexpr const char* kUsed =
-    "(SELECT resin, 1 AS jobs, layers_exposed AS layers, lit_s, resin_ml FROM job UNION ALL "
-    "SELECT resin, jobs, layers, lit_s, resin_ml FROM forgotten)";
+    "(SELECT resin, 1 AS jobs, layers_exposed>0 AS prints, layers_exposed AS layers, lit_s, resin_ml "
+    "FROM job UNION ALL SELECT resin, jobs, prints, layers, lit_s, resin_ml FROM forgotten)";
 
 std::string shortened(std::string_view text) {
   return std::string(text.substr(0, kLongestText));
@@ -94,6 +107,10 @@ std::int64_t ms(system_clock::time_point time) {
   return std::chrono::duration_cast<milliseconds>(time.time_since_epoch()).count();
 }
 
+system_clock::time_point time_at(std::int64_t ms_since_epoch) {
+  return system_clock::time_point(milliseconds(ms_since_epoch));
+}
+
 template <typename... Behind>
 void bind_figures(SqliteStatement& statement, const JobFigures& figures, const Behind&... behind) {
   statement.bind(shortened(figures.resin), shortened(figures.settings), figures.height_mm,
@@ -119,12 +136,9 @@ constexpr const char* kColumns =
 constexpr int kIdColumn = 20;
 
 EndedJob job_in(const SqliteStatement& row) {
-  const auto time = [&row](int column) {
-    return system_clock::time_point(milliseconds(row.integer(column)));
-  };
   EndedJob job{.name = row.text(0), .outcome = row.text(1), .reason = row.text(2)};
-  job.began = time(3);
-  job.ended = time(4);
+  job.began = time_at(row.integer(3));
+  job.ended = time_at(row.integer(4));
   job.analysis = Json::parse(row.text(5), nullptr, false);
   if (!job.analysis.is_object()) job.analysis = Json();
   job.figures = {.resin = row.text(6),
@@ -268,8 +282,10 @@ void HistoryDatabase::forget_oldest() {
   const std::string oldest = fmt::format(
       "id IN (SELECT id FROM job WHERE outcome IS NOT NULL ORDER BY id LIMIT {})", jobs - kMostJobs);
   database_.execute(fmt::format(
-      "INSERT INTO forgotten SELECT resin,count(*),sum(layers_exposed),sum(lit_s),sum(resin_ml) FROM job "
+      "INSERT INTO forgotten(resin,jobs,prints,layers,lit_s,resin_ml) SELECT resin,count(*),"
+      "sum(layers_exposed>0),sum(layers_exposed),sum(lit_s),sum(resin_ml) FROM job "
       "WHERE {0} GROUP BY resin ON CONFLICT(resin) DO UPDATE SET jobs=jobs+excluded.jobs,"
+      "prints=prints+excluded.prints,"
       "layers=layers+excluded.layers,lit_s=lit_s+excluded.lit_s,resin_ml=resin_ml+excluded.resin_ml;"
       "DELETE FROM job WHERE {0}",
       oldest));
@@ -323,6 +339,43 @@ Usage HistoryDatabase::usage() {
                       fmt::format("SELECT '',sum(jobs),sum(layers),sum(lit_s),sum(resin_ml) FROM {}", kUsed));
   row.step();
   return usage_in(row);
+}
+
+// --- parts that wear
+
+void HistoryDatabase::replace(WearPart part, system_clock::time_point when) {
+  const SqliteTimeLimit limit(database_, kLongestQuery);
+  SqliteStatement(
+      database_,
+      fmt::format("INSERT OR REPLACE INTO replaced(part,at_ms,layers,prints,lit_s) SELECT "
+                  "?1,?2,coalesce(sum(layers),0),coalesce(sum(prints),0),coalesce(sum(lit_s),0) FROM {}",
+                  kUsed))
+      .bind(name_of(part), ms(when))
+      .step();
+}
+
+std::vector<WearPartUse> HistoryDatabase::wear() {
+  constexpr double kSecondsPerHour = 3600;
+  const SqliteTimeLimit limit(database_, kLongestQuery);
+  SqliteStatement all(database_, fmt::format("SELECT sum(layers),sum(prints),sum(lit_s) FROM {}", kUsed));
+  all.step();
+  std::vector<WearPartUse> uses;
+  for (const WearPart part : kWearParts) {
+    WearPartUse use{.part = part};
+    SqliteStatement row(database_, "SELECT layers,prints,lit_s,at_ms FROM replaced WHERE part=?");
+    use.layers = all.integer(0);
+    use.prints = all.integer(1);
+    double lit_s = all.real(2);
+    if (row.bind(name_of(part)).step()) {
+      use.layers -= row.integer(0);
+      use.prints -= row.integer(1);
+      lit_s -= row.real(2);
+      use.replaced = time_at(row.integer(3));
+    }
+    use.lamp_h = std::max(lit_s, 0.0) / kSecondsPerHour;
+    uses.push_back(use);
+  }
+  return uses;
 }
 
 }  // namespace contourd

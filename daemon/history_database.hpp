@@ -18,6 +18,7 @@
 
 #include "daemon/job_history.hpp"
 #include "daemon/sqlite.hpp"
+#include "daemon/wear_part.hpp"
 
 namespace contourd {
 
@@ -78,6 +79,11 @@ class HistoryDatabase {
   // By resin, the one with most light first; a hundred at most.
   [[nodiscard]] std::vector<Usage> usage_by_resin();
   [[nodiscard]] Usage usage();
+
+  // The part is new: its use counts from here on.
+  void replace(WearPart part, std::chrono::system_clock::time_point when);
+  // Of all parts, in their order.
+  [[nodiscard]] std::vector<WearPartUse> wear();
 
  private:
   void migrate();

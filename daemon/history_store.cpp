@@ -144,8 +144,10 @@ void HistoryStore::put_aside(const std::string& why) {
   if (look_at(with(file_, "-wal"))) fs::rename(with(file_, "-wal"), with(aside, "-wal"));
   fs::remove(with(file_, "-shm"));
   sync_folder(file_.parent_path());
-  notes_.push_back(fmt::format("the history was damaged ({}); it is put aside as {}, and begun anew", why,
-                               aside.string()));
+  notes_.push_back(
+      fmt::format("the history was damaged ({}); it is put aside as {}, and begun anew, and "
+                  "with it what the lamp, the film and the vat have been used",
+                  why, aside.string()));
 }
 
 }  // namespace contourd

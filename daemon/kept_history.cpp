@@ -21,6 +21,10 @@ std::int64_t new_key() {
   return static_cast<std::int64_t>(std::uint64_t{chance()} << 32 | chance());
 }
 
+KeptHistory::AllUsage usage_of(HistoryDatabase& database) {
+  return {database.usage(), database.usage_by_resin(), database.wear()};
+}
+
 }  // namespace
 
 KeptHistory::KeptHistory(EventLoop& loop, const Log& log, const std::filesystem::path& file)
@@ -181,10 +185,20 @@ void KeptHistory::list(const HistoryQuery& query, const ControlCaller& asker, Do
 }
 
 void KeptHistory::usage(const ControlCaller& asker, Done<AllUsage> done) {
+  ask<AllUsage>(asker, usage_of, std::move(done));
+}
+
+void KeptHistory::wear(Done<std::vector<WearPartUse>> done) {
+  ask<std::vector<WearPartUse>>(
+      {}, [](HistoryDatabase& database) { return database.wear(); }, std::move(done));
+}
+
+void KeptHistory::replace(WearPart part, const ControlCaller& asker, Done<AllUsage> done) {
   ask<AllUsage>(
       asker,
-      [](HistoryDatabase& database) {
-        return AllUsage{database.usage(), database.usage_by_resin()};
+      [part, when = std::chrono::system_clock::now()](HistoryDatabase& database) {
+        database.replace(part, when);
+        return usage_of(database);
       },
       std::move(done));
 }

@@ -54,8 +54,13 @@ class KeptHistory {
   struct AllUsage {
     Usage all;
     std::vector<Usage> by_resin;
+    std::vector<WearPartUse> wear;
   };
   void usage(const ControlCaller& asker, Done<AllUsage> done);
+  // Of the parts alone, for contourd itself.
+  void wear(Done<std::vector<WearPartUse>> done);
+  // The part is new. Nothing when that could not be stored; it is not tried again.
+  void replace(WearPart part, const ControlCaller& asker, Done<AllUsage> done);
   // What that connection asked is looked up no more.
   void disconnected(std::uint64_t connection);
 

@@ -43,12 +43,13 @@ PrinterService::PrinterService(const PrinterConfig& config, EventLoop& loop, Clo
       kept_history_(loop, log, state_folder_path(config.spool_folder) / "history.sqlite"),
       notices_(loop, log, config.job_ended_socket, config.name),
       manual_(machine, clock, [this] { manual_changed(); }),
-      status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_, manual_}),
+      reminders_(config.reminders),
+      status_(context_, {spool_, queue_, scheduler_, hold_, job_, history_, manual_, reminders_}),
       control_(context_, hold_, job_, scheduler_, status_),
       queue_control_(queue_, job_, status_),
       picture_worker_(loop, "contourd-picture", kPictureNiceness),
       manual_control_(context_, {hold_, job_, scheduler_, status_}, manual_, picture_worker_),
-      history_control_(kept_history_, history_),
+      history_control_(kept_history_, history_, reminders_, [this](WearPart part) { part_replaced(part); }),
       screen_control_(loop, picture_worker_, job_, manual_) {}
 
 PrinterService::~PrinterService() {
@@ -162,6 +163,25 @@ void PrinterService::adopt_left_jobs() {
        hold_.adopt_left_jobs([this](const JobFiles& files) { return reader_.take_ended(files); }))
     left.push_back(ended(name, end));
   kept_history_.adopt(std::move(left), std::move(last_end));
+  remind();
+}
+
+void PrinterService::part_replaced(WearPart part) {
+  context_.log.info("reminder", fmt::format("the {} is new: its use counts from now on", name_of(part)));
+  notify("reminders", ControlServer::Delivery::Lossy);
+}
+
+// Where the history cannot be asked, that is told already.
+void PrinterService::remind() {
+  if (!reminders_.wanted()) return;
+  kept_history_.wear([this](const std::optional<std::vector<WearPartUse>>& uses, const std::string&) {
+    if (!uses) return;
+    reminders_.update(*uses);
+    if (reminders_.due().empty()) return;
+    for (const std::string& sentence : reminders_.due())
+      context_.log.warning("reminder", sentence);
+    notify("reminders", ControlServer::Delivery::Lossy);
+  });
 }
 
 std::string PrinterService::metrics() const {
@@ -310,6 +330,7 @@ void PrinterService::job_ended(EndedJob job) {
   if (was_refused) kept_history_.end(job);
   queue_.questions().ended();
   note_end(std::move(job));
+  if (!was_refused) remind();
   scheduler_.run_soon();
 }
 

@@ -29,6 +29,7 @@
 #include "daemon/printer_status.hpp"
 #include "daemon/queue_control.hpp"
 #include "daemon/queue_hold.hpp"
+#include "daemon/reminders.hpp"
 #include "daemon/screen_control.hpp"
 #include "daemon/spool.hpp"
 #include "daemon/worker.hpp"
@@ -86,6 +87,9 @@ class PrinterService final : private JobObserver {
   [[nodiscard]] std::string metrics() const;
   // Has the history know what the last process left.
   void adopt_left_jobs();
+  // Asks the history what is due, and tells it.
+  void remind();
+  void part_replaced(WearPart part);
   // Of a job whose turn never came.
   void note_refusal(EndedJob job);
   // Into what is remembered, and to all who watch.
@@ -105,6 +109,7 @@ class PrinterService final : private JobObserver {
   KeptHistory kept_history_;
   EndedJobNotices notices_;
   ManualProcess manual_;
+  Reminders reminders_;
   PrinterStatus status_;
   PrinterControl control_;
   QueueControl queue_control_;

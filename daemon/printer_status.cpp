@@ -146,6 +146,7 @@ Json PrinterStatus::status() const {
   add_incoming(status);
   add_reasons_to_wait(status);
   const auto& ended = parts_.history.jobs();
+  status["reminders"] = parts_.reminders.due();
   status["last"] = ended.empty() ? Json() : ended_json(ended.back());
   status["dark"] = dark();
   status["manual"] = manual();

@@ -16,6 +16,7 @@
 #include "daemon/printer_context.hpp"
 #include "daemon/printer_metrics.hpp"
 #include "daemon/queue_hold.hpp"
+#include "daemon/reminders.hpp"
 #include "daemon/spool.hpp"
 
 namespace contourd {
@@ -32,6 +33,7 @@ class PrinterStatus {
     const CurrentJob& job;
     const JobHistory& history;
     const ManualProcess& manual;
+    const Reminders& reminders;
   };
   // All must outlive the status.
   PrinterStatus(const PrinterContext& context, const Parts& parts) : context_(context), parts_(parts) {}

@@ -186,6 +186,22 @@ std::optional<std::uint64_t> read_memory_limit(const JsonSection& root) {
   return kBytesPerMb * root.integer<std::uint64_t>("memory_limit_mb");
 }
 
+WearLimits read_wear_limits(const JsonSection& reminders, std::string_view part) {
+  WearLimits limits;
+  if (!reminders.has(part)) return limits;
+  const JsonSection section = reminders.section(part);
+  if (section.has("lamp_h")) limits.lamp_h = section.number("lamp_h");
+  if (section.has("layers")) limits.layers = section.integer<std::int64_t>("layers");
+  if (section.has("prints")) limits.prints = section.integer<std::int64_t>("prints");
+  return limits;
+}
+
+ReminderConfig read_reminders(const JsonSection& reminders) {
+  return {.lamp = read_wear_limits(reminders, "lamp"),
+          .film = read_wear_limits(reminders, "film"),
+          .vat = read_wear_limits(reminders, "vat")};
+}
+
 // What the printer's file refers to.
 struct Companions {
   std::optional<LoadedResin> resin;
@@ -261,6 +277,7 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .irradiance_mw_cm2 = root.section("projector").number("irradiance_mw_cm2"),
       .manual = {.light_limit = root.section("manual").duration("light_limit_s"),
                  .vat_depth = root.section("manual").length("vat_depth_mm")},
+      .reminders = read_reminders(root.section("reminders")),
       .pace = !real && root.section("simulation").text("pace") == "fast" ? Pace::Fast : Pace::Realtime,
       .simulated = read_simulated(root, folder),
       .real = {},

@@ -12,6 +12,7 @@
 #include "core/mask/exposure_correction.hpp"
 #include "daemon/config/config_error.hpp"
 #include "daemon/config/resin_profile.hpp"
+#include "daemon/wear_part.hpp"
 #include "hw/real_machine_config.hpp"
 #include "hw/simulated_printer_config.hpp"
 
@@ -59,6 +60,7 @@ struct PrinterConfig {
   double irradiance_mw_cm2 = 0.0;  // of a white pixel, on the film
 
   ManualConfig manual;
+  ReminderConfig reminders;
 
   Pace pace = Pace::Realtime;
   SimulatedPrinterConfig simulated;

@@ -71,6 +71,8 @@ void print_status(const Json& status) {
   if (status["waiting_for"].is_string() && status["waiting_for"] != status["held"] &&
       !is_value_in(status["unaccepted"], status["waiting_for"]))
     fmt::print("waiting   {}\n", printable(status["waiting_for"].get<std::string>()));
+  for (const Json& reminder : status["reminders"])
+    fmt::print("reminder  {}\n", printable(reminder.get<std::string>()));
   if (status["last"].is_object()) {
     const Json& last = status["last"];
     fmt::print("last job  {}: {}\n", printable(last.value("job", "")), end_of(last));

@@ -155,6 +155,22 @@ void print_csv(const Json& jobs) {
   }
 }
 
+// Of a limit, " of 300"; empty where there is none.
+std::string limit_of(const Json& part, const char* key) {
+  return part[key].is_number() ? fmt::format(" of {:.10g}", part[key].get<double>()) : "";
+}
+
+// What it has been used since it was new.
+void print_part(const Json& part) {
+  const std::string since = part["replaced"].is_string()
+                                ? "since " + local_time(part["replaced"].get<std::string>())
+                                : "since the history began";
+  fmt::print("{:<10}{:.2f}{} h lit, {}{} layers, {}{} prints {}\n",
+             printable(part.value("part", "")) + " use", part.value("lamp_h", 0.0),
+             limit_of(part, "lamp_h_limit"), part.value("layers", 0), limit_of(part, "layers_limit"),
+             part.value("prints", 0), limit_of(part, "prints_limit"), since);
+}
+
 }  // namespace
 
 int history(const ClientOptions& client, const HistoryOptions& options) {
@@ -191,6 +207,11 @@ void print_usage(const Json& usage) {
     fmt::print("          {:.2f} ml of {}: {} jobs, {} layers, {:.2f} h lit\n", each.value("resin_ml", 0.0),
                printable(each.value("resin", "")), each.value("jobs", 0), each.value("layers", 0),
                each.value("lamp_h", 0.0));
+  for (const Json& part : usage["parts"])
+    print_part(part);
+  for (const Json& part : usage["parts"])
+    if (part["reminder"].is_string())
+      fmt::print("reminder  {}\n", printable(part["reminder"].get<std::string>()));
 }
 
 }  // namespace contourd::ctl

@@ -207,10 +207,11 @@ struct WiringWords {
   bool once = false;
 };
 
-// What the user typed for history and watch.
+// What the user typed for history, watch and replaced.
 struct EndedWords {
   HistoryOptions history;
   std::optional<std::string> job;
+  std::string part;
 };
 
 // What the user typed for the queue's commands.
@@ -413,6 +414,14 @@ class CommandLine {
     add_accept();
     add_history();
     add_client("usage", "Hours of light, layers and resin so far", "usage", print_usage);
+    CLI::App* replaced = add_command(
+        "replaced", "Note that the lamp, the film or the vat is new: its use counts from now on", [this] {
+          return request(client_, {"replaced", {{"part", ended_.part}}}, print_usage);
+        });
+    replaced->add_option("PART", ended_.part, "lamp, film or vat")
+        ->required()
+        ->check(CLI::IsMember({"lamp", "film", "vat"}));
+    add_client_options(replaced);
     add_client("pause", "Pause after the layer under way", "pause");
     add_client("resume", "Go on after a pause, or with the queue after a failure", "resume");
     add_client("cancel", "End the print under way: light off, plate up", "cancel");

@@ -37,6 +37,7 @@ enum Rank {
   kResin,
   kByHand,
   kLast,
+  kReminder,
   kUnprinted,
   kHeader,
   kBlank
@@ -282,6 +283,9 @@ class View {
           fmt::format("{}: {}{}", text_of(last, "job"), outcome, reason.empty() ? "" : ": " + reason), kLast,
           outcome == "done" ? Ink::Plain : Ink::Warning);
     }
+    for (const Json& reminder : part_of(status_, "reminders"))
+      if (reminder.is_string())
+        add("reminder", printable(reminder.get<std::string>()), kReminder, Ink::Warning);
     add_manual();
   }
 

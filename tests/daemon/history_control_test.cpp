@@ -58,7 +58,10 @@ class Desk : public testing::PrinterFixture {
   std::vector<std::size_t> answered;  // their numbers, as they came
   KeptHistory kept{loop, log.log, file};
   JobHistory recent;
-  HistoryControl control{kept, recent};
+  ReminderConfig limits{.lamp = {.lamp_h = 0.5}, .film = {.layers = 10, .prints = 3}, .vat = {}};
+  Reminders reminders{limits};
+  int replacements = 0;
+  HistoryControl control{kept, recent, reminders, [this](WearPart) { ++replacements; }};
   ControlMethods methods = control.methods();
 };
 
@@ -229,4 +232,70 @@ TEST_CASE("What an asker wanted who has gone is not looked up") {
   CHECK(desk.replies[1] == "nobody waits for the answer");
   CHECK(desk.replies[2] == desk.replies[1]);
   CHECK(desk.replies[3].contains("ended"));
+}
+
+TEST_CASE("A part that wears counts from when it was replaced, and is due from any of its limits on") {
+  Desk desk;
+  const auto print = [&](std::int64_t layers, double lit_s) {
+    desk.kept.begin("part");
+    EndedJob job{.name = "part", .outcome = "done", .reason = ""};
+    job.figures.layers_exposed = layers;
+    job.figures.lit_s = lit_s;
+    (void)desk.kept.end(job);
+  };
+  print(9, 1799);
+  // What happens to jobs goes before what is asked: each answer is waited for.
+  const auto ask = [&](const char* method, const Json& parameters = Json::object()) {
+    desk.ask(method, parameters);
+    desk.run();
+  };
+  ask("usage");
+  print(1, 1);
+  ask("usage");
+  ask("replaced", {{"part", "film"}});
+  desk.end("refused");  // no print
+  print(2, 0);
+  print(2, 0);
+  ask("usage");
+  print(2, 0);
+  ask("usage");
+  const auto reminder = [&](std::size_t reply, std::size_t part) {
+    return desk.replies[reply]["parts"][part]["reminder"];
+  };
+  CHECK(reminder(0, 0).is_null());
+  CHECK(reminder(0, 1).is_null());
+  CHECK(reminder(1, 0) ==
+        "the lamp is due: 0.5 h of light (limit 0.5) since the history began; when it is replaced: "
+        "contourctl replaced lamp");
+  CHECK(reminder(1, 1).get<std::string>().starts_with(
+      "the film is due: 10 layers (limit 10) since the history began;"));
+  CHECK(reminder(2, 1).is_null());
+  CHECK(desk.replies[2]["parts"][1]["layers"] == 0);
+  CHECK(desk.replies[2]["parts"][0]["layers"] == 10);
+  CHECK(desk.replies[3]["parts"][1]["prints"] == 2);
+  CHECK(reminder(3, 1).is_null());
+  CHECK(reminder(4, 1).get<std::string>().starts_with("the film is due: 3 prints (limit 3) since 2"));
+  CHECK(reminder(4, 2).is_null());  // no limit
+  CHECK(desk.replacements == 1);
+}
+
+TEST_CASE("What is due is of the last word of the history, and only what is wanted") {
+  const ReminderConfig none;
+  CHECK_FALSE(Reminders(none).wanted());
+  const ReminderConfig config{.lamp = {}, .film = {.layers = 10}, .vat = {.prints = 2}};
+  Reminders reminders(config);
+  CHECK(reminders.wanted());
+  reminders.update({{.part = WearPart::Lamp, .lamp_h = 1e6, .layers = 1'000'000'000, .prints = 1'000'000},
+                    {.part = WearPart::Film, .layers = 10},
+                    {.part = WearPart::Vat, .prints = 2}});
+  CHECK(reminders.due().size() == 2);
+  reminders.update({{.part = WearPart::Film, .layers = 9}});
+  CHECK(reminders.due().empty());
+}
+
+TEST_CASE("A part that is none is not replaced") {
+  Desk desk;
+  for (const Json& wrong : {Json("lens"), Json(""), Json(1), Json()})
+    CHECK_THROWS_AS(desk.ask("replaced", {{"part", wrong}}), InvalidParameters);
+  CHECK_THROWS_AS(desk.ask("replaced"), InvalidParameters);
 }

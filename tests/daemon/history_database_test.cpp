@@ -200,6 +200,10 @@ TEST_CASE("Of the oldest jobs what they used is kept, and nothing else") {
   CHECK(by_resin[0].resin == "grey");
   CHECK(by_resin[0].jobs == 10'002);
   CHECK(by_resin[1].resin_ml == 10);
+  const std::vector<WearPartUse> wear = database.wear();
+  REQUIRE(wear.size() == 3);
+  CHECK(wear[1].prints == 10'003);
+  CHECK(wear[1].layers == 2 * 10'003);
 }
 
 TEST_CASE("A history of a later contourd is left as it is") {

@@ -63,7 +63,9 @@ class Desk : public testing::CurrentJobFixture {
                           .copy_over = [] {}}};
   JobHistory history;
   ManualProcess process{machine, clock, [] {}};
-  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, process}};
+  ReminderConfig reminder_config;
+  Reminders reminders{reminder_config};
+  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, process, reminders}};
   Worker worker{loop, "test"};
   ManualControl control{context, {hold, job, scheduler, status}, process, worker};
   ControlMethods methods = control.methods();

@@ -63,7 +63,9 @@ class Desk : public testing::CurrentJobFixture {
                           .copy_over = [] {}}};
   JobHistory history;
   ManualProcess manual{machine, clock, [] {}};
-  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual}};
+  ReminderConfig reminder_config;
+  Reminders reminders{reminder_config};
+  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual, reminders}};
   PrinterControl control{context, hold, job, scheduler, status};
   ControlMethods methods = control.methods();
   Json reply;

@@ -33,7 +33,9 @@ class Desk : public testing::CurrentJobFixture {
                           .copy_over = [] {}}};
   JobHistory history;
   ManualProcess manual{machine, clock, [] {}};
-  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual}};
+  ReminderConfig reminder_config;
+  Reminders reminders{reminder_config};
+  PrinterStatus status{context, {spool, queue, scheduler, hold, job, history, manual, reminders}};
 };
 
 }  // namespace

@@ -96,7 +96,7 @@ void write_all_in(const fs::path& config, const fs::path& folder, char kind) {
 
 void write_config_inputs(const fs::path& folder) {
   const fs::path config = CONTOURD_CONFIG_DIR;
-  for (const char* name : {"contourd.json", "simulated.json", "raspberry-pi.json"})
+  for (const char* name : {"contourd.json", "simulated.json", "raspberry-pi-4.json"})
     write(folder / name, "c" + text_of(config / name));
   write_all_in(config / "resins", folder, 'r');
   write_all_in(config / "projectors", folder, 't');

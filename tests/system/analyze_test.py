@@ -118,7 +118,7 @@ class WithPrinter(AnalyzeTest):
         self.assertGreater(found["layer_time_s"], found["layers"] * least / 1000)
 
     def test_the_time_on_a_real_printer_is_that_of_its_axis(self):
-        real = source_json("raspberry-pi.json")
+        real = source_json("raspberry-pi-4.json")
         real["resins_folder"], real["projectors_folder"] = (os.path.join(SOURCE, "config", name) for name in ("resins", "projectors"))
         resin = source_json("resins", "standard.json")
 

@@ -36,6 +36,7 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("light", "o"), ["on", "off"])
         self.assertEqual(self.bash("light", "on", "--sec"), ["--seconds"])
         self.assertEqual(self.bash("show", "g"), ["grid"])
+        self.assertEqual(self.bash("replaced", ""), ["lamp", "film", "vat"])
         self.assertEqual(self.bash("queue", ""), ["show", "remove", "move"])
         self.assertEqual(self.bash("config", "s"), ["show", "schema"])
         self.assertEqual(self.bash("config", "schema", "pr"), ["printer", "projector"])

@@ -101,7 +101,7 @@ class ConfigCommands(ConfigTest):
 
 class CheckConfig(ConfigTest):
     def test_the_configurations_of_the_repository_are_good(self):
-        for name in ("contourd.json", "raspberry-pi.json", "simulated.json"):
+        for name in ("contourd.json", "raspberry-pi-3.json", "raspberry-pi-4.json", "raspberry-pi-5.json", "simulated.json"):
             result = self.check(os.path.join(SOURCE, "config", name))
             self.assertEqual(result.returncode, OK, result.stderr)
             self.assertIn(b"good", result.stdout)
@@ -499,7 +499,7 @@ class Systemd(FolderTest):
 
     def test_a_machine_that_cannot_print_is_ready_and_its_status_line_says_why(self):
         daemon = Daemon(self)
-        daemon.config = source_json("raspberry-pi.json")
+        daemon.config = source_json("raspberry-pi-4.json")
         daemon.config.update({"spool_folder": "spool", "control_socket": "control.sock",
                               "projectors_folder": os.path.join(SOURCE, "config", "projectors")})  # fmt: skip
         daemon.config["projector"]["port"] = "/dev/tty-of-nobody"

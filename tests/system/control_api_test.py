@@ -51,6 +51,7 @@ ENDED_JOB, MANUAL = rows("### An ended job"), rows("### What is done by hand")
 WAITING, OVERRIDE = rows("### A waiting job"), rows("### An override")
 PAST_JOB = rows("### A job of the history")
 INPUT = rows("### An input")
+PART = rows("### A part that wears")
 TABLES = {"status": STATUS, "queue": rows("### A queue"), "history": rows("### A history"), "usage": rows("### A usage"), "reading": rows("### A reading of the inputs"),
           "picture": rows("### A picture"), "piece": rows("### A piece")}
 STATES = {name for name, _ in rows("### States")}
@@ -115,6 +116,8 @@ class ControlApiTest(FolderTest):
             for each in job["overrides"] or ():
                 self.assert_fields(each, OVERRIDE)
                 self.assertIn(f"`{each['setting']}`", OVERRIDE[0][2])
+        for part in result.get("parts", ()):
+            self.assert_fields(part, PART)
         for job in result.get("ended", ()):
             self.assert_fields(job, PAST_JOB)
 
@@ -143,9 +146,9 @@ class ControlApiTest(FolderTest):
         for name, model in (("one", SMALL), ("two", ISLAND)):
             daemon.drop(f"{name}.stl", model, {"settle_ms": 10})
         wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready", "unaccepted"], "their checks")
-        of_job = {"queue_move": {"job": "two", "to": 1}, "accept": {"job": "two"}, "queue_remove": {"job": "one"}}
-        for method in ("watch", "status", "queue", "history", "usage", "queue_move", "accept", "queue_remove", "pause", "resume", "cancel"):
-            answers[method] = daemon.client().call(method, **of_job.get(method, {}))
+        parameters_of = {"queue_move": {"job": "two", "to": 1}, "accept": {"job": "two"}, "queue_remove": {"job": "one"}, "replaced": {"part": "film"}}
+        for method in ("watch", "status", "queue", "history", "usage", "replaced", "queue_move", "accept", "queue_remove", "pause", "resume", "cancel"):
+            answers[method] = daemon.client().call(method, **parameters_of.get(method, {}))
         daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
         answers["plate_cleared"] = daemon.rpc("plate_cleared")
@@ -190,6 +193,8 @@ class ControlApiTest(FolderTest):
         daemon.wait_ended("thin")
         daemon.drop("odd.stl", ISLAND)
         daemon.watcher.wait_for(lambda m: m.get("method") == "question", "a question")
+        daemon.rpc("replaced", part="film")
+        daemon.watcher.wait_for(lambda m: m.get("method") == "reminders", "the new film")
         daemon.rpc("projector")
         daemon.watcher.wait_for(lambda m: m.get("method") == "manual", "the projector")
         told = [message for message in daemon.watcher.seen if "id" not in message]

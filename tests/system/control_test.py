@@ -69,6 +69,7 @@ class Protocol(ControlTest):
             "printer": "Simulated printer", "spool": self.daemon.spool, "state": "idle", "job": None, "queued": 0, "incomplete": {},
             "incomplete_more": 0, "postponed": {}, "postponed_more": 0, "passed_over": {}, "passed_over_more": 0, "deletable": [],
             "deletable_more": 0, "plate": "clear", "plate_job": None, "hindrance": None, "held": None, "waiting_for": None,
+            "reminders": [],
             "last": None,
             "dark": True,
             "manual": {"state": "idle", "operations": 0, "problem": None, "dark": True, "height_mm": None, "picture": None,

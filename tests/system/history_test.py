@@ -122,6 +122,114 @@ class Kept(HistoryTest):
         self.assertIn(b"there is no job part", result.stderr)
 
 
+class Reminders(HistoryTest):
+    """Parts that wear: what they were used since they were new, and that they are due."""
+
+    def remind(self, **limits):
+        self.daemon.config["reminders"] = limits
+        self.daemon.write_config()
+
+    def parts(self):
+        usage = self.daemon.rpc("usage")["result"]
+        self.assertIsNone(usage["trouble"])
+        return {part["part"]: part for part in usage["parts"]}
+
+    def reminders_after(self, number):
+        """What the log has of them, once it has so many."""
+        def told():
+            found = [line for line in self.daemon.log().splitlines() if "is due" in line]
+            return found if len(found) >= number else None
+        return wait_until(told, f"{number} reminders")
+
+    def test_a_part_that_is_due_is_told_behind_each_print_and_at_the_start_until_it_is_replaced(self):
+        self.remind(film={"prints": 2, "layers": 1000}, vat={"lamp_h": 1000})
+        self.daemon.start()
+        self.print_one("first")
+        self.assertEqual(self.daemon.status()["reminders"], [])
+        self.print_one("second")
+        self.daemon.watcher.wait_for(lambda m: m.get("method") == "reminders", "the reminder")
+        (sentence,) = self.daemon.status()["reminders"]
+        self.assertEqual(sentence, "the film is due: 2 prints (limit 2) since the history began; when it is replaced: contourctl replaced film")
+        for command in ("status", "usage"):
+            self.assertIn(f"reminder  {sentence}\n", self.daemon.ctl(command).stdout.decode())
+        self.assertEqual(len(self.reminders_after(1)), 1)
+        self.daemon.stop()
+        self.daemon.start()
+        self.reminders_after(2)
+        self.print_one("third")
+        self.assertIn("3 prints (limit 2)", self.reminders_after(3)[2])
+        replaced = self.daemon.ctl("replaced", "film")
+        self.assertEqual((replaced.returncode, replaced.stderr), (OK, b""))
+        self.assertNotIn(b"reminder", replaced.stdout)
+        self.assertEqual(self.daemon.status()["reminders"], [])
+        film, vat = self.parts()["film"], self.parts()["vat"]
+        self.assertEqual((film["prints"], film["layers"], film["lamp_h"]), (0, 0, 0))
+        self.assertEqual((vat["prints"], vat["layers"], vat["replaced"]), (3, 12, None))
+        self.daemon.stop()
+        self.daemon.start()
+        self.print_one("fourth")
+        self.assertEqual((self.parts()["film"]["prints"], self.parts()["film"]["layers"]), (1, 4))
+        self.assertIsNotNone(self.parts()["film"]["replaced"])
+        self.daemon.stop()
+        self.assertEqual(len(self.reminders_after(3)), 3)
+        self.assertIn("the film is new: its use counts from now on", self.daemon.log())
+
+    def test_without_a_limit_nothing_is_told_and_a_part_counts_all_the_same(self):
+        self.daemon.start()
+        self.print_one("part")
+        self.assertEqual(self.daemon.status()["reminders"], [])
+        self.assertEqual([part["prints"] for part in self.parts().values()], [1, 1, 1])
+        self.daemon.stop()
+        self.assertNotIn("is due", self.daemon.log())
+
+    def test_a_lost_history_begins_anew_and_a_part_cannot_be_replaced_where_nothing_is_stored(self):
+        self.remind(film={"prints": 1})
+        self.daemon.start()
+        self.print_one("part")
+        self.reminders_after(1)
+        self.daemon.stop()
+        with open(self.file, "r+b") as file:
+            file.write(b"noise" * 100)
+        self.daemon.start()
+        self.assertEqual(self.parts()["film"]["prints"], 0)
+        self.assertIn("what the lamp, the film and the vat have been used", self.daemon.log())
+        self.daemon.stop()
+        for ending in ("", "-wal", "-shm"):
+            if os.path.exists(self.file + ending):
+                os.remove(self.file + ending)
+        os.mkdir(self.file)
+        self.daemon.start()
+        refused = self.daemon.ctl("replaced", "film")
+        self.assertEqual((refused.returncode, refused.stdout), (FAILED, b""))
+        self.assert_one_line(refused.stderr, "is a folder", "nothing is noted")
+        self.assertEqual(self.daemon.status()["reminders"], [])
+        self.print_one("another")
+
+    def test_a_part_that_there_is_none_of_is_refused_in_one_line(self):
+        self.daemon.start()
+        for wrong in (["lens"], [""], []):
+            self.assertEqual(self.daemon.ctl("replaced", *wrong).returncode, BAD_USAGE)
+        self.assertEqual(self.daemon.rpc("replaced", part="lens")["error"]["code"], -32602)
+
+    def test_a_history_of_a_contourd_before_gets_what_it_lacks(self):
+        self.daemon.start()
+        self.print_one("part")
+        self.daemon.stop()
+        with sqlite3.connect(self.file) as database:  # as the version before left it
+            database.execute("DROP TABLE replaced")
+            database.execute("ALTER TABLE forgotten DROP COLUMN prints")
+            database.execute("INSERT INTO forgotten VALUES('grey', 5, 500, 3600, 10)")
+            database.execute("PRAGMA user_version=1")
+        database.close()
+        self.daemon.start()
+        film = self.parts()["film"]
+        self.assertEqual((film["prints"], film["layers"]), (6, 504))
+        self.daemon.ctl("replaced", "film")
+        self.assertEqual(self.parts()["film"]["layers"], 0)
+        self.daemon.stop()
+        self.assert_sound()
+
+
 class Killed(HistoryTest):
     def test_a_print_that_was_killed_counts_the_light_it_had(self):
         self.daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, "bottom_exposure_ms": 5, "rest_ms": 60000})

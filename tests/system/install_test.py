@@ -31,7 +31,7 @@ class Install(FolderTest):
         self.assertEqual((checked.returncode, checked.stderr), (0, ""))
         self.assertEqual(sorted(path.relative_to(self.etc) for path in self.etc.rglob("*.json") if not path.is_symlink()),
                          sorted(path.relative_to(self.shipped) for path in self.shipped.rglob("*.json")
-                                if path.name != "raspberry-pi.json" and not path.name.endswith(".schema.json")))  # fmt: skip
+                                if not path.name.startswith("raspberry-pi-") and not path.name.endswith(".schema.json")))  # fmt: skip
 
     def test_schemas_in_etc_are_the_installed_programs(self):
         self.install()

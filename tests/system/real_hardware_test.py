@@ -15,7 +15,7 @@ NOBODY = "gpiochip-of-nobody"
 
 def real_config(**changes):
     """The shipped profile with devices that no computer has."""
-    config = source_json("raspberry-pi.json")
+    config = source_json("raspberry-pi-4.json")
     config.update({"spool_folder": "spool", "control_socket": "control.sock", "min_free_disk_mb": 0,
                    "projectors_folder": os.path.join(SOURCE, "config", "projectors")})  # fmt: skip
     for key in ("step", "direction", "enable", "limit_switch"):

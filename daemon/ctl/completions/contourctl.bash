@@ -43,6 +43,7 @@ _contourctl() {
     schema) words=$'plate\nprinter\nprojector\nresin\nticket' ;;
     --aa) words=$'on\noff' ;;
     --outcome) words=$'done\nfailed\ncancelled' ;;
+    replaced) words=$'lamp\nfilm\nvat' ;;
     show) words=$'white\nblack\ngrid\nchecker\nfocus\nborder\ndimensions' ;;
     *)
       # The command: one word, or two.

@@ -53,6 +53,7 @@ complete -c contourctl -n '__contourctl_before accept' -f -a '(__contourctl_aski
 complete -c contourctl -n '__contourctl_before logs' -f -a '(__contourctl_jobs)'
 complete -c contourctl -n __contourctl_queue_command -f -a '(__contourctl_waiting)'
 complete -c contourctl -n '__contourctl_before show; and not __contourctl_queue_command' -a 'white black grid checker focus border dimensions'
+complete -c contourctl -n '__contourctl_before replaced' -f -a 'lamp film vat'
 complete -c contourctl -n '__contourctl_before schema' -f -a 'plate printer projector resin ticket'
 complete -c contourctl -n '__contourctl_before --aa' -f -a 'on off'
 complete -c contourctl -n '__contourctl_before --outcome' -f -a 'done failed cancelled'

@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include <filesystem>
+#include <utility>
 
 #include "daemon/config/printer_config.hpp"
 #include "tests/catch.hpp"
@@ -16,7 +19,9 @@ using testing::shipped;
 // The shipped profile of a real machine, in a folder with its resin and its projector's table.
 class RealPrinter {
  public:
-  RealPrinter() : printer(shipped("raspberry-pi.json")) {
+  RealPrinter() : printer(shipped("raspberry-pi-4.json")) {
+    for (const char* line : {"step", "direction", "enable", "limit_switch"})
+      printer["z_axis"][line].erase("chip");
     folder_.write_json("resins/standard.json", shipped("resins/standard.json"));
     folder_.write_json("projectors/optoma.json", shipped("projectors/optoma.json"));
     folder_.write_json("projectors/acer.json", shipped("projectors/acer.json"));
@@ -44,16 +49,19 @@ Complaints complaints_with(const std::string& pointer, const json& value) {
   return printer.complaints();
 }
 
-TEST_CASE("the shipped profile of a real machine loads, with the pins that docs/printer-setup.md shows") {
-  const PrinterConfig config =
-      load_printer_config(std::filesystem::path(CONTOURD_CONFIG_DIR) / "raspberry-pi.json");
+TEST_CASE("the shipped profiles of real machines load, with the pins that docs/printer-setup.md shows") {
+  const auto [model, chip] =
+      GENERATE(std::pair{3, "pinctrl-bcm2835"}, std::pair{4, "pinctrl-bcm2711"}, std::pair{5, "pinctrl-rp1"});
+  const PrinterConfig config = load_printer_config(std::filesystem::path(CONTOURD_CONFIG_DIR) /
+                                                   fmt::format("raspberry-pi-{}.json", model));
   REQUIRE(config.real);
   const GpioAxisConfig& axis = config.real->axis;
-  CHECK(axis.step.chip == "gpiochip0");
   CHECK(axis.step.line == "17");
   CHECK_FALSE(axis.step.active_low);
   CHECK(axis.direction.line == "27");
   REQUIRE(axis.enable);
+  for (const GpioLineConfig& line : {axis.step, axis.direction, *axis.enable, axis.limit_switch.line})
+    CHECK(line.chip == chip);
   CHECK(axis.enable->line == "22");
   CHECK(axis.enable->active_low);
   CHECK(axis.limit_switch.line.line == "23");

@@ -16,7 +16,7 @@ using testing::shipped;
 // The shipped profile of a real machine with a light line too, and its projector's table.
 class RealPrinter {
  public:
-  RealPrinter() : printer(shipped("raspberry-pi.json")), table(shipped("projectors/optoma.json")) {
+  RealPrinter() : printer(shipped("raspberry-pi-4.json")), table(shipped("projectors/optoma.json")) {
     printer["projector"]["light"] = {{"line", 24}, {"active_low", true}};
   }
   [[nodiscard]] std::filesystem::path file() const {

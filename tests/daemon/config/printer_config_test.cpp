@@ -102,6 +102,7 @@ TEST_CASE("every key of a printer file arrives in the configuration with its uni
   printer["min_free_disk_mb"] = 7;
   printer["mask_budget_ms"] = 250;
   printer["manual"] = {{"light_limit_s", 12.5}, {"vat_depth_mm", 45}};
+  printer["reminders"] = {{"lamp", {{"lamp_h", 0.5}}}, {"film", {{"layers", 30'000}, {"prints", 60}}}};
   printer["z_axis"] = {{"travel_mm", 150.5},
                        {"microsteps_per_mm", 400.5},
                        {"homing_speed_mm_s", 3.5},
@@ -130,6 +131,11 @@ TEST_CASE("every key of a printer file arrives in the configuration with its uni
   CHECK(config.mask_budget == std::chrono::milliseconds{250});
   CHECK(config.manual.light_limit == std::chrono::milliseconds{12'500});
   CHECK(config.manual.vat_depth == Nanometers{45'000'000});
+  CHECK(config.reminders.lamp.lamp_h == 0.5);
+  CHECK_FALSE(config.reminders.lamp.layers);
+  CHECK(config.reminders.film.layers == 30'000);
+  CHECK(config.reminders.film.prints == 60);
+  CHECK_FALSE(config.reminders.vat.prints);
   CHECK(config.travel == Nanometers{150'500'000});
   CHECK(config.travel_speed == MillimetersPerSecond{6.5});
   CHECK(config.display_width == Pixels{1280});

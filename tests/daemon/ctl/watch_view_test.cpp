@@ -31,6 +31,7 @@ Json idle() {
       {"hindrance", nullptr},
       {"held", nullptr},
       {"waiting_for", nullptr},
+      {"reminders", Json::array()},
       {"last", nullptr},
       {"dark", true},
       {"manual", {{"state", "idle"}, {"problem", nullptr}, {"height_mm", nullptr}, {"picture", nullptr}}}};
@@ -190,10 +191,11 @@ TEST_CASE("The view of a printer that prints nothing says why, what waits and wh
   status["last"] = {{"job", "gear"}, {"outcome", "failed"}, {"reason", "no light"}};
   status["manual"] = {{"state", "moving"}, {"problem", nullptr}, {"height_mm", 20.0}, {"picture", "grid"}};
   status["queued"] = 2;
+  status["reminders"] = {"the film is due"};
   const std::string text = text_of(printer(status));
   for (const char* const part :
        {"idle\n", "held      the queue is held", "plate     occupied by gear",
-        "last job  gear: failed: no light", "by hand   moving, plate at 20.000 mm, screen: grid",
+        "last job  gear: failed: no light", "reminder  the film is due", "by hand   moving, plate at 20.000 mm, screen: grid",
         "queue     2 jobs", "1  next.stl"}) {
     INFO(text);
     CHECK(has(text, part));
