@@ -27,6 +27,7 @@
 #include "daemon/ctl/logs_command.hpp"
 #include "daemon/ctl/manual_command.hpp"
 #include "daemon/ctl/mask_command.hpp"
+#include "daemon/ctl/offer_command.hpp"
 #include "daemon/ctl/preview_command.hpp"
 #include "daemon/ctl/queue_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
@@ -220,6 +221,12 @@ struct QueueWords {
   bool first = false, last = false;
 };
 
+// What the user typed for the commands that put models into the spool.
+struct SpoolWords {
+  SubmitOptions submit;
+  OfferOptions offer;
+};
+
 // What the user typed for the commands about contourd's computer.
 struct ComputerWords {
   LogsOptions logs;
@@ -244,6 +251,7 @@ class CommandLine {
     add_preview();
     add_mask();
     add_submit();
+    add_offer();
     add_client_commands();
     add_logs();
     add_config_commands();
@@ -378,21 +386,42 @@ class CommandLine {
 
   void add_submit() {
     CLI::App* command =
-        add_command("submit", "Put models into the queue", [this] { return submit(client_, submit_); });
-    command->add_option("FILE", submit_.models, "Models' files")->required();
-    CLI::Option* ticket = command->add_option("--ticket", submit_.ticket, "Their ticket")->check(kNotEmpty);
+        add_command("submit", "Put models into the queue", [this] { return submit(client_, spool_.submit); });
+    command->add_option("FILE", spool_.submit.models, "Models' files")->required();
+    CLI::Option* ticket =
+        command->add_option("--ticket", spool_.submit.ticket, "Their ticket")->check(kNotEmpty);
     const auto add = [&](const char* name, auto& option, const char* help) {
       return command->add_option(name, option, help)->excludes(ticket);
     };
-    add("--resin", submit_.resin, "Name of the resin's profile")->check(kNotEmpty);
-    add("--layer-height-um", submit_.layer_height_um, "Layer height, um");
-    add("--copies", submit_.copies, "How many of each model");
-    add("--up", submit_.up, "What points up: X,Y,Z in the model's coordinates")->delimiter(',')->expected(3);
-    CLI::Option* scale = add("--scale", submit_.scale, "Factor on the model's size");
-    command->add_flag("--fit", submit_.fit, "Fill the display")->excludes(ticket)->excludes(scale);
-    command->add_option("--spool", submit_.spool, "The spool's folder, if contourd does not run")
+    add("--resin", spool_.submit.resin, "Name of the resin's profile")->check(kNotEmpty);
+    add("--layer-height-um", spool_.submit.layer_height_um, "Layer height, um");
+    add("--copies", spool_.submit.copies, "How many of each model");
+    add("--up", spool_.submit.up, "What points up: X,Y,Z in the model's coordinates")
+        ->delimiter(',')
+        ->expected(3);
+    CLI::Option* scale = add("--scale", spool_.submit.scale, "Factor on the model's size");
+    command->add_flag("--fit", spool_.submit.fit, "Fill the display")->excludes(ticket)->excludes(scale);
+    command->add_option("--spool", spool_.submit.spool, "The spool's folder, if contourd does not run")
         ->check(kNotEmpty);
-    command->add_flag("--wait", submit_.wait, "Until all of them have ended");
+    command->add_flag("--wait", spool_.submit.wait, "Until all of them have ended");
+    add_client_options(command);
+  }
+
+  void add_offer() {
+    CLI::App* command =
+        add_command("offer", "Put the models of a folder, such as a USB stick's, into the queue",
+                    [this] { return offer(client_, spool_.offer); });
+    command->add_option("FOLDER", spool_.offer.folder, "No link in it is followed")
+        ->required()
+        ->check(kNotEmpty);
+    command->add_option("--spool", spool_.offer.spool, "The spool's folder, if contourd does not run")
+        ->check(kNotEmpty);
+    CLI::Option* once = command
+                            ->add_option("--once", spool_.offer.once,
+                                         "Note in this file what is taken, and take it only once")
+                            ->check(kNotEmpty);
+    command->add_option("--label", spool_.offer.label, "What tells this folder from others in that file")
+        ->needs(once);
     add_client_options(command);
   }
 
@@ -636,7 +665,7 @@ class CommandLine {
   AnalyzeWords analyze_words_;
   SliceWords words_;
   PreviewOptions preview_;
-  SubmitOptions submit_;
+  SpoolWords spool_;
   ManualWords manual_;
   WiringWords wiring_;
   QueueWords queue_;

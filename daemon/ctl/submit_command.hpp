@@ -30,4 +30,7 @@ struct SubmitOptions {
 // until all have ended.
 int submit(const ClientOptions& client, const SubmitOptions& options);
 
+// That the model is a job now.
+void tell_submitted(const ClientOptions& client, const std::filesystem::path& model, const std::string& job);
+
 }  // namespace contourd::ctl
