@@ -9,7 +9,10 @@
 #include <functional>
 #include <new>
 #include <optional>
+#include <span>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "core/formats/model_reader.hpp"
 #include "core/layers/layers.hpp"
@@ -20,6 +23,7 @@
 #include "daemon/ctl/config_command.hpp"
 #include "daemon/ctl/diagnose_command.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/help_command.hpp"
 #include "daemon/ctl/history_command.hpp"
 #include "daemon/ctl/inspect_command.hpp"
 #include "daemon/ctl/jog_command.hpp"
@@ -227,8 +231,9 @@ struct SpoolWords {
   OfferOptions offer;
 };
 
-// What the user typed for the commands about contourd's computer.
+// What the user typed for help, and for the commands about contourd's computer.
 struct ComputerWords {
+  std::vector<std::string> help_topic;
   LogsOptions logs;
   ConfigOptions config;
   DiagnoseOptions diagnosis;
@@ -236,6 +241,20 @@ struct ComputerWords {
 
 // An unset shell variable must not become 0 or "no output".
 const CLI::Validator kNotEmpty([](const std::string& word) { return word.empty() ? "it is empty" : ""; }, "");
+
+// Empty when these words are no command's.
+std::string help_of_command(const CLI::App& program, std::span<const std::string> words) {
+  const CLI::App* command = &program;
+  std::string before;
+  for (const std::string& word : words) {
+    before += (before.empty() ? "" : " ") + command->get_name();
+    const auto is_called_so = [&word](const CLI::App* each) { return each->get_name() == word; };
+    const std::vector<const CLI::App*> found = command->get_subcommands(is_called_so);
+    if (found.empty()) return "";
+    command = found.front();
+  }
+  return command->help(before);
+}
 
 // The commands, their options, and which of them was chosen.
 class CommandLine {
@@ -257,6 +276,7 @@ class CommandLine {
     add_config_commands();
     add_diagnose();
     add_manual_commands();
+    add_help();
   }
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
@@ -423,6 +443,18 @@ class CommandLine {
     command->add_option("--label", spool_.offer.label, "What tells this folder from others in that file")
         ->needs(once);
     add_client_options(command);
+  }
+
+  void add_help() {
+    CLI::App* command = add_command("help", "Show a page of the manual, or how a command is used", [this] {
+      const auto of = [this](std::span<const std::string> words) { return help_of_command(app_, words); };
+      CommandHelp commands{{}, of};
+      for (const CLI::App* each : app_.get_subcommands([](const CLI::App*) { return true; }))
+        commands.names.push_back(each->get_name());
+      return help(computer_.help_topic, commands);
+    });
+    command->add_option("TOPIC", computer_.help_topic,
+                        "A page, a section, a word, or a command; without it, a list");
   }
 
   void add_client_commands() {

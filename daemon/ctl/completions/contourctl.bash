@@ -12,6 +12,10 @@ _contourctl_words() {
       ;;
     ended) contourctl history --csv 2>/dev/null | sed -nE '1d; s/^"(([^"]|"")*)",.*/\1/; s/""/"/g; p' | sort -u ;;
     waiting) contourctl queue 2>/dev/null | sed -n 's/^ *[0-9][0-9]*  \(.*\)\.[^.]*$/\1/p' ;;
+    topics)
+      contourctl help 2>/dev/null | sed -n 's/^  \([a-z-]*\) .*/\1/p'
+      _contourctl_words commands
+      ;;
     resins)
       for name in /etc/contourd/resins/*.json; do
         name=${name##*/}
@@ -27,6 +31,7 @@ _contourctl() {
   if [[ $before == preview && $COMP_CWORD == 2 && $word != -* ]]; then before=preview-job; fi
   if [[ $before == logs && $COMP_CWORD == 2 && $word != -* ]]; then before=--job; fi
   case $before in
+    help) words=$(_contourctl_words topics) ;;
     queue-job) words=$(_contourctl_words waiting) ;;
     preview-job)
       words=$(_contourctl_words jobs; _contourctl_words ended)
