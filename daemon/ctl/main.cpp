@@ -9,7 +9,10 @@
 #include <functional>
 #include <new>
 #include <optional>
+#include <span>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "core/formats/model_reader.hpp"
 #include "core/layers/layers.hpp"
@@ -20,6 +23,7 @@
 #include "daemon/ctl/config_command.hpp"
 #include "daemon/ctl/diagnose_command.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/help_command.hpp"
 #include "daemon/ctl/history_command.hpp"
 #include "daemon/ctl/inspect_command.hpp"
 #include "daemon/ctl/jog_command.hpp"
@@ -27,6 +31,7 @@
 #include "daemon/ctl/logs_command.hpp"
 #include "daemon/ctl/manual_command.hpp"
 #include "daemon/ctl/mask_command.hpp"
+#include "daemon/ctl/offer_command.hpp"
 #include "daemon/ctl/preview_command.hpp"
 #include "daemon/ctl/queue_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
@@ -221,8 +226,15 @@ struct QueueWords {
   bool first = false, last = false;
 };
 
-// What the user typed for the commands about contourd's computer.
+// What the user typed for the commands that put models into the spool.
+struct SpoolWords {
+  SubmitOptions submit;
+  OfferOptions offer;
+};
+
+// What the user typed for help, and for the commands about contourd's computer.
 struct ComputerWords {
+  std::vector<std::string> help_topic;
   LogsOptions logs;
   ConfigOptions config;
   DiagnoseOptions diagnosis;
@@ -230,6 +242,20 @@ struct ComputerWords {
 
 // An unset shell variable must not become 0 or "no output".
 const CLI::Validator kNotEmpty([](const std::string& word) { return word.empty() ? "it is empty" : ""; }, "");
+
+// Empty when these words are no command's.
+std::string help_of_command(const CLI::App& program, std::span<const std::string> words) {
+  const CLI::App* command = &program;
+  std::string before;
+  for (const std::string& word : words) {
+    before += (before.empty() ? "" : " ") + command->get_name();
+    const auto is_called_so = [&word](const CLI::App* each) { return each->get_name() == word; };
+    const std::vector<const CLI::App*> found = command->get_subcommands(is_called_so);
+    if (found.empty()) return "";
+    command = found.front();
+  }
+  return command->help(before);
+}
 
 // The commands, their options, and which of them was chosen.
 class CommandLine {
@@ -245,11 +271,13 @@ class CommandLine {
     add_preview();
     add_mask();
     add_submit();
+    add_offer();
     add_client_commands();
     add_logs();
     add_config_commands();
     add_diagnose();
     add_manual_commands();
+    add_help();
   }
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
@@ -379,33 +407,66 @@ class CommandLine {
 
   void add_submit() {
     CLI::App* command =
-        add_command("submit", "Put models into the queue", [this] { return submit(client_, submit_); });
-    command->add_option("FILE", submit_.models, "Models' files")->required();
-    CLI::Option* ticket = command->add_option("--ticket", submit_.ticket, "Their ticket")->check(kNotEmpty);
+        add_command("submit", "Put models into the queue", [this] { return submit(client_, spool_.submit); });
+    command->add_option("FILE", spool_.submit.models, "Models' files")->required();
+    CLI::Option* ticket =
+        command->add_option("--ticket", spool_.submit.ticket, "Their ticket")->check(kNotEmpty);
     const auto add = [&](const char* name, auto& option, const char* help) {
       return command->add_option(name, option, help)->excludes(ticket);
     };
-    add("--resin", submit_.resin, "Name of the resin's profile")->check(kNotEmpty);
-    add("--layer-height-um", submit_.layer_height_um, "Layer height, um");
-    add("--exposure-ms", submit_.exposure_ms,
+    add("--resin", spool_.submit.resin, "Name of the resin's profile")->check(kNotEmpty);
+    add("--layer-height-um", spool_.submit.layer_height_um, "Layer height, um");
+    add("--exposure-ms", spool_.submit.exposure_ms,
         "Light on a normal layer, ms; within the resin's ticket_limits");
-    add("--bottom-exposure-ms", submit_.bottom_exposure_ms, "Light on a bottom layer, ms; the same");
-    add("--lift-mm", submit_.lift_mm, "Rise after an exposure, mm; the same");
-    add("--settle-ms", submit_.settle_ms, "Wait before the light, ms; the same");
-    add("--rest-ms", submit_.rest_ms, "Wait after the light, ms; the same");
-    add("--copies", submit_.copies, "How many of each model");
-    add("--up", submit_.up, "What points up: X,Y,Z in the model's coordinates")->delimiter(',')->expected(3);
-    CLI::Option* scale = add("--scale", submit_.scale, "Factor on the model's size");
-    command->add_flag("--fit", submit_.fit, "Fill the display")->excludes(ticket)->excludes(scale);
+    add("--bottom-exposure-ms", spool_.submit.bottom_exposure_ms, "Light on a bottom layer, ms; the same");
+    add("--lift-mm", spool_.submit.lift_mm, "Rise after an exposure, mm; the same");
+    add("--settle-ms", spool_.submit.settle_ms, "Wait before the light, ms; the same");
+    add("--rest-ms", spool_.submit.rest_ms, "Wait after the light, ms; the same");
+    add("--copies", spool_.submit.copies, "How many of each model");
+    add("--up", spool_.submit.up, "What points up: X,Y,Z in the model's coordinates")
+        ->delimiter(',')
+        ->expected(3);
+    CLI::Option* scale = add("--scale", spool_.submit.scale, "Factor on the model's size");
+    command->add_flag("--fit", spool_.submit.fit, "Fill the display")->excludes(ticket)->excludes(scale);
     command
-        ->add_option("--printer", submit_.printer,
+        ->add_option("--printer", spool_.submit.printer,
                      "Tell and check as contourd with this configuration prints it")
         ->check(kNotEmpty);
-    command->add_option("--spool", submit_.spool, "The spool's folder, if contourd does not run")
+    command->add_option("--spool", spool_.submit.spool, "The spool's folder, if contourd does not run")
         ->check(kNotEmpty);
-    command->add_flag("--wait", submit_.wait, "Until all of them have ended");
-    command->add_flag("--yes", submit_.yes, "Do not ask, whatever there is to warn of");
+    command->add_flag("--wait", spool_.submit.wait, "Until all of them have ended");
+    command->add_flag("--yes", spool_.submit.yes, "Do not ask, whatever there is to warn of");
     add_client_options(command);
+  }
+
+  void add_offer() {
+    CLI::App* command =
+        add_command("offer", "Put the models of a folder, such as a USB stick's, into the queue",
+                    [this] { return offer(client_, spool_.offer); });
+    command->add_option("FOLDER", spool_.offer.folder, "No link in it is followed")
+        ->required()
+        ->check(kNotEmpty);
+    command->add_option("--spool", spool_.offer.spool, "The spool's folder, if contourd does not run")
+        ->check(kNotEmpty);
+    CLI::Option* once = command
+                            ->add_option("--once", spool_.offer.once,
+                                         "Note in this file what is taken, and take it only once")
+                            ->check(kNotEmpty);
+    command->add_option("--label", spool_.offer.label, "What tells this folder from others in that file")
+        ->needs(once);
+    add_client_options(command);
+  }
+
+  void add_help() {
+    CLI::App* command = add_command("help", "Show a page of the manual, or how a command is used", [this] {
+      const auto of = [this](std::span<const std::string> words) { return help_of_command(app_, words); };
+      CommandHelp commands{{}, of};
+      for (const CLI::App* each : app_.get_subcommands([](const CLI::App*) { return true; }))
+        commands.names.push_back(each->get_name());
+      return help(computer_.help_topic, commands);
+    });
+    command->add_option("TOPIC", computer_.help_topic,
+                        "A page, a section, a word, or a command; without it, a list");
   }
 
   void add_client_commands() {
@@ -667,7 +728,7 @@ class CommandLine {
   AnalyzeWords analyze_words_;
   SliceWords words_;
   PreviewOptions preview_;
-  SubmitOptions submit_;
+  SpoolWords spool_;
   ManualWords manual_;
   WiringWords wiring_;
   QueueWords queue_;

@@ -2,29 +2,23 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <functional>
-#include <string_view>
 #include <system_error>
-#include <utility>
 
 #include "core/formats/model_reader.hpp"
 #include "daemon/config/config_error.hpp"
 #include "daemon/config/job_ticket.hpp"
+#include "daemon/config/json_document.hpp"
 #include "daemon/config/regular_file.hpp"
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/read_model.hpp"
 #include "daemon/ctl/spool_printer.hpp"
+#include "daemon/ctl/spool_submission.hpp"
 #include "daemon/ctl/submit_outlook.hpp"
 #include "daemon/ctl/watch_command.hpp"
-#include "daemon/durable_file.hpp"
 #include "daemon/job_settings.hpp"
-#include "daemon/new_file.hpp"
 #include "daemon/readable.hpp"
 #include "daemon/spool_folders.hpp"
 
@@ -34,26 +28,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Calls `take` with one piece after the other. Throws UnreadableFile, and what `take` throws.
-void read_all(const fs::path& path, const std::function<void(std::string_view)>& take) {
-  const FileDescriptor file = open_regular_file(path, Links::Follow);
-  std::vector<char> buffer(std::size_t{1} << 20U);
-  while (true) {
-    const ssize_t bytes = ::read(file.get(), buffer.data(), buffer.size());
-    if (bytes < 0 && errno == EINTR) continue;
-    if (bytes < 0) throw UnreadableFile({errno, std::generic_category()}, std::strerror(errno));
-    if (bytes == 0) return;
-    take({buffer.data(), static_cast<std::size_t>(bytes)});
-  }
-}
-
 // As text; empty when there is none.
 std::string ticket_of(const SubmitOptions& options) {
   if (options.ticket) {
-    (void)load_job_ticket(*options.ticket);  // so it is no longer than a ticket may be
-    std::string text;
-    read_all(*options.ticket, [&text](std::string_view bytes) { text += bytes; });
-    return text;
+    (void)load_job_ticket(*options.ticket);
+    return text_of(open_regular_file(*options.ticket, Links::Follow), JsonDocument::kLargestBytes);
   }
   Json ticket = Json::object();
   if (options.resin) ticket["resin"] = *options.resin;
@@ -102,58 +81,13 @@ void check_model(const fs::path& path) {
   look_at_model(path);
 }
 
-class Submission {
- public:
-  explicit Submission(const fs::path& spool)
-      : folders_(spool), incoming_(folders_.path(SpoolFolder::Incoming)) {}
-
-  // Returns the job's name.
-  std::string put(const fs::path& model, const std::string& ticket) const {
-    try {
-      return put_unused(model, ticket);
-    } catch (const UnreadableFile& error) {
-      throw std::system_error(error.code(), "cannot read " + model.string());
-    } catch (const std::system_error& error) {
-      throw OutputError(fmt::format("cannot put {} into {}: {}", model.string(), incoming_.string(),
-                                    why_not_written(error.code())));
-    }
+// Returns the job's name.
+std::string put(const SpoolSubmission& submission, const fs::path& model, const std::string& ticket) {
+  try {
+    return submission.put(model.filename().string(), open_regular_file(model, Links::Follow), ticket);
+  } catch (const UnreadableFile& error) {
+    throw std::system_error(error.code(), "cannot read " + model.string());
   }
-
- private:
-  [[nodiscard]] std::string put_unused(const fs::path& model, const std::string& ticket) const {
-    NewFile file(incoming_);
-    file.let_group_read();
-    read_all(model, [&file](std::string_view bytes) { file.write(bytes); });
-    while (true) {
-      const JobFiles files = folders_.unused_anywhere({model.stem().string(), model, model});
-      if (!ticket.empty() && !put_ticket(files, ticket)) continue;
-      if (file.appear(files.model.filename().string())) {
-        sync_folder(incoming_);
-        return files.name;
-      }
-      if (!ticket.empty()) fs::remove(*files.ticket);
-    }
-  }
-
-  [[nodiscard]] bool put_ticket(const JobFiles& files, const std::string& ticket) const {
-    NewFile file(incoming_);
-    file.let_group_read();
-    file.write(ticket);
-    return file.appear(files.ticket->filename().string());
-  }
-
-  SpoolFolders folders_;
-  fs::path incoming_;
-};
-
-void tell(const ClientOptions& client, const fs::path& model, const std::string& job, const Json& outlook) {
-  if (client.json) {
-    const Json told{{"file", model.string()}, {"job", job}, {"outlook", outlook}};
-    fmt::print("{}\n", told.dump(-1, ' ', true, Json::error_handler_t::replace));
-  } else {
-    fmt::print("{}: job {}\n", printable(model.string()), printable(job));
-  }
-  std::fflush(stdout);
 }
 
 // Tells what is to be expected.
@@ -169,6 +103,18 @@ bool is_agreed(const std::vector<ModelOutlook>& outlooks, const SubmitOptions& o
 
 }  // namespace
 
+void tell_submitted(const ClientOptions& client, const fs::path& model, const std::string& job,
+                    const Json& outlook) {
+  if (client.json) {
+    Json told{{"file", model.string()}, {"job", job}};
+    if (!outlook.is_null()) told["outlook"] = outlook;
+    fmt::print("{}\n", told.dump(-1, ' ', true, Json::error_handler_t::replace));
+  } else {
+    fmt::print("{}: job {}\n", printable(model.string()), printable(job));
+  }
+  std::fflush(stdout);
+}
+
 int submit(const ClientOptions& client, const SubmitOptions& options) {
   const std::string ticket = ticket_of(options);
   std::ranges::for_each(options.models, check_model);
@@ -177,11 +123,11 @@ int submit(const ClientOptions& client, const SubmitOptions& options) {
   check_overrides(options, ticket, printer);
   const std::vector<ModelOutlook> outlooks = outlooks_of({options.models, ticket, printer});
   if (!client.json && !is_agreed(outlooks, options)) return kFailed;
-  const Submission submission(spool);
+  const SpoolSubmission submission(spool);
   std::vector<std::string> jobs;
   for (std::size_t i = 0; i < options.models.size(); ++i) {
-    jobs.push_back(submission.put(options.models[i], ticket));
-    tell(client, options.models[i], jobs.back(), outlooks[i].json);
+    jobs.push_back(put(submission, options.models[i], ticket));
+    tell_submitted(client, options.models[i], jobs.back(), outlooks[i].json);
   }
   int result = kOk;
   if (!options.wait) return result;

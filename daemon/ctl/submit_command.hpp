@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,5 +36,9 @@ struct SubmitOptions {
 // to be expected of them; where that is a warning, whoever sits at the terminal is asked. With `wait`, until
 // all have ended.
 int submit(const ClientOptions& client, const SubmitOptions& options);
+
+// That the model is a job now; with what is to be expected of it, where that is known, for programs.
+void tell_submitted(const ClientOptions& client, const std::filesystem::path& model, const std::string& job,
+                    const nlohmann::ordered_json& outlook = {});
 
 }  // namespace contourd::ctl

@@ -21,9 +21,9 @@ _INSTALL = (
 
 
 @contextmanager
-def booted(initramfs, disk):
-    """The machine; what happens to it wrong comes with its journal."""
-    with Machine(AMD64, initramfs, disk=disk) as machine:
+def booted(initramfs, disk, extra=()):
+    """The machine, with `extra` for QEMU; what happens to it wrong comes with its journal."""
+    with Machine(AMD64, initramfs, disk=disk, extra=extra) as machine:
         machine.wait_until_ready()
         try:
             yield machine

@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""contourctl help: the project's pages and the commands, in a terminal or through a pipe."""
+
+import fcntl
+import os
+import pty
+import re
+import struct
+import subprocess
+import termios
+import unittest
+
+from harness import BAD_USAGE, CONTOURCTL, OK, SOURCE, FolderTest, contourctl, main
+
+
+def shown(*words):
+    result = contourctl("help", *words)
+    if (result.returncode, result.stderr) != (OK, b""):
+        raise AssertionError(result)
+    return result.stdout.decode()
+
+
+def in_terminal(*words, columns=80, **environment):
+    """What a terminal of that width gets."""
+    master, slave = pty.openpty()
+    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+    process = subprocess.Popen([CONTOURCTL, "help", *words], stdin=slave, stdout=slave, stderr=slave,
+                               env={**os.environ, "TERM": "xterm", **environment})  # fmt: skip
+    os.close(slave)
+    received = b""
+    while True:
+        try:
+            data = os.read(master, 65536)
+        except OSError:
+            break
+        if not data:
+            break
+        received += data
+    os.close(master)
+    return process.wait(), received.decode().replace("\r\n", "\n")
+
+
+def pages():
+    return re.findall(r"(?m)^  (\S+) ", shown())
+
+
+class Help(FolderTest):
+    def test_each_page_of_the_list_is_a_file_and_is_shown(self):
+        self.assertIn("printing", pages())
+        for page in pages():
+            with open(os.path.join(SOURCE, "docs", f"{page}.md"), encoding="utf-8") as file:
+                title, *_ = file.read().splitlines()
+            self.assertTrue(shown(page).startswith(title.removeprefix("# ") + "\n==="), page)
+
+    def test_each_section_of_the_list_is_shown(self):
+        sections = re.findall(r"(?m)^    (\S.*)$", shown())
+        self.assertGreater(len(sections), 40)
+        for section in sections:
+            self.assertIn(section, shown(section))
+
+    def test_an_owner_finds_what_he_looks_for(self):
+        for words, said in (
+            (["levelling"], "contourctl level"),
+            (["exposure"], "working_curve"),
+            (["trouble"], "contourctl status"),
+            (["Limited", "range"], "Broadcast RGB"),
+            (["island"], "nothing under it"),
+            (["when the next job begins"], "plate is clear"),
+            (["usb"], "contourd-usb@.service"),
+        ):
+            self.assertIn(said, shown(*words), words)
+
+    def test_a_command_is_shown_with_its_options_and_where_else_it_is_spoken_of(self):
+        told = shown("submit")
+        usage = contourctl("submit", "--help").stdout.decode()
+        self.assertTrue(told.startswith(usage), told)
+        self.assertIn("\nSee also:\n\n    contourctl help printing the folders\n", told)
+        self.assertIn("Usage: ", shown("queue", "move"))
+        self.assertIn("--first", shown("queue", "move"))
+        self.assertIn("Subcommands:", shown("queue"))
+
+    def test_what_see_also_names_is_what_is_shown(self):
+        named = [line.split()[2:] for line in shown("history").splitlines() if line.startswith("    contourctl help ")]
+        self.assertIn(["maintenance", "history"], named)
+        self.assertTrue(shown("maintenance", "history").startswith("History\n-------\n"))
+
+    def test_what_there_is_none_of_is_told_with_what_is_like_it(self):
+        for words, like in (["printng"], b"printing"), (["submti"], b"submit"), (["xyzzyxyzzy"], b"contourctl help lists"):
+            result = contourctl("help", *words)
+            self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), result)
+            self.assert_one_line(result.stderr, like)
+        for words in ([""], ["\x1b[2J\n"], ["x" * 100_000], [b"\xff"]):
+            result = contourctl("help", *words)
+            self.assertEqual(result.returncode, BAD_USAGE, words)
+            self.assert_one_line(result.stderr)
+            self.assertNotIn(b"\x1b", result.stderr)
+            self.assertLess(len(result.stderr), 5000)
+
+    def test_no_line_is_wider_than_the_terminal_but_for_commands_and_addresses(self):
+        for columns in (40, 80, 200):
+            for page in pages():
+                code, text = in_terminal(page, columns=columns, PAGER="cat")
+                self.assertEqual(code, OK)
+                wide = [line for line in text.splitlines() if len(line) > min(columns, 100) and not line.startswith("    ")]
+                self.assertEqual([line for line in wide if " " in line.strip()], [], (page, columns))
+                self.assertNotRegex(text, r"(?m)\*\*|\]\([a-z-]+\.md|^\|")
+
+    def test_in_a_terminal_the_users_pager_gets_it(self):
+        code, text = in_terminal("safety", PAGER="sed 's/^/> /'; exit 3")
+        self.assertEqual((code, text.splitlines()[0]), (3, "> Light that nobody wants"))
+        self.assertTrue(all(line.startswith("> ") for line in text.splitlines()))
+        self.assertEqual(in_terminal("safety", PAGER="printf %s $LESS", LESS="X")[1], "X")
+        self.assertEqual(in_terminal("safety", PAGER="printf %s $LESS")[1], os.environ.get("LESS", "FRX"))
+
+    def test_without_a_pager_or_in_a_dumb_terminal_it_is_printed(self):
+        for environment in ({"PAGER": ""}, {"PAGER": "cat"}, {"PAGER": "false", "TERM": "dumb"}):
+            code, text = in_terminal("safety", **environment)
+            self.assertEqual(code, OK)
+            self.assertTrue(text.startswith("Light that nobody wants\n==="), text[:80])
+
+    def test_it_needs_no_file_beside_the_program(self):
+        result = subprocess.run([self.reachable(CONTOURCTL), "help", "trouble"], capture_output=True, text=True, check=True, cwd="/")
+        self.assertIn("It waits\n--------\n", result.stdout)
+
+
+if __name__ == "__main__":
+    main()

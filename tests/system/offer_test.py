@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+"""contourctl offer: the models of a folder that nobody vouches for, such as a USB stick's."""
+
+import json
+import os
+import shutil
+import socket
+import stat
+import subprocess
+import unittest
+
+from harness import (
+    BAD_DATA, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, NO_INPUT, OK, SOURCE, UNAVAILABLE, Daemon, FolderTest, binary_stl, box,
+    contourctl, limit_memory, main,
+)  # fmt: skip
+
+SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
+MOST = 20  # at a time
+UNIT = os.path.join(SOURCE, "systemd", "contourd-usb@.service")
+
+
+class OfferTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        for folder in ("incoming", "printing", "done", "failed"):
+            os.makedirs(self.path("spool", folder))
+        os.mkdir(self.path("stick"))
+
+    def put(self, name, data=SMALL):
+        path = os.path.join(os.fsencode(self.path("stick")), os.fsencode(name))
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "wb") as file:
+            file.write(data)
+        return path
+
+    def offer(self, *arguments, **options):
+        return contourctl("offer", self.path("stick"), "--spool", self.path("spool"), *arguments, **options)
+
+    def once(self, label="a"):
+        return self.offer("--once", self.path("taken"), "--label", label)
+
+    def taken(self, result, code=OK):
+        self.assertEqual(result.returncode, code, result)
+        return [line.split(": job ")[1] for line in result.stdout.decode().splitlines() if ": job " in line]
+
+    def incoming(self):
+        return sorted(os.listdir(self.path("spool", "incoming")))
+
+
+class Offer(OfferTest):
+    def test_models_are_taken_with_the_tickets_beside_them(self):
+        self.put("part.stl")
+        self.put("part.json", b'{"copies":  2}')
+        self.put("below/and below/Deep.STL")
+        self.put("note.txt", b"no model")
+        self.put("lonely.json", b"{}")
+        result = self.offer()
+        self.assertEqual(self.taken(result), ["Deep", "part"])
+        self.assertEqual(result.stderr, b"")
+        self.assertEqual(self.incoming(), ["Deep.stl", "part.json", "part.stl"])
+        with open(self.path("spool", "incoming", "part.json"), "rb") as file:
+            self.assertEqual(file.read(), b'{"copies":  2}')
+        self.assertTrue(os.stat(self.path("spool", "incoming", "Deep.stl")).st_mode & stat.S_IRGRP)
+
+    def test_contourd_prints_them(self):
+        daemon = Daemon(self).start()
+        self.put("part.stl")
+        result = daemon.ctl("offer", self.path("stick"), "--json")
+        self.assertEqual(json.loads(result.stdout), {"file": "part.stl", "job": "part"})
+        daemon.wait_done("part")
+        daemon.stop()
+
+    def test_what_was_taken_is_not_taken_again_unless_it_has_changed(self):
+        first, second = self.put("first.stl"), self.put("second.stl")
+        self.assertEqual(self.taken(self.once()), ["first", "second"])
+        result = self.once()
+        self.assertEqual(self.taken(result), [])
+        self.assertEqual(result.stdout, b"nothing to take; 2 were taken before\n")
+        os.utime(first, (1, 1))
+        os.rename(second, os.path.join(os.path.dirname(second), b"third.stl"))
+        self.assertEqual(self.taken(self.once()), ["first-2", "third"])
+        self.put("third.json", b'{"copies": 2}')
+        self.assertEqual(self.taken(self.once()), ["third-2"])
+        # Another stick's are others.
+        self.assertEqual(len(self.taken(self.once("b"))), 2)
+        self.assertEqual(self.taken(self.once("b")), [])
+
+    def test_what_was_not_taken_is_tried_again(self):
+        self.put("part.stl", b"no model")
+        self.assertEqual(self.taken(self.once(), BAD_DATA), [])
+        self.put("part.stl")
+        self.assertEqual(self.taken(self.once()), ["part"])
+
+    def test_so_many_are_taken_at_a_time(self):
+        for number in range(MOST + 5):
+            self.put(f"part{number:02}.stl")
+        result = self.once()
+        self.assertEqual(self.taken(result, BAD_DATA), [f"part{number:02}" for number in range(MOST)])
+        self.assert_one_line(result.stderr, "20 models are taken at a time")
+        self.assertEqual(self.taken(self.once()), [f"part{number:02}" for number in range(MOST, MOST + 5)])
+
+    def test_what_a_system_hides_or_has_thrown_away_is_left(self):
+        for name in (".hidden.stl", "._part.stl", ".Trash-1000/part.stl", "$RECYCLE.BIN/part.stl", "a/b/c/too deep.stl"):
+            self.put(name)
+        result = self.offer()
+        self.assertEqual((self.taken(result), result.stderr), ([], b""))
+
+    def test_no_link_is_followed_and_nothing_is_waited_for(self):
+        stick = self.path("stick")
+        os.symlink("/etc/shadow", f"{stick}/shadow.stl")
+        self.put("secret", SMALL)
+        os.symlink("secret", f"{stick}/inside.stl")
+        os.symlink("/etc", f"{stick}/etc")
+        os.makedirs(self.path("outside"))
+        self.write("outside/part.stl", SMALL)
+        os.symlink("../outside", f"{stick}/folder")
+        os.symlink("/proc/self/fd/0", f"{stick}/magic.stl")
+        os.mkfifo(f"{stick}/fifo.stl")
+        os.mkdir(f"{stick}/folder.stl")
+        listening = socket.socket(socket.AF_UNIX)
+        self.addCleanup(listening.close)
+        listening.bind(f"{stick}/socket.stl")
+        self.put("good.stl")
+        os.symlink("/etc/passwd", f"{stick}/good.json")
+        self.put("other.stl")
+        result = self.offer()
+        self.assertEqual(self.taken(result, BAD_DATA), ["other"])
+        told = result.stderr.decode().splitlines()
+        for name in ("shadow", "inside", "magic"):
+            self.assertIn(f'contourctl: "{name}.stl" is not taken: it is a symbolic link', told)
+        for name in ("fifo", "socket", "good"):
+            self.assertEqual(sum(f'"{name}.stl" is not taken' in line for line in told), 1, told)
+        self.assertEqual(len(told), 6)
+        self.assertEqual(self.incoming(), ["other.stl"])
+
+    def test_names_are_made_plain(self):
+        names = [b"new\nline.stl", b"\x1b[2Jescape.stl", b"-o option.stl", b"bytes \xff.stl", b"a" * 251 + b".stl", "Bär.stl".encode()]
+        for name in names:
+            self.put(name)
+        result = self.offer()
+        jobs = self.taken(result)
+        self.assertEqual(sorted(jobs), sorted(["new_line", "_[2Jescape", "_o option", "bytes \ufffd", "a" * 200, "Bär"]))
+        self.assertEqual(len(self.incoming()), len(names))
+        self.assertNotIn(b"\x1b", result.stdout)
+        self.assertEqual(len(result.stdout.splitlines()), len(names))
+
+    def test_what_is_no_model_is_told_and_keeps_none_of_the_others(self):
+        self.put("a.stl", b"no model")
+        self.put("b.stl", b"")
+        self.put("c.stl")
+        self.put("d.stl")
+        self.put("d.json", b" " * (1 << 20) + b"{}")
+        result = self.offer()
+        self.assertEqual(self.taken(result, BAD_DATA), ["c"])
+        self.assertEqual(len(result.stderr.splitlines()), 3)
+        self.assertEqual(self.incoming(), ["c.stl"])
+
+    def test_a_file_without_end_is_not_read(self):
+        with open(self.put("sparse.stl", SMALL[:84]), "r+b") as file:
+            file.truncate(200 << 30)
+        result = self.offer()
+        self.assertEqual(self.taken(result, BAD_DATA), [])
+        self.assert_one_line(result.stderr, '"sparse.stl" is not taken', "214748364800")
+
+    def test_a_hundred_thousand_files_are_looked_at_in_part(self):
+        model = self.put("0.stl")
+        for number in range(1, 100_000):
+            os.link(model, self.path("stick", f"{number}.stl")) if number < 60_000 else os.mkfifo(self.path("stick", f"{number}.stl"))
+        result = subprocess.run([CONTOURCTL, "offer", self.path("stick"), "--spool", self.path("spool")], capture_output=True,
+                                check=False, preexec_fn=lambda: limit_memory(200 << 20))  # fmt: skip
+        self.assertLessEqual(len(self.taken(result, BAD_DATA)), MOST)
+        self.assertLess(len(result.stderr.splitlines()), 40)
+        self.assertIn(b"20000 names", result.stderr)
+
+    def test_a_spool_or_a_folder_that_is_not_there_is_told(self):
+        self.put("part.stl")
+        for arguments, code, word in (
+            (["offer", self.path("none"), "--spool", self.path("spool")], NO_INPUT, "none"),
+            (["offer", self.path("stick", "part.stl"), "--spool", self.path("spool")], NO_INPUT, "part.stl"),
+            (["offer", self.path("stick"), "--spool", self.path("none")], CANNOT_CREATE, "none/incoming"),
+            (["offer", self.path("stick"), "--socket", self.path("none")], UNAVAILABLE, "cannot reach contourd"),
+            (["offer", self.path("stick"), "--spool", self.path("spool"), "--once", self.path("none", "taken")], CANNOT_CREATE, "none/taken"),
+        ):
+            with self.subTest(arguments):
+                result = contourctl(*arguments)
+                self.assertEqual(result.returncode, code, result)
+                self.assert_one_line(result.stderr, word)
+        self.assertEqual(contourctl("offer", self.path("stick"), "--label", "x").returncode, BAD_USAGE)
+
+    def test_a_damaged_record_is_begun_anew(self):
+        self.put("part.stl")
+        for record in (b"", b"\0\xff" * 5000, b"\n" * 100_000, b"x" * 1_000_000):
+            self.write("taken", record)
+            self.assertEqual(len(self.taken(self.once())), 1)
+            self.assertEqual(self.taken(self.once()), [])
+        self.assertLess(os.path.getsize(self.path("taken")), 2_000_000)
+
+
+class UnitTest(unittest.TestCase):
+    def test_it_writes_nowhere_but_to_the_spool_and_its_record_and_is_bounded(self):
+        with open(UNIT, encoding="utf-8") as file:
+            lines = [line.strip() for line in file]
+        for line in ("ProtectSystem=strict", "ReadWritePaths=/var/spool/contourd/incoming /var/lib/contourd-usb", "PrivateMounts=yes",
+                     "DevicePolicy=closed", "DeviceAllow=/dev/%I r", "BindsTo=dev-%i.device", "NoNewPrivileges=yes"):  # fmt: skip
+            self.assertIn(line, lines)
+        # It would take openat2(2) away.
+        self.assertFalse(any(line.startswith("RestrictSUIDSGID=") for line in lines))
+        for limit in ("TimeoutStartSec", "MemoryMax", "TasksMax", "LimitFSIZE"):
+            self.assertTrue(any(line.startswith(limit + "=") for line in lines), limit)
+
+    def test_the_rule_asks_for_what_the_unit_is_called_once_it_is_enabled(self):
+        with open(os.path.join(SOURCE, "systemd/70-contourd-usb.rules"), encoding="utf-8") as rules, open(UNIT, encoding="utf-8") as unit:
+            [alias] = [line.strip().removeprefix("Alias=") for line in unit if line.startswith("Alias=")]
+            self.assertIn(alias.replace("@", "@%k"), rules.read())
+
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "there is no systemd-analyze")
+    def test_systemd_takes_the_unit(self):
+        checked = subprocess.run(["systemd-analyze", "verify", "--man=no", UNIT], capture_output=True, text=True, check=False)
+        complaints = [line for line in checked.stderr.splitlines() if "contourd" in line and "not executable" not in line]
+        self.assertEqual(complaints, [])
+
+
+if __name__ == "__main__":
+    main()
