@@ -5,6 +5,7 @@
 #include <chrono>
 #include <exception>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -26,7 +27,7 @@ constexpr int kNiceness = 5;
 constexpr std::chrono::seconds kLongestNoting{2};
 // For the part's picture, and for those of layers in all: contourd may be about to stop, and waits for what
 // is filed.
-constexpr std::chrono::seconds kLongestPartPicture{5}, kLongestLayerPictures{5};
+constexpr std::chrono::seconds kLongestPartPicture{10}, kLongestLayerPictures{5};
 
 // What goes wrong is told as "`what`: why", and nothing follows from it.
 template <typename Work>
@@ -44,8 +45,10 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   PrintReport& report = print.report;
   const Spool::Folder folder = folder_for(report.outcome);
   attempt("no picture", filed, [&] {
-    report.preview_png =
-        encode_png(draw_printed_part(report, *print.engine, MaskBudget::Clock::now() + kLongestPartPicture));
+    const auto deadline = MaskBudget::Clock::now() + kLongestPartPicture;
+    const std::optional<Mask> part = draw_printed_part(report, *print.engine, deadline);
+    if (!part) throw std::runtime_error("its masks take too long");
+    report.preview_png = encode_png(*part);
   });
   attempt("no pictures of layers", filed, [&] {
     report.layer_pictures =

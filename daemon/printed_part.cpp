@@ -1,10 +1,12 @@
 #include "daemon/printed_part.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "core/image/part_picture.hpp"
 #include "core/image/thumbnail.hpp"
@@ -14,9 +16,6 @@ namespace contourd {
 namespace {
 
 using Steady = MaskBudget::Clock;
-
-// One mask takes no more of the time than this share: the others are wanted, too.
-constexpr int kLongestShare = 8;
 
 // Which of the exposed layers is at a height. Asked for rising heights.
 class ExposedLayers {
@@ -43,81 +42,128 @@ class ExposedLayers {
   std::span<const LayerRecord>::iterator next_;
 };
 
-// What masks cover, made as small as the picture shows it. The last one is kept.
+// What masks cover, made as small as a picture shows it. The last one is kept.
 class SmallMasks {
  public:
   SmallMasks(ContourEngine& engine, const PixelBox& box, Pixels longest, Steady::time_point deadline)
-      : engine_(engine),
-        box_(box),
-        longest_(longest),
-        deadline_(deadline),
-        longest_mask_((deadline - Steady::now()) / kLongestShare),
-        last_(make_thumbnail(engine.coverage(), box, longest)) {}
+      : engine_(engine), box_(box), longest_(longest), deadline_(deadline) {}
 
-  [[nodiscard]] const Mask& last() const { return last_; }
-
-  // The last one again when it is `late` or its own time is over.
-  const Mask& at(Nanometers height, Steady::time_point late) {
+  // Null when the time is over. One that does not keep its budget is taken for dark, as the print took it.
+  const Mask* at(Nanometers height) {
+    if (height_ == height) return &last_;
     const Steady::time_point now = Steady::now();
-    if (height_ == height || (height_ && now >= late)) return last_;
+    if (now >= deadline_) return nullptr;
     height_ = height;
-    MaskBudget budget(std::min(deadline_, now + longest_mask_));
-    if (budget.look_at_the_clock() && engine_.mask_within(height, budget) != nullptr)
-      last_ = make_thumbnail(engine_.coverage(), box_, longest_);
-    return last_;
+    MaskBudget budget(deadline_);
+    const bool made = engine_.mask_within(height, budget) != nullptr;
+    if (!made && !budget.too_many_sides()) return nullptr;
+    last_ = make_thumbnail(engine_.coverage(), box_, longest_);
+    if (!made) last_ = Mask(last_.width(), last_.height());
+    took_ += Steady::now() - now;
+    return &last_;
   }
+
+  [[nodiscard]] Steady::duration took() const { return took_; }
 
  private:
   ContourEngine& engine_;
   PixelBox box_;
   Pixels longest_;
   Steady::time_point deadline_;
-  Steady::duration longest_mask_;
   std::optional<Nanometers> height_;
   Mask last_;
+  Steady::duration took_{};
 };
+
+class PrintedPart {
+ public:
+  PrintedPart(const PrintReport& report, ContourEngine& engine)
+      : report_(report),
+        engine_(engine),
+        box_(box_around(engine.models(), engine.coverage().width(), engine.coverage().height())) {
+    const Nanometers printed = ExposedLayers(report.layers).top();
+    const bool all = report.outcome == PrintOutcome::Done;
+    height_mm_ = std::max(to_millimeters(printed).count(), all ? 0 : report.summary.height_mm);
+  }
+
+  [[nodiscard]] bool has_height() const { return height_mm_ > 0; }
+
+  struct Drawing {
+    Mask picture;
+    Steady::duration masks{}, took{};  // of that, to compute masks
+  };
+  // Nothing when the time is over before. REQUIRES: it has a height.
+  [[nodiscard]] std::optional<Drawing> draw(Pixels side, Steady::time_point deadline) {
+    const Steady::time_point start = Steady::now();
+    PartPicture::Box part = box_in_pixels();
+    const Pixels longer = std::max(part.columns, part.rows);
+    const double scale = PartPicture::scale_of(part, side);
+    const Pixels longest{std::clamp(static_cast<std::int32_t>(longer.count() * scale), 1, longer.count())};
+    const Mask dark =
+        make_thumbnail(Mask(engine_.coverage().width(), engine_.coverage().height()), box_, longest);
+    part.height *= static_cast<double>(longest.count()) / longer.count();
+    part.columns = dark.width();
+    part.rows = dark.height();
+
+    PartPicture picture(part, side);
+    SmallMasks masks(engine_, box_, longest, deadline);
+    ExposedLayers layers(report_.layers);
+    const Nanometers top = layers.top();
+    bool faint = false;
+    for (std::int32_t i = 0; i < picture.masks(); ++i) {
+      const Nanometers height{std::llround(picture.next_height() * height_mm_ * 1e6)};
+      if (!faint && height >= top) {
+        picture.add_faintly_from_here();
+        faint = true;
+      }
+      const LayerRecord* const layer = layers.at(height);
+      const bool is_dark = !faint && layer == nullptr;
+      const Mask* const mask = is_dark ? &dark : masks.at(faint ? height : layer->mask_height);
+      if (mask == nullptr) return std::nullopt;
+      picture.add(*mask);
+    }
+    Mask drawn = picture.draw();
+    return Drawing{std::move(drawn), masks.took(), Steady::now() - start};
+  }
+
+ private:
+  [[nodiscard]] PartPicture::Box box_in_pixels() const {
+    const PixelMap& map = engine_.models().front().copies.front();
+    const PixelPoint origin = map.to_pixels({0, 0}), beside = map.to_pixels({1, 1});
+    return {Pixels{box_.right - box_.left}, Pixels{box_.bottom - box_.top}, height_mm_ * map.pixels_per_mm(),
+            beside.x<origin.x, beside.y> origin.y};
+  }
+
+  const PrintReport& report_;
+  ContourEngine& engine_;
+  PixelBox box_;
+  double height_mm_ = 0;
+};
+
+// How long a drawing so many times as wide and high would take: it has that many times as many masks, and
+// each of its pixels looks at them.
+Steady::duration enlarged(const PrintedPart::Drawing& drawing, double factor) {
+  const auto rest = drawing.took - drawing.masks;
+  return std::chrono::duration_cast<Steady::duration>(drawing.masks * factor +
+                                                      rest * factor * factor * factor);
+}
 
 }  // namespace
 
-Mask draw_printed_part(const PrintReport& report, ContourEngine& engine, Steady::time_point deadline) {
-  const Steady::time_point start = Steady::now();
-  ExposedLayers layers(report.layers);
-  const double printed_mm = to_millimeters(layers.top()).count();
-  const double height_mm =
-      std::max(printed_mm, report.outcome == PrintOutcome::Done ? 0 : report.summary.height_mm);
-  if (!(height_mm > 0)) return {kPrintedPartSide, kPrintedPartSide};
-
-  const PixelBox box = box_around(engine.models(), engine.coverage().width(), engine.coverage().height());
-  const PixelMap& map = engine.models().front().copies.front();
-  const PixelPoint origin = map.to_pixels({0, 0}), beside = map.to_pixels({1, 1});
-  PartPicture::Box part{Pixels{box.right - box.left}, Pixels{box.bottom - box.top},
-                        height_mm * map.pixels_per_mm(), beside.x<origin.x, beside.y> origin.y};
-  const double scale = PartPicture::scale_of(part, kPrintedPartSide);
-  const Pixels longer = std::max(part.columns, part.rows);
-  const Pixels longest{std::clamp(static_cast<std::int32_t>(longer.count() * scale), 1, longer.count())};
-  SmallMasks masks(engine, box, longest, deadline);
-  part.height *= static_cast<double>(longest.count()) / longer.count();
-  part.columns = masks.last().width();
-  part.rows = masks.last().height();
-
-  PartPicture picture(part, kPrintedPartSide);
-  const Mask dark(part.columns, part.rows);
-  bool faint = false;
-  for (std::int32_t i = 0; i < picture.masks(); ++i) {
-    const Nanometers height{std::llround(picture.next_height() * height_mm * 1e6)};
-    const Steady::time_point late = start + (deadline - start) / picture.masks() * (i + 1);
-    if (!faint && height >= layers.top()) {
-      picture.add_faintly_from_here();
-      faint = true;
-    }
-    const LayerRecord* const layer = layers.at(height);
-    if (faint || layer != nullptr) {
-      picture.add(masks.at(faint ? height : layer->mask_height, late));
-    } else {
-      picture.add(dark);
-    }
+std::optional<Mask> draw_printed_part(const PrintReport& report, ContourEngine& engine,
+                                      Steady::time_point deadline) {
+  PrintedPart part(report, engine);
+  if (!part.has_height()) return Mask(kPrintedPartSide, kPrintedPartSide);
+  constexpr int kSmallest = 4;  // times as small, for what time there is is seen by that
+  std::optional<PrintedPart::Drawing> drawing = part.draw(kPrintedPartSide / kSmallest, deadline);
+  if (!drawing) return std::nullopt;
+  for (const double factor : {4.0, 3.0, 2.0}) {
+    if (Steady::now() + enlarged(*drawing, factor) > deadline) continue;
+    const auto side = static_cast<std::int32_t>(kPrintedPartSide.count() * factor / kSmallest);
+    if (auto larger = part.draw(Pixels{side}, deadline)) return std::move(larger->picture);
+    break;
   }
-  return picture.draw();
+  return std::move(drawing->picture);
 }
 
 }  // namespace contourd
