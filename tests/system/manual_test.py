@@ -193,7 +193,7 @@ class Jog(ManualTest):
     def test_nothing_is_wider_than_a_narrow_terminal(self):
         daemon = self.daemon()
         process, press, _ = self.jog(daemon, columns=40)
-        said = self.beginning + press("h", "height 0.000 mm   step 1 mm   idle") + press("g", "shows")
+        said = self.beginning + press("h", "height 0.000 mm   step 1 mm   idle") + press("g", "step 1 mm   idle   s")
         for line in re.split("[\r\n]+", said.replace("\x1b[K", "")):
             self.assertLessEqual(len(line), 40, line)
         press("q", "\n")
