@@ -260,7 +260,8 @@ std::vector<float> PartPicture::depths_of(const Surface& surface) const {
   std::vector<float> depths(surface.size());
   const auto side = static_cast<std::size_t>(side_);
   for (std::size_t at = 0; at < surface.size(); ++at) {
-    const double up = middle_up_ * scale_ + side_ / 2.0 - (static_cast<double>(at / side) + 0.5);
+    const std::size_t row = at / side;
+    const double up = middle_up_ * scale_ + side_ / 2.0 - (static_cast<double>(row) + 0.5);
     const double height = static_cast<double>(surface[at]) * box_.height / masks_ * scale_;
     depths[at] = seen(surface[at]) ? static_cast<float>((height - up * kCosRise) / kSinRise) : NAN;
   }
