@@ -92,7 +92,7 @@ class PrintedPart {
     Mask picture;
     Steady::duration masks{}, took{};  // of that, to compute masks
   };
-  // Nothing when the time is over before. REQUIRES: it has a height.
+  // Nothing when the time is over before.
   [[nodiscard]] std::optional<Drawing> draw(Pixels side, Steady::time_point deadline) {
     const Steady::time_point start = Steady::now();
     PartPicture::Box part = box_in_pixels();
