@@ -17,8 +17,7 @@ namespace contourd::ctl {
 [[nodiscard]] int terminal_columns();
 
 // Prints the label and the text as a line. On a terminal, what is wider than it is broken between words; it
-// goes on under the text where that has most of the room, else two columns from the left. REQUIRES: no line
-// ends in it.
+// goes on under the text where that has most of the room, else two columns from the left.
 void print_wrapped(std::string_view label, std::string_view text);
 
 // Whether standard output is a terminal that knows control sequences, by TERM.
