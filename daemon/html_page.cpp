@@ -13,7 +13,7 @@ namespace contourd {
 namespace {
 
 constexpr double kPlotWidth = 860, kPlotHeight = 190;
-constexpr double kPlotLeft = 84, kPlotBottom = 40, kPlotTop = 14;
+constexpr double kPlotLeft = 104, kPlotBottom = 40, kPlotTop = 20;
 // More points than a plot has room for are drawn as the largest of each group: peaks must not vanish.
 constexpr std::size_t kMaxPoints = 800;
 

@@ -22,7 +22,7 @@ table { border-collapse: collapse; } td, th { text-align: left; padding: .15rem 
 th { font-weight: 400; opacity: .7; } svg { width: 100%; height: auto; }
 svg text { font: 12px system-ui, sans-serif; fill: var(--ink); } svg .grid { stroke: var(--line); stroke-width: 1; }
 @media (max-width: 40rem) { svg text { font-size: 24px; } }
-svg .curve { fill: none; stroke: var(--accent); stroke-width: 1.5; stroke-linejoin: round; }
+svg .curve { fill: none; stroke: var(--accent); stroke-width: 1.5; stroke-linejoin: round; vector-effect: non-scaling-stroke; }
 )";
 
 // Text from a file name or an error message, safe inside HTML.

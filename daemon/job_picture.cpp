@@ -2,18 +2,18 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace contourd {
 namespace {
 
-std::vector<PreviewPart> parts_of(const JobSummary& summary, const ContourEngine& engine,
-                                  DrawnCopies copies) {
+std::vector<PreviewPart> parts_of(const JobSummary& summary, const ContourEngine& engine) {
   constexpr std::uint64_t kMaxFacets = 5'000'000;  // some seconds of drawing
   std::uint64_t facets = 0;
   for (std::size_t i = 0; i < summary.models.size(); ++i)
     facets += engine.models()[i].model->facets().size() * summary.models[i].centers.size();
-  const bool all = copies == DrawnCopies::All && facets <= kMaxFacets;
+  const bool all = facets <= kMaxFacets;
   std::vector<PreviewPart> parts;
   for (std::size_t i = 0; i < summary.models.size(); ++i) {
     const PlateModel& standing = engine.models()[i];
@@ -30,9 +30,9 @@ std::vector<PreviewPart> parts_of(const JobSummary& summary, const ContourEngine
 
 }  // namespace
 
-Mask draw_job_picture(const JobSummary& summary, const ContourEngine& engine, Millimeters top,
-                      DrawnCopies copies) {
-  return render_preview(parts_of(summary, engine, copies), top, kJobPictureSide, kJobPictureSide);
+Mask draw_job_picture(const JobSummary& summary, const ContourEngine& engine) {
+  const Millimeters all{std::numeric_limits<double>::infinity()};
+  return render_preview(parts_of(summary, engine), all, kJobPictureSide, kJobPictureSide);
 }
 
 }  // namespace contourd

@@ -10,12 +10,8 @@ namespace contourd {
 // As wide and as high.
 inline constexpr Pixels kJobPictureSide{720};
 
-// Whether copies of a model are drawn beside it.
-enum class DrawnCopies { None, All };
-
-// What was printed of them up to that height above the plate. Takes up to some seconds: of a very large job,
-// one of each model. `engine` is that of the job of which `summary` tells.
-[[nodiscard]] Mask draw_job_picture(const JobSummary& summary, const ContourEngine& engine, Millimeters top,
-                                    DrawnCopies copies);
+// All of them, from their facets. Takes up to some seconds: of a very large job, one of each model. `engine`
+// is that of the job of which `summary` tells.
+[[nodiscard]] Mask draw_job_picture(const JobSummary& summary, const ContourEngine& engine);
 
 }  // namespace contourd

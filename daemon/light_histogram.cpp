@@ -40,7 +40,7 @@ double width_for(const LightDifference& all) {
   }
 }
 
-constexpr double kWidth = 860, kHeight = 200, kLeft = 84, kRight = 10, kTop = 14, kBottom = 40;
+constexpr double kWidth = 860, kHeight = 200, kLeft = 84, kRight = 10, kTop = 20, kBottom = 40;
 constexpr double kLeastBar = 3;  // one layer among thousands is to be seen
 
 std::string bar(const char* name, double x, double width, std::uint64_t layers, std::uint64_t most,

@@ -5,15 +5,16 @@
 #include <chrono>
 #include <exception>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "core/contract/expects.hpp"
-#include "daemon/job_picture.hpp"
 #include "daemon/layer_pictures.hpp"
 #include "daemon/print_report_html.hpp"
 #include "daemon/print_report_json.hpp"
+#include "daemon/printed_part.hpp"
 #include "daemon/readable.hpp"
 #include "hw/png_file.hpp"
 
@@ -24,15 +25,9 @@ namespace {
 constexpr int kNiceness = 5;
 // How long a disk may take to note the print in the history before the print is filed all the same.
 constexpr std::chrono::seconds kLongestNoting{2};
-// For the pictures of layers in all: contourd may be about to stop, and waits for what is filed.
-constexpr std::chrono::seconds kLongestPictures{5};
-
-std::vector<std::uint8_t> draw_preview(const PrintReport& report, const ContourEngine& engine) {
-  const Nanometers printed =
-      report.layers.empty() ? Nanometers{} : report.layers.back().bottom + report.layers.back().thickness;
-  const DrawnCopies copies = report.summary.plate ? DrawnCopies::All : DrawnCopies::None;
-  return encode_png(draw_job_picture(report.summary, engine, to_millimeters(printed), copies));
-}
+// For the part's picture, and for those of layers in all: contourd may be about to stop, and waits for what
+// is filed.
+constexpr std::chrono::seconds kLongestPartPicture{10}, kLongestLayerPictures{5};
 
 // What goes wrong is told as "`what`: why", and nothing follows from it.
 template <typename Work>
@@ -49,10 +44,15 @@ bool attempt(const std::string& what, FiledPrint& filed, Work work) {
 void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& filed) {
   PrintReport& report = print.report;
   const Spool::Folder folder = folder_for(report.outcome);
-  attempt("no picture", filed, [&] { report.preview_png = draw_preview(report, *print.engine); });
+  attempt("no picture", filed, [&] {
+    const auto deadline = MaskBudget::Clock::now() + kLongestPartPicture;
+    const std::optional<Mask> part = draw_printed_part(report, *print.engine, deadline);
+    if (!part) throw std::runtime_error("its masks take too long");
+    report.preview_png = encode_png(*part);
+  });
   attempt("no pictures of layers", filed, [&] {
     report.layer_pictures =
-        draw_layer_pictures(report, *print.engine, MaskBudget::Clock::now() + kLongestPictures);
+        draw_layer_pictures(report, *print.engine, MaskBudget::Clock::now() + kLongestLayerPictures);
   });
   attempt("no report.html", filed,
           [&] { spool.write_beside(folder, report.job, "report.html", report_as_html(report)); });

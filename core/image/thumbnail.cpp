@@ -37,20 +37,23 @@ Mask make_thumbnail(const Mask& mask, const PixelBox& box, Pixels longest) {
   const std::int32_t rows = shrunk(high, longer, longest.count());
   const std::vector<std::int32_t> x = edges(columns, wide), y = edges(rows, high);
   Mask small(Pixels{columns}, Pixels{rows});
-  std::vector<std::uint64_t> sums(static_cast<std::size_t>(columns));
+  std::vector<std::uint32_t> sums(static_cast<std::size_t>(wide));  // of columns, in one of its rows
   for (std::size_t row = 0; row + 1 < y.size(); ++row) {
     std::ranges::fill(sums, 0U);
     for (std::int32_t source = y[row]; source < y[row + 1]; ++source) {
-      const auto pixels = mask.row(box.top + source).begin() + box.left;
-      for (std::size_t column = 0; column < sums.size(); ++column)
-        sums[column] += std::accumulate(pixels + x[column], pixels + x[column + 1], std::uint32_t{0});
+      const auto pixels = mask.row(box.top + source).subspan(static_cast<std::size_t>(box.left), sums.size());
+      for (std::size_t at = 0; at < sums.size(); ++at)
+        sums[at] += pixels[at];
     }
     const std::span<std::uint8_t> out = small.row(static_cast<std::int32_t>(row));
-    for (std::size_t column = 0; column < sums.size(); ++column) {
+    for (std::size_t column = 0; column < out.size(); ++column) {
+      const std::uint64_t sum =
+          std::accumulate(sums.begin() + x[column], sums.begin() + x[column + 1], std::uint64_t{0});
+      if (sum == 0) continue;
       const auto count = static_cast<std::uint64_t>(y[row + 1] - y[row]) *
                          static_cast<std::uint64_t>(x[column + 1] - x[column]);
-      const std::uint64_t mean = (sums[column] + count / 2) / count;
-      const bool may_vanish = sums[column] > 0 && count > 1;  // one of the mask's own pixels is as it is
+      const std::uint64_t mean = (sum + count / 2) / count;
+      const bool may_vanish = count > 1;  // one of the mask's own pixels is as it is
       out[column] = static_cast<std::uint8_t>(may_vanish ? std::max(mean, kLeastGrey) : mean);
     }
   }

@@ -8,6 +8,7 @@
 
 #include "daemon/ctl/daemon_connection.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/terminal.hpp"
 #include "daemon/readable.hpp"
 
 namespace contourd::ctl {
@@ -18,7 +19,7 @@ using Json = DaemonConnection::Json;
 void print_analysis(const Json& analysis) {
   fmt::print("resin     {:.2f} ml\n", analysis.value("resin_ml", 0.0));
   for (const Json& warning : analysis["warnings"])
-    fmt::print("warning   {}\n", printable(warning.get<std::string>()));
+    print_wrapped("warning   ", printable(warning.get<std::string>()));
 }
 
 // How a job ended: "done", or "failed: " and why.
@@ -34,23 +35,27 @@ bool is_value_in(const Json& object, const Json& value) {
 }  // namespace
 
 void print_status(const Json& status) {
-  fmt::print("printer   {}\nstate     {}\n", printable(status.value("printer", "")),
-             printable(status.value("state", "")));
+  print_wrapped("printer   ", printable(status.value("printer", "")));
+  fmt::print("state     {}\n", printable(status.value("state", "")));
   if (status["job"].is_object()) {
     const Json& job = status["job"];
-    fmt::print("job       {}\n", printable(job.value("name", "")));
+    print_wrapped("job       ", printable(job.value("name", "")));
     if (job.contains("layer")) {
-      fmt::print("layer     {} of {}, {:.3f} mm, {} left{}\n", job.value("layer", 0), job.value("layers", 0),
-                 job.value("height_mm", 0.0), time_left(job),
-                 job["pause"].is_string() ? ", pause " + printable(job["pause"].get<std::string>()) : "");
+      print_wrapped(
+          "layer     ",
+          fmt::format(
+              "{} of {}, {:.3f} mm, {} left{}", job.value("layer", 0), job.value("layers", 0),
+              job.value("height_mm", 0.0), time_left(job),
+              job["pause"].is_string() ? ", pause " + printable(job["pause"].get<std::string>()) : ""));
       if (job["interruption"].is_string())
-        fmt::print("stopped   {}\n", printable(job["interruption"].get<std::string>()));
+        print_wrapped("stopped   ", printable(job["interruption"].get<std::string>()));
     }
     if (job.contains("analysis") && job["analysis"].is_object()) print_analysis(job["analysis"]);
   }
-  fmt::print(
-      "plate     {}{}\n", printable(status.value("plate", "")),
-      status["plate_job"].is_string() ? " by " + printable(status["plate_job"].get<std::string>()) : "");
+  print_wrapped("plate     ", printable(status.value("plate", "")) +
+                                  (status["plate_job"].is_string()
+                                       ? " by " + printable(status["plate_job"].get<std::string>())
+                                       : ""));
   fmt::print("queue     {}\n", status.value("queued", 0));
   for (const auto& [file, why] : status["postponed"].items())
     fmt::print("postponed {}: {}\n", printable(file), why.get<std::string>());
@@ -66,16 +71,16 @@ void print_status(const Json& status) {
   if (const auto more = status.value("passed_over_more", std::size_t{0}); more > 0)
     fmt::print("unprinted {} more in incoming\n", more);
   if (status["hindrance"].is_string())
-    fmt::print("machine   {}\n", printable(status["hindrance"].get<std::string>()));
-  if (status["held"].is_string()) fmt::print("held      {}\n", printable(status["held"].get<std::string>()));
+    print_wrapped("machine   ", printable(status["hindrance"].get<std::string>()));
+  if (status["held"].is_string()) print_wrapped("held      ", printable(status["held"].get<std::string>()));
   if (status["waiting_for"].is_string() && status["waiting_for"] != status["held"] &&
       !is_value_in(status["unaccepted"], status["waiting_for"]))
-    fmt::print("waiting   {}\n", printable(status["waiting_for"].get<std::string>()));
+    print_wrapped("waiting   ", printable(status["waiting_for"].get<std::string>()));
   for (const Json& reminder : status["reminders"])
-    fmt::print("reminder  {}\n", printable(reminder.get<std::string>()));
+    print_wrapped("reminder  ", printable(reminder.get<std::string>()));
   if (status["last"].is_object()) {
     const Json& last = status["last"];
-    fmt::print("last job  {}: {}\n", printable(last.value("job", "")), end_of(last));
+    print_wrapped("last job  ", fmt::format("{}: {}", printable(last.value("job", "")), end_of(last)));
   }
 }
 

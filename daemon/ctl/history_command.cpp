@@ -15,6 +15,7 @@
 
 #include "daemon/ctl/daemon_connection.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/terminal.hpp"
 #include "daemon/readable.hpp"
 
 namespace contourd::ctl {
@@ -113,9 +114,11 @@ void print_lines(const Json& jobs) {
   if (jobs.empty()) fmt::print("no job has ended\n");
   for (const Json& job : jobs) {
     const std::string reason = job.value("reason", ""), figures = figures_of(job);
-    fmt::print("{}  {}: {}{}{}\n", local_time(job.value("ended", "")), printable(job.value("job", "")),
-               printable(job.value("outcome", "")), reason.empty() ? "" : ": " + printable_lines(reason),
-               figures.empty() ? "" : fmt::format(" ({})", figures));
+    print_wrapped(
+        local_time(job.value("ended", "")) + "  ",
+        fmt::format("{}: {}{}{}", printable(job.value("job", "")), printable(job.value("outcome", "")),
+                    reason.empty() ? "" : ": " + printable(reason),
+                    figures.empty() ? "" : fmt::format(" ({})", figures)));
   }
 }
 
@@ -195,6 +198,10 @@ int history(const ClientOptions& client, const HistoryOptions& options) {
   return failed ? kFailed : kOk;
 }
 
+std::string counted(int number, std::string_view what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
 void print_usage(const Json& usage) {
   if (usage["trouble"].is_string()) {
     fmt::print("nothing is known: {}\n", printable(usage["trouble"].get<std::string>()));
@@ -204,14 +211,15 @@ void print_usage(const Json& usage) {
              usage.value("jobs", 0), usage.value("layers", 0), usage.value("lamp_h", 0.0),
              usage.value("resin_ml", 0.0));
   for (const Json& each : usage["resins"])
-    fmt::print("          {:.2f} ml of {}: {} jobs, {} layers, {:.2f} h lit\n", each.value("resin_ml", 0.0),
-               printable(each.value("resin", "")), each.value("jobs", 0), each.value("layers", 0),
-               each.value("lamp_h", 0.0));
+    print_wrapped("          ",
+                  fmt::format("{:.2f} ml of {}: {}, {}, {:.2f} h lit", each.value("resin_ml", 0.0),
+                              printable(each.value("resin", "")), counted(each.value("jobs", 0), "job"),
+                              counted(each.value("layers", 0), "layer"), each.value("lamp_h", 0.0)));
   for (const Json& part : usage["parts"])
     print_part(part);
   for (const Json& part : usage["parts"])
     if (part["reminder"].is_string())
-      fmt::print("reminder  {}\n", printable(part["reminder"].get<std::string>()));
+      print_wrapped("reminder  ", printable(part["reminder"].get<std::string>()));
 }
 
 }  // namespace contourd::ctl

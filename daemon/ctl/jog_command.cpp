@@ -26,6 +26,13 @@ constexpr std::string_view kHelp =
     "up, down (or k, j)  move by the step     h  home       m  motor off\n"
     "1 2 3 4 5           step 0.01 to 50 mm   l  light      g  next picture\n"
     "space               stop                 q  quit\n";
+// For a terminal that is not as wide.
+constexpr int kHelpColumns = 71;
+constexpr std::string_view kNarrowHelp =
+    "up, down, k, j  move by the step\n"
+    "1 to 5          step 0.01 to 50 mm\n"
+    "space stop      h home     m motor off\n"
+    "g next picture  l light    q quit\n";
 
 constexpr std::array kSteps_mm{0.01, 0.1, 1.0, 10.0, 50.0};
 constexpr std::array<const char*, 5> kPictures{"grid", "border", "focus", "dimensions", "black"};
@@ -58,7 +65,7 @@ class Jog {
 
   void take(const Json& message) {
     if (message.contains("error")) {
-      fmt::print("\r\x1b[K{}\n", printable_lines(message["error"].value("message", "")));
+      tell(message["error"].value("message", ""));
       asked_ = false;
       draw();
       return;
@@ -67,13 +74,13 @@ class Jog {
     if (message.value("id", 0) == kRequest) asked_ = false;
     if (!status.is_object() || !status.contains("manual")) return;
     const Json problem = status["manual"]["problem"];
-    if (problem.is_string() && problem != manual_.value("problem", Json()))
-      fmt::print("\r\x1b[K{}\n", printable_lines(problem.get<std::string>()));
+    if (problem.is_string() && problem != manual_.value("problem", Json())) tell(problem.get<std::string>());
     manual_ = status["manual"];
+    prints_ = status.contains("job") && status["job"].is_object();
     draw();
   }
 
-  void draw() const {
+  void draw() {
     std::string line;
     if (asks_for_light_) {
       line = fmt::format("UV light for {:g} s. Eyes protected, nobody near the vat? y/n", options_.light_s);
@@ -81,15 +88,28 @@ class Jog {
       const Json &height = manual_["height_mm"], &picture = manual_["picture"];
       line = fmt::format("{}   step {:g} mm   {}{}",
                          height.is_number() ? fmt::format("height {:.3f} mm", height.get<double>())
-                                            : std::string("height unknown: h homes"),
-                         step_mm_, asked_ ? "..." : printable(manual_.value("state", "")),
+                                            : std::string("height unknown (h)"),
+                         step_mm_, asked_ ? "..." : state(),
                          picture.is_string() ? "   shows " + printable(picture.get<std::string>()) : "");
     }
-    fmt::print("\r\x1b[K{:.{}}", line, terminal_columns() - 1);
+    if (in_place_) {
+      fmt::print("\r\x1b[K{:.{}}", line, terminal_columns() - 1);
+    } else if (line != shown_) {
+      fmt::print("{}\n", line);
+    }
+    shown_ = line;
     std::fflush(stdout);
   }
 
  private:
+  // A sentence, above the line with the state.
+  void tell(const std::string& sentence) const {
+    fmt::print("{}{}\n", in_place_ ? "\r\x1b[K" : "", printable_lines(sentence));
+  }
+  // While a job is printed, the printer is not idle, but nobody controls it by hand.
+  [[nodiscard]] std::string state() const {
+    return prints_ ? "printing" : printable(manual_.value("state", ""));
+  }
   // A key that is pressed while something goes on is not kept for later.
   [[nodiscard]] bool is_idle() const {
     return !asked_ && manual_.is_object() && manual_.value("state", "") == "idle";
@@ -134,8 +154,10 @@ class Jog {
   JogOptions options_;
   double step_mm_ = 1;
   std::size_t next_picture_ = 0;
-  bool asked_ = false, asks_for_light_ = false;
+  bool asked_ = false, asks_for_light_ = false, prints_ = false;
   Json manual_;
+  bool in_place_ = knows_sequences();  // the state has one line; else one each time it changes
+  std::string shown_;
 };
 
 // The line with the state is the last one, however it ends.
@@ -157,7 +179,7 @@ int jog(const ClientOptions& client, const JogOptions& options) {
   connection.send("watch", kWatch);
   connection.send("status", kStatus);
   Jog state(connection, options);
-  fmt::print("{}", kHelp);
+  fmt::print("{}", terminal_columns() < kHelpColumns ? kNarrowHelp : kHelp);
   const LineEnd line_end;
   while (!keys.ended()) {
     const std::string typed = keys.wait(connection.descriptor());

@@ -134,8 +134,7 @@ NotedPicture shaded_job(const Subject& subject, const PreparedJob& job) {
                                ? fmt::format("{} models, {:.6g} mm high", parts, summary.height_mm)
                                : fmt::format("{}{}", parts > 1 ? fmt::format("{} of ", parts) : "",
                                              size_text(first.size_x_mm, first.size_y_mm, first.size_z_mm));
-  const Millimeters top{std::numeric_limits<double>::infinity()};
-  return {draw_job_picture(summary, *job.plan.engine, top, DrawnCopies::All),
+  return {draw_job_picture(summary, *job.plan.engine),
           fmt::format("{}: {}, layers {}", subject.title, what, layers_text(job.plan.expected_layers))};
 }
 

@@ -5,10 +5,12 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <string>
 #include <string_view>
 
 #include "daemon/ctl/daemon_connection.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/terminal.hpp"
 #include "daemon/readable.hpp"
 
 namespace contourd::ctl {
@@ -61,15 +63,17 @@ std::string_view state_of(const Json& job) {
 }
 
 void print_job(const Json& job) {
-  fmt::print("{:>3}  {}\n     {}", job.value("number", 0), text_of(job, "file"), state_of(job));
+  print_wrapped(fmt::format("{:>3}  ", job.value("number", 0)), text_of(job, "file"));
+  std::string state(state_of(job));
   if (job["layers"].is_number()) {
     const auto parts = job["parts"].get<std::int64_t>();
-    fmt::print(", {}, {}layers {}, {}, {}", time_of(job), parts > 1 ? fmt::format("{} parts, ", parts) : "",
-               layers_of(job), text_of(job, "resin"), size_of(job));
+    state += fmt::format(", {}, {}layers {}, {}, {}", time_of(job),
+                         parts > 1 ? fmt::format("{} parts, ", parts) : "", layers_of(job),
+                         text_of(job, "resin"), size_of(job));
   }
-  fmt::print("\n");
-  if (const std::string set = overrides_of(job); !set.empty()) fmt::print("     by its ticket: {}\n", set);
-  if (const std::string why = text_of(job, "waiting_for"); !why.empty()) fmt::print("     waits: {}\n", why);
+  print_wrapped("     ", state);
+  if (const std::string set = overrides_of(job); !set.empty()) print_wrapped("     by its ticket: ", set);
+  if (const std::string why = text_of(job, "waiting_for"); !why.empty()) print_wrapped("     waits: ", why);
 }
 
 }  // namespace

@@ -1,13 +1,12 @@
 #include "daemon/ctl/switches_command.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
-
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 #include "daemon/ctl/daemon_connection.hpp"
 #include "daemon/ctl/exit_codes.hpp"
@@ -39,7 +38,7 @@ std::string line_of(const Json& input) {
 
 class SwitchView {
  public:
-  explicit SwitchView(bool json) : json_(json), in_place_(!json && ::isatty(STDOUT_FILENO) == 1) {}
+  explicit SwitchView(bool json) : json_(json), in_place_(!json && knows_sequences()) {}
 
   void show(const Json& inputs) {
     if (inputs == shown_) return;
@@ -54,10 +53,13 @@ class SwitchView {
   }
 
  private:
-  void redraw(const Json& inputs) const {
-    if (shown_.is_array() && !shown_.empty()) fmt::print("\x1b[{}A", shown_.size());
+  // Where the terminal has become narrower or wider, nobody knows where the lines from before are now: they
+  // are left.
+  void redraw(const Json& inputs) {
+    const int columns = std::exchange(columns_, terminal_columns());
+    if (columns == columns_ && shown_.is_array() && !shown_.empty()) fmt::print("\x1b[{}A", shown_.size());
     for (const Json& input : inputs)
-      fmt::print("\r\x1b[K{:.{}}\n", line_of(input), terminal_columns());
+      fmt::print("\r\x1b[K{:.{}}\n", line_of(input), columns_);
   }
   void print_changed(const Json& inputs) const {
     for (std::size_t i = 0; i < inputs.size(); ++i) {
@@ -67,6 +69,7 @@ class SwitchView {
   }
 
   bool json_, in_place_;
+  int columns_ = 0;  // of the terminal, when the lines were drawn
   Json shown_;
 };
 

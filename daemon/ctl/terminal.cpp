@@ -7,13 +7,16 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstdlib>
 #include <system_error>
+#include <utility>
 
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/text_columns.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -74,6 +77,19 @@ int terminal_columns() {
   winsize size{};
   const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
   return known ? size.ws_col : kUsual;
+}
+
+void print_wrapped(std::string_view label, std::string_view text) {
+  if (::isatty(STDOUT_FILENO) == 0) return fmt::print("{}{}\n", label, text);
+  constexpr std::size_t kIndent = 2;
+  const auto columns = static_cast<std::size_t>(std::max(terminal_columns(), 1));
+  const bool beside = columns_of(label) * 3 <= columns;
+  const std::size_t indent = beside ? columns_of(label) : std::min(kIndent, columns - 1);
+  const std::string all = beside ? std::string(text) : fmt::format("{}{}", label, text);
+  const std::string before(indent, ' ');
+  std::string_view start = beside ? label : std::string_view();
+  for (const std::string& line : wrapped(all, columns - indent))
+    fmt::print("{}{}\n", std::exchange(start, before), line);
 }
 
 std::optional<Key> take_key(std::string_view& sent) {

@@ -16,6 +16,10 @@ namespace contourd::ctl {
 // Of standard output's terminal; 80 where it does not say.
 [[nodiscard]] int terminal_columns();
 
+// Prints the label and the text as a line. On a terminal, what is wider than it is broken between words; it
+// goes on under the text where that has most of the room, else two columns from the left.
+void print_wrapped(std::string_view label, std::string_view text);
+
 // Whether standard output is a terminal that knows control sequences, by TERM.
 [[nodiscard]] bool knows_sequences();
 // Whether the user wants colours, by NO_COLOR.

@@ -251,7 +251,7 @@ class View {
     if (const std::string pause = text_of(job_, "pause"); !pause.empty()) append("a pause " + pause);
     const Json& queue = part_of(printer_.queue, "queue");
     if (queue.is_array() && !queue.empty() && queue.front().is_string())
-      append("then " + printable(queue.front().get<std::string>()));
+      append((next.empty() ? "" : "then ") + printable(queue.front().get<std::string>()));
     add_if("next", next, kNext);
   }
 

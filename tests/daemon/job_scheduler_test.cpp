@@ -121,6 +121,20 @@ TEST_CASE("The time to the first light counts from the arrival, or from the end 
   CHECK(desk.jobs[1].turn_came >= end_of_wait);
 }
 
+TEST_CASE("A job that becomes the next one while another begins waits for it") {
+  Desk desk;
+  desk.has_job = true;
+  desk.put(Spool::Folder::Incoming, "one.stl");
+  desk.put(Spool::Folder::Incoming, "two.stl");
+  desk.queue.put_last({.file = "one.stl", .arrived = {}});
+  desk.queue.put_last({.file = "two.stl", .arrived = {}});
+  desk.has_job = false;
+  desk.scheduler.run_soon();
+  CHECK(desk.run_until([&] { return desk.has_job; }));
+  CHECK(desk.begun() == Names{"one"});
+  CHECK(desk.queue.jobs().front().waited);
+}
+
 TEST_CASE("The machine comes before the hold in what a job waits for, and the hold before the disk") {
   Desk desk;
   desk.config.min_free_disk_bytes = ~std::uintmax_t{0};

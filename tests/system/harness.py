@@ -16,6 +16,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import termios
 import threading
 import time
 import unittest
@@ -210,6 +211,21 @@ def run(program, *arguments, **options):
 
 def contourctl(*arguments, **options):
     return run(CONTOURCTL, *arguments, **options)
+
+
+def on_terminal(columns, *arguments):
+    """contourctl's lines on a terminal of so many columns, which it knows to be dumb."""
+    mine, its = os.openpty()
+    termios.tcsetwinsize(its, (24, columns))
+    process = subprocess.Popen([CONTOURCTL, *arguments], stdin=its, stdout=its, stderr=its, env={**os.environ, "TERM": "dumb"})
+    os.close(its)
+    shown = b""
+    with contextlib.suppress(OSError):  # its end
+        while data := os.read(mine, 4096):
+            shown += data
+    os.close(mine)
+    process.wait(DEADLINE_S)
+    return shown.decode().replace("\r", "").splitlines()
 
 
 def wait_until(condition, what, deadline_s=DEADLINE_S):

@@ -11,7 +11,7 @@ import time
 
 from harness import (
     BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl, main,
-    wait_until,
+    on_terminal, wait_until,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
@@ -44,6 +44,21 @@ class HistoryTest(FolderTest):
     def assert_sound(self):
         with sqlite3.connect(self.file) as database:
             self.assertEqual(database.execute("PRAGMA integrity_check").fetchall(), [("ok",)])
+
+
+class Lines(HistoryTest):
+    def test_on_a_narrow_terminal_lines_are_broken_between_words(self):
+        self.daemon.start()
+        self.print_one("a-part-with-a-name")
+        self.daemon.rpc("pause")
+        for command in ("history", "usage", "status", "queue"):
+            whole = self.daemon.ctl(command).stdout.decode()
+            for columns in (30, 40, 80):
+                lines = on_terminal(columns, command, "--socket", self.daemon.socket_path)
+                self.assertLessEqual(max(len(line) for line in lines), columns, lines)
+                self.assertEqual(" ".join(lines).split(), whole.split())
+        self.assertIn("1 job, 4 layers", self.daemon.ctl("usage").stdout.decode())
+        self.daemon.stop()
 
 
 class Kept(HistoryTest):

@@ -4,6 +4,7 @@
 import json
 import os
 import pty
+import re
 import select
 import signal
 import socket
@@ -136,11 +137,13 @@ class Commands(ManualTest):
 
 
 class Jog(ManualTest):
-    def jog(self, daemon, *words):
+    def jog(self, daemon, *words, columns=80, terminal="xterm", until="step 1 mm   idle"):
         """The process, and a function that types and waits until something is shown."""
         mine, its = pty.openpty()
         self.addCleanup(os.close, mine)
-        process = subprocess.Popen([CONTOURCTL, "jog", "--socket", daemon.socket_path, *words], stdin=its, stdout=its, stderr=its)
+        termios.tcsetwinsize(its, (24, columns))
+        process = subprocess.Popen([CONTOURCTL, "jog", "--socket", daemon.socket_path, *words], stdin=its, stdout=its, stderr=its,
+                                   env={**os.environ, "TERM": terminal})  # fmt: skip
         self.addCleanup(process.wait)
         self.addCleanup(process.kill)
         os.close(its)
@@ -154,7 +157,7 @@ class Jog(ManualTest):
                 self.assertTrue(select.select([mine], [], [], DEADLINE_S)[0], shown)
                 shown += os.read(mine, 4096)
             return shown.decode()
-        press("", "step 1 mm   idle")
+        self.beginning = press("", until)
         return process, press, mine
 
     def test_keys_home_and_move_and_what_is_refused_is_said(self):
@@ -174,6 +177,38 @@ class Jog(ManualTest):
         press("q", "\n")
         self.assertEqual(process.wait(DEADLINE_S), OK)
         wait_until(lambda: self.manual(daemon)["picture"] is None, "black")
+        daemon.stop()
+
+    def test_it_says_so_while_a_job_is_printed(self):
+        daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
+        daemon.drop("part.stl", SMALL)
+        daemon.wait_state("exposing")
+        process, press, _ = self.jog(daemon, until="step 1 mm   printing")
+        press("k", "part is being printed")
+        press("q", "\n")
+        self.assertEqual(process.wait(DEADLINE_S), OK)
+        daemon.rpc("cancel")
+        daemon.stop()
+
+    def test_nothing_is_wider_than_a_narrow_terminal(self):
+        daemon = self.daemon()
+        process, press, _ = self.jog(daemon, columns=40)
+        said = self.beginning + press("h", "height 0.000 mm   step 1 mm   idle") + press("g", "step 1 mm   idle   s")
+        for line in re.split("[\r\n]+", said.replace("\x1b[K", "")):
+            self.assertLessEqual(len(line), 40, line)
+        press("q", "\n")
+        self.assertEqual(process.wait(DEADLINE_S), OK)
+        daemon.stop()
+
+    def test_a_terminal_that_knows_no_control_sequences_gets_none(self):
+        daemon = self.daemon()
+        process, press, _ = self.jog(daemon, terminal="dumb")
+        said = self.beginning + press("k", "home comes first") + press("h", "height 0.000 mm   step 1 mm   idle\r\n")
+        self.assertNotIn("\x1b", said)
+        lines = said.replace("\r", "").splitlines()
+        self.assertTrue(all(line != before for line, before in zip(lines[1:], lines)), lines)
+        press("q", "\n")
+        self.assertEqual(process.wait(DEADLINE_S), OK)
         daemon.stop()
 
     def test_light_is_asked_for_and_anything_but_y_is_no(self):

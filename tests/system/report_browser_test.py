@@ -124,6 +124,13 @@ LEAST_CONTRAST = """(() => {
 })()"""
 
 
+# Texts of pictures that are cut off at the picture's edge.
+CUT_OFF = """[...document.querySelectorAll("svg text")].filter((text) => {
+  const box = text.getBBox(), all = text.ownerSVGElement.viewBox.baseVal;
+  return box.x < 0 || box.y < 0 || box.x + box.width > all.width || box.y + box.height > all.height;
+}).map((text) => text.textContent)"""
+
+
 class InABrowser(FolderTest):
     """CONTOURD_SCREENSHOTS, a folder, gets what is seen, to be looked at."""
 
@@ -134,6 +141,11 @@ class InABrowser(FolderTest):
         path = self.path("page.html")
         shutil.copy(daemon.file("done", HOSTILE + ".report.html"), path)
         daemon.stop()
+        # What is written beside the last plots differs from print to print: no value there is wider than this.
+        with open(path, encoding="utf-8") as file:
+            before, plots = file.read().split("<h2>Time from height to mask", 1)
+        plots = re.sub(r'(text-anchor="end">)[^<]*', r"\g<1>0.0125", plots)
+        self.write("page.html", before + "<h2>Time from height to mask" + plots)
         browser = Browser(self)
         for width in (390, 1280):
             for scheme in ("light", "dark"):
@@ -142,6 +154,7 @@ class InABrowser(FolderTest):
                     self.assertEqual(browser.value("document.documentElement.scrollWidth"), width)
                     self.assertEqual(browser.value("[...document.images].filter((i) => !i.complete || !i.naturalWidth).length"), 0)
                     self.assertEqual(browser.value("document.images.length"), 13)
+                    self.assertEqual(browser.value(CUT_OFF), [])
                     contrast, of = browser.value(LEAST_CONTRAST)
                     self.assertGreaterEqual(contrast, 4.5, of)
                     if folder := os.environ.get("CONTOURD_SCREENSHOTS"):
@@ -168,6 +181,9 @@ class InABrowser(FolderTest):
         policy = "<meta http-equiv=Content-Security-Policy content=\"default-src 'none'\">"
         browser.open(self.write("held.html", policy + "<script>throw 1</script>").decode(), 390, "light")
         self.assertIn("Content Security Policy", browser.errors[0])
+        cut = "<svg viewBox='0 0 9 9'><text y='8'>far too long</text></svg>"
+        browser.open(self.write("cut.html", cut).decode(), 390, "light")
+        self.assertEqual(browser.value(CUT_OFF), ["far too long"])
         browser.open(self.write("wide.html", "<div style='width: 500px'>x</div>").decode(), 390, "light")
         self.assertGreater(browser.value("document.documentElement.scrollWidth"), 390)
 

@@ -183,6 +183,12 @@ TEST_CASE("A print that waits has no end") {
   CHECK(has(text, "contourctl resume"));
 }
 
+TEST_CASE("Behind a paused print there is the next job, and nothing before it") {
+  Json status = printing();
+  status["state"] = "paused";
+  CHECK(has(text_of(printer(status)), "next      next.stl\n"));
+}
+
 TEST_CASE("The view of a printer that prints nothing says why, what waits and what is done by hand") {
   Json status = idle();
   status["held"] = "the queue is held: a failure";

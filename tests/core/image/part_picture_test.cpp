@@ -1,0 +1,162 @@
+#include "core/image/part_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+#include <vector>
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+
+namespace {
+
+constexpr Pixels kSide{200};
+
+// Lit where `is_there` says so of a pixel's column and row.
+Mask mask_of(const PartPicture::Box& box, const std::function<bool(int, int)>& is_there) {
+  Mask mask(box.columns, box.rows);
+  for (int row = 0; row < box.rows.count(); ++row) {
+    for (int column = 0; column < box.columns.count(); ++column)
+      mask.row(row)[static_cast<std::size_t>(column)] = is_there(column, row) ? 255 : 0;
+  }
+  return mask;
+}
+
+// `is_there` is asked of a column, a row and a share of the height.
+Mask drawn(const PartPicture::Box& box, const std::function<bool(int, int, double)>& is_there) {
+  PartPicture picture(box, kSide);
+  for (int i = 0; i < picture.masks(); ++i) {
+    const double height = picture.next_height();
+    picture.add(mask_of(box, [&](int column, int row) { return is_there(column, row, height); }));
+  }
+  return picture.draw();
+}
+
+bool everywhere(int, int, double) {
+  return true;
+}
+
+std::vector<int> column_of(const Mask& picture, int column) {
+  std::vector<int> greys;
+  for (int row = 0; row < picture.height().count(); ++row)
+    greys.push_back(picture.row(row)[static_cast<std::size_t>(column)]);
+  return greys;
+}
+
+int brightest(const Mask& picture) {
+  return *std::ranges::max_element(picture.pixels());
+}
+
+constexpr PartPicture::Box kBlock{Pixels{60}, Pixels{60}, 60};
+
+}  // namespace
+
+TEST_CASE("A picture of a part is a square around it, no larger than was asked for") {
+  for (const PartPicture::Box& box :
+       {kBlock, PartPicture::Box{Pixels{300}, Pixels{20}, 3}, PartPicture::Box{Pixels{5}, Pixels{5}, 900}}) {
+    const Mask picture = drawn(box, everywhere);
+    CHECK(picture.width() == picture.height());
+    CHECK(picture.width() <= kSide);
+    CHECK(picture.width().count() >= kSide.count() * 9 / 10);
+  }
+  const Mask corner =
+      drawn(kBlock, [](int column, int row, double at) { return column < 20 && row < 20 && at < 0.3; });
+  CHECK(corner.width().count() < kSide.count() / 2);
+}
+
+TEST_CASE("A block covers as much of its picture as its faces that are turned to the eye") {
+  const PartPicture::Box box{Pixels{70}, Pixels{50}, 40};
+  const double scale = PartPicture::scale_of(box, kSide);
+  // Areas times the cosines of their angles to the eye, which is turned by 35 degrees and raised by 30.
+  const double top = 70 * 50 * 0.5, front = 70 * 40 * 0.819 * 0.866, right = 50 * 40 * 0.574 * 0.866;
+  const double expected = (top + front + right) * scale * scale;
+  // Half a pixel along an outline of some 600.
+  CHECK(std::abs(static_cast<double>(drawn(box, everywhere).lit_pixels()) - expected) < 300);
+}
+
+TEST_CASE("The top of a block is brighter than its front, and that than its right side") {
+  const Mask picture = drawn(kBlock, everywhere);
+  const int side = picture.width().count();
+  // The nearest edge is to the right of the middle: the front is the wider one.
+  const auto left = column_of(picture, side * 3 / 10), right = column_of(picture, side * 8 / 10);
+  const int top = left[static_cast<std::size_t>(side * 3 / 10)];
+  const int front = left[static_cast<std::size_t>(side * 6 / 10)];
+  const int side_face = right[static_cast<std::size_t>(side * 6 / 10)];
+  CHECK(top > front + 20);
+  CHECK(front > side_face + 20);
+  CHECK(side_face > 0);
+  // A face is flat.
+  CHECK(std::abs(front - left[static_cast<std::size_t>(side * 6 / 10 + 10)]) <= 3);
+}
+
+TEST_CASE("What lies higher hides what lies lower and behind it") {
+  const auto roof = [](int, int, double at) { return at > 0.9; };
+  const auto roof_and_more = [](int column, int row, double at) {
+    return at > 0.9 || (at > 0.8 && column < 30 && row < 10);
+  };
+  CHECK(drawn(kBlock, roof) == drawn(kBlock, roof_and_more));
+}
+
+TEST_CASE("A wall as wide as a pixel of the picture has no holes") {
+  const PartPicture::Box box{Pixels{140}, Pixels{140}, 90};
+  REQUIRE(PartPicture::scale_of(box, kSide) <= 1);
+  for (const bool along_x : {true, false}) {
+    const Mask picture =
+        drawn(box, [&](int column, int row, double) { return (along_x ? row : column) == 70; });
+    const int side = picture.width().count();
+    // Between the first and the last lit one of a column, all are.
+    for (int column = 0; column < side; ++column) {
+      const auto greys = column_of(picture, column);
+      const auto lit = std::ranges::count_if(greys, [](int grey) { return grey > 0; });
+      if (lit == 0) continue;
+      const auto first = std::ranges::find_if(greys, [](int grey) { return grey > 0; });
+      CHECK(std::all_of(first, first + lit, [](int grey) { return grey > 0; }));
+    }
+  }
+}
+
+TEST_CASE("Mirrors of the masks are undone") {
+  const auto stair = [](int column, int row, double at) { return column + row / 3 < 70 * (1 - at); };
+  const Mask upright = drawn(kBlock, stair);
+  for (const auto& [x, y] : {std::pair{true, false}, {false, true}, {true, true}}) {
+    PartPicture::Box box = kBlock;
+    box.mirror_x = x;
+    box.mirror_y = y;
+    CHECK(upright == drawn(box, [&](int column, int row, double at) {
+            return stair(x ? 59 - column : column, y ? 59 - row : row, at);
+          }));
+  }
+  CHECK_FALSE(upright ==
+              drawn(kBlock, [&](int column, int row, double at) { return stair(59 - column, row, at); }));
+}
+
+TEST_CASE("What is not there is drawn faint") {
+  const auto printed_to = [](double share) {
+    PartPicture picture(kBlock, kSide);
+    while (true) {
+      if (picture.next_height() > share) break;
+      picture.add(mask_of(kBlock, [](int, int) { return true; }));
+    }
+    picture.add_faintly_from_here();
+    while (picture.next_height() < 1)
+      picture.add(mask_of(kBlock, [](int, int) { return true; }));
+    return picture.draw();
+  };
+  const Mask whole = drawn(kBlock, everywhere), half = printed_to(0.5), none = printed_to(0);
+  CHECK(half.lit_pixels() == whole.lit_pixels());
+  CHECK(none.lit_pixels() == whole.lit_pixels());
+  CHECK(brightest(none) < 100);
+  CHECK(brightest(half) > 150);
+  const auto column = static_cast<int>(half.width().count() * 3 / 10);
+  const auto bottom = static_cast<std::size_t>(half.width().count() * 7 / 10);
+  CHECK(column_of(half, column)[bottom] == column_of(whole, column)[bottom]);  // the front, below
+  const auto upper = static_cast<std::size_t>(half.width().count() * 45 / 100);
+  CHECK(column_of(half, column)[upper] > column_of(none, column)[upper]);  // what is there behind it
+}
+
+TEST_CASE("Of nothing, and of masks that are dark, the picture is black") {
+  CHECK(PartPicture(kBlock, kSide).draw() == Mask(kSide, kSide));
+  CHECK(drawn(kBlock, [](int, int, double) { return false; }) == Mask(kSide, kSide));
+}
