@@ -57,13 +57,15 @@ class Replacement {
 
   void write(const std::string& text) const {
     struct stat like {};
-    if (::stat(of_.c_str(), &like) != 0) fail("cannot read", of_);
+    const bool exists = ::stat(of_.c_str(), &like) == 0;
+    if (!exists && errno != ENOENT) fail("cannot read", of_);
+    if (!exists) like.st_mode = S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH;
     ::unlink(path_.c_str());
     const FileDescriptor file(
         ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR));
     const bool written = file.valid() &&
                          ::write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-                         ::fchown(file.get(), like.st_uid, like.st_gid) == 0 &&
+                         (!exists || ::fchown(file.get(), like.st_uid, like.st_gid) == 0) &&
                          ::fchmod(file.get(), like.st_mode & 07777U) == 0 && ::fsync(file.get()) == 0;
     if (!written) fail("cannot write", path_);
   }
@@ -79,6 +81,17 @@ class Replacement {
   fs::path of_, path_;
   bool placed_ = false;
 };
+
+// Another name for what is in the file, as nobody has one yet.
+fs::path keep_aside(const fs::path& file) {
+  constexpr int kMost = 1000;
+  for (int i = 1; i <= kMost; ++i) {
+    fs::path kept = file.string() + ".before-setup" + (i > 1 ? fmt::format("-{}", i) : "");
+    if (::link(file.c_str(), kept.c_str()) == 0) return kept;
+    if (errno != EEXIST) fail("cannot keep", file);
+  }
+  throw std::system_error(EEXIST, std::generic_category(), "cannot keep " + file.string());
+}
 
 }  // namespace
 
@@ -116,6 +129,17 @@ void set_config_number(const fs::path& file, std::string_view section, std::stri
   replacement.write(with_number(read_all(path), section, key, number));
   (void)load_printer_config(replacement.path());
   replacement.place();
+}
+
+std::optional<fs::path> replace_config(const fs::path& file, const std::string& text, FileBefore before) {
+  const fs::path path = fs::weakly_canonical(file);
+  Replacement replacement(path);
+  replacement.write(text);
+  (void)load_printer_config(replacement.path());
+  std::optional<fs::path> kept;
+  if (before == FileBefore::Kept && fs::exists(path)) kept = keep_aside(path);
+  replacement.place();
+  return kept;
 }
 
 }  // namespace contourd

@@ -27,8 +27,9 @@ namespace {
 using Topics = std::span<const HelpTopic* const>;
 
 // In the order in which an owner needs them.
-std::array<HelpPage, 9> pages() {
-  return {{{"printing", printing_page},
+std::array<HelpPage, 10> pages() {
+  return {{{"first-print", first_print_page},
+           {"printing", printing_page},
            {"printer-setup", printer_setup_page},
            {"configuration", configuration_page},
            {"safety", safety_page},

@@ -22,37 +22,8 @@ constexpr std::size_t kMostOfAFile = 65'536;
 constexpr unsigned kMostLines = 512;  // of a GPIO chip
 constexpr std::size_t kMostEntries = 256;
 
-// In order, and only the first of very many.
-std::vector<fs::path> entries_of(const fs::path& folder) {
-  std::vector<fs::path> entries;
-  std::error_code code;
-  for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code))
-    entries.push_back(entry->path());
-  std::ranges::sort(entries);
-  entries.resize(std::min(entries.size(), kMostEntries));
-  return entries;
-}
-
-// A kernel's or system's file; why it cannot be read in its place.
-std::string text_of(const fs::path& file) {
-  try {
-    std::string text = beginning_of(file, kMostOfAFile, Links::Follow);
-    std::erase(text, '\0');
-    while (text.ends_with('\n'))
-      text.pop_back();
-    return text;
-  } catch (const UnreadableFile& error) {
-    return fmt::format("({})", error.what());
-  }
-}
-
 std::string section(const fs::path& file) {
   return fmt::format("{}:\n{}\n\n", file.string(), text_of(file));
-}
-
-std::string name_of_link(const fs::path& link) {
-  std::error_code none;
-  return fs::read_symlink(link, none).filename().string();
 }
 
 // Of a USB device's interface: the device is above it.
@@ -84,6 +55,33 @@ std::string chip_facts(const fs::path& device) {
 }
 
 }  // namespace
+
+std::vector<fs::path> entries_of(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code code;
+  for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code))
+    entries.push_back(entry->path());
+  std::ranges::sort(entries);
+  entries.resize(std::min(entries.size(), kMostEntries));
+  return entries;
+}
+
+std::string text_of(const fs::path& file) {
+  try {
+    std::string text = beginning_of(file, kMostOfAFile, Links::Follow);
+    std::erase(text, '\0');
+    while (text.ends_with('\n'))
+      text.pop_back();
+    return text;
+  } catch (const UnreadableFile& error) {
+    return fmt::format("({})", error.what());
+  }
+}
+
+std::string name_of_link(const fs::path& link) {
+  std::error_code none;
+  return fs::read_symlink(link, none).filename().string();
+}
 
 std::string beginning_of(const fs::path& file, std::size_t most, Links links) {
   const FileDescriptor open = open_regular_file(file, links);

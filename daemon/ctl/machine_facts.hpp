@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "daemon/config/regular_file.hpp"
 
@@ -12,6 +13,13 @@ namespace contourd::ctl {
 
 // So many bytes of a regular file at most. Throws UnreadableFile.
 [[nodiscard]] std::string beginning_of(const std::filesystem::path& file, std::size_t most, Links links);
+
+// What is in it, in order, and only the first of very many. Nothing where it cannot be read.
+[[nodiscard]] std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder);
+// A kernel's or system's file, without the line breaks at its end; why it cannot be read in its place.
+[[nodiscard]] std::string text_of(const std::filesystem::path& file);
+// Of what it leads to; empty when it is no link.
+[[nodiscard]] std::string name_of_link(const std::filesystem::path& link);
 
 // contourctl's, the system's, the packages'.
 [[nodiscard]] std::string versions();

@@ -34,6 +34,7 @@
 #include "daemon/ctl/offer_command.hpp"
 #include "daemon/ctl/preview_command.hpp"
 #include "daemon/ctl/queue_command.hpp"
+#include "daemon/ctl/setup_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
 #include "daemon/ctl/submit_command.hpp"
 #include "daemon/ctl/switches_command.hpp"
@@ -209,6 +210,7 @@ struct ManualWords {
 struct WiringWords {
   JogOptions jog;
   LevelOptions level;
+  SetupOptions setup;
   bool once = false;
 };
 
@@ -684,6 +686,26 @@ class CommandLine {
     levelling->add_option("--config", wiring_.level.config, "The printer's configuration")
         ->capture_default_str();
     add_socket_option(levelling);
+    add_setup();
+  }
+
+  void add_setup() {
+    SetupOptions& options = wiring_.setup;
+    CLI::App* command =
+        add_command(&app_, "setup", "Bring a wired printer up, step by step, and write its configuration",
+                    [this] { return setup(client_, wiring_.setup); });
+    command->add_option("--config", options.config, "The printer's configuration")
+        ->capture_default_str()
+        ->check(kNotEmpty);
+    command->add_flag("--non-interactive", options.non_interactive,
+                      "Ask nothing: what is given, and what is suggested where that is safe");
+    command->add_option("--set", options.set, "An answer, KEY=VALUE; as often as needed")
+        ->allow_extra_args(false);
+    command->add_option("--answers", options.answers, "Answers from this JSON file")->check(kNotEmpty);
+    command->add_flag("--anew", options.anew, "Forget what was answered before");
+    command->add_flag("--replace", options.replace,
+                      "Replace an edited configuration without asking; it is kept");
+    add_socket_option(command);
   }
 
   [[nodiscard]] Request manual_request(const char* method) const {

@@ -30,7 +30,7 @@ class Completion(FolderTest):
         return told.stdout.splitlines() if told.stdout.strip() else []
 
     def test_bash_offers_commands_and_their_options(self):
-        self.assertEqual(self.bash("s"), ["slice", "submit", "status", "stop", "show", "switches"])
+        self.assertEqual(self.bash("s"), ["slice", "submit", "status", "stop", "show", "switches", "setup"])
         self.assertIn("plate-cleared", self.bash(""))
         self.assertIn("--copies", self.bash("submit", "--"))
         self.assertEqual(self.bash("light", "o"), ["on", "off"])

@@ -72,7 +72,7 @@ class Man(unittest.TestCase):
 
     def test_each_option_of_a_command_stands_behind_it(self):
         page = plain("contourctl.1")
-        for command, least in (("slice", 18), ("analyze", 9), ("preview", 5), ("submit", 15), ("offer", 3), ("history", 1), ("queue move", 3), ("logs", 2), ("diagnose", 2), ("watch", 1)):
+        for command, least in (("slice", 18), ("analyze", 9), ("preview", 5), ("submit", 15), ("offer", 3), ("history", 1), ("queue move", 3), ("logs", 2), ("diagnose", 2), ("watch", 1), ("setup", 6)):
             own = options_in(help_of(CONTOURCTL, *command.split())) - {"--socket"}
             part = re.search(rf"(?ms)^{command} .*?(?=^\.TP\n[a-z]|^\.S[HS] )", page)
             self.assertIsNotNone(part, command)

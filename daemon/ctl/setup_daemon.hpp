@@ -1,0 +1,51 @@
+// contourd as contourctl setup has it do things: each by a connection of its own, which ends what it began.
+// Not thread-safe; blocks.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "daemon/ctl/client.hpp"
+#include "daemon/ctl/daemon_connection.hpp"
+#include "daemon/ctl/setup_dialog.hpp"
+
+namespace contourd::ctl {
+
+class SetupDaemon {
+ public:
+  using Json = DaemonConnection::Json;
+
+  // Both must outlive it.
+  SetupDaemon(const ClientOptions& client, SetupDialog& dialog) : client_(client), dialog_(dialog) {}
+
+  // Has it started anew with that configuration, by systemd where it is the service's, else by whoever
+  // answers. True when one answers that was not there before and calls itself by that name; false when that
+  // is skipped.
+  bool start_anew(const std::filesystem::path& config, const std::string& name);
+
+  // Throws DaemonError, also for what it refuses.
+  [[nodiscard]] Json ask(const char* method, const Json& parameters = Json::object()) const;
+  // Until it is over; what goes on and what is wrong is said. Throws DaemonError with that sentence when it
+  // was not done.
+  void control(const char* method, const Json& parameters, const char* otherwise) const;
+  // The same, whatever comes of it.
+  void try_control(const char* method, const Json& parameters) const;
+  // The pattern, lit for so long. Throws DaemonError.
+  void light(const char* pattern, double seconds) const;
+
+  // As the method `inputs` has it. Throws DaemonError also when it cannot be read.
+  [[nodiscard]] Json limit_switch() const;
+  // Nothing when it is unknown.
+  [[nodiscard]] std::optional<double> height_mm() const;
+
+ private:
+  [[nodiscard]] std::optional<DaemonConnection> connect() const;
+  bool restart_service();
+  bool answers_as(const std::string& name);
+
+  const ClientOptions& client_;
+  SetupDialog& dialog_;
+};
+
+}  // namespace contourd::ctl

@@ -1,0 +1,445 @@
+#!/usr/bin/env python3
+"""contourctl setup: from wired parts to a configuration, asked and unasked, left and gone on with."""
+
+import contextlib
+import fcntl
+import glob
+import json
+import os
+import pty
+import select
+import shutil
+import signal
+import struct
+import subprocess
+import termios
+import unittest
+
+from harness import (
+    BAD_CONFIG, BAD_USAGE, CANNOT_CREATE, CONTOURCTL, CONTOURD, DEADLINE_S, FAILED, NIMBLE_RESIN, NO_INPUT, OK, REALTIME, SOURCE, Daemon, FolderTest,
+    contourctl, main, merge, run, wait_until,
+)  # fmt: skip
+
+# What nobody can know of a machine without asking.
+UNKNOWN = {"screw_lead_mm": 4, "travel_mm": 150, "projector_table": "optoma", "serial_port": "/dev/ttyUSB0",
+           "display_mode": "1920x1080@60", "build_width_mm": 96}  # fmt: skip
+REAL = {"hardware": "real", "gpio_chip": "gpiochip0", "connector": "HDMI-A-1", **UNKNOWN}
+
+
+class SetupTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        for name in ("resins", "projectors"):
+            shutil.copytree(os.path.join(SOURCE, "config", name), self.path(name))
+        self.config = self.path("printer.json")
+        self.record = self.path("printer.setup.json")
+
+    def setup_words(self, *words, **answers):
+        return ["setup", "--config", self.config, *words, *(word for key, value in answers.items() for word in ("--set", f"{key}={value}"))]
+
+    def unasked(self, *words, code=OK, **answers):
+        told = contourctl(*self.setup_words("--non-interactive", *words, **answers))
+        self.assertEqual(told.returncode, code, told)
+        if code != OK:
+            self.assert_one_line(told.stderr)
+        return told
+
+    def written(self, path=None):
+        with open(path or self.config, encoding="utf-8") as file:
+            return json.load(file)
+
+    def files(self):
+        return sorted(name for name in os.listdir(self.folder) if name not in ("resins", "projectors"))
+
+    def assert_good(self):
+        checked = run(CONTOURD, "--check-config", self.config)
+        self.assertEqual(checked.returncode, OK, checked)
+
+
+class Unasked(SetupTest):
+    @unittest.skipIf(glob.glob("/dev/gpiochip*"), "this computer has a GPIO chip")
+    def test_without_devices_it_says_what_is_missing_and_writes_a_simulated_printer(self):
+        told = self.unasked().stdout.decode()
+        self.assertIn("GPIO: none. The motor's driver", told)
+        self.assertIn("hardware = simulated: there is no GPIO chip", told)
+        self.assertEqual(self.written()["hardware"], "simulated")
+        self.assert_good()
+
+    def test_what_is_given_is_written_with_defaults_for_the_rest_and_notes_of_why(self):
+        self.unasked(**REAL, name="Mine")
+        self.assert_good()
+        profile = self.written()
+        self.assertEqual((profile["hardware"], profile["name"]), ("real", "Mine"))
+        self.assertEqual(profile["z_axis"]["microsteps_per_mm"], 800)
+        self.assertEqual(profile["z_axis"]["step"], {"chip": "gpiochip0", "line": 17, "active_low": False})
+        self.assertEqual(profile["projector"]["table"], "optoma")
+        self.assertEqual(self.files(), ["printer.json", "printer.setup.json", "printer.setup.txt"])
+        with open(self.path("printer.setup.txt"), encoding="utf-8") as file:
+            notes = file.read()
+        self.assertIn("  travel_mm = 150: as answered\n", notes)
+        self.assertIn("  switch_contact = normally_closed: a broken wire is noticed then\n", notes)
+
+    def test_screws_steps_and_tables_that_are_usual_all_make_a_good_configuration(self):
+        tables = [os.path.basename(path)[:-5] for path in glob.glob(self.path("projectors", "*.json"))]
+        self.assertGreater(len(tables), 3)
+        cases = [(lead, steps, "optoma") for lead in (2, 4, 8) for steps in (16, 32)] + [(4, 16, table) for table in (*tables, "none")]
+        for lead, steps, table in cases:
+            for chip in ("gpiochip0", "pinctrl-rp1"):
+                with self.subTest(lead=lead, steps=steps, table=table, chip=chip):
+                    self.unasked("--replace", "--anew", **{**REAL, "screw_lead_mm": lead, "microsteps": steps, "projector_table": table,
+                                                           "gpio_chip": chip, "light_line": 24})  # fmt: skip
+                    self.assert_good()
+
+    def test_what_it_cannot_know_is_named_and_nothing_is_written(self):
+        for key in UNKNOWN:
+            if key in ("serial_port", "display_mode"):  # there may be one here
+                continue
+            with self.subTest(key):
+                told = self.unasked(code=BAD_USAGE, **{name: value for name, value in REAL.items() if name != key})
+                self.assertIn(f"no default is safe for {key}", told.stderr.decode())
+                self.assertEqual(self.files(), [])
+
+    def test_what_is_no_answer_is_said_with_its_key_and_nothing_is_written(self):
+        for key, value, word in (("travel_mm", "high", "from 1 to 500 mm"), ("travel_mm", "", "from 1 to 500"), ("travel_mm", "nan", "from 1"),
+                                 ("step_line", "27", "Line 27 is step_line already"), ("projector_table", "magic", "acer, anhua-df10"),
+                                 ("name", "a\x1b[2J", "printable"), ("hardware", "both", "real, simulated"), ("colour", "red", "one of the keys hardware, name"),
+                                 ("serial_port", "ttyUSB0", "below /dev"), ("switch_line", "-1", "from 0 to 65535")):  # fmt: skip
+            with self.subTest(key=key, value=value):
+                told = self.unasked(code=BAD_USAGE, **{**REAL, key: value}).stderr
+                self.assertIn(word, told.decode())
+                self.assertNotIn(b"\x1b", told)
+        self.assertIn(b"expected KEY=VALUE", self.unasked("--set", "travel_mm", code=BAD_USAGE).stderr)
+        self.assertEqual(self.files(), [])
+
+    def test_answers_come_from_a_file_and_options_go_before_it(self):
+        answers = self.write("answers.json", json.dumps({**REAL, "wait_for_plate_cleared": False, "checks": {"switch": "passed"}}).encode())
+        self.unasked("--answers", answers, travel_mm=77)
+        profile = self.written()
+        self.assertEqual((profile["z_axis"]["travel_mm"], profile["wait_for_plate_cleared"]), (77, False))
+        # What was checked on another printer is not checked on this one.
+        self.assertNotIn("switch", self.written(self.record).get("checks", {}))
+        for text, word in (("[]", "no object"), ("{", "answers.json"), ('{"colour": 1}', "/colour: no question"), ('{"name": []}', "/name"),
+                           ('{"checks": 1}', "/checks"), ('{"name": "a", "name": "b"}', "name")):  # fmt: skip
+            with self.subTest(text):
+                self.write("answers.json", text.encode())
+                self.assertIn(word, self.unasked("--answers", answers, code=BAD_CONFIG).stderr.decode())
+        self.unasked("--answers", self.path("none"), code=BAD_CONFIG)
+
+    def test_an_edited_configuration_is_replaced_only_when_that_is_said_and_is_kept(self):
+        self.unasked(**REAL)
+        edited = self.written()
+        edited["z_axis"]["emergency_stop"] = {"line": 5, "active_low": True, "bias": "pull_up", "contact": "normally_closed"}
+        edited["resin"] = "standard"
+        self.write("printer.json", json.dumps(edited).encode())
+        os.chmod(self.config, 0o640)
+        before = self.written()
+        told = self.unasked(code=BAD_USAGE, travel_mm=99)
+        self.assertIn("--replace", told.stderr.decode())
+        self.assertEqual(self.written(), before)
+        for kept in ("printer.json.before-setup", "printer.json.before-setup-2"):
+            self.unasked("--replace", travel_mm=99 + len(kept))
+            self.assertIn(kept, self.files())
+        self.assertEqual(self.written(self.path("printer.json.before-setup")), before)
+        # What nobody is asked for stays.
+        self.assertEqual(self.written()["z_axis"]["emergency_stop"], edited["z_axis"]["emergency_stop"])
+        self.assertEqual(os.stat(self.config).st_mode & 0o777, 0o640)
+        self.assertNotIn("printer.json.new", self.files())
+
+    def test_a_configuration_that_would_be_wrong_is_not_written(self):
+        self.unasked(**REAL)
+        before = self.written()
+        told = contourctl(*self.setup_words("--non-interactive", "--replace", top_speed_mm_s=0.5))
+        self.assertEqual(told.returncode, BAD_CONFIG, told)
+        self.assertIn("the printer's top speed", told.stderr.decode())
+        self.assertEqual(self.written(), before)
+        self.assertEqual(self.files(), ["printer.json", "printer.setup.json", "printer.setup.txt"])
+
+    def test_what_cannot_be_read_is_named_and_what_is_damaged_can_be_forgotten(self):
+        os.mkfifo(self.config)
+        self.assertIn(f"{self.config}: it is not a regular file", self.unasked(code=NO_INPUT).stderr.decode())
+        os.unlink(self.config)
+        self.write("printer.setup.json", b'{"name": ')
+        self.assertIn("printer.setup.json", self.unasked(code=BAD_CONFIG, hardware="simulated").stderr.decode())
+        self.unasked("--anew", hardware="simulated")
+        self.assert_good()
+
+    def test_where_nothing_can_be_written_it_says_so_at_once(self):
+        self.config = self.path("none", "printer.json")
+        self.assertIn("cannot write into", self.unasked(code=CANNOT_CREATE).stderr.decode())
+
+
+class TerminalTest(SetupTest):
+    """One that is asked on a terminal."""
+
+    def begin(self, *words, columns=80, **answers):
+        mine, its = pty.openpty()
+        self.addCleanup(self.close, mine)
+        fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+        process = subprocess.Popen([CONTOURCTL, *self.setup_words(*words, **answers)], stdin=its, stdout=its, stderr=its, start_new_session=True,
+                                   preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))  # fmt: skip
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        os.close(its)
+        self.mine, self.process, self.shown, self.at = mine, process, "", 0
+
+    def close(self, descriptor):
+        with contextlib.suppress(OSError):
+            os.close(descriptor)
+
+    def read_some(self):
+        self.assertTrue(select.select([self.mine], [], [], DEADLINE_S)[0], self.shown)
+        try:
+            more = os.read(self.mine, 65536)
+        except OSError:  # nobody has its other end any more
+            more = b""
+        self.shown += more.decode().replace("\r", "")
+        return more
+
+    def expect(self, *words):
+        """What is shown from where the last was found on, until all of these are in it, in their order."""
+        for word in words:
+            while word not in self.shown[self.at:]:
+                self.assertTrue(self.read_some(), f"{word!r} is not in {self.shown[self.at:]}")
+            self.at = self.shown.index(word, self.at) + len(word)
+
+    def type(self, *lines):
+        for line in lines:
+            os.write(self.mine, line.encode() + b"\n")
+
+    def answer(self, *dialog):
+        """Each behind its prompt."""
+        for prompt, line in dialog:
+            self.expect(prompt)
+            self.type(line)
+
+    def ended(self, code):
+        while self.read_some():
+            pass
+        self.assertEqual(self.process.wait(DEADLINE_S), code, self.shown)
+        return self.shown
+
+
+class OnTerminal(TerminalTest):
+    def test_it_leads_to_a_good_configuration_and_asks_again_for_what_is_no_answer(self):
+        self.begin(gpio_chip="gpiochip0", connector="HDMI-A-1", display_mode="1920x1080@60")
+        self.answer(("hardware:", "maybe"), ("That is one of: real, simulated.\nhardware:", "real"), ("name:", "Mine"),
+                    ("screw_lead_mm:", "-1"), ("That is a number from 0.1 to 100 mm", "4"), ("steps_per_turn:", "1.5"), ("whole number", ""),
+                    ("microsteps:", "16"), ("travel_mm:", ""), ("top_speed_mm_s:", ""), ("step_line:", ""), ("direction_line:", "17"),
+                    ("Line 17 is step_line already.", "27"), ("direction_active_low:", "y"), ("enable_line:", "none"), ("switch_line:", ""),
+                    ("switch_contact:", ""), ("switch_wired_to:", ""), ("switch_end:", ""), ("projector_table:", "acer"), ("serial_port:", ""),
+                    ("light_line:", "none"), ("This line is needed", "24"), ("light_active_low:", ""), ("build_width_mm:", "57.6"),
+                    ("mirror:", ""), ("irradiance_mw_cm2:", ""), ("wait_for_plate_cleared:", ""))  # fmt: skip
+        self.expect("microsteps = 16: all three jumpers", "is written:")
+        self.assertFalse(os.path.exists(self.config))
+        self.type("top_speed")
+        self.expect("none of the keys", "is written:")
+        self.type("travel_mm")
+        self.answer(("Enter: 160, as answered before", "120"), ("travel_mm = 120: as answered", ""), ("skip: no checks:", "skip"))
+        self.expect("Not checked:", "the limit switch: contourctl switches", "the light's end")
+        self.ended(OK)
+        self.assert_good()
+        profile = self.written()
+        self.assertEqual((profile["z_axis"]["travel_mm"], profile["display"]["pixel_pitch_um"]), (120, 30))
+        self.assertTrue(profile["z_axis"]["direction"]["active_low"])
+        self.assertNotIn("enable", profile["z_axis"])
+
+    def test_what_is_left_anywhere_is_gone_on_with_and_can_be_gone_back_in(self):
+        def hang_up():
+            os.close(self.mine)
+            self.process.wait(DEADLINE_S)
+
+        def interrupt():
+            os.write(self.mine, b"\x03")
+            self.assertEqual(self.process.wait(DEADLINE_S), -signal.SIGINT)
+
+        def leave():
+            self.type("quit")
+            self.assertIn(f"Left. contourctl setup --config {self.config} goes on from here", " ".join(self.ended(FAILED).split()))
+
+        self.begin(hardware="real")
+        self.answer(("name:", "Mine"))
+        for end, prompt, answer in ((hang_up, "screw_lead_mm:", "2"), (interrupt, "steps_per_turn:", "400"), (leave, "microsteps:", "8")):
+            with self.subTest(prompt):
+                self.answer((prompt, answer))
+                wait_until(lambda key=prompt[:-1]: key in self.written(self.record), "the answer in the file")
+                end()
+                self.begin()
+                self.expect("Goes on with", "--anew", "Each answer is kept")
+        self.answer(("travel_mm:", "back"), ("Enter: 8, as answered before", ""), ("travel_mm:", ""))
+        self.expect("top_speed_mm_s:")
+        leave()
+        self.assertEqual(self.written(self.record) | {"microsteps": "8", "steps_per_turn": "400", "screw_lead_mm": "2", "name": "Mine"}, self.written(self.record))
+        self.begin("--anew")
+        self.expect("hardware:")
+        self.assertNotIn("Goes on", self.shown)
+        self.assertEqual(self.files(), ["printer.setup.json"])
+
+    def test_a_configuration_that_is_there_is_kept_beside_the_new_one(self):
+        self.unasked(**REAL)
+        before = self.written()
+        self.begin(travel_mm=90)
+        self.answer(("is replaced, and", ""))
+        self.expect("printer.json.before-setup", "skip: no checks:")
+        self.type("quit")
+        self.ended(FAILED)
+        self.assertEqual(self.written(self.path("printer.json.before-setup")), before)
+        self.assertEqual(self.written()["z_axis"]["travel_mm"], 90)
+
+    def test_no_line_is_wider_than_the_terminal(self):
+        for columns in (40, 80, 200):
+            with self.subTest(columns):
+                self.begin("--anew", columns=columns, **REAL)
+                self.answer(("name:", ""))
+                self.answer(*((f"{key}:", "") for key in ("steps_per_turn", "microsteps", "top_speed_mm_s", "step_line")))
+                self.expect("direction_line:")
+                self.type("quit")
+                for line in self.ended(FAILED).splitlines():
+                    if self.folder not in line:
+                        self.assertLessEqual(len(line), min(columns, 100), line)
+
+
+class Checks(TerminalTest):
+    """What is tried on a printer, a simulated one here: contourd has its own file, and each start of it is one with the new."""
+
+    def setUp(self):
+        super().setUp()
+        for name in ("resins", "projectors"):
+            shutil.rmtree(self.path(name))
+        self.config = None
+
+    def daemon(self, **simulation):
+        config = merge(json.loads(json.dumps(REALTIME)), {"name": "Mine", "simulation": simulation})
+        return Daemon(self, config, NIMBLE_RESIN).start()
+
+    def configured(self, daemon):
+        """With everything answered."""
+        folder = self.path("etc")
+        os.mkdir(folder)
+        for name in ("resins", "projectors"):
+            shutil.copytree(os.path.join(SOURCE, "config", name), os.path.join(folder, name))
+        self.config = os.path.join(folder, "printer.json")
+        self.record = os.path.join(folder, "printer.setup.json")
+        self.unasked(**{**REAL, "name": "Mine", "travel_mm": 12})
+        self.begin("--socket", daemon.socket_path)
+        self.answer(("is so already, go on:", ""))
+
+    def restarted(self, daemon):
+        """As its owner does, when told to."""
+        self.expect("skip: no checks:")
+        daemon.stop()
+        daemon.start()
+        self.type("")
+
+    def outcomes(self):
+        return self.written(self.record)["checks"]
+
+    def test_a_daemon_that_still_runs_with_the_old_one_is_noticed(self):
+        daemon = self.daemon()
+        self.configured(daemon)
+        self.answer(("skip: no checks:", ""))
+        self.expect("contourd runs on as it was")
+        self.restarted(daemon)
+        self.expect("Check: the limit switch.")
+        self.assertEqual(self.outcomes()["configuration"], "taken")
+        self.type("quit")
+        self.ended(FAILED)
+        daemon.stop()
+
+    def test_another_printers_daemon_is_not_taken_for_this_one(self):
+        daemon = self.daemon()
+        self.configured(daemon)
+        self.expect("skip: no checks:")
+        daemon.stop()
+        daemon.config["name"] = "Other"
+        daemon.write_config()
+        daemon.start()
+        self.type("")
+        self.expect("contourd runs as Other, not as Mine.")
+        self.type("quit")
+        self.ended(FAILED)
+        daemon.stop()
+
+    def test_without_a_daemon_it_says_so_and_lists_what_was_not_checked(self):
+        daemon = self.daemon()
+        self.configured(daemon)
+        self.restarted(daemon)
+        self.expect("Check: the limit switch.", "skip:")
+        daemon.stop()
+        self.type("")
+        self.answer(("cannot reach contourd", ""), ("skip:", ""), ("cannot reach contourd", "skip"))
+        for check, answer in (("the motor's direction", "skip"), ("homing", "skip"), ("the length of a millimetre", "skip"),
+                              ("the projector's answers", "skip"), ("the picture's sides", ""), ("the pixels' size", ""), ("the light's end", "")):  # fmt: skip
+            self.expect(f"Check: {check}.")
+            self.answer(("(no or yes)?" if answer == "" else "skip:", answer))
+        self.expect("Not checked:", "the limit switch: contourctl switches", "the light's end: contourctl light on --seconds 2")
+        self.ended(OK)
+        self.assertEqual(set(self.outcomes().values()), {"taken", "skipped"})
+
+    def test_each_check_is_made_and_what_it_measures_goes_into_the_configuration(self):
+        daemon = self.daemon(pace="fast", start_height_mm=6)
+        self.configured(daemon)
+        self.restarted(daemon)
+        self.answer(("Check: the limit switch.", ""))
+        self.expect("Enter: skip.")
+        self.assertEqual(contourctl("home", "--socket", daemon.socket_path).returncode, OK)
+        self.assertEqual(contourctl("move", "--to", "6", "--socket", daemon.socket_path).returncode, OK)
+        self.answer(("Its line changes: it is wired.\n", ""), ("The switch is not reached now, so nothing is moved.\n", "skip"))
+        self.answer(("Check: homing.", ""), ("both times", "yes"))
+        self.answer(("the plate goes to 3 mm", ""), ("3 mm further up", ""), ("is it higher now", "1.5"))
+        self.expect("would be a millimetre, not 800")
+        self.answer(("(no or yes)?", "yes"))
+        self.restarted(daemon)
+        self.assertEqual(self.written()["z_axis"]["microsteps_per_mm"], 1600)
+        self.answer(("Check: the projector's answers.", ""))
+        self.answer(("Check: the picture's sides.", "yes"), ("The square was:", "x"))
+        self.restarted(daemon)
+        self.answer(("UV light", "yes"), ("The square was:", "right"))
+        self.answer(("Check: the pixels' size.", "yes"), ("Up to which tick", "50"), ("How long is that", "49"))
+        self.restarted(daemon)
+        self.answer(("Check: the light's end.", "yes"), ("go off by itself", "yes"))
+        self.expect("Not checked:", "the motor's direction")
+        self.assertNotIn("limit switch", self.ended(OK)[self.at:])
+        self.assertEqual(self.outcomes(), {"configuration": "taken", "direction": "skipped",
+                                           **dict.fromkeys(("switch", "homing", "steps", "projector", "picture", "pixels", "light"), "passed")})  # fmt: skip
+        display = self.written()["display"]
+        self.assertEqual((display["mirror_x"], display["mirror_y"], display["pixel_pitch_um"]), (True, False, 49))
+        self.assert_good()
+        # What has been passed is not made again.
+        self.begin("--socket", daemon.socket_path)
+        self.answer(("is so already, go on:", ""), ("Check: the motor's direction.", "skip"))
+        self.ended(OK)
+        daemon.stop()
+
+    def test_a_plate_that_goes_the_wrong_way_turns_dir_round(self):
+        daemon = self.daemon(limit_switch="stuck_closed")
+        self.configured(daemon)
+        self.restarted(daemon)
+        self.answer(("Check: the limit switch.", "skip"), ("Check: the motor's direction.", ""), ("It went:", "down"))
+        self.expect("So DIR is turned round.")
+        self.restarted(daemon)
+        self.assertTrue(self.written()["z_axis"]["direction"]["active_low"])
+        self.answer(("Enter: it moves;", ""), ("It went:", "no"), ("Look at the driver's supply", ""), ("It went:", "up"))
+        self.expect("Check: homing.")
+        self.assertEqual(self.outcomes()["direction"], "passed")
+        self.type("quit")
+        self.ended(FAILED)
+        daemon.stop()
+
+    def test_a_contact_of_the_other_kind_is_found_by_its_rest(self):
+        daemon = self.daemon(start_height_mm=0)
+        self.configured(daemon)
+        self.restarted(daemon)
+        self.answer(("Check: the limit switch.", ""))
+        self.expect("Enter: skip.")
+        self.assertEqual(contourctl("home", "--socket", daemon.socket_path).returncode, OK)
+        self.expect("switch_contact becomes that")
+        self.restarted(daemon)
+        self.expect("Check: the motor's direction.")
+        self.assertEqual(self.written()["z_axis"]["limit_switch"]["contact"], "normally_open")
+        self.type("quit")
+        self.ended(FAILED)
+        daemon.stop()
+
+
+if __name__ == "__main__":
+    main()
