@@ -1,4 +1,4 @@
-"""What holds the four Debian packages together."""
+"""What holds the four Debian packages together, and what they let systemd do."""
 import os
 import pathlib
 import shutil
@@ -45,6 +45,30 @@ class AlikeTest(FolderTest):
         status, told = self.told(first, other_rights)
         self.assertEqual(status, 1)
         self.assertIn("-rwx------ root/root ./usr/bin/p", told)
+
+
+class UnitsTest(unittest.TestCase):
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "there is no systemd-analyze")
+    def test_systemd_finds_little_open(self):
+        folder = os.path.join(SOURCE, "systemd")
+        for unit in ("contourd.service", "contourd-job-ended@.service"):
+            command = ["systemd-analyze", "security", "--no-pager", "--offline=true", "--threshold=15", os.path.join(folder, unit)]
+            # Its own folder first, so that the unit's drop-ins are found.
+            looked = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, "SYSTEMD_UNIT_PATH": folder})
+            self.assertEqual(looked.returncode, 0, looked.stdout + looked.stderr)
+
+    def test_needrestart_leaves_contourd_alone(self):
+        """By the file that the package puts into its configuration; read in Perl, as needrestart does."""
+        program = r"""our %nrconf = (override_rc => {}); do shift; die $@ if $@;
+            for my $unit (@ARGV) {
+              my @told = map { $nrconf{override_rc}{$_} } grep { $unit =~ /$_/ } keys %{$nrconf{override_rc}};
+              print "$unit=@told\n";
+            }"""
+        units = ("contourd.service", "contourd-job-ended@1-2.service", "contourd-other.service", "a-contourd.service")
+        read = subprocess.run(["perl", "-e", program, os.path.join(PACKAGING, "debian/contourd.needrestart"), *units],
+                              capture_output=True, text=True, check=True)  # fmt: skip
+        self.assertEqual(read.stdout.splitlines(), ["contourd.service=0", "contourd-job-ended@1-2.service=0",
+                                                    "contourd-other.service=", "a-contourd.service="])  # fmt: skip
 
 
 if __name__ == "__main__":
