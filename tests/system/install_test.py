@@ -66,6 +66,15 @@ class Install(FolderTest):
         self.assertTrue((self.etc / "contourd.json").is_file())
         self.assertTrue((self.etc / "resins/standard.json").is_file())
 
+    def test_uninstalling_leaves_no_folder_but_what_something_else_is_in(self):
+        self.install()
+        kept = self.shipped / "resins/of-another-program.json"
+        kept.write_text("{}", encoding="utf-8")
+        self.cmake("--build", str(BUILD), "--target", "uninstall")
+        left = [path for path in self.root.rglob("*") if "contour" in path.name and self.etc not in (path, *path.parents)]
+        self.assertEqual(left, [self.shipped])
+        self.assertTrue(kept.is_file())
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -15,6 +15,10 @@ def host_debian():
     return release["VERSION_CODENAME"]
 
 
+def other_debian():
+    return "bookworm" if host_debian() == "trixie" else "trixie"
+
+
 def root_image(debian=None):
     return BED / f"root-{debian or host_debian()}.ext4"
 

@@ -73,11 +73,11 @@ def systemd_guest(config, resin=None, our_modules=(), debian=None):
     return guest
 
 
-def package_guest(upgrades):
-    """A Debian without contourd, and with the package that was made of this tree, as /root/contourd.deb; the same with
-    higher and higher versions as /root/upgrade-1.deb and so on."""
+def package_guest(upgrades, debian=None):
+    """A Debian without contourd, and with the package that was made of this tree for it, as /root/contourd.deb; the same
+    with higher and higher versions as /root/upgrade-1.deb and so on."""
     guest = _debian_guest()
-    (package,) = (BED / "packages").glob("contourd_*_amd64.deb")
+    (package,) = (BED / (f"packages-{debian}" if debian else "packages")).glob("contourd_*_amd64.deb")
     guest.add_file("/install/root/contourd.deb", package)
     with tempfile.TemporaryDirectory(dir=BED) as folder:
         subprocess.run(["dpkg-deb", "--raw-extract", package, f"{folder}/tree"], check=True)

@@ -74,6 +74,18 @@ def _tells_of_a_stop(machine):
     machine.run("systemctl start contourd && contourctl resume")
 
 
+def _lets_out_who_is_to_write(machine):
+    """docs/connections.md, "After a job": another user, and the sandbox away."""
+    folder = "/etc/systemd/system/contourd-job-ended@.service.d"
+    machine.run("install -d -o games /var/tmp/told && printf '#!/bin/sh\\ntouch /var/tmp/told/wrote\\n' >/etc/contourd/job-ended")
+    machine.run(f"printf '[Service]\\nDynamicUser=no\\nUser=games\\n' >{folder}/override.conf && systemctl daemon-reload")
+    _submit_nonsense(machine, "within")
+    machine.wait_for(f"{_SAID} | grep -q 'touch: .*wrote'")
+    machine.run(f"ln -s /dev/null {folder}/sandbox.conf && systemctl daemon-reload")
+    _submit_nonsense(machine, "let-out")
+    machine.wait_for("test $(stat -c %U /var/tmp/told/wrote) = games")
+
+
 def _gives_figures(machine):
     machine.wait_for(f"setpriv --reuid nobody --regid nogroup --clear-groups grep -q '^# EOF$' {_METRICS}")
     machine.run("systemctl stop contourd")
@@ -84,8 +96,8 @@ def _gives_figures(machine):
 @vm_test("full")
 def job_ended():
     """Once its socket is enabled, a command of the owner's hears of each job that has ended, as a user of its own, however the
-    job is called; commands that hang are ended and keep no print waiting; without the socket nothing is started. The file of
-    figures can be read by all, and goes with the daemon."""
+    job is called; commands that hang are ended and keep no print waiting; who is to write is let out of the sandbox; without the socket
+    nothing is started. The file of figures can be read by all, and goes with the daemon."""
     with guests.written(_guest()) as initramfs, disk_over(root_image()) as disk:
         with booted(initramfs, disk) as machine:
             install(machine)
@@ -94,5 +106,6 @@ def job_ended():
             _tells(machine)
             _ends_one_that_hangs(machine)
             _tells_of_a_stop(machine)
+            _lets_out_who_is_to_write(machine)
             machine.run("systemctl disable --now contourd-job-ended.socket && test ! -e /run/contourd-job-ended.socket")
             machine.power_off()

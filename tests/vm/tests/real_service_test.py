@@ -2,7 +2,7 @@
 permissions, and what becomes of the light when the daemon is killed."""
 
 from bed import exposure_checks, guests, models, motion_checks
-from bed.architecture import root_image
+from bed.architecture import other_debian, root_image
 from bed.motion_checks import MotionLimits
 from bed.qemu import disk_over
 from bed.registry import check, vm_test
@@ -111,4 +111,4 @@ def real_service():
 @vm_test("full", other_debian=True, alone=True)
 def real_service_on_the_other_debian():
     """The same on the other Debian: with libgpiod 2 where this is Debian 12."""
-    return _run("bookworm" if root_image().name == "root-trixie.ext4" else "trixie")
+    return _run(other_debian())
