@@ -283,9 +283,9 @@ std::string report_as_html(const PrintReport& report) {
       "<h1>{0}</h1>\n<div class=\"outcome {1}\">{1}{4}</div>\n<div class=\"top\">\n",
       job, outcome, kPageStyle, kReportPageStyle, reason);
   if (!report.preview_png.empty()) {
-    html += fmt::format("<img alt=\"The part as far as it was printed{}\" src=\"data:image/png;base64,{}\">\n",
-                        report.outcome == PrintOutcome::Done ? "" : ", the rest faint",
-                        base64(report.preview_png));
+    html += fmt::format(
+        "<img alt=\"The part as far as it was printed{}\" src=\"data:image/png;base64,{}\">\n",
+        report.outcome == PrintOutcome::Done ? "" : ", the rest faint", base64(report.preview_png));
   }
   html += "<table>\n" + facts(report) + "</table>\n</div>\n";
   html += warning_list(report) + layer_section(report) + time_section(report) + light_section(report);

@@ -201,8 +201,8 @@ TEST_CASE("The view of a printer that prints nothing says why, what waits and wh
   const std::string text = text_of(printer(status));
   for (const char* const part :
        {"idle\n", "held      the queue is held", "plate     occupied by gear",
-        "last job  gear: failed: no light", "reminder  the film is due", "by hand   moving, plate at 20.000 mm, screen: grid",
-        "queue     2 jobs", "1  next.stl"}) {
+        "last job  gear: failed: no light", "reminder  the film is due",
+        "by hand   moving, plate at 20.000 mm, screen: grid", "queue     2 jobs", "1  next.stl"}) {
     INFO(text);
     CHECK(has(text, part));
   }
