@@ -5,7 +5,7 @@
 
 namespace contourd {
 
-extern const std::string_view configuration_page, connections_page, control_api_page, glossary_page,
-    maintenance_page, printer_setup_page, printing_page, safety_page, trouble_page;
+extern const std::string_view configuration_page, connections_page, control_api_page, first_print_page,
+    glossary_page, maintenance_page, printer_setup_page, printing_page, safety_page, trouble_page;
 
 }  // namespace contourd

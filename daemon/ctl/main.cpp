@@ -206,6 +206,23 @@ struct ManualWords {
   ShowOptions show{.what = {}, .seconds = {}, .at_z_mm = {}, .printer = kDefaultConfig, .ticket = {}};
 };
 
+Request manual_request(const char* method, const ManualWords& words) {
+  Request request{method};
+  const auto set = [&request](const char* name, const auto& word) {
+    if (word) request.parameters[name] = *word;
+  };
+  const auto set_if = [&request](const char* name, bool word) {
+    if (word) request.parameters[name] = true;
+  };
+  set("to_mm", words.to_mm);
+  set("by_mm", words.by_mm);
+  set("speed_mm_s", words.speed_mm_s);
+  set("seconds", words.seconds);
+  set_if("plate_is_clear", words.plate_is_clear);
+  set_if("in_resin", words.in_resin);
+  return request;
+}
+
 // What the user typed for the commands by which a printer is wired and brought up.
 struct WiringWords {
   JogOptions jog;
@@ -227,6 +244,11 @@ struct QueueWords {
   int to = 1;
   bool first = false, last = false;
 };
+
+nlohmann::ordered_json place_in_queue(const QueueWords& words) {
+  if (words.last) return "last";
+  return words.first ? 1 : words.to;
+}
 
 // What the user typed for the commands that put models into the spool.
 struct SpoolWords {
@@ -518,7 +540,8 @@ class CommandLine {
     add("remove", "Take a job out of the queue: its files go to failed",
         [this] { return remove_from_queue(client_, queue_.job); });
     CLI::App* move = add("move", "Have a job printed earlier or later", [this] {
-      return request(client_, {"queue_move", {{"job", queue_.job}, {"to", place_in_queue()}}}, print_queue);
+      return request(client_, {"queue_move", {{"job", queue_.job}, {"to", place_in_queue(queue_)}}},
+                     print_queue);
     });
     CLI::Option_group* place = move->add_option_group("Place");
     place->require_option(1);
@@ -535,11 +558,6 @@ class CommandLine {
         ->required()
         ->check(kNotEmpty);
     add_client_options(command);
-  }
-
-  [[nodiscard]] nlohmann::ordered_json place_in_queue() const {
-    if (queue_.last) return "last";
-    return queue_.first ? 1 : queue_.to;
   }
 
   void add_logs() {
@@ -610,7 +628,7 @@ class CommandLine {
     const auto by_hand = [this](CLI::App* parent, const char* name, const char* help, const char* method,
                                 WaitFor what = WaitFor::Operation) {
       CLI::App* command = add_command(parent, name, help, [this, method, what] {
-        return control_by_hand(client_, manual_request(method), what);
+        return control_by_hand(client_, manual_request(method, manual_), what);
       });
       add_client_options(command);
       return command;
@@ -631,7 +649,7 @@ class CommandLine {
     by_hand(add_group("motor", "The plate's motor"), "off", "Take the motor's current away", "motor_off");
     CLI::App* light = add_group("light", "The projector's light");
     CLI::App* on = add_command(light, "on", "Light for some seconds, with the picture that is shown", [this] {
-      return light_by_hand(client_, manual_request("light_on"), manual_.confirm);
+      return light_by_hand(client_, manual_request("light_on", manual_), manual_.confirm);
     });
     on->add_option("--seconds", manual_.seconds, "For how long, s")->required();
     on->add_flag("--confirm", manual_.confirm, "Do not ask whether eyes are protected");
@@ -706,23 +724,6 @@ class CommandLine {
     command->add_flag("--replace", options.replace,
                       "Replace an edited configuration without asking; it is kept");
     add_socket_option(command);
-  }
-
-  [[nodiscard]] Request manual_request(const char* method) const {
-    Request request{method};
-    const auto set = [&request](const char* name, const auto& word) {
-      if (word) request.parameters[name] = *word;
-    };
-    const auto set_if = [&request](const char* name, bool word) {
-      if (word) request.parameters[name] = true;
-    };
-    set("to_mm", manual_.to_mm);
-    set("by_mm", manual_.by_mm);
-    set("speed_mm_s", manual_.speed_mm_s);
-    set("seconds", manual_.seconds);
-    set_if("plate_is_clear", manual_.plate_is_clear);
-    set_if("in_resin", manual_.in_resin);
-    return request;
   }
 
   // A method without parameters.

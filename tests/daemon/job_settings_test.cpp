@@ -130,8 +130,8 @@ TEST_CASE("A ticket's exposure counts within the profile's limits, which are rea
       return std::string();
     } catch (const ProfileTrouble&) {
       return std::string("it is the profile's fault");
-    } catch (const JobRefused& refusal) {
-      return std::string(refusal.what());
+    } catch (const JobRefused& refused) {
+      return std::string(refused.what());
     }
   };
   const std::string file = (desk.folder.path() / "part.json").string(),
