@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <deque>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,8 +36,15 @@ class Desk : public testing::PrinterFixture {
     if (reply) replies[number] = *reply;
     return number;
   }
-  void run() {
-    REQUIRE(run_until([&] { return std::ranges::none_of(replies, &Json::is_null); }));
+  // Until all is answered; each step is taken when all before it is.
+  void run(std::deque<std::function<void()>> steps = {}) {
+    REQUIRE(run_until([&] {
+      if (std::ranges::any_of(replies, &Json::is_null)) return false;
+      if (steps.empty()) return true;
+      steps.front()();
+      steps.pop_front();
+      return false;
+    }));
   }
   std::vector<std::string> names(std::size_t number) {
     std::vector<std::string> found;
@@ -243,22 +252,28 @@ TEST_CASE("A part that wears counts from when it was replaced, and is due from a
     job.figures.lit_s = lit_s;
     (void)desk.kept.end(job);
   };
-  print(9, 1799);
   // What happens to jobs goes before what is asked: each answer is waited for.
-  const auto ask = [&](const char* method, const Json& parameters = Json::object()) {
-    desk.ask(method, parameters);
-    desk.run();
-  };
-  ask("usage");
-  print(1, 1);
-  ask("usage");
-  ask("replaced", {{"part", "film"}});
-  desk.end("refused");  // no print
-  print(2, 0);
-  print(2, 0);
-  ask("usage");
-  print(2, 0);
-  ask("usage");
+  desk.run({[&] {
+              print(9, 1799);
+              desk.ask("usage");
+            },
+            [&] {
+              print(1, 1);
+              desk.ask("usage");
+            },
+            [&] {
+              desk.ask("replaced", {{"part", "film"}});
+            },
+            [&] {
+              desk.end("refused");  // no print
+              print(2, 0);
+              print(2, 0);
+              desk.ask("usage");
+            },
+            [&] {
+              print(2, 0);
+              desk.ask("usage");
+            }});
   const auto reminder = [&](std::size_t reply, std::size_t part) {
     return desk.replies[reply]["parts"][part]["reminder"];
   };

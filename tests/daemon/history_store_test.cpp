@@ -173,7 +173,7 @@ TEST_CASE("A history of a later version is told and left, and is no damaged one"
   bench.close();
   SqliteDatabase(bench.file, 0ms).execute("PRAGMA user_version=99");
   bench.end("two");
-  CHECK(says(bench.store.trouble(), "it is of version 99, and this contourd knows version 1"));
+  CHECK(says(bench.store.trouble(), "it is of version 99, and this contourd knows version 2"));
   CHECK_FALSE(fs::exists(bench.aside(1)));
 }
 

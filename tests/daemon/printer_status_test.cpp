@@ -49,8 +49,8 @@ TEST_CASE("An idle printer's status has all its keys, in their order") {
   CHECK(keys ==
         "printer spool state job queued incomplete incomplete_more postponed postponed_more "
         "unaccepted unaccepted_more passed_over "
-        "passed_over_more deletable deletable_more plate plate_job hindrance held waiting_for last dark "
-        "manual ");
+        "passed_over_more deletable deletable_more plate plate_job hindrance held waiting_for "
+        "reminders last dark manual ");
   CHECK(status["state"] == "idle");
   for (const char* nothing : {"job", "plate_job", "hindrance", "held", "waiting_for", "last"})
     CHECK(status[nothing].is_null());

@@ -79,6 +79,7 @@ TEST_CASE(
   RealPrinter printer;
   printer.printer["z_axis"]["step"] = {{"line", 17}};
   printer.printer["z_axis"]["limit_switch"] = {{"line", 23}};
+  printer.printer["display"].erase("card");
   const GpioAxisConfig axis = printer.load().real->axis;
   const GpioAxisConfig defaults;
   CHECK(axis.step.chip == GpioLineConfig{}.chip);
