@@ -135,7 +135,7 @@ void JobScheduler::begin(CopiedJob claimed, const JobFiles& files) {
   queue_.claimed(job.file);
   queue_.questions().begun(job.screened);
   // For this one, whatever happens to the queue until it ends.
-  if (!queue_.empty()) queue_.keep_first_waiting();
+  if (queue_.has_first()) queue_.keep_first_waiting();
   calls_.begin(
       {files, std::move(claimed.settings), job.waited ? std::chrono::steady_clock::now() : job.arrived});
   // The next one is looked through beside it.

@@ -158,6 +158,10 @@ void print_csv(const Json& jobs) {
   }
 }
 
+std::string counted(int number, std::string_view what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
 // Of a limit, " of 300"; empty where there is none.
 std::string limit_of(const Json& part, const char* key) {
   return part[key].is_number() ? fmt::format(" of {:.10g}", part[key].get<double>()) : "";
@@ -168,10 +172,15 @@ void print_part(const Json& part) {
   const std::string since = part["replaced"].is_string()
                                 ? "since " + local_time(part["replaced"].get<std::string>())
                                 : "since the history began";
-  fmt::print("{:<10}{:.2f}{} h lit, {}{} layers, {}{} prints {}\n",
-             printable(part.value("part", "")) + " use", part.value("lamp_h", 0.0),
-             limit_of(part, "lamp_h_limit"), part.value("layers", 0), limit_of(part, "layers_limit"),
-             part.value("prints", 0), limit_of(part, "prints_limit"), since);
+  const auto used = [&part](const char* key, const char* limit, std::string_view what) {
+    const int number = part.value(key, 0);
+    return part[limit].is_number() ? fmt::format("{}{} {}s", number, limit_of(part, limit), what)
+                                   : counted(number, what);
+  };
+  print_wrapped(
+      fmt::format("{:<10}", printable(part.value("part", "")) + " use"),
+      fmt::format("{:.2f}{} h lit, {}, {} {}", part.value("lamp_h", 0.0), limit_of(part, "lamp_h_limit"),
+                  used("layers", "layers_limit", "layer"), used("prints", "prints_limit", "print"), since));
 }
 
 }  // namespace
@@ -196,10 +205,6 @@ int history(const ClientOptions& client, const HistoryOptions& options) {
                  printable(result["trouble"].get<std::string>()));
   }
   return failed ? kFailed : kOk;
-}
-
-std::string counted(int number, std::string_view what) {
-  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
 }
 
 void print_usage(const Json& usage) {

@@ -44,7 +44,7 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("slice", "--uni"), ["--uniformity-mask"])
         self.assertEqual(self.bash("slice", "--aa", "o"), ["on", "off"])
         self.assertEqual(self.bash("history", "--outcome", ""), ["done", "failed", "cancelled"])
-        self.assertEqual(self.bash("help", "s"), ["safety", "slice", "submit", "status", "stop", "show", "switches"])
+        self.assertEqual(self.bash("help", "s"), ["safety", "slice", "submit", "status", "stop", "show", "switches", "setup"])
         self.assertEqual(self.bash("offer", "--o"), ["--once"])
         # Files are the shell's.
         self.assertEqual(self.bash("submit", "part"), [])

@@ -133,13 +133,15 @@ class Picture:
     def __init__(self, width, height, rows):
         self.width, self.height, self.rows = width, height, rows
 
-    def lit_box(self):
-        """(left, top, right, bottom) around every pixel that is not dark, right and bottom exclusive; None if dark."""
-        lit = [y for y in range(self.height) if self.rows[y].strip(b"\0")]
+    def lit_box(self, least=1):
+        """(left, top, right, bottom) around every pixel that is so bright, right and bottom exclusive; None if there is none."""
+        darkened = bytes(value if value >= least else 0 for value in range(256))
+        rows = [row.translate(darkened) for row in self.rows]
+        lit = [y for y in range(self.height) if rows[y].strip(b"\0")]
         if not lit:
             return None
-        left = min(self.width - len(self.rows[y].lstrip(b"\0")) for y in lit)
-        right = max(len(self.rows[y].rstrip(b"\0")) for y in lit)
+        left = min(self.width - len(rows[y].lstrip(b"\0")) for y in lit)
+        right = max(len(rows[y].rstrip(b"\0")) for y in lit)
         return left, lit[0], right, lit[-1] + 1
 
     def values(self):

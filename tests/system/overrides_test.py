@@ -140,10 +140,10 @@ class Refused(OverridesTest):
         for job in ("second", "third"):
             daemon.drop(job + ".stl", SMALL, {"settle_ms": 100 if job == "third" else 3000})
         waiting = self.queued(daemon, "second")
+        self.queued(daemon, "third")
         self.assertEqual(waiting["overrides"], [{"setting": "settle_ms", "asked": 3000, "profile": 0}])
         self.assertIn(b"settle_ms 3000 instead of 0", daemon.ctl("queue", "show", "second").stdout)
         self.assertIn(b"by its ticket: settle_ms 100 instead of 0", daemon.ctl("queue").stdout)
-        self.queued(daemon, "third")
         daemon.write_resin("standard", {**NIMBLE_RESIN, "ticket_limits": {"settle_ms": [0, 2000]}})
         daemon.rpc("cancel")
         self.refusal(daemon, "second", "/settle_ms: 3000 is asked for", "0 to 2000")

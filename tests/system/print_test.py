@@ -15,6 +15,8 @@ from harness import (
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers of 50 um
 ANALYSIS = "contourd-layers"  # its thread
+# The picture of a part: faint is at most 0.3 of the brightest 250.
+BRIGHTER_THAN_FAINT = 80
 PITCH_MM, WIDTH, HEIGHT = 0.05, 1920, 1080  # simulated.json
 
 
@@ -318,11 +320,12 @@ class Report(PrintTest):
         self.assertEqual(report["model"]["open_edges"], 3)
         self.assertTrue(any("watertight" in warning for warning in report["model"]["warnings"]), report["model"])
 
-    def test_the_preview_shows_only_what_was_printed(self):
+    def test_the_preview_shows_what_was_printed_and_the_rest_faint(self):
         daemon = self.daemon({"simulation": {"projector_silent_after_commands": 101}})
         daemon.drop("part.stl", binary_stl(cube(20)))
         daemon.wait_refused("part")
-        part = read_png(daemon.file("failed", "part.preview.png")).lit_box()
+        picture = read_png(daemon.file("failed", "part.preview.png"))
+        all_of_it, part = picture.lit_box(), picture.lit_box(BRIGHTER_THAN_FAINT)
         daemon.stop()
         daemon.config["simulation"].pop("projector_silent_after_commands")
         daemon.write_config()
@@ -330,10 +333,12 @@ class Report(PrintTest):
         daemon.rpc("resume")
         daemon.drop("whole.stl", binary_stl(cube(20)))
         daemon.wait_done("whole")
-        whole = read_png(daemon.file("done", "whole.preview.png")).lit_box()
+        whole = read_png(daemon.file("done", "whole.preview.png")).lit_box(BRIGHTER_THAN_FAINT)
         daemon.stop()
         self.assertGreater(part[1], whole[1] + 100)  # its top is lower
         self.assertLessEqual(abs(part[3] - whole[3]), 1)  # its bottom is the same
+        for side, faint in zip(whole, all_of_it):
+            self.assertLessEqual(abs(side - faint), 1)
 
 
 class HeldQueue(PrintTest):
