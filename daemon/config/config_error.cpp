@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kLongestQuote = 60;
 // How much of what is wrong is told: more than anybody mends at once.
-constexpr std::size_t kMaxLines = 30;
+constexpr std::size_t kMaxLines = 20;
 constexpr std::size_t kLongestPointer = 200;
 
 // Cut at `bytes`, with dots for the rest.
