@@ -8,10 +8,11 @@ import os
 import random
 import sqlite3
 import time
+import unittest
 
 from harness import (
-    BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl, main,
-    on_terminal, wait_until,
+    BAD_USAGE, FAILED, NIMBLE_RESIN, OK, REALTIME, SANITIZED, UNAVAILABLE, Daemon, FolderTest, binary_stl, box, contourctl,
+    main, on_terminal, wait_until,
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
@@ -360,6 +361,7 @@ class InTrouble(HistoryTest):
         shell.close()
         self.assertEqual(self.ended(), [("one", "done"), ("two", "done")])
 
+    @unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
     def test_a_full_disk_keeps_the_history_from_its_file_and_nothing_else(self):
         slow = self.daemon.put_on_slow_disk()
         self.daemon.start()
@@ -374,6 +376,7 @@ class InTrouble(HistoryTest):
         self.assertEqual(self.ended(), [("before", "done"), ("one", "done"), ("two", "done")])
         self.assertEqual(self.daemon.log().count("printing goes on"), 1)
 
+    @unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
     def test_a_read_only_disk_keeps_the_history_from_its_file_and_nothing_else(self):
         slow = self.daemon.put_on_slow_disk()
         gate = os.path.join(slow, "history-read-only")
@@ -384,6 +387,7 @@ class InTrouble(HistoryTest):
         os.unlink(gate)
         self.assertEqual(self.ended(), [("one", "done"), ("two", "done")])
 
+    @unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
     def test_the_start_and_the_printing_wait_for_no_history(self):
         slow = self.daemon.put_on_slow_disk()
         gate = os.path.join(slow, "history")
