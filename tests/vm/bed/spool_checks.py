@@ -8,7 +8,10 @@ _BESIDE = (".report.json", ".report.html", ".preview.png", ".reason.txt")
 _INTERRUPTED = "The print was interrupted"
 # "reading" is not synchronized, and of no meaning after a power cut.
 _READING = {"state/reading", "state/reading.next"}
-_KNOWN = _READING | {"spool/.lock", "state/plate-occupied", "state/queue-held", "state/copied-originals"}
+# SQLite's. The write-ahead log is empty until something is written, and behind a checkpoint.
+_HISTORY_LOG = "state/history.sqlite-wal"
+_HISTORY = {"state/history.sqlite", _HISTORY_LOG, "state/history.sqlite-shm"}
+_KNOWN = _READING | _HISTORY | {"spool/.lock", "state/plate-occupied", "state/queue-held", "state/copied-originals"}
 
 
 @dataclass
@@ -185,7 +188,7 @@ def _found_without_owner(jobs, cut):
         if path not in _KNOWN and not hidden_in_incoming:
             yield f"{path} belongs to no job"
     for path in cut.empty:
-        if path not in _READING | {"spool/.lock"} and not path.startswith("spool/incoming/."):
+        if path not in _READING | {"spool/.lock", _HISTORY_LOG} and not path.startswith("spool/incoming/."):
             yield f"{path} is empty"
 
 

@@ -130,6 +130,12 @@ class SpoolChecksTest(unittest.TestCase):
             self.assert_told(f"{path} belongs", [BROKEN], "", {}, {path: b""})
         self.assert_told("is empty", [BROKEN], "", {}, {}, empty=["spool/done/part.preview.png"])
 
+    def test_the_history_is_the_daemons_and_one_that_was_put_aside_is_found(self):
+        history = {f"state/history.sqlite{suffix}": b"SQLite" for suffix in ("", "-wal", "-shm")}
+        self.assertEqual(broken([TICKETED], "", {}, history, empty=["state/history.sqlite-wal"]), [])
+        self.assert_told("history.sqlite is empty", [TICKETED], "", {}, history, empty=["state/history.sqlite"])
+        self.assert_told("state/history.sqlite.damaged-1 belongs", [TICKETED], "", {}, {"state/history.sqlite.damaged-1": b"SQLite"})
+
     def test_a_plate_that_is_forgotten_or_not_cleared_is_found(self):
         self.assert_told("the plate holds", [TICKETED], "occupied:ticketed", {}, {}, status={"plate_job": None})
         marks = "occupied:ticketed clearing:ticketed cleared:ticketed"
