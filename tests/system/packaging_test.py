@@ -47,7 +47,54 @@ class AlikeTest(FolderTest):
         self.assertIn("-rwx------ root/root ./usr/bin/p", told)
 
 
+class UpgradeTest(FolderTest):
+    """What the package's postinst does with a contourd that runs or not, by programs that note how they are called. With the real
+    ones: tests/vm, package."""
+
+    def upgraded(self, configuration_is_good, runs, from_version="0.1.0"):
+        """What it said, and the calls that change something."""
+        calls = self.path("calls")
+        with open(calls, "w", encoding="utf-8"):
+            pass
+        for name in ("systemctl", "deb-systemd-invoke", "udevadm", "contourd"):
+            answer = {"systemctl": f'case "$*" in *is-active*) exit {0 if runs else 3} ;; esac',
+                      "contourd": "" if configuration_is_good else "echo 'contourd.json: line 1: it is no JSON' >&2; exit 78"}.get(name, "")  # fmt: skip
+            program = self.write(name, f'#!/bin/sh\necho "{name} $*" >>{calls}\n{answer}\n'.encode())
+            os.chmod(program, 0o755)
+        with open(os.path.join(PACKAGING, "debian/contourd.postinst"), encoding="utf-8") as file:
+            function = file.read().split("start_or_reload() {")[1].split("\n}\n")[0]
+        script = f'set -e\nstart_or_reload() {{{function}\n}}\nstart_or_reload "$1"\n'
+        told = subprocess.run(["sh", "-c", script, "postinst", from_version], capture_output=True, text=True, check=True,
+                              env={"PATH": f"{self.folder}:/usr/bin:/bin"})  # fmt: skip
+        with open(calls, encoding="utf-8") as file:
+            does = [line.strip() for line in file if any(word in line for word in (" reload contourd", " start ", "restart"))]
+        return told.stderr, does
+
+    def test_with_a_wrong_configuration_the_old_contourd_runs_on_and_none_is_started(self):
+        for runs in (True, False):
+            for from_version in ("0.1.0", ""):
+                with self.subTest(runs=runs, from_version=from_version):
+                    told, does = self.upgraded(False, runs, from_version)
+                    self.assertEqual(does, [])
+                    self.assertIn("contourd.json: line 1", told)
+                    self.assertIn("none starts with this configuration; mend it, then: systemctl reload-or-restart contourd", told)
+
+    def test_one_that_runs_takes_the_new_program_over_and_one_that_was_stopped_stays_so(self):
+        self.assertEqual(self.upgraded(True, True), ("", ["systemctl reload contourd.service"]))
+        self.assertEqual(self.upgraded(True, False, ""), ("", ["deb-systemd-invoke start contourd.service"]))
+        told, does = self.upgraded(True, False)
+        self.assertEqual(does, [])
+        self.assertIn("it does not run, and is not started", told)
+
+
 class UnitsTest(unittest.TestCase):
+    def test_what_is_wrong_for_good_is_not_started_again(self):
+        """64 and 78 of sysexits.h: a wrong command line or configuration. What else ends at every start is given up, too."""
+        with open(os.path.join(SOURCE, "systemd/contourd.service"), encoding="utf-8") as file:
+            unit = dict(line.strip().split("=", 1) for line in file if "=" in line and not line.startswith("#"))
+        self.assertEqual(set(unit["RestartPreventExitStatus"].split()), {"64", "78"})
+        self.assertLess(int(unit["StartLimitBurst"]) * int(unit["RestartSec"]), int(unit["StartLimitIntervalSec"]))
+
     @unittest.skipUnless(shutil.which("systemd-analyze"), "there is no systemd-analyze")
     def test_systemd_finds_little_open(self):
         folder = os.path.join(SOURCE, "systemd")
