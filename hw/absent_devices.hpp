@@ -27,12 +27,16 @@ class AbsentAxis final : public ZAxis {
   void move_to(Nanometers, MillimetersPerSecond, std::function<void(MoveResult)> done) override {
     answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(MoveResult::NotHomed); });
   }
+  void nudge(Nanometers, MillimetersPerSecond, std::function<void(MoveResult)> done) override {
+    answer_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(MoveResult::Fault); });
+  }
   void stop() override {}
   void abort() noexcept override { answer_.reset(); }
   bool release() override { return false; }
   [[nodiscard]] bool moving() const override { return false; }
   [[nodiscard]] std::optional<Nanometers> height() const override { return std::nullopt; }
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint) const override { return std::nullopt; }
+  [[nodiscard]] std::optional<Nanometers> homing_shift() const override { return std::nullopt; }
   [[nodiscard]] Nanometers travel() const override { return travel_; }
   [[nodiscard]] Duration move_duration(Nanometers, MillimetersPerSecond) const override {
     return Duration{0};

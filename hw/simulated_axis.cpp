@@ -1,5 +1,6 @@
 #include "hw/simulated_axis.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -40,15 +41,17 @@ std::vector<AxisInputState> SimulatedAxis::inputs() const {
 
 void SimulatedAxis::home(std::function<void(HomingResult)> done) {
   expects(!move_, "the axis does not move");
-  homed_ = false;
+  const bool was_known = std::exchange(homed_, false);
+  homing_shift_.reset();
   homing_done_ = std::move(done);
   const auto slow = MillimetersPerSecond{config_.homing_speed.count() / 2};
   // First pass at full speed, then back off, then the second at half speed: the one that counts.
-  seek_switch(config_.homing_speed, [this, slow] {
-    run(kBackOff, config_.homing_speed, [this, slow](MoveResult result) {
+  seek_switch(config_.homing_speed, [this, slow, was_known] {
+    run(kBackOff, config_.homing_speed, [this, slow, was_known](MoveResult result) {
       if (result != MoveResult::Reached) return end_homing(HomingResult::Stopped);
       if (switch_closed()) return end_homing(HomingResult::StillClosed);
-      seek_switch(slow, [this] {
+      seek_switch(slow, [this, was_known] {
+        if (was_known) homing_shift_ = true_height_;
         true_height_ = Nanometers{0};
         homed_ = true;
         end_homing(HomingResult::Homed);
@@ -80,6 +83,23 @@ void SimulatedAxis::move_to(Nanometers target, MillimetersPerSecond speed,
   if (homed_ && allowed) return run(nearest_step(target) - true_height_, speed, std::move(done));
   const MoveResult refusal = homed_ ? MoveResult::OutsideTravel : MoveResult::NotHomed;
   move_end_ = clock_.call_after(Duration{0}, [refusal, done = std::move(done)] { done(refusal); });
+}
+
+void SimulatedAxis::nudge(Nanometers distance, MillimetersPerSecond speed,
+                          std::function<void(MoveResult)> done) {
+  expects(!move_, "the axis does not move");
+  expects(distance >= -kLongestNudge && distance <= kLongestNudge, "a nudge is short");
+  homed_ = false;
+  const bool down = distance < Nanometers{0};
+  if (down && switch_closed()) {
+    move_end_ = clock_.call_after(Duration{0}, [done = std::move(done)] { done(MoveResult::AtSwitch); });
+    return;
+  }
+  const bool closes = down && config_.limit_switch == SimulatedAxisConfig::Switch::Works;
+  run(closes ? std::max(distance, -true_height_) : distance, speed,
+      [this, down, done = std::move(done)](MoveResult result) {
+        done(down && switch_closed() ? MoveResult::AtSwitch : result);
+      });
 }
 
 void SimulatedAxis::run(Nanometers distance, MillimetersPerSecond speed,

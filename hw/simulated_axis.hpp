@@ -1,4 +1,5 @@
-// The simulated printer's Z axis. Behind simulated_printer.hpp; not for use outside hw.
+// The simulated printer's Z axis. Behind simulated_printer.hpp; not for use outside hw. It has many
+// functions, those of a ZAxis.
 #pragma once
 
 #include <functional>
@@ -20,12 +21,14 @@ class SimulatedAxis final : public ZAxis {
 
   void home(std::function<void(HomingResult)> done) override;
   void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
+  void nudge(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
   void stop() override;
   void abort() noexcept override;
   bool release() override;
   [[nodiscard]] bool moving() const override { return move_.has_value(); }
   [[nodiscard]] std::optional<Nanometers> height() const override;
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override;
+  [[nodiscard]] std::optional<Nanometers> homing_shift() const override { return homing_shift_; }
   [[nodiscard]] Nanometers travel() const override { return config_.travel; }
   [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
   [[nodiscard]] std::vector<AxisInputState> inputs() const override;
@@ -58,6 +61,7 @@ class SimulatedAxis final : public ZAxis {
   SimulatedAxisConfig config_;
   Nanometers true_height_;
   bool homed_ = false;
+  std::optional<Nanometers> homing_shift_;
   std::uint64_t switch_edges_ = 0;
   std::optional<Move> move_;
   std::unique_ptr<Timer> move_end_;

@@ -34,6 +34,8 @@ std::string_view describe(MoveResult result) {
       return "the position is unknown, home first";
     case MoveResult::Fault:
       return "a fault ended the move";
+    case MoveResult::AtSwitch:
+      return "the limit switch is reached";
   }
   return "unknown";
 }

@@ -32,6 +32,7 @@ enum class MoveResult {
   OutsideTravel,  // the target lies beyond the soft limits; nothing moved
   NotHomed,       // the position is unknown; nothing moved
   Fault,          // a machine event says why; the position is unknown
+  AtSwitch,       // of a nudge: the limit switch closed, or was closed on the way to it
 };
 [[nodiscard]] std::string_view describe(MoveResult result);
 
@@ -63,6 +64,13 @@ class ZAxis : public Device {
   virtual void move_to(Nanometers target, MillimetersPerSecond speed,
                        std::function<void(MoveResult)> done) = 0;
 
+  // Goes so far up, below 0 down, whether or not the position is known: which is unknown from then on. For an
+  // axis that has yet to be wired rightly, so it ends where the limit switch closes, also when that is at the
+  // wrong end. Returns at once; `done` is called from the event loop. REQUIRES: not moving; no further than
+  // kLongestNudge.
+  virtual void nudge(Nanometers distance, MillimetersPerSecond speed,
+                     std::function<void(MoveResult)> done) = 0;
+
   // Decelerates to a standstill; the move's `done` gets Stopped. Does nothing when nothing moves.
   virtual void stop() = 0;
 
@@ -80,6 +88,10 @@ class ZAxis : public Device {
   // Where the plate is: now, or at a time within the move under way. Nothing while the position is unknown.
   [[nodiscard]] virtual std::optional<Nanometers> height() const = 0;
   [[nodiscard]] virtual std::optional<Nanometers> height_at(TimePoint time) const = 0;
+
+  // How much higher the last homing found the limit switch than the one before it did, by the steps made in
+  // between; nothing when it did not come to its end, or the position was unknown before it.
+  [[nodiscard]] virtual std::optional<Nanometers> homing_shift() const = 0;
 
   // The highest height that move_to accepts (soft limit); the lowest is 0.
   [[nodiscard]] virtual Nanometers travel() const = 0;

@@ -5,6 +5,7 @@
 
 #include "core/contract/expects.hpp"
 #include "hw/hardware_error.hpp"
+#include "hw/homing_distances.hpp"
 
 namespace contourd {
 namespace {
@@ -71,7 +72,7 @@ AxisDrive::Wiring GpioAxis::drive_wiring() {
               },
           .blocked = [this] { interlocks_.blocked(); },
           .take_changes = [this] { inputs_changed(); },
-          .take_contact = [this] { return homing_.take_contact(); }};
+          .take_contact = [this] { return take_contact(); }};
 }
 
 Homing::Wiring GpioAxis::homing_wiring() {
@@ -79,7 +80,7 @@ Homing::Wiring GpioAxis::homing_wiring() {
     return (config_.homes_upwards ? 1 : -1) * position_.screw().nearest_step(distance);
   };
   return {
-      .forget_position = [this] { position_.forget(); },
+      .forget_position = [this] { position_.homing_begins(); },
       .get_ready = [this](Homing::Call ready) { drive_.begin(std::move(ready)); },
       .switch_closed = [this] { return inputs_.active(AxisInput::LimitSwitch); },
       .run = [this, towards_switch](
@@ -105,12 +106,7 @@ AxisInterlocks::Wiring GpioAxis::interlocks_wiring() {
           .report = [this](const MachineEvent& event) { this->report(event); },
           .slow_down = [this] { drive_.slow_down(); },
           .halted_for = [this](const AxisFault& cause) { drive_.halted_for(cause); },
-          .takes_contact =
-              [this](const InputChange& change) {
-                const bool homings = homing_.in_pass();
-                if (homings) homing_.contact(change);
-                return homings;
-              },
+          .takes_contact = [this](const InputChange& change) { return takes_contact(change); },
           .where = [this] { return position_.where(); }};
 }
 
@@ -130,6 +126,42 @@ void GpioAxis::move_to(Nanometers target, MillimetersPerSecond speed, std::funct
   });
 }
 
+void GpioAxis::nudge(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) {
+  expects(!moving(), "the axis does not move");
+  expects(distance >= -kLongestNudge && distance <= kLongestNudge, "a nudge is short");
+  move_done_ = std::move(done);
+  nudged_ = true;
+  position_.forget();
+  drive_.begin([this, speed, steps = position_.screw().nearest_step(distance)] {
+    const bool towards_switch = (steps > Microsteps{0}) == config_.homes_upwards;
+    const bool at_switch = inputs_.active(AxisInput::LimitSwitch);
+    if (at_switch && towards_switch) return end_move(MoveResult::AtSwitch);
+    // Away from a switch that is closed it opens on the way; else its first edge halts the motor.
+    drive_.run(at_switch ? AxisDrive::RunKind::BackOff : AxisDrive::RunKind::Seek, steps, speed,
+               [this] { end_move(MoveResult::Reached); });
+  });
+}
+
+// Whether the limit switch's contact, which has halted the motor, is homing's or a nudge's.
+bool GpioAxis::takes_contact(const InputChange& change) {
+  if (homing_.in_pass()) {
+    homing_.contact(change);
+    return true;
+  }
+  if (!nudged_) return false;
+  nudge_met_switch_ = true;
+  if (!drive_.turning()) (void)take_contact();
+  return true;
+}
+
+// A nudge ends there, also when the contact did not last.
+bool GpioAxis::take_contact() {
+  if (homing_.under_way()) return homing_.take_contact();
+  if (!nudge_met_switch_) return false;
+  end_move(MoveResult::AtSwitch);
+  return true;
+}
+
 void GpioAxis::stop() {
   if (homing_.under_way()) return homing_.stop();
   if (move_done_) drive_.stop();
@@ -140,6 +172,7 @@ void GpioAxis::abort() noexcept {
   drive_.halt();
   homing_.abort();
   move_done_ = nullptr;
+  nudged_ = nudge_met_switch_ = false;
 }
 
 bool GpioAxis::release() {
@@ -154,6 +187,7 @@ void GpioAxis::inputs_changed() {
 
 void GpioAxis::end_move(MoveResult result) {
   drive_.forget();
+  nudged_ = nudge_met_switch_ = false;
   if (const auto done = std::exchange(move_done_, nullptr)) done(result);
 }
 

@@ -1,8 +1,9 @@
 // A Z axis of a stepper motor behind GPIO lines: step, direction, enable, limit switch and what else its
 // owner has fitted. Event loop's thread only; two threads of its own make the steps and read the inputs.
 //
-// It wires its parts: the engine and the inputs, which those threads run; where the plate is; the motor; how
-// it comes to a height; homing; what its inputs' changes lead to.
+// It has many functions, those of a ZAxis, and more members than other classes, its parts. It wires these:
+// the engine and the inputs, which those threads run; where the plate is; the motor; how it comes to a
+// height; homing; what its inputs' changes lead to.
 #pragma once
 
 #include <functional>
@@ -46,6 +47,7 @@ class GpioAxis final : public ZAxis {
 
   void home(std::function<void(HomingResult)> done) override;
   void move_to(Nanometers target, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
+  void nudge(Nanometers distance, MillimetersPerSecond speed, std::function<void(MoveResult)> done) override;
   void stop() override;
   void abort() noexcept override;
   bool release() override;
@@ -55,6 +57,7 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override {
     return position_.height_at(time);
   }
+  [[nodiscard]] std::optional<Nanometers> homing_shift() const override { return position_.homing_shift(); }
   [[nodiscard]] Nanometers travel() const override { return config_.travel; }
   [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override {
     return contourd::move_duration(config_, distance, speed);
@@ -89,6 +92,8 @@ class GpioAxis final : public ZAxis {
   [[nodiscard]] Homing::Wiring homing_wiring();
   [[nodiscard]] AxisInterlocks::Wiring interlocks_wiring();
   void inputs_changed();
+  [[nodiscard]] bool takes_contact(const InputChange& change);
+  [[nodiscard]] bool take_contact();
   void end_move(MoveResult result);
   void fail(const AxisFault& fault);
   void report(const MachineEvent& event);
@@ -104,6 +109,7 @@ class GpioAxis final : public ZAxis {
   AxisInterlocks interlocks_;
   std::function<void(const MachineEvent&)> on_event_;
   std::function<void(MoveResult)> move_done_;
+  bool nudged_ = false, nudge_met_switch_ = false;  // by the motion under way
   std::unique_ptr<DescriptorWatcher::Watch> watch_end_, watch_inputs_;
   std::unique_ptr<AxisThreads> threads_;  // last: they use the others
 };

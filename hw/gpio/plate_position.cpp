@@ -21,7 +21,10 @@ void PlatePosition::take_switch(TimePoint edge) {
   expects(!engine_.moving(), "the motor rests");
   const Microsteps beyond{engine_.position() - engine_.position_at(edge)};
   const Microsteps play = homes_upwards_ ? Microsteps{0} : screw_.backlash();
-  engine_.set_position((screw_.nearest_step(switch_height_) - play + beyond).count());
+  const Microsteps now = screw_.nearest_step(switch_height_) - play + beyond;
+  if (std::exchange(counted_, false))
+    homing_shift_ = screw_.height(static_cast<double>(engine_.position() - now.count()));
+  engine_.set_position(now.count());
   rest_ = {Microsteps{engine_.position()}, play};
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "hw/gpio/axis_encoder.hpp"
 #include "hw/gpio/axis_inputs.hpp"
@@ -19,7 +20,17 @@ class PlatePosition {
   PlatePosition(const GpioAxisConfig& config, StepEngine& engine, const AxisInputs& inputs);
 
   [[nodiscard]] bool known() const noexcept { return known_; }
-  void forget() noexcept { known_ = false; }
+  void forget() noexcept { known_ = counted_ = false; }
+  // It is unknown until take_switch() and become_known(); the steps are counted on where they were.
+  void homing_begins() noexcept {
+    counted_ = std::exchange(known_, false);
+    homing_shift_.reset();
+  }
+  // How much higher the switch closed than before that homing, by the steps; nothing where those were not
+  // counted.
+  [[nodiscard]] std::optional<Nanometers> homing_shift() const noexcept {
+    return known_ ? homing_shift_ : std::nullopt;
+  }
   // The limit switch closed at `edge`, and the motor has run on a little since: the plate is as many steps
   // from the switch's height. REQUIRES: the motor rests.
   void take_switch(TimePoint edge);
@@ -61,6 +72,8 @@ class PlatePosition {
   std::optional<AxisEncoder> encoder_;
   Screw::Rest rest_;  // before the run under way
   bool known_ = false;
+  bool counted_ = false;  // all steps since it was known, in homing
+  std::optional<Nanometers> homing_shift_;
 };
 
 }  // namespace contourd

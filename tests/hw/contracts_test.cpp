@@ -32,7 +32,10 @@ TEST_CASE("ZAxis neither homes nor moves while it moves") {
   CHECK(contract_broken_by([&] {
           axis.move_to(Nanometers{0}, MillimetersPerSecond{1}, [](MoveResult) {});
         }) == "the axis does not move");
+  const auto nudge = [&axis](Nanometers way) { axis.nudge(way, MillimetersPerSecond{1}, [](MoveResult) {}); };
+  CHECK(contract_broken_by([&] { nudge(Nanometers{1}); }) == "the axis does not move");
   axis.abort();
+  CHECK(contract_broken_by([&] { nudge(Nanometers{2'000'001}); }) == "a nudge is short");
   CHECK(contract_broken_by([&] { axis.home([](HomingResult) {}); }).empty());
 }
 

@@ -14,7 +14,7 @@ TEST_CASE("Every outcome of the axis and the projector has words of its own") {
     CHECK(words.insert(describe(r)).second);
   }
   for (const MoveResult r : {MoveResult::Reached, MoveResult::Stopped, MoveResult::OutsideTravel,
-                             MoveResult::NotHomed, MoveResult::Fault}) {
+                             MoveResult::NotHomed, MoveResult::Fault, MoveResult::AtSwitch}) {
     CHECK(words.insert(describe(r)).second);
   }
   for (const ProjectorReply r :

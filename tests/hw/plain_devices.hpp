@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,8 @@ class PlainAxis : public PlainDevice<ZAxis> {
  public:
   void set_light_cutoff(LightCutoff*) noexcept override {}
   bool release() override { return false; }
+  void nudge(Nanometers, MillimetersPerSecond, std::function<void(MoveResult)>) override {}
+  [[nodiscard]] std::optional<Nanometers> homing_shift() const override { return std::nullopt; }
 };
 
 }  // namespace contourd::testing

@@ -151,6 +151,51 @@ TEST_CASE("A move before homing is refused from the event loop and moves nothing
   CHECK(bench.clock.now() == TimePoint{});
 }
 
+TEST_CASE("A nudge goes from wherever the plate is, ends at the switch, and forgets the position") {
+  SimulatedAxisConfig config;
+  config.start_height = mm(3);
+  Bench bench(config);
+  const auto nudge = [&bench](std::int64_t way_mm) {
+    bench.moved.reset();
+    bench.axis.nudge(mm(way_mm), MillimetersPerSecond{1},
+                     [&bench](MoveResult result) { bench.moved = result; });
+    bench.run();
+    return bench.moved.value();
+  };
+  CHECK(nudge(-2) == MoveResult::Reached);
+  CHECK(bench.clock.now() > TimePoint{2s});
+  CHECK_FALSE(bench.axis.height());
+  CHECK(nudge(-2) == MoveResult::AtSwitch);
+  CHECK(bench.axis.inputs()[0].active == true);
+  const TimePoint before = bench.clock.now();
+  CHECK(nudge(-1) == MoveResult::AtSwitch);
+  CHECK(bench.clock.now() == before);
+  CHECK(nudge(1) == MoveResult::Reached);
+  CHECK(bench.axis.inputs()[0].active == false);
+  CHECK(bench.move(mm(1)) == MoveResult::NotHomed);
+}
+
+TEST_CASE("A nudge that is stopped slows down, and says so") {
+  Bench bench;
+  bench.axis.nudge(mm(2), MillimetersPerSecond{1}, [&bench](MoveResult result) { bench.moved = result; });
+  bench.pass(500ms);
+  bench.axis.stop();
+  bench.run();
+  CHECK(bench.moved == MoveResult::Stopped);
+}
+
+TEST_CASE("Homing from a known position tells that the switch is where it was, and else nothing") {
+  Bench bench;
+  bench.home();
+  CHECK_FALSE(bench.axis.homing_shift());
+  REQUIRE(bench.move(mm(20)) == MoveResult::Reached);
+  bench.home();
+  CHECK(bench.axis.homing_shift() == Nanometers{0});
+  REQUIRE(bench.axis.release());
+  bench.home();
+  CHECK_FALSE(bench.axis.homing_shift());
+}
+
 TEST_CASE("A move beyond the soft limits is refused and moves nothing") {
   Bench bench;
   bench.home();

@@ -60,6 +60,13 @@ TEST_CASE("A GpioAxis neither homes nor moves while it moves") {
   CHECK(contract_broken_by([&] {
           plant.axis->move_to(Nanometers{0}, MillimetersPerSecond{1}, [](MoveResult) {});
         }) == "the axis does not move");
+  const auto nudge = [&plant](Nanometers way) {
+    plant.axis->nudge(way, MillimetersPerSecond{1}, [](MoveResult) {});
+  };
+  CHECK(contract_broken_by([&] { nudge(Nanometers{1}); }) == "the axis does not move");
+  plant.axis->abort();
+  for (const int way : {2'000'001, -2'000'001})
+    CHECK(contract_broken_by([&] { nudge(Nanometers{way}); }) == "a nudge is short");
 }
 
 TEST_CASE("A PlatePosition is told of a rest only while the motor rests, and takes an encoder that it has") {

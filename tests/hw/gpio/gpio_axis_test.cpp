@@ -204,6 +204,141 @@ TEST_CASE("A motor that turns the wrong way round is noticed by the other switch
   CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "line 24 of gpiochip0"));
 }
 
+TEST_CASE("Homing tells how far from before it found the switch, by the steps in between") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK_FALSE(plant.axis->homing_shift());
+  REQUIRE(plant.move_to(20) == MoveResult::Reached);
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(plant.axis->homing_shift() == Nanometers{0});
+  plant.limit.at = -8;  // the switch closes 10 um lower
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(plant.axis->homing_shift() == Nanometers{-10'000});
+  int lost = 0;  // 10 steps on the way up
+  plant.loses_step = [&lost] { return lost++ < 10; };
+  REQUIRE(plant.move_to(20) == MoveResult::Reached);
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(plant.axis->homing_shift() == Nanometers{12'500});
+}
+
+TEST_CASE("Homing from where nobody knows tells no difference, nor does one that has not come to its end") {
+  Plant plant(config());
+  plant.build();
+  REQUIRE(plant.home() == HomingResult::Homed);
+  SECTION("the position was lost") {
+    REQUIRE(plant.nudge(1) == MoveResult::Reached);
+    REQUIRE(plant.home() == HomingResult::Homed);
+    CHECK_FALSE(plant.axis->homing_shift());
+  }
+  SECTION("it was stopped before") {
+    REQUIRE(plant.move_to(20) == MoveResult::Reached);
+    plant.axis->home([](HomingResult) {});
+    plant.run_for(1s);
+    plant.axis->stop();
+    plant.run();
+    REQUIRE(plant.home() == HomingResult::Homed);
+    CHECK_FALSE(plant.axis->homing_shift());
+  }
+  SECTION("the switch does not close any more") {
+    plant.limit.stuck = false;
+    REQUIRE(plant.home() == HomingResult::NoTrigger);
+    CHECK_FALSE(plant.axis->homing_shift());
+  }
+}
+
+TEST_CASE("A nudge goes its way from nobody knows where, and where the plate is nobody knows behind it") {
+  for (const double way : {2.0, -2.0, 0.3}) {
+    CAPTURE(way);
+    for (const bool homed : {false, true}) {
+      Plant plant(with_enable());
+      plant.build();
+      if (homed) REQUIRE(plant.home() == HomingResult::Homed);
+      if (homed) REQUIRE(plant.move_to(5) == MoveResult::Reached);
+      const std::int64_t from = plant.plate();
+      CHECK(plant.nudge(way) == MoveResult::Reached);
+      CHECK(plant.plate() - from == std::llround(way * 800));
+      CHECK_FALSE(plant.axis->height());
+      CHECK_FALSE(plant.axis->moving());
+      CHECK(plant.disabled_steps == 0);
+      CHECK(plant.move_to(10) == MoveResult::NotHomed);
+      CHECK(plant.events.empty());
+    }
+  }
+}
+
+TEST_CASE("A nudge ends where the switch closes, whichever way the motor turns, and no fault is told") {
+  for (const bool reversed : {false, true}) {
+    CAPTURE(reversed);
+    Plant plant(config());
+    plant.motor = 800;  // 1 mm above the switch
+    plant.reversed = reversed;
+    plant.limit.bounces = 3;
+    plant.limit.bounce = 500us;
+    plant.build();
+    CHECK(plant.nudge(reversed ? 2 : -2) == MoveResult::AtSwitch);
+    CHECK(plate_above_switch(plant) <= 0);
+    CHECK(plate_above_switch(plant) >= -2);
+    CHECK_FALSE(plant.axis->moving());
+    CHECK(plant.events.empty());
+    // Further towards it nothing moves, away from it the plate goes.
+    plant.pulses.clear();
+    CHECK(plant.nudge(reversed ? 2 : -2) == (reversed ? MoveResult::Reached : MoveResult::AtSwitch));
+    if (!reversed) CHECK(plant.pulses.empty());
+    CHECK(plant.nudge(reversed ? -2 : 2) == (reversed ? MoveResult::AtSwitch : MoveResult::Reached));
+  }
+}
+
+TEST_CASE("A nudge ends at a spike on the switch's line, too") {
+  Plant plant(config());
+  plant.build();
+  const auto press = plant.clock.call_after(500ms, [&] { plant.press(AxisInput::LimitSwitch, true); });
+  const auto release = plant.clock.call_after(502ms, [&] { plant.press(AxisInput::LimitSwitch, false); });
+  CHECK(plant.nudge(2) == MoveResult::AtSwitch);
+  CHECK(plant.events.empty());
+  REQUIRE(plant.home() == HomingResult::Homed);
+  CHECK(plate_above_switch(plant) == 0);
+}
+
+TEST_CASE("A nudge ends at the other switch, at the emergency stop and when it is stopped") {
+  SECTION("the other switch") {
+    Plant plant(with_second_switch());
+    plant.second.at = 4'800;
+    plant.build();
+    CHECK(plant.nudge(2) == MoveResult::Fault);
+    CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "line 24 of gpiochip0"));
+    CHECK(plant.plate() <= 4'850);  // levels and edges within some milliseconds, at 800 steps/s
+  }
+  SECTION("the emergency stop") {
+    GpioAxisConfig c = config();
+    c.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};
+    Plant plant(c);
+    plant.build();
+    const auto press = plant.clock.call_after(500ms, [&] { plant.press(AxisInput::EmergencyStop, true); });
+    CHECK(plant.nudge(2) == MoveResult::Fault);
+    CHECK(plant.plate() < 4'800);
+  }
+  SECTION("a stop") {
+    Plant plant(config());
+    plant.build();
+    const auto stop = plant.clock.call_after(500ms, [&] { plant.axis->stop(); });
+    CHECK(plant.nudge(2) == MoveResult::Stopped);
+    CHECK(plant.plate() < 4'800);
+    CHECK_FALSE(plant.axis->height());
+  }
+  SECTION("an abort, behind which it homes as ever") {
+    Plant plant(config());
+    plant.build();
+    plant.axis->nudge(mm(-2), MillimetersPerSecond{1}, [](MoveResult) { FAIL("it was aborted"); });
+    plant.run_for(500ms);
+    plant.axis->abort();
+    plant.run();
+    CHECK_FALSE(plant.axis->moving());
+    CHECK(plant.home() == HomingResult::Homed);
+    CHECK(plate_above_switch(plant) == 0);
+  }
+}
+
 TEST_CASE("Moves end on the nearest microstep, whichever way and however often") {
   CHECK(rc::check([] {
     Plant plant(config());

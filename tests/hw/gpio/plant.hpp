@@ -175,6 +175,13 @@ class Plant final : public DescriptorWatcher {
     run([&] { return result.has_value(); });
     return result;
   }
+  std::optional<MoveResult> nudge(double mm) {
+    std::optional<MoveResult> result;
+    axis->nudge(Nanometers{std::llround(mm * 1e6)}, MillimetersPerSecond{1},
+                [&result](MoveResult r) { result = r; });
+    run([&] { return result.has_value(); });
+    return result;
+  }
   // The chip with the inputs is gone.
   void pull_chip() {
     inputs_engine_->lose();
