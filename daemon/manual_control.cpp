@@ -15,6 +15,7 @@
 #include "core/image/test_pattern.hpp"
 #include "daemon/base64.hpp"
 #include "daemon/readable.hpp"
+#include "hw/homing_distances.hpp"
 #include "hw/png_file.hpp"
 
 namespace contourd {
@@ -110,16 +111,17 @@ ControlMethods ManualControl::methods() {
   // What it changes nobody sees.
   ControlMethod upload = begins(&ManualControl::upload, {"from", "data"});
   upload.changes = false;
-  return {{"home", begins(&ManualControl::home, {"plate_is_clear"})},
-          {"move", begins(&ManualControl::move, {"to_mm", "by_mm", "speed_mm_s", "plate_is_clear"})},
-          {"motor_off", motor_off},
-          {"light_on", begins(&ManualControl::light_on, {"seconds", "in_resin"})},
-          {"show", std::move(show)},
-          {"upload", std::move(upload)},
-          {"projector", begins(&ManualControl::projector, {"power"})},
-          {"light_off", ends(&ManualControl::light_off)},
-          {"stop", ends(&ManualControl::stop)},
-          {"inputs", {.call = [this](const Json&, const ControlCaller&) { return inputs(); }}}};
+  return {
+      {"home", begins(&ManualControl::home, {"plate_is_clear"})},
+      {"move", begins(&ManualControl::move, {"to_mm", "by_mm", "speed_mm_s", "unhomed", "plate_is_clear"})},
+      {"motor_off", motor_off},
+      {"light_on", begins(&ManualControl::light_on, {"seconds", "in_resin"})},
+      {"show", std::move(show)},
+      {"upload", std::move(upload)},
+      {"projector", begins(&ManualControl::projector, {"power"})},
+      {"light_off", ends(&ManualControl::light_off)},
+      {"stop", ends(&ManualControl::stop)},
+      {"inputs", {.call = [this](const Json&, const ControlCaller&) { return inputs(); }}}};
 }
 
 void ManualControl::disconnected(std::uint64_t connection) {
@@ -209,11 +211,25 @@ Json ManualControl::home(const Json& given, const ControlCaller& caller) {
 }
 
 Json ManualControl::move(const Json& given, const ControlCaller& caller) {
+  if (is_set(given, "unhomed")) return move_unhomed(given, caller);
   require_motion_allowed();
   const Nanometers target = target_of(given);
   const MillimetersPerSecond speed = speed_of(given);
   if (target < context_.machine.z_axis().height()) require_way_down(given);
   process_.move_to(target, speed);
+  return begun_by(caller);
+}
+
+// Which way is down nobody knows until the axis has homed, so whatever is on the plate is in its way.
+Json ManualControl::move_unhomed(const Json& given, const ControlCaller& caller) {
+  require_motion_allowed();
+  if (given.contains("to_mm") || given.contains("speed_mm_s") || !given.contains("by_mm"))
+    throw InvalidParameters("unhomed goes with by_mm, and neither to_mm nor speed_mm_s");
+  const double most = millimetres(kLongestNudge);
+  const double way = number_in(given, "by_mm", -most, most, "mm without a known position").value();
+  require_way_down(given);
+  const MillimetersPerSecond slow{context_.config.homing_speed.count() / 2};
+  process_.nudge(to_nanometers(Millimeters{way}).value_or(Nanometers{}), std::min(slow, kNudgeSpeed));
   return begun_by(caller);
 }
 

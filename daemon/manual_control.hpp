@@ -41,6 +41,7 @@ class ManualControl {
  private:
   Json home(const Json& given, const ControlCaller& caller);
   Json move(const Json& given, const ControlCaller& caller);
+  Json move_unhomed(const Json& given, const ControlCaller& caller);
   Json stop();
   Json motor_off();
   Json light_on(const Json& given, const ControlCaller& caller);

@@ -9,6 +9,7 @@
 
 #include "core/contract/expects.hpp"
 #include "daemon/motion_timeout.hpp"
+#include "hw/homing_distances.hpp"
 
 namespace contourd {
 namespace {
@@ -48,6 +49,13 @@ void ManualProcess::move_to(Nanometers target, MillimetersPerSecond speed) {
   begin(ManualEvent::Move);
 }
 
+void ManualProcess::nudge(Nanometers way, MillimetersPerSecond speed) {
+  expects(way >= -kLongestNudge && way <= kLongestNudge, "a nudge is short");
+  way_ = way;
+  speed_ = speed;
+  begin(ManualEvent::Nudge);
+}
+
 void ManualProcess::power_on() {
   begin(ManualEvent::PowerOn);
 }
@@ -69,6 +77,7 @@ void ManualProcess::begin(ManualEvent event) {
   expects(state_ == ManualState::Idle, "no operation is under way");
   ++operations_;
   problem_.clear();
+  homing_shift_.reset();
   projector_.reset();
   handle(event);
 }
@@ -158,6 +167,8 @@ void ManualProcess::perform(ManualEffect effect) {
       return start_home();
     case ManualEffect::Move:
       return start_move();
+    case ManualEffect::Nudge:
+      return start_nudge();
     case ManualEffect::PowerOn:
       return start_power_on();
     case ManualEffect::PowerOff:
@@ -214,11 +225,21 @@ void ManualProcess::start_move() {
   });
 }
 
+void ManualProcess::start_nudge() {
+  expect_within(move_timeout(machine_.z_axis(), way_, speed_), "the move to end");
+  machine_.z_axis().nudge(way_, speed_, [this](MoveResult result) {
+    motion_ended(result == MoveResult::Reached,
+                 fmt::format("the plate did not go all the way: {}", describe(result)));
+  });
+}
+
 // One that was stopped ends in Braking, which the state that it began in has become.
 void ManualProcess::motion_ended(bool well, const std::string& why) {
   if (state_ == ManualState::Braking) return handle(ManualEvent::MoveEnded);
   if (!well) return fail(why);
-  handle(state_ == ManualState::Homing ? ManualEvent::Homed : ManualEvent::MoveEnded);
+  if (state_ != ManualState::Homing) return handle(ManualEvent::MoveEnded);
+  homing_shift_ = machine_.z_axis().homing_shift();
+  handle(ManualEvent::Homed);
 }
 
 // --- light

@@ -32,6 +32,9 @@ class ManualProcess {
   void home(MillimetersPerSecond homing_speed);
   // REQUIRES: a known height.
   void move_to(Nanometers target, MillimetersPerSecond speed);
+  // A short way up, below 0 down, from wherever the plate is; that is unknown then. REQUIRES: as
+  // ZAxis::nudge().
+  void nudge(Nanometers way, MillimetersPerSecond speed);
   // On and warm; stays on until power_off(), a print's end, or ten minutes behind the last operation.
   void power_on();
   void power_off();
@@ -62,6 +65,8 @@ class ManualProcess {
   [[nodiscard]] const std::string& picture() const { return picture_; }
   // The same as a mask. Valid until it is not shown any more.
   [[nodiscard]] ShownMask shown() const { return shown_; }
+  // As ZAxis::homing_shift(); nothing unless homing was the last operation.
+  [[nodiscard]] std::optional<Nanometers> homing_shift() const { return homing_shift_; }
   // As the projector answered; nothing unless that was the last operation.
   [[nodiscard]] const std::optional<ProjectorStatus>& projector() const { return projector_; }
 
@@ -74,6 +79,7 @@ class ManualProcess {
   void expect_within(Duration duration, const std::string& what);
   void start_home();
   void start_move();
+  void start_nudge();
   void motion_ended(bool well, const std::string& why);
   void start_power_on();
   void start_light();
@@ -91,12 +97,13 @@ class ManualProcess {
   Mask pixels_;  // of the picture
   ShownMask shown_;
   // What was asked for.
-  Nanometers target_{};
+  Nanometers target_{}, way_{};
   MillimetersPerSecond speed_{0};
   Duration light_time_{};
 
   bool light_asked_ = false, powered_on_ = false;
   TimePoint light_end_{};
+  std::optional<Nanometers> homing_shift_;
   std::optional<ProjectorStatus> projector_;
   std::unique_ptr<Timer> wait_, deadline_, picture_end_, power_end_;
 };

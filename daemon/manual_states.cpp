@@ -31,6 +31,7 @@ constexpr ManualTransition stop_light(S from) {
 constexpr auto kTable = std::to_array<ManualTransition>({
     row(S::Idle, E::Home, S::Homing, F::Home),
     row(S::Idle, E::Move, S::Moving, F::Move),
+    row(S::Idle, E::Nudge, S::Moving, F::Nudge),
     row(S::Idle, E::PowerOn, S::PoweringOn, F::LightOff, F::PowerOn),
     row(S::Idle, E::PowerOff, S::Extinguishing, F::LightOff, F::PowerOff, F::AwaitDark),
     row(S::Idle, E::LightOn, S::WarmingUp, F::LightOff, F::PowerOn),
@@ -105,6 +106,8 @@ std::string_view name_of(ManualEvent event) {
       return "home";
     case E::Move:
       return "move";
+    case E::Nudge:
+      return "nudge";
     case E::PowerOn:
       return "power on";
     case E::PowerOff:
@@ -151,6 +154,8 @@ std::string_view name_of(ManualEffect effect) {
       return "home";
     case F::Move:
       return "move";
+    case F::Nudge:
+      return "nudge";
     case F::PowerOn:
       return "power on";
     case F::PowerOff:

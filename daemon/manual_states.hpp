@@ -25,6 +25,7 @@ enum class ManualState {
 enum class ManualEvent {
   Home,
   Move,
+  Nudge,  // a short way from nobody knows where
   PowerOn,
   PowerOff,
   LightOn,
@@ -48,6 +49,7 @@ enum class ManualEffect {
   StopAxis,
   Home,
   Move,
+  Nudge,
   PowerOn,
   PowerOff,
   LightOn,

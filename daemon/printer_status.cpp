@@ -194,12 +194,14 @@ bool PrinterStatus::dark() const {
 Json PrinterStatus::manual() const {
   const ManualProcess& process = parts_.manual;
   const std::optional<Nanometers> height = context_.machine.z_axis().height();
+  const std::optional<Nanometers> shift = process.homing_shift();
   Json manual{
       {"state", name_of(process.state())},
       {"operations", process.operations()},
       {"problem", or_null(process.problem())},
       {"dark", !process.light_may_be_on() && context_.machine.projector().light_off_unconfirmed().empty()},
       {"height_mm", height ? Json(to_millimeters(*height).count()) : Json()},
+      {"homing_shift_um", shift ? Json(to_millimeters(*shift).count() * 1000) : Json()},
       {"picture", or_null(process.picture())},
       {"projector", Json()}};
   if (const std::optional<ProjectorStatus>& projector = process.projector()) {

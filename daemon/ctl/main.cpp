@@ -202,7 +202,7 @@ AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeWords& words) 
 // What the user typed for the commands by hand.
 struct ManualWords {
   std::optional<double> to_mm, by_mm, speed_mm_s, seconds;
-  bool plate_is_clear = false, in_resin = false, confirm = false;
+  bool plate_is_clear = false, in_resin = false, confirm = false, unhomed = false;
   ShowOptions show{.what = {}, .seconds = {}, .at_z_mm = {}, .printer = kDefaultConfig, .ticket = {}};
 };
 
@@ -220,7 +220,20 @@ Request manual_request(const char* method, const ManualWords& words) {
   set("seconds", words.seconds);
   set_if("plate_is_clear", words.plate_is_clear);
   set_if("in_resin", words.in_resin);
+  set_if("unhomed", words.unhomed);
   return request;
+}
+
+// Where the plate is to go, and how.
+void add_way(CLI::App& move, ManualWords& words) {
+  CLI::Option* to = move.add_option("--to", words.to_mm, "Height above the film, mm");
+  CLI::Option* by = move.add_option("--by", words.by_mm, "Upwards, downwards if below 0, mm")->excludes(to);
+  CLI::Option* speed = move.add_option("--speed", words.speed_mm_s,
+                                       "Speed, mm/s; without it the configuration's travel speed");
+  move.add_flag("--unhomed", words.unhomed,
+                "Slowly, 2 mm at most, from wherever the plate is: to see which way it goes")
+      ->needs(by)
+      ->excludes(speed);
 }
 
 // What the user typed for the commands by which a printer is wired and brought up.
@@ -639,10 +652,7 @@ class CommandLine {
     };
     add_plate_is_clear(by_hand(&app_, "home", "Have the plate find its switch", "home"));
     CLI::App* move = by_hand(&app_, "move", "Move the plate", "move");
-    CLI::Option* to = move->add_option("--to", manual_.to_mm, "Height above the film, mm");
-    move->add_option("--by", manual_.by_mm, "Upwards, downwards if below 0, mm")->excludes(to);
-    move->add_option("--speed", manual_.speed_mm_s,
-                     "Speed, mm/s; without it the configuration's travel speed");
+    add_way(*move, manual_);
     add_plate_is_clear(move);
     by_hand(&app_, "stop", "End what is done by hand: motor still, light off, screen black", "stop",
             WaitFor::Rest);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -30,6 +31,16 @@ namespace {
 
 using Json = DaemonConnection::Json;
 
+// contourd names the parameters that would allow it; here they are options.
+std::string with_options(std::string sentence) {
+  for (const auto& [parameter, option] :
+       {std::pair("plate_is_clear", "--plate-is-clear"), std::pair("in_resin", "--in-resin")}) {
+    if (const std::size_t at = sentence.find(parameter); at != std::string::npos)
+      sentence.replace(at, std::string_view(parameter).size(), option);
+  }
+  return sentence;
+}
+
 enum Question { kWatch = 1, kRequest, kUpload };
 
 // What has come of the request, message by message.
@@ -43,7 +54,8 @@ class Operation {
     const bool reply = message.value("id", 0) == kRequest;
     if (reply && message.contains("error")) {
       if (!json_)
-        fmt::print(stderr, "contourctl: {}\n", printable_lines(message["error"].value("message", "")));
+        fmt::print(stderr, "contourctl: {}\n",
+                   printable_lines(with_options(message["error"].value("message", ""))));
       return kFailed;
     }
     if (message.contains("params")) last_ = message["params"];
@@ -198,12 +210,19 @@ int light_by_hand(const ClientOptions& options, const Request& request, bool con
   return control_by_hand(options, request, WaitFor::Operation);
 }
 
+std::string describe_homing_shift(double shift_um) {
+  return fmt::format("found {:.1f} um {} than by the homing before", std::abs(shift_um),
+                     shift_um < 0 ? "lower" : "higher");
+}
+
 void print_manual(const Json& status) {
   const Json& manual = status["manual"];
   if (manual["height_mm"].is_number())
     fmt::print("height    {:.3f} mm\n", manual["height_mm"].get<double>());
   else
     fmt::print("height    unknown\n");
+  if (manual.value("homing_shift_um", Json()).is_number())
+    fmt::print("switch    {}\n", describe_homing_shift(manual["homing_shift_um"].get<double>()));
   if (manual["picture"].is_string())
     fmt::print("picture   {}\n", printable(manual["picture"].get<std::string>()));
   if (!manual["projector"].is_object()) return;

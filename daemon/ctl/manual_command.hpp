@@ -33,6 +33,9 @@ int show_by_hand(const ClientOptions& options, const ShowOptions& show);
 // UsageError where nobody can be asked.
 int light_by_hand(const ClientOptions& options, const Request& request, bool confirmed);
 
+// "found 1.3 um higher than by the homing before".
+std::string describe_homing_shift(double shift_um);
+
 // What the status says of what is done by hand.
 void print_manual(const nlohmann::ordered_json& status);
 

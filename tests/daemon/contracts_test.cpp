@@ -110,6 +110,7 @@ TEST_CASE("ManualProcess begins one operation at a time, moves from a known heig
   const MillimetersPerSecond speed{5};
   const Mask picture(desk.machine.display().width(), desk.machine.display().height());
   CHECK(contract_broken_by([&] { process.move_to(Nanometers{}, speed); }) == "the plate's height is known");
+  CHECK(contract_broken_by([&] { process.nudge(Nanometers{2'000'001}, speed); }) == "a nudge is short");
   process.light_on(std::chrono::seconds{1});
   const std::string one = "no operation is under way";
   CHECK(contract_broken_by([&] { process.home(speed); }) == one);

@@ -1,5 +1,6 @@
 #include "daemon/manual_control.hpp"
 
+#include <chrono>
 #include <string>
 #include <utility>
 
@@ -113,6 +114,33 @@ TEST_CASE("A move wants a known height, one target within the travel, and a spee
   CHECK(desk.refusal_of("move", {{"by_mm", -2.5}, {"speed_mm_s", 1}}).empty());
   REQUIRE(desk.run_machine_to(ManualState::Idle));
   CHECK(desk.machine.z_axis().height() == Nanometers{2'500'000});
+}
+
+TEST_CASE("From nobody knows where the plate goes a short way, slowly, and only when nothing is in its way") {
+  Desk desk;
+  const std::string alone = "unhomed goes with by_mm, and neither to_mm nor speed_mm_s";
+  CHECK(desk.refusal_of("move", {{"unhomed", true}}) == alone);
+  CHECK(desk.refusal_of("move", {{"unhomed", true}, {"to_mm", 1}}) == alone);
+  CHECK(desk.refusal_of("move", {{"unhomed", true}, {"by_mm", 1}, {"speed_mm_s", 1}}) == alone);
+  CHECK(desk.refusal_of("move", {{"unhomed", 1}, {"by_mm", 1}}) == "unhomed is true or false");
+  for (const double way : {2.1, -2.1})
+    CHECK(desk.refusal_of("move", {{"unhomed", true}, {"by_mm", way}}) ==
+          "by_mm is a number from -2 to 2 mm without a known position");
+  CHECK(desk.process.operations() == 0);
+  CHECK(desk.refusal_of("move", {{"unhomed", true}, {"by_mm", 2}}).empty());
+  CHECK(desk.reply["manual"]["state"] == "moving");
+  const TimePoint begun = desk.clock.now();
+  REQUIRE(desk.run_machine_to(ManualState::Idle));
+  CHECK(desk.clock.now() - begun >= std::chrono::seconds{2});
+  CHECK(desk.process.problem().empty());
+  // Which way is down nobody knows.
+  desk.hold.set_plate_occupant("gear");
+  for (const int way : {1, -1}) {
+    CHECK(desk.refusal_of("move", {{"unhomed", true}, {"by_mm", way}}).find("gear is on the plate") !=
+          std::string::npos);
+    CHECK(desk.refusal_of("move", {{"unhomed", true}, {"by_mm", way}, {"plate_is_clear", true}}).empty());
+    REQUIRE(desk.run_machine_to(ManualState::Idle));
+  }
 }
 
 TEST_CASE("The plate does not go down on a part or a held queue, unless that is said to be in no way") {

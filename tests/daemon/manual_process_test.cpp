@@ -102,6 +102,39 @@ TEST_CASE("Homing by hand that finds no switch, or is stopped, says so, and the 
   CHECK_FALSE(bench.machine.z_axis().moving());
 }
 
+TEST_CASE(
+    "A nudge by hand goes from nobody knows where, and says where it ended when that was before its end") {
+  SimulatedPrinterConfig config;
+  config.axis.start_height = Nanometers{1'000'000};
+  Bench bench(config);
+  bench.process.nudge(Nanometers{2'000'000}, MillimetersPerSecond{1});
+  CHECK(bench.process.state() == ManualState::Moving);
+  CHECK(bench.run_to_end());
+  CHECK(bench.process.problem().empty());
+  for (int times = 0; times < 2; ++times) {
+    bench.process.nudge(Nanometers{-2'000'000}, MillimetersPerSecond{1});
+    CHECK(bench.run_to_end());
+  }
+  CHECK(bench.process.problem() == "the plate did not go all the way: the limit switch is reached");
+  CHECK_FALSE(bench.machine.z_axis().height());
+  bench.process.nudge(Nanometers{2'000'000}, MillimetersPerSecond{1});
+  bench.run_for(500ms);
+  bench.process.stop();
+  CHECK(bench.process.state() == ManualState::Braking);
+  CHECK(bench.run_to_end());
+  CHECK(bench.process.problem() == "stopped");
+}
+
+TEST_CASE("Homing by hand tells how far from before the switch was found, until the next operation") {
+  Bench bench;
+  bench.home();
+  CHECK_FALSE(bench.process.homing_shift());
+  bench.home();
+  CHECK(bench.process.homing_shift() == Nanometers{0});
+  bench.process.ask_status();
+  CHECK_FALSE(bench.process.homing_shift());
+}
+
 TEST_CASE("Light by hand warms the projector up, shines as long as was asked, and is confirmed off") {
   Bench bench;
   bench.process.light_on(3s);

@@ -72,7 +72,8 @@ class Protocol(ControlTest):
             "reminders": [],
             "last": None,
             "dark": True,
-            "manual": {"state": "idle", "operations": 0, "problem": None, "dark": True, "height_mm": None, "picture": None,
+            "manual": {"state": "idle", "operations": 0, "problem": None, "dark": True, "height_mm": None, "homing_shift_um": None,
+                       "picture": None,
                        "projector": None},
         })  # fmt: skip
 

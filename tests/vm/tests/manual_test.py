@@ -21,7 +21,14 @@ killed() {
   kill -9 "$2"
   sleep 2
 }
+contourctl move --by 5 --unhomed && fail "a way that is too far from nobody knows where"
+uptime_s >/out/nudged
+contourctl move --by 2 --unhomed || fail "a short way from nobody knows where"
+uptime_s >/out/nudge_over
+contourctl move --to 5 && fail "a move from nobody knows where"
 contourctl home || fail "home"
+contourctl move --to 5 || fail "move"
+contourctl home | grep -q "found [01][.][0-9] um" || fail "the switch is where it was"
 contourctl move --to 5 || fail "move"
 contourctl show grid &
 SHOWS=$!
@@ -76,8 +83,11 @@ def by_hand():
     results = _run()
     edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
 
+    def second(file):
+        return round(float(results.text(file)) * 1e9)
+
     def killed(what):
-        return round(float(results.text(f"killed_{what}")) * 1e9)
+        return second(f"killed_{what}")
 
     light = edges.active(edges.lines.light)
     assert len(light) == 2, f"the light was on {len(light)} times"
@@ -96,8 +106,11 @@ def by_hand():
     gone = pictures[0].end_ns - killed("show")
     assert gone < _WITHIN_NS + _UPTIME_NS, f"the picture was gone {gone} ns after its client was killed"
 
-    # The profile of contourd.json: 25 mm/s2. A stop at 1 mm/s takes 40 ms, one at 5 mm/s 200 ms.
     times = edges.steps()["time_ns"]
+    nudged = times[(times > second("nudged")) & (times < second("nudge_over") + _UPTIME_NS)]
+    assert len(nudged) == 2 * _STEPS_A_MM, f"{len(nudged)} steps from nobody knows where"
+    assert edges.position_at(int(nudged[-1])) - edges.position_at(int(nudged[0]) - 1) == 2 * _STEPS_A_MM, "it did not go up"
+    # The profile of contourd.json: 25 mm/s2. A stop at 1 mm/s takes 40 ms, one at 5 mm/s 200 ms.
     for what, speed in (("move", 1), ("home", 5)):
         at = killed(what)
         last = int(times[(times > at) & (times < at + 1_500_000_000)][-1]) - at
