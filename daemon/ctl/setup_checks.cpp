@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/manual_command.hpp"
 #include "daemon/ctl/setup_daemon.hpp"
 #include "daemon/ctl/setup_questions.hpp"
 
@@ -58,7 +59,7 @@ class Checks {
     const char* later;
     Outcome (Checks::*make)();
   };
-  static const Check kAll[8];
+  static const Check kAll[9];
 
   [[nodiscard]] bool is(const char* key, const char* answer) const {
     const auto found = answers_.find(key);
@@ -138,35 +139,22 @@ class Checks {
     return set_and_take("switch_contact", other) ? Outcome::Passed : Outcome::Skipped;
   }
 
-  // Where contourd takes the switch for reached, it goes 5 mm away from it and looks again (kBackOff): no
-  // further, whatever the direction is.
+  // Two millimetres at most, until the switch closes: nobody knows yet which way it goes, and how far.
   Outcome check_direction() {
-    const char* const away = is("switch_end", "top") ? "down" : "up";
-    dialog_.say(fmt::format(
-        "Which way does the plate go? Vat out, plate in the middle of its travel, nothing in its way. Keep "
-        "the "
-        "switch as if it were reached: hold it pressed, or pull its plug where it is normally_closed. "
-        "contourd "
-        "then moves the plate slowly by 5 mm, by the steps that were answered, away from the switch, so {}, "
-        "and says "
-        "that the switch stays closed. Let go only when it stands still: before that it goes back to look "
-        "for the switch, 10 "
-        "mm "
-        "at most.",
-        away));
+    dialog_.say(
+        "Which way does the plate go? Vat out, plate in the middle of its travel, nothing in its way, a hand "
+        "at "
+        "the power. It goes 2 mm up, slowly, by the steps that were answered, and stops at the switch.");
     while (true) {
       if (skips("Enter: it moves; skip:")) return Outcome::Skipped;
-      if (!daemon_.limit_switch()["active"].get<bool>()) {
-        dialog_.say("The switch is not reached now, so nothing is moved.");
-        continue;
-      }
-      daemon_.try_control("home", {{"plate_is_clear", true}});
+      daemon_.control("move", {{"by_mm", 2}, {"unhomed", true}, {"plate_is_clear", true}},
+                      "The plate is not moved");
       const std::string way =
           dialog_.ask_for_word("It went: up, down, or not at all (no)?", {"again", "up", "down", "no"});
-      if (way == away) return Outcome::Passed;
+      if (way == "up") return Outcome::Passed;
       if (way == "no") {
         dialog_.say("Look at the driver's supply, its current, ENABLE and STEP, then again.");
-      } else if (way != "again") {
+      } else if (way == "down") {
         dialog_.say("So DIR is turned round.");
         if (!set_and_take("direction_active_low", is("direction_active_low", "yes") ? "no" : "yes"))
           return Outcome::Skipped;
@@ -184,10 +172,22 @@ class Checks {
       daemon_.control("home", {{"plate_is_clear", true}}, "The plate is not homed");
       if (i + 1 < kTimes) daemon_.control("move", {{"to_mm", middle()}}, "The plate is not moved");
     }
-    return dialog_.ask_for_word("Did it stop at the switch both times, at the same place (yes or no)?",
-                                {"yes", "no"}) == "yes"
-               ? Outcome::Passed
-               : Outcome::Skipped;
+    const bool near = tell_shift();
+    const bool stopped =
+        dialog_.ask_for_word("Did it stop at the switch both times (yes or no)?", {"yes", "no"}) == "yes";
+    return near && stopped ? Outcome::Passed : Outcome::Skipped;
+  }
+  // By the steps between both homings. False: by so much that they cannot be right.
+  bool tell_shift() {
+    const std::optional<double> shift = daemon_.homing_shift_um();
+    if (!shift) return true;
+    constexpr double kLayer_um = 50;  // a usual one
+    dialog_.say(fmt::format("The switch was {}.", describe_homing_shift(*shift)));
+    if (std::abs(*shift) <= kLayer_um) return true;
+    dialog_.say(
+        "That is more than a layer. Coupling or switch may be loose, or the motor loses steps: it wants more "
+        "current, or a lower homing_speed_mm_s or top_speed_mm_s.");
+    return false;
   }
   [[nodiscard]] double middle() const { return std::min(20.0, number_in(answers_, "travel_mm") / 2); }
 
@@ -266,6 +266,24 @@ class Checks {
     return x && y ? "both" : x ? "x" : y ? "y" : "none";
   }
 
+  Outcome check_grid() {
+    dialog_.say(
+        "Is the picture undistorted? The grid has a line every 5 mm. All of them straight, its cells square, "
+        "and as "
+        "sharp in the corners as in the middle.");
+    while (true) {
+      if (!light("grid", kLight_s)) return Outcome::Skipped;
+      const std::string seen =
+          dialog_.ask_for_word("The grid is right (yes), not square (bent), or not sharp (blurred)?",
+                               {"again", "yes", "bent", "blurred"});
+      if (seen == "yes") return Outcome::Passed;
+      if (seen == "bent")
+        dialog_.say(
+            "Turn the projector's keystone correction off, and set it square to the film; then again.");
+      if (seen == "blurred") dialog_.say("Turn the focus, and set it square to the film; then again.");
+    }
+  }
+
   Outcome check_pixels() {
     const double pitch = pixel_pitch_um(answers_);
     dialog_.say(
@@ -296,13 +314,14 @@ class Checks {
   SetupDaemon daemon_;
 };
 
-const Checks::Check Checks::kAll[8] = {
+const Checks::Check Checks::kAll[9] = {
     {"switch", "the limit switch", "contourctl switches", &Checks::check_switch},
-    {"direction", "the motor's direction", "contourctl setup", &Checks::check_direction},
+    {"direction", "the motor's direction", "contourctl move --by 2 --unhomed", &Checks::check_direction},
     {"homing", "homing", "contourctl home", &Checks::check_homing},
     {"steps", "the length of a millimetre", "contourctl move --by 50, and a caliper", &Checks::check_steps},
     {"projector", "the projector's answers", "contourctl projector status", &Checks::check_projector},
     {"picture", "the picture's sides", "contourctl show border", &Checks::check_picture},
+    {"grid", "the picture's shape", "contourctl show grid", &Checks::check_grid},
     {"pixels", "the pixels' size", "contourctl show dimensions", &Checks::check_pixels},
     {"light", "the light's end", "contourctl light on --seconds 2", &Checks::check_light},
 };

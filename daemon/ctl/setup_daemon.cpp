@@ -102,10 +102,6 @@ void SetupDaemon::control(const char* method, const Json& parameters, const char
   if (control_by_hand(client_, {method, parameters}, WaitFor::Operation) != kOk) throw DaemonError(otherwise);
 }
 
-void SetupDaemon::try_control(const char* method, const Json& parameters) const {
-  (void)control_by_hand(client_, {method, parameters}, WaitFor::Operation);
-}
-
 void SetupDaemon::light(const char* pattern, double seconds) const {
   DaemonConnection picture(client_.socket, kLongestAnswer);  // what it shows goes with it
   picture.send("show", 1, {{"pattern", pattern}});
@@ -123,9 +119,16 @@ SetupDaemon::Json SetupDaemon::limit_switch() const {
 }
 
 std::optional<double> SetupDaemon::height_mm() const {
-  const Json status = ask("status");
-  const Json& height = status["manual"]["height_mm"];
-  return height.is_number() ? std::optional(height.get<double>()) : std::nullopt;
+  return by_hand("height_mm");
+}
+
+std::optional<double> SetupDaemon::homing_shift_um() const {
+  return by_hand("homing_shift_um");
+}
+
+std::optional<double> SetupDaemon::by_hand(const char* field) const {
+  const Json number = ask("status")["manual"].value(field, Json());
+  return number.is_number() ? std::optional(number.get<double>()) : std::nullopt;
 }
 
 }  // namespace contourd::ctl

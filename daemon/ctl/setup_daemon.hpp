@@ -29,8 +29,6 @@ class SetupDaemon {
   // Until it is over; what goes on and what is wrong is said. Throws DaemonError with that sentence when it
   // was not done.
   void control(const char* method, const Json& parameters, const char* otherwise) const;
-  // The same, whatever comes of it.
-  void try_control(const char* method, const Json& parameters) const;
   // The pattern, lit for so long. Throws DaemonError.
   void light(const char* pattern, double seconds) const;
 
@@ -38,8 +36,11 @@ class SetupDaemon {
   [[nodiscard]] Json limit_switch() const;
   // Nothing when it is unknown.
   [[nodiscard]] std::optional<double> height_mm() const;
+  // Of the homing that was just made; nothing when there was none before it from which steps were counted.
+  [[nodiscard]] std::optional<double> homing_shift_um() const;
 
  private:
+  [[nodiscard]] std::optional<double> by_hand(const char* field) const;
   [[nodiscard]] std::optional<DaemonConnection> connect() const;
   bool restart_service();
   bool answers_as(const std::string& name);

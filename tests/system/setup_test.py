@@ -330,6 +330,9 @@ class Checks(TerminalTest):
         daemon.start()
         self.type("")
 
+    def manual(self, daemon):
+        return json.loads(contourctl("status", "--json", "--socket", daemon.socket_path).stdout)["result"]["manual"]
+
     def outcomes(self):
         return self.written(self.record)["checks"]
 
@@ -368,7 +371,7 @@ class Checks(TerminalTest):
         self.type("")
         self.answer(("cannot reach contourd", ""), ("skip:", ""), ("cannot reach contourd", "skip"))
         for check, answer in (("the motor's direction", "skip"), ("homing", "skip"), ("the length of a millimetre", "skip"),
-                              ("the projector's answers", "skip"), ("the picture's sides", ""), ("the pixels' size", ""), ("the light's end", "")):  # fmt: skip
+                              ("the projector's answers", "skip"), ("the picture's sides", ""), ("the picture's shape", ""), ("the pixels' size", ""), ("the light's end", "")):  # fmt: skip
             self.expect(f"Check: {check}.")
             self.answer(("(no or yes)?" if answer == "" else "skip:", answer))
         self.expect("Not checked:", "the limit switch: contourctl switches", "the light's end: contourctl light on --seconds 2")
@@ -383,8 +386,10 @@ class Checks(TerminalTest):
         self.expect("Enter: skip.")
         self.assertEqual(contourctl("home", "--socket", daemon.socket_path).returncode, OK)
         self.assertEqual(contourctl("move", "--to", "6", "--socket", daemon.socket_path).returncode, OK)
-        self.answer(("Its line changes: it is wired.\n", ""), ("The switch is not reached now, so nothing is moved.\n", "skip"))
-        self.answer(("Check: homing.", ""), ("both times", "yes"))
+        self.expect("Its line changes: it is wired.\n")
+        self.answer(("Check: the motor's direction.", ""), ("It went:", "up"))
+        self.assertIsNone(self.manual(daemon)["height_mm"])
+        self.answer(("Check: homing.", ""), ("The switch was found 0.0 um higher than by the homing before.", ""), ("both times", "yes"))
         self.answer(("the plate goes to 3 mm", ""), ("3 mm further up", ""), ("is it higher now", "1.5"))
         self.expect("would be a millimetre, not 800")
         self.answer(("(no or yes)?", "yes"))
@@ -394,24 +399,27 @@ class Checks(TerminalTest):
         self.answer(("Check: the picture's sides.", "yes"), ("The square was:", "x"))
         self.restarted(daemon)
         self.answer(("UV light", "yes"), ("The square was:", "right"))
+        self.answer(("Check: the picture's shape.", "yes"), ("The grid is right", "bent"), ("keystone", "yes"), ("The grid is right", "blurred"),
+                    ("the focus", "yes"), ("The grid is right", "yes"))  # fmt: skip
         self.answer(("Check: the pixels' size.", "yes"), ("Up to which tick", "50"), ("How long is that", "49"))
         self.restarted(daemon)
         self.answer(("Check: the light's end.", "yes"), ("go off by itself", "yes"))
-        self.expect("Not checked:", "the motor's direction")
-        self.assertNotIn("limit switch", self.ended(OK)[self.at:])
-        self.assertEqual(self.outcomes(), {"configuration": "taken", "direction": "skipped",
-                                           **dict.fromkeys(("switch", "homing", "steps", "projector", "picture", "pixels", "light"), "passed")})  # fmt: skip
+        self.expect("All checks are passed.")
+        self.ended(OK)
+        self.assertEqual(self.outcomes(), {"configuration": "taken", **dict.fromkeys(
+            ("switch", "direction", "homing", "steps", "projector", "picture", "grid", "pixels", "light"), "passed")})  # fmt: skip
         display = self.written()["display"]
         self.assertEqual((display["mirror_x"], display["mirror_y"], display["pixel_pitch_um"]), (True, False, 49))
         self.assert_good()
         # What has been passed is not made again.
         self.begin("--socket", daemon.socket_path)
-        self.answer(("is so already, go on:", ""), ("Check: the motor's direction.", "skip"))
+        self.answer(("is so already, go on:", ""))
+        self.expect("All checks are passed.")
         self.ended(OK)
         daemon.stop()
 
     def test_a_plate_that_goes_the_wrong_way_turns_dir_round(self):
-        daemon = self.daemon(limit_switch="stuck_closed")
+        daemon = self.daemon(start_height_mm=6)
         self.configured(daemon)
         self.restarted(daemon)
         self.answer(("Check: the limit switch.", "skip"), ("Check: the motor's direction.", ""), ("It went:", "down"))
