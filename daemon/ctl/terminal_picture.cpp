@@ -122,10 +122,7 @@ bool has_sixels() {
 
 PictureInk ink_of_terminal() {
   if (!knows_sequences() || !wants_colors()) return PictureInk::Characters;
-  if (has_sixels()) return PictureInk::Sixels;
-  const char* const colors = std::getenv("COLORTERM");
-  const std::string_view word = colors != nullptr ? colors : "";
-  return word == "truecolor" || word == "24bit" ? PictureInk::TrueColor : PictureInk::Greys;
+  return has_sixels() ? PictureInk::Sixels : line_ink();
 }
 
 // --- light
@@ -369,6 +366,13 @@ bool write_unless_interrupted(int out, std::string_view picture) {
 }
 
 }  // namespace
+
+PictureInk line_ink() {
+  if (!knows_sequences() || !wants_colors()) return PictureInk::Characters;
+  const char* const colors = std::getenv("COLORTERM");
+  const std::string_view word = colors != nullptr ? colors : "";
+  return word == "truecolor" || word == "24bit" ? PictureInk::TrueColor : PictureInk::Greys;
+}
 
 PictureTerminal find_picture_terminal() {
   PictureTerminal terminal;

@@ -30,6 +30,8 @@ struct PictureTerminal {
 // when standard input is the same terminal; what was typed before stays there for whoever reads next. Its
 // modes are as they were then, whatever ends the program meanwhile. Throws std::system_error.
 [[nodiscard]] PictureTerminal find_picture_terminal();
+// What can be drawn within a view that is made of lines: no sixels. Asks the terminal nothing.
+[[nodiscard]] PictureInk line_ink();
 // Leaves room for so many lines of text above the picture, as long as there are some for that.
 void leave_lines(PictureTerminal& terminal, std::size_t lines);
 

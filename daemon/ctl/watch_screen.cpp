@@ -15,6 +15,7 @@
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/terminal_screen.hpp"
 #include "daemon/ctl/watch_view.hpp"
+#include "daemon/ctl/watched_mask.hpp"
 #include "daemon/readable.hpp"
 
 namespace contourd::ctl {
@@ -32,6 +33,7 @@ constexpr auto kLongestGone = 60s;
 constexpr std::chrono::seconds kPatience{1};
 constexpr int kMostAtOnce = 100;  // messages, before the screen has its turn
 
+// It has more members than other classes: what is shown comes at times of its own each.
 class ScreenWatch {
  public:
   ScreenWatch(const ClientOptions& options, WatchEnd& end)
@@ -53,6 +55,7 @@ class ScreenWatch {
       if (!connection_) continue;
       try {
         if (auto result = receive()) return result;
+        ask_for_mask();
       } catch (const DaemonError& error) {
         lost(error.what());
       }
@@ -73,7 +76,24 @@ class ScreenWatch {
     printer_.status_age_s = std::chrono::duration<double>(now - status_at_).count();
     printer_.job_is_under_way = end_.is_under_way();
     printer_.trouble = trouble(now);
-    screen.draw(watch_lines(printer_, screen.size()));
+    const ScreenSize size = screen.size();
+    std::vector<ScreenLine> lines = watch_lines(printer_, size);
+    add_mask(lines, size);
+    screen.draw(lines);
+  }
+
+  // In what room the text leaves, behind a blank line.
+  void add_mask(std::vector<ScreenLine>& lines, ScreenSize size) {
+    const std::size_t used = std::min(lines.size() + 1, size.rows);
+    const std::vector<ScreenLine>& mask = mask_.lines({size.columns, size.rows - used});
+    if (mask.empty()) return;
+    lines.emplace_back();
+    lines.insert(lines.end(), mask.begin(), mask.end());
+  }
+
+  void ask_for_mask() {
+    if (const std::optional<Json> question = mask_.question(SteadyClock::now()))
+      connection_->send("mask", WatchedMask::kQuestion, *question);
   }
 
   [[nodiscard]] std::string trouble(SteadyClock::time_point now) const {
@@ -101,6 +121,7 @@ class ScreenWatch {
         queued_then_ = queued();
       }
       end_.ask_status(*connection_);
+      ask_for_mask();
     } catch (const DaemonError& error) {
       lost(error.what());
     }
@@ -124,6 +145,7 @@ class ScreenWatch {
   void lost(const std::string& why) {
     if (!connection_) throw DaemonError(why);
     connection_.reset();
+    mask_.connection_lost();
     asked_at_.reset();
     more_ = false;
     why_lost_ = why;
@@ -144,12 +166,14 @@ class ScreenWatch {
 
   std::optional<WatchResult> take(const Json& message) {
     const std::optional<Json> ended = end_.take(message);
+    mask_.take(message);
     if (const Json* const queue = WatchEnd::queue_in(message)) printer_.queue = *queue;
     if (ended) return WatchResult{*ended, warnings_of(ended->value("job", ""))};
     const Json* const status = WatchEnd::status_in(message);
     if (status == nullptr) return std::nullopt;
     if (WatchEnd::is_repeated(message)) asked_at_.reset();
     if ((*status)["job"].is_object()) last_job_ = (*status)["job"];
+    mask_.note(*status);
     printer_.status = *status;
     status_at_ = SteadyClock::now();
     return std::nullopt;
@@ -168,6 +192,7 @@ class ScreenWatch {
   WatchEnd& end_;
   std::unique_ptr<DaemonConnection> connection_;  // null: it is lost
   WatchedPrinter printer_;
+  WatchedMask mask_{line_ink()};
   Json last_job_;
   std::string why_lost_;
   SteadyClock::time_point lost_at_{}, status_at_ = SteadyClock::now();

@@ -17,7 +17,7 @@ struct ScreenSize {
 enum class Ink { Plain, Strong, Good, Warning, Alarm, Faint };
 
 struct ScreenLine {
-  std::string text;  // printable, and as wide as the screen at most
+  std::string text;  // printable or a picture's with its colours, and as wide as the screen at most
   Ink ink = Ink::Plain;
   bool operator==(const ScreenLine&) const = default;
 };

@@ -167,6 +167,38 @@ class Watch(FolderTest):
         self.assertEqual(lines[1:], ["Bär-部品: cancelled"])
         daemon.stop()
 
+    def test_the_mask_on_the_screen_is_drawn_below_where_there_is_room(self):
+        daemon = self.printing()
+        terminal = self.watch(daemon, rows=40, NO_COLOR="1")
+        terminal.wait_for("mask      layer 1, cut at 0.0")
+        terminal.wait_for("\u2588")
+        self.assertLess(terminal.text().index("queue     empty"), terminal.text().index("mask "))
+        self.assertFalse(terminal.seen_colour)
+        coloured = self.watch(daemon, rows=24, COLORTERM="truecolor")
+        coloured.wait_for("mask      layer 1")
+        wait_until(lambda: coloured.read() is not None and b"\x1b[48;2;255;255;255m" in coloured.raw, "what is lit, in white")
+        small = self.watch(daemon, rows=14)
+        small.wait_for("queue     empty")
+        self.assertNotIn("mask", small.text())
+        for each in (terminal, coloured, small):
+            each.process.terminate()
+            self.assertEqual(each.wait_end(), -signal.SIGTERM)
+        daemon.stop()
+
+    def test_a_picture_that_is_shown_by_hand_is_drawn_until_it_is_gone(self):
+        daemon = self.daemon()
+        terminal = self.watch(daemon, rows=40)
+        terminal.wait_for("queue     empty")
+        shows = subprocess.Popen([CONTOURCTL, "show", "grid", "--socket", daemon.socket_path], stdout=subprocess.DEVNULL)
+        self.addCleanup(shows.wait)
+        self.addCleanup(shows.kill)
+        terminal.wait_for("mask      grid")
+        shows.kill()
+        wait_until(lambda: terminal.read() is not None and "mask" not in terminal.text(), "the picture to be gone")
+        terminal.process.terminate()
+        self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
+        daemon.stop()
+
     def test_a_whole_print_is_watched_on_screens_of_every_size(self):
         daemon = self.daemon({})
         for columns, rows in ((200, 60), (80, 24), (40, 10), (20, 3), (1, 1)):
