@@ -100,6 +100,17 @@ class ConfigCommands(ConfigTest):
 
 
 class CheckConfig(ConfigTest):
+    def test_the_profile_that_is_explained_is_good_and_has_every_key_in_its_table(self):
+        with open(os.path.join(SOURCE, "docs/configuration.md"), encoding="utf-8") as file:
+            section = file.read().split("## A resin's profile, explained")[1].split("\n## ")[0]
+        profile = json.loads(section.split("```json")[1].split("```")[0])
+        self.resin(profile)
+        self.assertEqual(self.check(self.config({})).returncode, OK)
+        explained = {key for row in section.splitlines() if row.startswith("| `") for key in re.findall("`([a-z_0-9]+)`", row.split("|")[1])}
+        self.assertEqual(explained, set(profile) - {"$schema"})
+        required = source_json("resin.schema.json")["required"]
+        self.assertLessEqual(set(required), set(profile))
+
     def test_the_configurations_of_the_repository_are_good(self):
         for name in ("contourd.json", "raspberry-pi-3.json", "raspberry-pi-4.json", "raspberry-pi-5.json", "simulated.json"):
             result = self.check(os.path.join(SOURCE, "config", name))
