@@ -420,7 +420,10 @@ Json ControlServer::call(const Json& message, Client& client) {
       return Json{{"result", true}};
     }
     if (method->second.needs_service_rights && !has_service_rights(client.peer)) {
-      return failure(kNotAllowed, fmt::format("{} is for root and the group contourd-service", name));
+      return failure(kNotAllowed,
+                     fmt::format("{} is for root and the group contourd-service: sudo adduser NAME "
+                                 "contourd-service, then log in anew",
+                                 name));
     }
     if (called_ && method->second.changes) called_(name, client.peer);
     if (method->second.call_later) return call_later(method->second, parameters, message, client);

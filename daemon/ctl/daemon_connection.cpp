@@ -17,6 +17,17 @@
 #include "daemon/readable.hpp"
 
 namespace contourd::ctl {
+namespace {
+
+// And what to do about it.
+std::string why_unreachable(const std::string& path, int error) {
+  const char* const advice =
+      error == EACCES ? "it answers root and the group contourd: sudo adduser NAME contourd, then log in anew"
+                      : "systemctl status contourd says whether it runs";
+  return fmt::format("cannot reach contourd on {}: {}; {}", path, std::strerror(error), advice);
+}
+
+}  // namespace
 
 DaemonConnection::DaemonConnection(const std::filesystem::path& path,
                                    std::optional<std::chrono::seconds> patience)
@@ -31,7 +42,7 @@ DaemonConnection::DaemonConnection(const std::filesystem::path& path,
     (void)::setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof longest);
   }
   if (::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    throw DaemonError(fmt::format("cannot reach contourd on {}: {}", path_, std::strerror(errno)));
+    throw DaemonError(why_unreachable(path_, errno));
   }
 }
 
