@@ -157,7 +157,7 @@ def _hostile_stick_is_taken_for_what_it_is(machine):
 
 
 def _make_sticks(sticks):
-    sticks.fat("good", {"first.stl": _PART, "first.json": b'{"copies": 2}', "SECOND.STL": _PART})
+    sticks.fat("good", {"first.stl": _PART, "first.json": b'{"copies": 2}', "second.STL": _PART})
     sticks.ext4("hostile", _hostile)
     # A file system by its first bytes, and nothing behind them.
     sticks.bytes("broken", sticks.image("hostile").read_bytes()[:4096] + b"\xff" * (1 << 20))
