@@ -122,7 +122,7 @@ def _is_left_alone_as_installed(machine):
 
 
 def _is_printed_once(machine):
-    said = _plug_and_wait(machine, "good", "second.stl: job second")
+    said = _plug_and_wait(machine, "good", "second.STL: job second")
     assert "first.stl: job first" in said, said
     machine.wait_for(f"test -e {SPOOL}/done/first.stl", limit_s=200)
     machine.run(f"grep -q '\"copies\": 2' {SPOOL}/done/first.json")
