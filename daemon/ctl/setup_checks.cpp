@@ -143,8 +143,7 @@ class Checks {
   Outcome check_direction() {
     dialog_.say(
         "Which way does the plate go? Vat out, plate in the middle of its travel, nothing in its way, a hand "
-        "at "
-        "the power. It goes 2 mm up, slowly, by the steps that were answered, and stops at the switch.");
+        "at the power. It goes 2 mm up, slowly, by the steps that were answered, and stops at the switch.");
     while (true) {
       if (skips("Enter: it moves; skip:")) return Outcome::Skipped;
       daemon_.control("move", {{"by_mm", 2}, {"unhomed", true}, {"plate_is_clear", true}},
@@ -269,8 +268,7 @@ class Checks {
   Outcome check_grid() {
     dialog_.say(
         "Is the picture undistorted? The grid has a line every 5 mm. All of them straight, its cells square, "
-        "and as "
-        "sharp in the corners as in the middle.");
+        "and as sharp in the corners as in the middle.");
     while (true) {
       if (!light("grid", kLight_s)) return Outcome::Skipped;
       const std::string seen =
