@@ -11,6 +11,7 @@
 #include "daemon/job_filing.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
+#include "daemon/supports_text.hpp"
 
 namespace contourd {
 namespace {
@@ -28,6 +29,13 @@ AnalysisTask analysis_of(PreparedJob& job, const ZAxis& axis) {
   for (std::size_t layer = 0; layer < task.layers.size(); ++layer)
     task.layer_durations.push_back(layer_duration(job.plan, static_cast<std::int32_t>(layer), axis));
   return task;
+}
+
+// Of a job that was not checked before its turn, and of one whose resin was changed meanwhile.
+std::string why_unheld(const PreparedJob& job) {
+  if (!job.summary.supports || job.summary.supports->unheld.empty()) return "";
+  return unheld_sentence(job.summary.supports->unheld) +
+         "; dropped again, it waits for \"contourctl accept\"";
 }
 
 // Takes what the job knows of itself.
@@ -97,8 +105,12 @@ void CurrentJob::was_read(ReadJob result) {
     if (!read_later(*refusal)) refuse("failed", refusal->reason);
     return;
   }
-  if (job_->cancel_wanted || stopping_) return refuse("cancelled", "cancelled before it started");
-  job_->prepared = std::move(std::get<PreparedJob>(result));
+  if (job_->cancel_wanted || stopping_ || std::holds_alternative<ReadingGivenUp>(result))
+    return refuse("cancelled", "cancelled before it started");
+  auto& prepared = std::get<PreparedJob>(result);
+  if (const std::string why = why_unheld(prepared); !why.empty() && !job_->claimed.unheld_accepted)
+    return refuse("failed", why);
+  job_->prepared = std::move(prepared);
   log_.ready(name(), job_->prepared->summary, job_->prepared->first_mask_at - job_->claimed.turn_came);
   start_print();
 }
@@ -116,7 +128,12 @@ void CurrentJob::cancel() {
   if (job_->prepared)
     process_.cancel();
   else
-    job_->cancel_wanted = true;
+    give_up_reading();
+}
+
+void CurrentJob::give_up_reading() {
+  job_->cancel_wanted = true;
+  reader_.give_up_reading();
 }
 
 void CurrentJob::stop(const std::string& reason) {

@@ -106,6 +106,7 @@ class CurrentJob final : private PrintObserver {
   void print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan plan) override;
 
   void read();
+  void give_up_reading();
   // Whether it is read again, as there was no room in memory that there may be soon.
   [[nodiscard]] bool read_later(const JobRefusal& refusal);
   void was_read(ReadJob result);

@@ -12,7 +12,8 @@ namespace contourd {
 namespace {
 
 bool made_alike(const ModelTicket& a, const ModelTicket& b) {
-  return a.file == b.file && a.rotation == b.rotation && a.up == b.up && a.scale == b.scale && a.fit == b.fit;
+  return a.file == b.file && a.rotation == b.rotation && a.up == b.up && a.orientation == b.orientation &&
+         a.scale == b.scale && a.fit == b.fit;
 }
 
 }  // namespace
@@ -68,6 +69,14 @@ void JobContent::require_room_for_masks(std::span<const PlateModel> models, bool
   if (needed_ + repairing_ + most_memory_for_sections(models, moved) <= room_.bytes) return;
   const std::uint64_t needed = needed_ + memory_for_sections(models, moved);
   if (needed > room_.bytes) throw JobTooLarge(to_read_, ", many of them at one height", needed, room_);
+}
+
+void JobContent::require_room_for_supports(std::span<const PlateModel> models,
+                                           const DisplayGeometry& display) const {
+  const std::uint64_t needed = needed_ + memory_for_supports(display);
+  if (needed + most_memory_for_sections(models, false) <= room_.bytes) return;
+  const std::uint64_t with_sections = needed + memory_for_sections(models, false);
+  if (with_sections > room_.bytes) throw JobTooLarge(to_read_, ", to be supported", with_sections, room_);
 }
 
 std::vector<Facet> JobContent::take_facets(std::size_t model) {

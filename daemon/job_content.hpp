@@ -38,9 +38,10 @@ class JobContent {
   // says that there is none; then nothing was read.
   void read(const DisplayGeometry& display, const MemoryRoom& room);
   // What shows only behind that. Throw JobTooLarge if it is too much for the room that there was before
-  // anything was read: to mend these facets of a model; to have masks of all of them, whose contours may be
-  // moved.
+  // anything was read: to mend these facets of a model; to find and lead what holds all of them; to have
+  // masks of them, whose contours may be moved.
   void require_room_to_repair(std::span<const Facet> facets);
+  void require_room_for_supports(std::span<const PlateModel> models, const DisplayGeometry& display) const;
   void require_room_for_masks(std::span<const PlateModel> models, bool moved) const;
 
   [[nodiscard]] std::string_view format(std::size_t file) const { return files_[file].outline().format; }

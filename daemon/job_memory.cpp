@@ -32,6 +32,9 @@ constexpr std::uint64_t kPainted = 200;
 // Where there are several models, what is kept of each one's cut until the next mask: its segments.
 constexpr std::uint64_t kKept = 4 * sizeof(Segment);
 
+// Bytes a pixel, while a plate is looked through for what has to be held.
+constexpr std::uint64_t kSupported = 16;
+
 // In how many parts a model's height is looked at.
 constexpr std::size_t kParts = 1024;
 
@@ -103,6 +106,11 @@ std::uint64_t memory_for_display(const DisplayGeometry& display) {
 
 std::uint64_t memory_to_repair(std::size_t facets) {
   return facets * kRepaired;
+}
+
+std::uint64_t memory_for_supports(const DisplayGeometry& display) {
+  return kSupported * static_cast<std::uint64_t>(display.width.count()) *
+         static_cast<std::uint64_t>(display.height.count());
 }
 
 std::uint64_t memory_for_sections(std::span<const PlateModel> models, bool moved) {

@@ -29,6 +29,9 @@ struct FileToRead {
 // What a model adds whose mesh is to be repaired.
 [[nodiscard]] std::uint64_t memory_to_repair(std::size_t facets);
 
+// What finding the supports of a plate adds to the sections of its models.
+[[nodiscard]] std::uint64_t memory_for_supports(const DisplayGeometry& display);
+
 // What the sections of these add: masks and their analysis, at the height that crosses most facets; `moved`
 // where their contours are (see Compensation).
 [[nodiscard]] std::uint64_t memory_for_sections(std::span<const PlateModel> models, bool moved);

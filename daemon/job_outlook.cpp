@@ -6,23 +6,11 @@
 
 #include "daemon/config/config_error.hpp"
 #include "daemon/copied_originals.hpp"
-#include "hw/gpio/axis_motion.hpp"
-#include "hw/motion_profile.hpp"
+#include "daemon/layer_durations.hpp"
 
 namespace contourd {
 
 namespace fs = std::filesystem;
-
-std::vector<Duration> layer_durations(const PrintPlan& plan, const PrinterConfig& printer) {
-  const auto move = [&printer](Nanometers distance, MillimetersPerSecond speed) {
-    if (printer.real) return move_duration(printer.real->axis, distance, speed);
-    return MotionProfile(distance, speed, printer.simulated.axis.acceleration).duration();
-  };
-  std::vector<Duration> durations;
-  for (std::size_t layer = 0; layer < plan.expected_layers.size(); ++layer)
-    durations.push_back(layer_duration(plan, static_cast<std::int32_t>(layer), move));
-  return durations;
-}
 
 namespace {
 
@@ -51,7 +39,10 @@ JobOutlook outlook_of(const PreparedJob& job, const JobFiles& files, const Print
                      .layers = summary.layers.count,
                      .thinnest_layer = summary.layers.thinnest,
                      .thickest_layer = summary.layers.thickest,
-                     .height_mm = summary.height_mm};
+                     .height_mm = summary.height_mm,
+                     .supports = {},
+                     .question = {}};
+  if (summary.supports) outlook.supports = counts_of(*summary.supports);
   for (const ModelSummary& model : summary.models)
     outlook.parts += model.centers.size();
   const std::vector<Duration> durations = layer_durations(job.plan, printer);

@@ -9,7 +9,9 @@
 #include "core/geometry/units.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/job_files.hpp"
+#include "daemon/job_screening.hpp"
 #include "daemon/print_job.hpp"
+#include "daemon/support_counts.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {
@@ -22,13 +24,13 @@ struct JobOutlook {
   std::int32_t layers = 0;
   Nanometers thinnest_layer{}, thickest_layer{};
   double height_mm = 0;
-  Duration print_time{};  // of its layers
+  Duration print_time{};                    // of its layers
+  std::optional<SupportCounts> supports{};  // nothing where none are wanted
+  std::optional<ScreenedJob> question{};    // which is asked whatever the printer's file names
 };
 
 // Looks at the files' sizes. Thread-safe.
 [[nodiscard]] JobOutlook outlook_of(const PreparedJob& job, const JobFiles& files,
                                     const PrinterConfig& printer);
-// How long each of the plan's expected layers takes on this printer.
-[[nodiscard]] std::vector<Duration> layer_durations(const PrintPlan& plan, const PrinterConfig& printer);
 
 }  // namespace contourd

@@ -42,7 +42,6 @@ void JobQuestions::screen(const std::string& file, JobReader::Keep keep,
 }
 
 std::vector<std::string> JobQuestions::about(const ScreenedJob& job) const {
-  expects(wanted(), "somebody is to be asked");
   std::vector<std::string> asked = calls_.asked(job.screening);
   std::erase_if(asked, [&](const std::string& finding) { return acceptances_.has(job.content, finding); });
   return asked;
@@ -54,8 +53,9 @@ void JobQuestions::accept(const ScreenedJob& job, const std::vector<std::string>
 
 bool JobQuestions::knows(const std::optional<ScreenedJob>& job, const JobFiles& files,
                          const std::optional<JobSettings>& settings) const {
-  return !wanted() || (job && settings && job->settings == *settings && !job->content.empty() &&
-                       job->content == content_mark(files));
+  if (!wanted() && !job) return true;
+  return job && settings && job->settings == *settings && !job->content.empty() &&
+         job->content == content_mark(files);
 }
 
 void JobQuestions::ended() {

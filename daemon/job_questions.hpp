@@ -1,6 +1,6 @@
 // What a printer's owner is asked about the jobs that wait: which of them have findings that the printer's
-// file names (ask_before), and what was accepted. Without such findings nobody is asked. Event loop's thread
-// only.
+// file names (ask_before), or that are asked about whatever it names, and what was accepted. Event loop's
+// thread only.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@ class JobQuestions {
  public:
   struct Calls {
     // Looks through incoming/`file`, and calls `done` from the loop: see JobReader::screen(). Empty where
-    // nobody is to be asked.
+    // the printer's file names nothing.
     std::function<void(const std::string& file, JobReader::Keep keep,
                        std::function<void(const JobScreened&)> done)>
         screen{};
@@ -31,7 +31,7 @@ class JobQuestions {
   // The log must outlive the questions.
   JobQuestions(const Log& log, Calls calls);
 
-  // Whether jobs are looked through, and may wait for their owners.
+  // Whether jobs are looked through, and may wait for their owners, whatever they are.
   [[nodiscard]] bool wanted() const { return static_cast<bool>(calls_.screen); }
   // What was accepted when the last process ended.
   void load_accepted(std::vector<std::string> lines) { acceptances_.load(std::move(lines)); }
@@ -39,13 +39,19 @@ class JobQuestions {
   // REQUIRES: wanted().
   void screen(const std::string& file, JobReader::Keep keep,
               std::function<void(const JobScreened&)> done) const;
-  // Those findings that its owner has not accepted. REQUIRES: wanted().
+  // Those findings that its owner has not accepted.
   [[nodiscard]] std::vector<std::string> about(const ScreenedJob& job) const;
   void tell_change() const { calls_.changed(); }
   // They are accepted.
   void accept(const ScreenedJob& job, const std::vector<std::string>& findings);
 
-  // Whether the job's files and settings are those that were looked through, where that is wanted.
+  // Whether the job's owner has accepted this, as it was then.
+  [[nodiscard]] bool has_accepted(const std::optional<ScreenedJob>& job, const std::string& finding) const {
+    return job && acceptances_.has(job->content, finding);
+  }
+
+  // Whether the job's files and settings are those that were looked through, where that is wanted or was
+  // done.
   [[nodiscard]] bool knows(const std::optional<ScreenedJob>& job, const JobFiles& files,
                            const std::optional<JobSettings>& settings) const;
 

@@ -28,23 +28,37 @@ JobReader::JobReader(const PrinterConfig& config, const Spool& spool, EventLoop&
       worker_(loop, "contourd-reader", kNiceness) {}
 
 JobReader::~JobReader() {
-  screening_.request_stop();
+  give_up();
 }
 
-ReadJob JobReader::read_now(const JobFiles& files, const std::optional<JobSettings>& settings) {
+void JobReader::give_up() {
+  reading_.request_stop();
+  give_up_looks();
+}
+
+void JobReader::give_up_looks() {
+  for (Look& look : looks_)
+    look.stop.request_stop();
+}
+
+ReadJob JobReader::read_now(const JobFiles& files, const std::optional<JobSettings>& settings,
+                            const std::stop_token& stop) {
   if (record_.take_ended(files)) return JobRefusal{std::string(kEndedAProcess)};
   const ReadingRecord::Reading under_way(record_, files);
-  ReadJob job = prepare(files, settings);
+  ReadJob job = prepare(files, settings, stop);
   const auto* const refusal = std::get_if<JobRefusal>(&job);
   if (refusal == nullptr || !refusal->for_now || kept_.empty()) return job;
   // What is kept gives way.
   kept_.drop();
-  return prepare(files, settings);
+  return prepare(files, settings, stop);
 }
 
-ReadJob JobReader::prepare(const JobFiles& files, const std::optional<JobSettings>& settings) {
+ReadJob JobReader::prepare(const JobFiles& files, const std::optional<JobSettings>& settings,
+                           const std::stop_token& stop) {
   try {
-    return prepare_job(files, settings ? *settings : read_settings(files, config_), config_);
+    auto job = prepare_job(files, settings ? *settings : read_settings(files, config_), config_, stop);
+    if (!job) return ReadingGivenUp{};
+    return std::move(*job);
   } catch (const JobTooLarge& refusal) {
     return JobRefusal{refusal_text(refusal.what()), refusal.fits_alone()};
   } catch (const ProfileTrouble& trouble) {
@@ -57,45 +71,67 @@ ReadJob JobReader::prepare(const JobFiles& files, const std::optional<JobSetting
 
 void JobReader::read(const JobFiles& files, const std::optional<JobSettings>& settings,
                      std::function<void(ReadJob)> done) {
-  screening_.request_stop();
+  give_up_looks();
+  reading_ = std::stop_source();
   worker_.run(
-      [this, files, settings]() -> ReadJob {
+      [this, files, settings, stop = reading_.get_token()]() -> ReadJob {
         if (std::optional<PreparedJob> kept = kept_.take(files, settings)) return std::move(*kept);
-        return read_now(files, settings);
+        return read_now(files, settings, stop);
       },
       std::move(done));
 }
 
-void JobReader::check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done) {
-  worker_.run([this, file, keep] { return check_now(spool_.files_of(Spool::Folder::Incoming, file), keep); },
-              std::move(done));
+template <typename LookNow, typename Done>
+void JobReader::look_at(const std::string& file, LookNow look_now, Done done) {
+  const auto look = looks_.insert(looks_.end(), Look{file});
+  worker_.run(
+      [this, file, look_now, stop = look->stop.get_token()]() {
+        return look_now(spool_.files_of(Spool::Folder::Incoming, file), stop);
+      },
+      [this, look, done = std::move(done)](const auto& found) {
+        looks_.erase(look);
+        done(found);
+      });
 }
 
-CheckedJob JobReader::check_now(const JobFiles& files, Keep keep) {
+void JobReader::check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done) {
+  look_at(
+      file,
+      [this, keep](const JobFiles& files, const std::stop_token& stop) {
+        return check_now(files, keep, stop);
+      },
+      std::move(done));
+}
+
+CheckedJob JobReader::check_now(const JobFiles& files, Keep keep, const std::stop_token& stop) {
+  if (stop.stop_requested()) return ReadingGivenUp{};
   if (keep == Keep::Prepared) kept_.drop();
-  const std::string mark = mark_of(files);
-  ReadJob job = read_now(files, std::nullopt);
+  const std::string mark = mark_of(files), content = content_mark(files);
+  ReadJob job = read_now(files, std::nullopt, stop);
+  if (std::holds_alternative<ReadingGivenUp>(job)) return ReadingGivenUp{};
   if (auto* refusal = std::get_if<JobRefusal>(&job)) return std::move(*refusal);
   auto& prepared = std::get<PreparedJob>(job);
   JobOutlook outlook = outlook_of(prepared, files, config_);
+  if (std::optional<JobScreening> found = screening_of_preparation(prepared.summary))
+    outlook.question = ScreenedJob{std::move(*found), content, prepared.settings};
   if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(prepared));
   return outlook;
 }
 
 void JobReader::screen(const std::string& file, Keep keep, std::function<void(const JobScreened&)> done) {
-  screening_ = std::stop_source();
-  screened_ = file;
-  worker_.run(
-      [this, file, keep, stop = screening_.get_token()] {
-        return screen_now(spool_.files_of(Spool::Folder::Incoming, file), keep, stop);
+  look_at(
+      file,
+      [this, keep](const JobFiles& files, const std::stop_token& stop) {
+        return screen_now(files, keep, stop);
       },
       std::move(done));
 }
 
 JobScreened JobReader::screen_now(const JobFiles& files, Keep keep, const std::stop_token& stop) {
-  if (stop.stop_requested()) return ScreeningGivenUp{};
+  if (stop.stop_requested()) return ReadingGivenUp{};
   const std::string mark = mark_of(files), content = content_mark(files);
-  ReadJob read = keep == Keep::Prepared ? take_or_read(files) : read_now(files, std::nullopt);
+  ReadJob read = keep == Keep::Prepared ? take_or_read(files, stop) : read_now(files, std::nullopt, stop);
+  if (std::holds_alternative<ReadingGivenUp>(read)) return ReadingGivenUp{};
   if (auto* refusal = std::get_if<JobRefusal>(&read)) return std::move(*refusal);
   auto& job = std::get<PreparedJob>(read);
   std::optional<JobScreening> screening;
@@ -103,25 +139,26 @@ JobScreened JobReader::screen_now(const JobFiles& files, Keep keep, const std::s
     const ReadingRecord::Reading under_way(record_, files);
     screening = screen_job(job, config_, stop);
   }
-  if (!screening) return ScreeningGivenUp{};
+  if (!screening) return ReadingGivenUp{};
   ScreenedJob screened{std::move(*screening), content, job.settings};
   if (keep == Keep::Prepared) kept_.keep(files, mark, std::move(job));
   return screened;
 }
 
 // As its check has kept it, or anew.
-ReadJob JobReader::take_or_read(const JobFiles& files) {
+ReadJob JobReader::take_or_read(const JobFiles& files, const std::stop_token& stop) {
   try {
     if (std::optional<PreparedJob> kept = kept_.take(files, read_settings(files, config_)))
       return std::move(*kept);
   } catch (const JobRefused&) {
     // Reading it says so.
   }
-  return read_now(files, std::nullopt);
+  return read_now(files, std::nullopt, stop);
 }
 
 void JobReader::forget(const std::string& file) {
-  if (file == screened_) screening_.request_stop();
+  for (Look& look : looks_)
+    if (look.file == file) look.stop.request_stop();
   worker_.run(
       [this, file] {
         kept_.forget(spool_.files_of(Spool::Folder::Incoming, file));

@@ -101,10 +101,14 @@ void JobScheduler::claim_next() {
   JobFiles files;
   try {
     claimed.settings = settings_of(claimed.job);
+    if (is_checked_first(claimed)) {
+      queue_.put_first(std::move(claimed.job));
+      return queue_.check_next();
+    }
     const JobFiles there = spool_.files_of(Spool::Folder::Incoming, claimed.job.file);
     if (spool_.is_waiting(claimed.job.file) &&
         !queue_.questions().knows(claimed.job.screened, there, claimed.settings)) {
-      claimed.job.screen_again();
+      claimed.job.check_again();
       queue_.put_first(std::move(claimed.job));
       return run_soon();
     }
@@ -115,6 +119,11 @@ void JobScheduler::claim_next() {
     return not_claimed(std::move(claimed), error);
   }
   begin(std::move(claimed), files);
+}
+
+bool JobScheduler::is_checked_first(const CopiedJob& claimed) const {
+  const bool supported = claimed.settings && claimed.settings->supports == SupportPolicy::Auto;
+  return supported && claimed.job.check == WaitingJob::Check::Wanted && spool_.is_waiting(claimed.job.file);
 }
 
 std::optional<JobSettings> JobScheduler::settings_of(const WaitingJob& job) const {
@@ -133,11 +142,14 @@ std::optional<JobSettings> JobScheduler::settings_of(const WaitingJob& job) cons
 void JobScheduler::begin(CopiedJob claimed, const JobFiles& files) {
   const WaitingJob& job = claimed.job;
   queue_.claimed(job.file);
+  const bool unheld_accepted = queue_.questions().has_accepted(job.screened, std::string(kUnheldPlaces));
   queue_.questions().begun(job.screened);
   // For this one, whatever happens to the queue until it ends.
   if (queue_.has_first()) queue_.keep_first_waiting();
-  calls_.begin(
-      {files, std::move(claimed.settings), job.waited ? std::chrono::steady_clock::now() : job.arrived});
+  calls_.begin({.files = files,
+                .settings = std::move(claimed.settings),
+                .turn_came = job.waited ? std::chrono::steady_clock::now() : job.arrived,
+                .unheld_accepted = unheld_accepted});
   // The next one is looked through beside it.
   if (queue_.questions().wanted()) run_soon();
 }

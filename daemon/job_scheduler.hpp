@@ -54,6 +54,8 @@ class JobScheduler {
   [[nodiscard]] std::string reason_to_wait() const;
   [[nodiscard]] bool waits_for_profile() const;
   void claim_next();
+  // Its owner may have to be asked about what cannot be held: known only when it is prepared.
+  [[nodiscard]] bool is_checked_first(const CopiedJob& claimed) const;
   // Throws ProfileTrouble when the queue has to wait for the profile.
   [[nodiscard]] std::optional<JobSettings> settings_of(const WaitingJob& job) const;
   void wait_for_profile(WaitingJob job, const std::string& why);

@@ -6,7 +6,7 @@
 #include <exception>
 #include <utility>
 
-#include "daemon/job_outlook.hpp"
+#include "daemon/layer_durations.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
 
@@ -15,6 +15,9 @@ namespace {
 
 bool has_guesses(const ModelSummary& model) {
   return model.repairs.has_guesses();
+}
+bool has_unheld_places(const JobSummary& job) {
+  return job.supports && !job.supports->unheld.empty();
 }
 bool is_open(const ModelSummary& model) {
   return !model.mesh.watertight;
@@ -41,15 +44,25 @@ double first_layer_percent(const PrintFindings& findings) {
 
 }  // namespace
 
+std::optional<JobScreening> screening_of_preparation(const JobSummary& job) {
+  if (!has_unheld_places(job)) return std::nullopt;
+  JobScreening screening{.resin_ml = {}, .findings = {std::string(kUnheldPlaces)}, .warnings = job.warnings};
+  bound(screening.warnings);
+  return screening;
+}
+
 JobScreening screening_of(const JobSummary& job, const PrintFindings& findings,
                           const PrinterConfig& printer) {
   JobScreening screening{.resin_ml = findings.resin_ml(), .findings = {}, .warnings = job.warnings};
-  const auto note = [&screening](bool found, const char* name) {
+  const auto note = [&screening](bool found, std::string_view name) {
     if (found) screening.findings.emplace_back(name);
   };
   const double percent = first_layer_percent(findings);
   const bool tiny = percent < printer.tiny_first_layer_percent;
   note(findings.island_count > 0, "islands");
+  note(has_unheld_places(job), kUnheldPlaces);
+  note(findings.suction_cup_count > 0, "suction_cups");
+  note(findings.resin_trap_count > 0, "resin_traps");
   note(tiny, "tiny_first_layer");
   note(findings.cracks.open_chains > 0 || findings.cracks.turned_chains > 0 ||
            std::ranges::any_of(job.models, has_guesses),
@@ -79,7 +92,8 @@ std::optional<JobScreening> screen_job(const PreparedJob& job, const PrinterConf
     if (!findings) return std::nullopt;
     return screening_of(job.summary, *findings, printer);
   } catch (const std::exception& error) {
-    JobScreening screening{.resin_ml = 0, .findings = {std::string(kNotAnalyzed)}, .warnings = {}};
+    JobScreening screening{.resin_ml = {}, .findings = {std::string(kNotAnalyzed)}, .warnings = {}};
+    if (has_unheld_places(job.summary)) screening.findings.emplace_back(kUnheldPlaces);
     screening.warnings = job.summary.warnings;
     screening.warnings.push_back(
         fmt::format("the layers could not be looked through: {}", printable(error.what())));
@@ -91,7 +105,8 @@ std::optional<JobScreening> screen_job(const PreparedJob& job, const PrinterConf
 std::vector<std::string> asked_findings(const JobScreening& screening, const PrinterConfig& printer) {
   std::vector<std::string> asked = screening.findings;
   std::erase_if(asked, [&](const std::string& name) {
-    return name != kNotAnalyzed && std::ranges::find(printer.ask_before, name) == printer.ask_before.end();
+    if (name == kNotAnalyzed || name == kUnheldPlaces) return false;
+    return std::ranges::find(printer.ask_before, name) == printer.ask_before.end();
   });
   return asked;
 }

@@ -15,7 +15,7 @@
 namespace contourd {
 
 struct JobScreening {
-  double resin_ml = 0;
+  std::optional<double> resin_ml{};   // nothing where the layers were not looked through
   std::vector<std::string> findings;  // their names, as ask_before has them
   std::vector<std::string> warnings;  // about the models, then about the layers; a sentence each
 };
@@ -23,6 +23,18 @@ struct JobScreening {
 // The finding of a job whose layers could not be looked through. The owner is asked about it whatever
 // ask_before names.
 inline constexpr std::string_view kNotAnalyzed = "not_analyzed";
+// The same of one with places that have to be held and cannot be.
+inline constexpr std::string_view kUnheldPlaces = "unheld_places";
+
+// A job of whose findings its owner may be asked, as it was then.
+struct ScreenedJob {
+  JobScreening screening;
+  std::string content;  // as content_mark() has it
+  JobSettings settings;
+};
+
+// What its preparation alone has found of which its owner is asked; nothing when there is none.
+[[nodiscard]] std::optional<JobScreening> screening_of_preparation(const JobSummary& job);
 
 [[nodiscard]] JobScreening screening_of(const JobSummary& job, const PrintFindings& findings,
                                         const PrinterConfig& printer);

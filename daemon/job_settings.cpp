@@ -52,7 +52,8 @@ JobSettings settings_by(JobTicket ticket, const std::string& file, const Printer
   ResinProfile resin = resin_for(ticket, printer);
   const OverrideFiles files{file, printer.resins_folder / (resin.name + ".json")};
   OverriddenSettings overridden = override_settings(resin, ticket, printer.irradiance_mw_cm2, files);
-  return {std::move(ticket), std::move(resin), std::move(overridden)};
+  const SupportPolicy supports = ticket.supports ? ticket.supports->policy : printer.supports;
+  return {std::move(ticket), std::move(resin), std::move(overridden), supports};
 }
 
 JobSettings read_settings(const JobFiles& files, const PrinterConfig& printer) {

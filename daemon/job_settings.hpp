@@ -15,8 +15,9 @@ namespace contourd {
 
 struct JobSettings {
   JobTicket ticket;
-  ResinProfile resin;               // with what the ticket sets in its place
-  OverriddenSettings overridden{};  // which that is
+  ResinProfile resin;                           // with what the ticket sets in its place
+  OverriddenSettings overridden{};              // which that is
+  SupportPolicy supports = SupportPolicy::Off;  // the ticket's, or else the printer's
   bool operator==(const JobSettings&) const = default;
 };
 

@@ -1,6 +1,7 @@
 // What a job is, for the log and the report. Values.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,9 +11,11 @@
 #include "core/layers/adaptive_layers.hpp"
 #include "core/model/mesh_report.hpp"
 #include "core/repair/mesh_repair.hpp"
+#include "core/support/supports.hpp"
 #include "daemon/config/job_ticket.hpp"
 #include "daemon/config/printer_config.hpp"
 #include "daemon/config/resin_profile.hpp"
+#include "daemon/model_orientation.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd {
@@ -27,7 +30,9 @@ struct ModelSummary {
   Scale scale;                                         // the resin's shrinkage not included
   RotationDegrees rotation_deg;
   std::optional<Direction> up;
-  std::vector<Point> centers;  // by copy, from the plate's centre, in millimetres
+  std::size_t drain_holes = 0;
+  std::optional<ModelOrientation> orientation;  // by which `up` was found
+  std::vector<Point> centers;                   // by copy, from the plate's centre, in millimetres
 };
 
 // Figures of layers that are still to come: the print decides as it goes.
@@ -47,10 +52,12 @@ struct JobSummary {
   ToneCurve tone;
   bool uniformity_mask = false;  // whether the printer has one
   LayerSummary layers;
-  Duration reading{};            // the files, to facets
-  Duration indexing{};           // placement and height index
-  Duration first_mask{};         // from the first facet to the mask of layer 1
-  bool prepared_before = false;  // while it waited, and not again when its turn came
+  std::optional<Supports> supports;  // nothing where none are wanted
+  Duration reading{};                // the files, to facets
+  Duration supporting{};             // its models, where that is wanted
+  Duration indexing{};               // placement and height index
+  Duration first_mask{};             // from the first facet to the mask of layer 1
+  bool prepared_before = false;      // while it waited, and not again when its turn came
   std::vector<std::string> warnings;
 };
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <functional>
 #include <numbers>
 #include <span>
 #include <string_view>
@@ -13,8 +13,8 @@
 namespace contourd {
 namespace {
 
-// How many of the islands of a layer are marked; the largest.
-constexpr std::size_t kMaxIslands = 20;
+// How many of the islands of a layer are marked, and of its hollows; the largest.
+constexpr std::size_t kMaxMarks = 20;
 // A circle is so much larger than the disc of an island's area, and has so many pixels at least.
 constexpr double kAround = 1.6, kSmallestMark = 7, kPi = std::numbers::pi;
 // How many interruptions are looked at for a picture of their layer.
@@ -89,23 +89,78 @@ struct PictureScale {
   double per_pixel, per_mm;
 };
 
-// In the picture of the box.
-std::vector<IslandMark> islands_in(const PrintReport& report, std::int32_t layer, const PixelBox& box,
-                                   const PictureScale& scale) {
-  if (!report.findings) return {};
-  std::vector<Island> islands;
-  std::ranges::copy_if(report.findings->islands, std::back_inserter(islands),
-                       [layer](const Island& island) { return island.layer == layer; });
-  std::ranges::stable_sort(islands, [](const Island& a, const Island& b) { return a.area_mm2 > b.area_mm2; });
-  islands.resize(std::min(islands.size(), kMaxIslands));
-  std::vector<IslandMark> marks;
-  for (const Island& island : islands) {
-    const double radius = std::sqrt(island.area_mm2 / kPi) * scale.per_mm;
+// What is marked in a layer.
+struct MarkedPlace {
+  PixelPoint pixel;
+  double area_mm2;
+};
+
+// The largest, in the picture of the box.
+std::vector<LayerMark> marks_of(std::vector<MarkedPlace> places, const PixelBox& box,
+                                const PictureScale& scale) {
+  std::ranges::stable_sort(places, std::ranges::greater{}, &MarkedPlace::area_mm2);
+  places.resize(std::min(places.size(), kMaxMarks));
+  std::vector<LayerMark> marks;
+  for (const MarkedPlace& place : places) {
+    const double radius = std::sqrt(place.area_mm2 / kPi) * scale.per_mm;
     marks.push_back(
-        {{(island.pixel.x - box.left) * scale.per_pixel, (island.pixel.y - box.top) * scale.per_pixel},
+        {{(place.pixel.x - box.left) * scale.per_pixel, (place.pixel.y - box.top) * scale.per_pixel},
          std::max(radius * kAround, kSmallestMark)});
   }
   return marks;
+}
+
+// Of the plate: nobody looks at their heights.
+Bounds bounds_of(std::span<const SupportPrimitive> supports) {
+  Bounds all;
+  const auto include = [&all](const PlatePoint& middle, double radius) {
+    all.min_x = std::min(all.min_x, middle.x - radius);
+    all.max_x = std::max(all.max_x, middle.x + radius);
+    all.min_y = std::min(all.min_y, middle.y - radius);
+    all.max_y = std::max(all.max_y, middle.y + radius);
+  };
+  for (const SupportPrimitive& each : supports) {
+    if (const auto* const frustum = std::get_if<Frustum>(&each)) {
+      include(frustum->lower, frustum->lower_radius_mm);
+      include(frustum->upper, frustum->upper_radius_mm);
+    } else if (const auto* const ball = std::get_if<Ball>(&each)) {
+      include(ball->center, ball->radius_mm);
+    }
+  }
+  return all;
+}
+
+// As the models' copies are drawn on it.
+DisplayGeometry display_of(std::span<const PlateModel> models, Pixels width, Pixels height) {
+  const PixelMap& map = models.front().copies.front();
+  const PixelPoint origin = map.to_pixels({0, 0}), beside = map.to_pixels({1, 1});
+  DisplayGeometry display;
+  display.width = width;
+  display.height = height;
+  display.pixel_pitch = Micrometers{1000 / map.pixels_per_mm()};
+  display.mirror_x = beside.x < origin.x;
+  display.mirror_y = beside.y > origin.y;
+  return display;
+}
+
+std::vector<MarkedPlace> islands_in(const PrintReport& report, std::int32_t layer) {
+  std::vector<MarkedPlace> places;
+  if (!report.findings) return places;
+  for (const Island& island : report.findings->islands) {
+    if (island.layer == layer) places.push_back({island.pixel, island.area_mm2});
+  }
+  return places;
+}
+
+std::vector<MarkedPlace> voids_in(const PrintReport& report, std::int32_t layer) {
+  std::vector<MarkedPlace> places;
+  if (!report.findings) return places;
+  for (const auto* voids : {&report.findings->suction_cups, &report.findings->resin_traps}) {
+    for (const PrintVoid& each : *voids) {
+      if (each.widest_layer == layer) places.push_back({each.pixel, each.area_mm2});
+    }
+  }
+  return places;
 }
 
 }  // namespace
@@ -126,20 +181,33 @@ std::vector<ChosenLayer> choose_layers(const PrintReport& report) {
   return choice.take();
 }
 
-PixelBox box_around(std::span<const PlateModel> models, Pixels width, Pixels height) {
+std::span<const SupportPrimitive> supports_of(const JobSummary& job) {
+  if (!job.supports || !job.supports->structure) return {};
+  return job.supports->structure->primitives();
+}
+
+DisplayGeometry display_of(const ContourEngine& engine) {
+  return display_of(engine.models(), engine.coverage().width(), engine.coverage().height());
+}
+
+PixelBox box_around(std::span<const PlateModel> models, Pixels width, Pixels height,
+                    std::span<const SupportPrimitive> supports) {
   double left = HUGE_VAL, right = -HUGE_VAL, top = HUGE_VAL, bottom = -HUGE_VAL;
-  for (const PlateModel& model : models) {
-    const Bounds& bounds = model.model->bounds();
-    for (const PixelMap& map : model.copies) {
-      for (const Point corner : {Point{bounds.min_x, bounds.min_y}, Point{bounds.max_x, bounds.max_y}}) {
-        const PixelPoint pixel = map.to_pixels(corner);
-        left = std::min(left, pixel.x);
-        right = std::max(right, pixel.x);
-        top = std::min(top, pixel.y);
-        bottom = std::max(bottom, pixel.y);
-      }
+  const auto include = [&](const Bounds& bounds, const PixelMap& map) {
+    for (const Point corner : {Point{bounds.min_x, bounds.min_y}, Point{bounds.max_x, bounds.max_y}}) {
+      const PixelPoint pixel = map.to_pixels(corner);
+      left = std::min(left, pixel.x);
+      right = std::max(right, pixel.x);
+      top = std::min(top, pixel.y);
+      bottom = std::max(bottom, pixel.y);
     }
+  };
+  for (const PlateModel& model : models) {
+    for (const PixelMap& map : model.copies)
+      include(model.model->bounds(), map);
   }
+  if (!supports.empty() && !models.empty())
+    include(bounds_of(supports), PixelMap::true_scale(display_of(models, width, height), {0, 0}));
   // Contours may be moved outwards.
   const double margin = 4 + std::max({right - left, bottom - top, 0.0}) / 20;
   const auto inside = [](double at, Pixels side) {
@@ -153,7 +221,8 @@ PixelBox box_around(std::span<const PlateModel> models, Pixels width, Pixels hei
 
 std::vector<LayerPicture> draw_layer_pictures(const PrintReport& report, ContourEngine& engine,
                                               MaskBudget::Clock::time_point deadline) {
-  const PixelBox box = box_around(engine.models(), engine.coverage().width(), engine.coverage().height());
+  const PixelBox box = box_around(engine.models(), engine.coverage().width(), engine.coverage().height(),
+                                  supports_of(report.summary));
   std::vector<LayerPicture> pictures;
   for (const ChosenLayer& chosen : choose_layers(report)) {
     const LayerRecord& layer = report.layers[chosen.record];
@@ -165,7 +234,8 @@ std::vector<LayerPicture> draw_layer_pictures(const PrintReport& report, Contour
     const double per_pixel = static_cast<double>(small.width().count()) / (box.right - box.left);
     const PictureScale scale{per_pixel, per_pixel * engine.models().front().copies.front().pixels_per_mm()};
     pictures.push_back({layer.layer, chosen.why, small.width(), small.height(), encode_png(small),
-                        islands_in(report, layer.layer, box, scale)});
+                        marks_of(islands_in(report, layer.layer), box, scale),
+                        marks_of(voids_in(report, layer.layer), box, scale)});
   }
   std::ranges::sort(pictures, {}, &LayerPicture::layer);
   return pictures;

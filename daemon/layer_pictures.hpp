@@ -29,8 +29,14 @@ struct ChosenLayer {
 // important one first, none twice, kMaxLayerPictures at most.
 [[nodiscard]] std::vector<ChosenLayer> choose_layers(const PrintReport& report);
 
-// The part of a display so large in which these models' masks are, with some room around it.
-[[nodiscard]] PixelBox box_around(std::span<const PlateModel> models, Pixels width, Pixels height);
+// The part of a display so large in which the masks of these models and of their supports are, with some room
+// around it.
+[[nodiscard]] PixelBox box_around(std::span<const PlateModel> models, Pixels width, Pixels height,
+                                  std::span<const SupportPrimitive> supports = {});
+// The supports that the job has.
+[[nodiscard]] std::span<const SupportPrimitive> supports_of(const JobSummary& job);
+// The display whose masks the engine makes, of which one shows a copy of its first model.
+[[nodiscard]] DisplayGeometry display_of(const ContourEngine& engine);
 
 // Computes their masks once more: the same height and engine make the same mask. Those that are not there by
 // the deadline are left out. Takes the memory of the engine's mask, which it has already, and the pictures'.

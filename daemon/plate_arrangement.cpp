@@ -13,17 +13,15 @@
 namespace contourd {
 namespace {
 
-// Between copies on one plate, so that cured resin does not join them.
-constexpr double kCopyGapMm = 2.0;
 // A thousandth of a millimetre: the rounding of float coordinates, far below a pixel.
 constexpr double kRoundingMm = 1e-3;
 
 // Rows of columns, as near to a square as the plate allows.
-std::vector<Point> grid_of_copies(const ModelToPlace& model, const BuildVolume& volume) {
+std::vector<Point> grid_of_copies(const ModelToPlace& model, const BuildVolume& volume, double gap_mm) {
   const Bounds& bounds = model.model->bounds();
-  const double pitch_x = bounds.size_x() + kCopyGapMm, pitch_y = bounds.size_y() + kCopyGapMm;
-  const double columns_that_fit = std::fmax(1, std::floor((volume.width_mm() + kCopyGapMm) / pitch_x));
-  const double rows_that_fit = std::fmax(1, std::floor((volume.depth_mm() + kCopyGapMm) / pitch_y));
+  const double pitch_x = bounds.size_x() + gap_mm, pitch_y = bounds.size_y() + gap_mm;
+  const double columns_that_fit = std::fmax(1, std::floor((volume.width_mm() + gap_mm) / pitch_x));
+  const double rows_that_fit = std::fmax(1, std::floor((volume.depth_mm() + gap_mm) / pitch_y));
   if (model.copies > columns_that_fit * rows_that_fit) {
     throw JobRefused(
         fmt::format("{} copies of {:.2f} x {:.2f} mm do not fit on the plate ({:.2f} x {:.2f} mm); there is "
@@ -48,11 +46,11 @@ std::vector<Point> grid_of_copies(const ModelToPlace& model, const BuildVolume& 
 // Puts what has no position where there is room.
 class RoomFinder {
  public:
-  RoomFinder(const std::vector<ModelToPlace>& models, const BuildVolume& volume)
+  RoomFinder(const std::vector<ModelToPlace>& models, const BuildVolume& volume, double gap_mm)
       : models_(models),
         volume_(volume),
         packing_(volume.display.width, volume.display.height,
-                 Pixels{static_cast<std::int32_t>(std::ceil(kCopyGapMm / volume.pitch_mm()))}) {}
+                 Pixels{static_cast<std::int32_t>(std::ceil(gap_mm / volume.pitch_mm()))}) {}
 
   void place(Arrangement& arrangement) {
     std::vector<std::size_t> free;
@@ -162,12 +160,12 @@ void check_inside(const ModelToPlace& model, std::size_t copy, const Point& cent
 
 }  // namespace
 
-Arrangement arrange(const std::vector<ModelToPlace>& models, const BuildVolume& volume) {
+Arrangement arrange(const std::vector<ModelToPlace>& models, const BuildVolume& volume, Millimeters gap) {
   Arrangement arrangement(models.size());
   for (std::size_t i = 0; i < models.size(); ++i) {
-    if (models[i].position) arrangement[i] = grid_of_copies(models[i], volume);
+    if (models[i].position) arrangement[i] = grid_of_copies(models[i], volume, gap.count());
   }
-  RoomFinder(models, volume).place(arrangement);
+  RoomFinder(models, volume, gap.count()).place(arrangement);
   return arrangement;
 }
 

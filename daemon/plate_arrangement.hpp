@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/engine/section_source.hpp"
 #include "core/mask/pixel_map.hpp"
 #include "core/model/standing_model.hpp"
 #include "daemon/config/job_ticket.hpp"
@@ -26,6 +27,8 @@ struct ModelToPlace {
   std::optional<PlateOffset> position;  // of the copies' centre; where there is room without it
   int copies = 1;
   Elevation elevation{};  // of each copy
+  // Of each copy; see PlateModel. Null: none.
+  std::shared_ptr<const SectionSource> holes{};
 
   [[nodiscard]] StandingModel standing() const { return {model, elevation}; }
 };
@@ -39,12 +42,16 @@ struct BuildVolume {
   [[nodiscard]] double pitch_mm() const { return to_millimeters(display.pixel_pitch).count(); }
 };
 
+// Between models and copies that are arranged, so that cured resin does not join them.
+inline constexpr Millimeters kCopyGap{2.0};
+
 // By model, by copy: the centre of its bounds, from the plate's centre, in millimetres. Copies of a model
-// with a position lie in rows and columns around it, 2 mm apart; everything else is put where there is room,
-// 2 mm from all else, with its edges on the pixel grid, and in the middle of the plate if nothing has a
+// with a position lie in rows and columns around it, a gap apart; everything else is put where there is room,
+// a gap from all else, with its edges on the pixel grid, and in the middle of the plate if nothing has a
 // position. Whether it is all on the plate: see check_arrangement(). Throws JobRefused when there is no room.
 using Arrangement = std::vector<std::vector<Point>>;
-[[nodiscard]] Arrangement arrange(const std::vector<ModelToPlace>& models, const BuildVolume& volume);
+[[nodiscard]] Arrangement arrange(const std::vector<ModelToPlace>& models, const BuildVolume& volume,
+                                  Millimeters gap = kCopyGap);
 
 // Throws JobRefused with a sentence when a copy reaches out of the build volume, or when two meet in a layer.
 void check_arrangement(const std::vector<ModelToPlace>& models, const Arrangement& arrangement,

@@ -48,7 +48,7 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
     const auto deadline = MaskBudget::Clock::now() + kLongestPartPicture;
     const std::optional<Mask> part = draw_printed_part(report, *print.engine, deadline);
     if (!part) throw std::runtime_error("its masks take too long");
-    report.preview_png = encode_png(*part);
+    report.preview_png = encode_printed_part(report, *part);
   });
   attempt("no pictures of layers", filed, [&] {
     report.layer_pictures =

@@ -82,6 +82,66 @@ FindingWarning island_warning(const PrintFindings& findings) {
   return warning;
 }
 
+// "800 mm3", and from a millilitre on "1.2 ml".
+std::string volume_text(double volume_mm3) {
+  if (volume_mm3 >= 999.5) return fmt::format("{:.1f} ml", volume_mm3 / 1000);
+  return fmt::format("{:.3g} mm3", volume_mm3);
+}
+
+// "layers 12 to 40, at 3.10, -2.00 mm from the plate's centre in layer 20".
+std::string place_text(const PrintVoid& each) {
+  const std::string layers =
+      each.first_layer == each.last_layer
+          ? fmt::format("layer {}, at", each.first_layer + 1)
+          : fmt::format("layers {} to {}, at", each.first_layer + 1, each.last_layer + 1);
+  return fmt::format("{} {:.2f}, {:.2f} mm from the plate's centre in layer {}", layers, each.plate_mm.x,
+                     each.plate_mm.y, each.widest_layer + 1);
+}
+
+struct VoidsWarning {
+  std::string sentence;  // up to the first of them
+  std::string_view mark;
+  std::uint64_t count;
+  double PrintVoid::*figure;  // by which they are large
+};
+
+FindingWarning void_warning(VoidsWarning about, const std::vector<PrintVoid>& voids) {
+  std::vector<PrintVoid> largest(std::min(kNamed, voids.size()));
+  std::ranges::partial_sort_copy(voids, largest, [&about](const PrintVoid& a, const PrintVoid& b) {
+    return a.*about.figure > b.*about.figure;
+  });
+  FindingWarning warning{std::move(about.sentence), about.mark, {}};
+  for (std::size_t i = 0; i < largest.size(); ++i) {
+    const PrintVoid& each = largest[i];
+    if (std::ranges::find(warning.layers, each.widest_layer) == warning.layers.end())
+      warning.layers.push_back(each.widest_layer);
+    warning.sentence +=
+        fmt::format("{} {} ({}{}{})", i == 0 ? "" : ",", place_text(each),
+                    about.figure == &PrintVoid::area_mm2 ? area_text(each.area_mm2) + ", " : "",
+                    volume_text(each.volume_mm3), each.on_plate ? ", closed by the plate" : "");
+  }
+  if (about.count > largest.size())
+    warning.sentence += fmt::format(", and {} more", about.count - largest.size());
+  return warning;
+}
+
+void add_void_warnings(const PrintFindings& findings, std::vector<FindingWarning>& warnings) {
+  if (const auto count = findings.suction_cup_count; count > 0) {
+    warnings.push_back(void_warning(
+        {fmt::format("{} on the film until {}:", count_of(count, "suction cup pulls", "suction cups pull"),
+                     count == 1 ? "it opens or is closed" : "they open or are closed"),
+         "suction cup", count, &PrintVoid::area_mm2},
+        findings.suction_cups));
+  }
+  if (const auto count = findings.resin_trap_count; count > 0) {
+    warnings.push_back(
+        void_warning({fmt::format("{} resin that cannot flow out:",
+                                  count_of(count, "closed hollow keeps", "closed hollows keep")),
+                      "resin trap", count, &PrintVoid::volume_mm3},
+                     findings.resin_traps));
+  }
+}
+
 void add_empty_layers_warnings(const PrintFindings& findings, std::vector<FindingWarning>& warnings) {
   const std::span<const std::int32_t> empty = findings.empty_layers;
   if (!empty.empty() && empty.size() == findings.area_mm2.size()) {
@@ -126,6 +186,21 @@ FindingWarning turned_chains_warning(const PrintFindings& findings) {
                                    count_of(turned.size(), "layer", "layers"), stretches(turned)));
 }
 
+Json voids_json(const std::vector<PrintVoid>& voids) {
+  Json list = Json::array();
+  for (const PrintVoid& each : voids) {
+    list.push_back({{"first_layer", each.first_layer + 1},
+                    {"last_layer", each.last_layer + 1},
+                    {"widest_layer", each.widest_layer + 1},
+                    {"plate_mm", {each.plate_mm.x, each.plate_mm.y}},
+                    {"pixel", {each.pixel.x, each.pixel.y}},
+                    {"area_mm2", each.area_mm2},
+                    {"volume_mm3", each.volume_mm3},
+                    {"on_plate", each.on_plate}});
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string findings_line(const PrintFindings& findings) {
@@ -136,13 +211,19 @@ std::string findings_line(const PrintFindings& findings) {
     text += fmt::format(", at most {:.2f} mm2 (layer {})", findings.largest_area_mm2,
                         findings.largest_area_layer + 1);
   }
-  return text + fmt::format(", {}, {}", count_of(findings.island_count, "island", "islands"),
-                            count_of(findings.empty_layers.size(), "empty layer", "empty layers"));
+  text += fmt::format(", {}, {}", count_of(findings.island_count, "island", "islands"),
+                      count_of(findings.empty_layers.size(), "empty layer", "empty layers"));
+  if (const auto count = findings.suction_cup_count; count > 0)
+    text += ", " + count_of(count, "suction cup", "suction cups");
+  if (const auto count = findings.resin_trap_count; count > 0)
+    text += ", " + count_of(count, "resin trap", "resin traps");
+  return text;
 }
 
 std::vector<FindingWarning> findings_warnings(const PrintFindings& findings) {
   std::vector<FindingWarning> warnings;
   if (findings.island_count > 0) warnings.push_back(island_warning(findings));
+  add_void_warnings(findings, warnings);
   add_empty_layers_warnings(findings, warnings);
   if (const auto& abandoned = findings.abandoned_layers; !abandoned.empty()) {
     warnings.push_back(warning_about(
@@ -170,6 +251,8 @@ Json findings_summary_json(const PrintFindings& findings) {
   json["largest_area_mm2"] = findings.largest_area_mm2;
   json["largest_area_layer"] = findings.layers() > 0 ? Json(findings.largest_area_layer + 1) : Json();
   json["islands"] = findings.island_count;
+  json["suction_cups"] = findings.suction_cup_count;
+  json["resin_traps"] = findings.resin_trap_count;
   json["empty_layers"] = findings.empty_layers.size();
   json["abandoned_layers"] = findings.abandoned_layers.size();
   json["cracked_layers"] = findings.cracked_layers.size();
@@ -200,6 +283,8 @@ Json findings_json(const PrintFindings& findings) {
                        {"widest_gap_mm", each.cracks.widest_gap.count()}});
   }
   json["island_list"] = std::move(islands);
+  json["suction_cup_list"] = voids_json(findings.suction_cups);
+  json["resin_trap_list"] = voids_json(findings.resin_traps);
   json["empty_layer_list"] = std::move(empty);
   json["cracked_layer_list"] = std::move(cracked);
   return json;

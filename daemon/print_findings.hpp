@@ -15,7 +15,7 @@ namespace contourd {
 // "800 layers in 3 h 05 min, 12.34 ml of resin, ..."; without the time where none is known.
 [[nodiscard]] std::string findings_line(const PrintFindings& findings);
 
-// What may spoil the print: islands, empty layers, contours that did not close.
+// What may spoil the print: islands, suction cups, resin traps, empty layers, contours that did not close.
 struct FindingWarning {
   std::string sentence;
   std::string_view mark;             // what is to be seen at those layers: "island"
@@ -27,7 +27,7 @@ struct FindingWarning {
 
 // The figures, and the warnings: for whoever asks while a print runs.
 [[nodiscard]] nlohmann::ordered_json findings_summary_json(const PrintFindings& findings);
-// The same with every island, empty layer and cracked layer.
+// The same with every island, suction cup, resin trap, empty layer and cracked layer.
 [[nodiscard]] nlohmann::ordered_json findings_json(const PrintFindings& findings);
 
 }  // namespace contourd

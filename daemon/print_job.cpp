@@ -13,10 +13,15 @@
 #include "core/contour/crack_survey.hpp"
 #include "core/model/placement.hpp"
 #include "daemon/config/printable.hpp"
+#include "daemon/drain_holes.hpp"
 #include "daemon/job_content.hpp"
+#include "daemon/job_supports.hpp"
 #include "daemon/mask_cost.hpp"
 #include "daemon/memory_room.hpp"
 #include "daemon/mesh_repair_text.hpp"
+#include "daemon/model_orientation.hpp"
+#include "daemon/model_turn.hpp"
+#include "daemon/supports_text.hpp"
 
 namespace contourd {
 namespace {
@@ -32,6 +37,13 @@ EngineSettings engine_settings(const PrinterConfig& printer, const ResinProfile&
           printer.tone, printer.uniformity};
 }
 
+// What models that are to fill the machine leave free beneath them: they may have to stand on supports, a
+// whole number of layers high.
+double room_for_supports_mm(const JobSettings& settings) {
+  if (settings.supports == SupportPolicy::Off) return 0;
+  return (settings.resin.supports.lift + to_millimeters(settings.resin.layer_height_max)).count();
+}
+
 BuildVolume build_volume(const PrinterConfig& printer, const ResinProfile& resin) {
   // Every layer is peeled off by a lift, the last one too.
   return {{printer.display_width, printer.display_height, printer.pixel_pitch, printer.mirror_x,
@@ -41,25 +53,20 @@ BuildVolume build_volume(const PrinterConfig& printer, const ResinProfile& resin
 
 // As large as the thesis's equations 3.6 to 3.19 draw it, but in all three directions alike, and no higher
 // than the machine: a part that is to be printed must keep its shape.
-double scale_to_fit(const Bounds& bounds, const BuildVolume& volume) {
+double scale_to_fit(const Bounds& bounds, const BuildVolume& volume, double beneath_mm) {
   const double pixels_per_mm = PixelMap::fit(volume.display, bounds).pixels_per_mm();
-  return std::min(pixels_per_mm * volume.pitch_mm(), volume.height_mm / bounds.size_z());
+  // Of a machine that hardly has that much, half.
+  const double height_mm = std::max(volume.height_mm - beneath_mm, volume.height_mm / 2);
+  return std::min(pixels_per_mm * volume.pitch_mm(), height_mm / bounds.size_z());
 }
 
 // Turns and scales the facets; the scale that the owner asked for comes back.
-Scale turn_and_scale(std::vector<Facet>& facets, const ModelTicket& ticket, const BuildVolume& volume,
-                     const Scale& shrinkage) {
-  Orientation turn{ticket.rotation.x, ticket.rotation.y, ticket.rotation.z, shrinkage, ticket.up};
-  Scale scale = ticket.scale.value_or(Scale{});
-  if (ticket.fit) {
-    orient(facets, turn);
-    scale = Scale{scale_to_fit(bounds_of(facets), volume)};
-    turn = Orientation{};
-    turn.scale = scale;
-  } else {
-    turn.scale = scale * shrinkage;
-  }
-  orient(facets, turn);
+Scale make_of_its_size(std::vector<Facet>& facets, const ModelTicket& ticket, const BuildVolume& volume,
+                       const JobSettings& settings) {
+  turn_and_scale(facets, ticket, settings.resin.shrinkage_factors);
+  if (!ticket.fit) return ticket.scale.value_or(Scale{});
+  const Scale scale{scale_to_fit(bounds_of(facets), volume, room_for_supports_mm(settings))};
+  enlarge(facets, scale);
   return scale;
 }
 
@@ -75,19 +82,47 @@ void check_size(const Bounds& bounds, const std::string& name, const BuildVolume
   }
 }
 
+// By what a job's models are made ready, until it is told to stop.
+struct Making {
+  const JobSettings& settings;
+  const BuildVolume& volume;
+  const std::stop_token& stop;
+};
+
+OrientationLimits orientation_limits(const Making& making) {
+  const ResinProfile& resin = making.settings.resin;
+  const BuildVolume& volume = making.volume;
+  return {{Millimeters{volume.width_mm()}, Millimeters{volume.depth_mm()}, Millimeters{volume.height_mm}},
+          resin.shrinkage_factors,
+          resin.orientation,
+          making.settings.supports == SupportPolicy::Off ? Millimeters{} : resin.supports.lift,
+          resin.supports.bridge};
+}
+
+// Finds which way up the model is printed, where its ticket leaves that to contourd; then the ticket says it.
+void find_up(JobContent& content, std::span<const Facet> facets, ModelTicket& ticket, const Making& making,
+             ModelSummary& figures) {
+  if (!ticket.orientation || facets.empty()) return;
+  content.require_room_to_repair(facets);  // no less than this takes
+  figures.orientation = find_orientation(facets, ticket, orientation_limits(making), making.stop);
+  if (figures.orientation) ticket.up = figures.orientation->choice.chosen().up;
+}
+
 // Takes the facets.
-ModelSummary make_model(JobContent& content, std::size_t number, const BuildVolume& volume,
-                        const ResinProfile& resin, std::shared_ptr<const HeightIndex>& made) {
-  const auto& [ticket, name, file, made_as] = content.models()[number];
+ModelSummary make_model(JobContent& content, std::size_t number, const Making& making,
+                        std::shared_ptr<const HeightIndex>& made) {
+  const auto& [given, name, file, made_as] = content.models()[number];
+  ModelTicket ticket = given;
   ModelSummary figures;
   figures.file = ticket.file;
   figures.format = content.format(file);
   figures.rotation_deg = ticket.rotation;
-  figures.up = ticket.up;
   std::vector<Facet> facets = content.take_facets(number);
-  figures.scale = turn_and_scale(facets, ticket, volume, resin.shrinkage_factors);
+  find_up(content, facets, ticket, making, figures);
+  figures.up = ticket.up;
+  figures.scale = make_of_its_size(facets, ticket, making.volume, making.settings);
   const Bounds bounds = bounds_of(facets);
-  check_size(bounds, name, volume);
+  check_size(bounds, name, making.volume);
   figures.size_x_mm = bounds.size_x();
   figures.size_y_mm = bounds.size_y();
   figures.size_z_mm = bounds.size_z();
@@ -96,24 +131,58 @@ ModelSummary make_model(JobContent& content, std::size_t number, const BuildVolu
   return figures;
 }
 
-std::vector<ModelToPlace> make_ready(JobContent& content, const JobFiles& files, const BuildVolume& volume,
-                                     JobSummary& summary) {
+// Fewer when it was told to stop.
+std::vector<ModelToPlace> make_ready(JobContent& content, const Making& making, JobSummary& summary) {
   std::vector<ModelToPlace> models;
-  for (std::size_t i = 0; i < content.models().size(); ++i) {
+  for (std::size_t i = 0; i < content.models().size() && !making.stop.stop_requested(); ++i) {
     const auto& [ticket, name, file, made_as] = content.models()[i];
     // A model alone stands in the middle.
     const std::optional<PlateOffset> position =
-        files.plate ? ticket.position : ticket.position.value_or(PlateOffset{});
+        summary.plate ? ticket.position : ticket.position.value_or(PlateOffset{});
     models.push_back({name, nullptr, position, ticket.copies});
     if (made_as == i) {
-      summary.models.push_back(make_model(content, i, volume, summary.resin, models[i].model));
+      summary.models.push_back(make_model(content, i, making, models[i].model));
     } else {
       models[i].model = models[made_as].model;
       summary.models.push_back(ModelSummary(summary.models[made_as]));
     }
-    summary.height_mm = std::max(summary.height_mm, models[i].standing().top().count());
   }
   return models;
+}
+
+// Without supports every model lies on the plate. With them, what stands on them is still cut in whole
+// layers: where layers are of many thicknesses, those beneath a model are the thickest.
+void raise(std::vector<ModelToPlace>& models, const JobSettings& settings, const BuildVolume& volume,
+           JobSummary& summary) {
+  const JobTicket& ticket = settings.ticket;
+  const ResinProfile& resin = summary.resin;
+  if (settings.supports == SupportPolicy::Auto) {
+    const Nanometers layer = ticket.adaptive ? ticket.adaptive->thickest.value_or(resin.layer_height_max)
+                                             : ticket.layer_height.value_or(resin.layer_height);
+    lift_models(models, resin.supports, layer, volume);
+  }
+  for (const ModelToPlace& model : models)
+    summary.height_mm = std::max(summary.height_mm, model.standing().top().count());
+}
+
+// Where all of them stand, and what holds them. Nothing when it was told to stop.
+std::optional<Arrangement> place(const std::vector<ModelToPlace>& models, const JobSettings& settings,
+                                 const BuildVolume& volume, const JobContent& content, JobSummary& summary,
+                                 const std::stop_token& stop) {
+  if (settings.supports == SupportPolicy::Off) {
+    Arrangement arrangement = arrange(models, volume);
+    check_arrangement(models, arrangement, volume, summary.layers.thinnest);
+    return arrangement;
+  }
+  const auto start = SteadyClock::now();
+  const PlateHolding holding(models, volume, summary.resin.supports, content);
+  std::optional<HeldPlate> held = holding.hold(summary.layers.thinnest, stop);
+  if (!held) return std::nullopt;
+  summary.supporting = SteadyClock::now() - start;
+  if (const std::string unheld = unheld_sentence(held->supports.unheld); !unheld.empty())
+    summary.warnings.push_back(unheld);
+  summary.supports = std::move(held->supports);
+  return std::move(held->arrangement);
 }
 
 // A part that fills the display is not refused for some micrometres that it grows by.
@@ -137,19 +206,27 @@ void warn_if_grown_beyond(const std::vector<ModelToPlace>& models, const Arrange
                   beyond * 1000));
 }
 
-std::vector<PlateModel> stand_on_plate(const std::vector<ModelToPlace>& models,
-                                       const Arrangement& arrangement, const BuildVolume& volume) {
-  std::vector<PlateModel> standing;
+// By model.
+using Cylinders = std::vector<std::vector<Frustum>>;
+
+Cylinders drill(std::vector<ModelToPlace>& models, const JobContent& content, JobSummary& summary) {
+  Cylinders cylinders;
   for (std::size_t i = 0; i < models.size(); ++i) {
-    PlateModel& model = standing.emplace_back(PlateModel{models[i].standing(), {}});
-    const Point middle = model.model->bounds().center();
-    for (const Point& center : arrangement[i]) {
-      // The point of the model that comes to lie on the display's centre.
-      model.copies.push_back(
-          PixelMap::true_scale(volume.display, {middle.x - center.x, middle.y - center.y}));
-    }
+    ModelTicket ticket = content.models()[i].ticket;
+    ticket.up = summary.models[i].up;
+    cylinders.push_back(drain_cylinders(ticket, summary.models[i].scale, summary.resin.shrinkage_factors));
+    models[i].holes = holes_of(cylinders[i]);
+    summary.models[i].drain_holes = cylinders[i].size();
   }
-  return standing;
+  return cylinders;
+}
+
+void check_holes(const JobContent& content, const Cylinders& cylinders, const PrintPlan& plan,
+                 const HoleSearch& search) {
+  for (std::size_t i = 0; i < cylinders.size(); ++i) {
+    const NamedModel& model = content.models()[i];
+    refuse_holes_beside({plan.engine->models()[i], model.ticket, cylinders[i]}, model.name, search);
+  }
 }
 
 void check_layer_height(Nanometers thickness, const ResinProfile& resin, const PrinterConfig& printer) {
@@ -290,65 +367,107 @@ void look_at_models(const JobContent& content, const ContourEngine& engine, JobS
   }
 }
 
-PreparedJob prepare(const JobFiles& files, const JobSettings& settings, const PrinterConfig& printer) {
-  const auto start = SteadyClock::now();
-  const JobTicket& ticket = settings.ticket;
-  PreparedJob job;
-  job.settings = settings;
-  JobSummary& summary = job.summary;
-  summary.plate = files.plate;
-  summary.resin = settings.resin;
-  summary.overridden = settings.overridden;
-  summary.irradiance_mw_cm2 = printer.irradiance_mw_cm2;
-  const BuildVolume volume = build_volume(printer, summary.resin);
-  JobContent content(files.model, files.plate, files.links, ticket);
-  content.read(volume.display, memory_room(printer.memory_limit_bytes));
-  const auto read = SteadyClock::now();
-  summary.tone = printer.tone;
-  summary.uniformity_mask = printer.uniformity.has_value();
-  const std::vector<ModelToPlace> models = make_ready(content, files, volume, summary);
-  const Arrangement arrangement = arrange(models, volume);
-  PrintPlan& plan = job.plan;
-  plan.job = files.name;
-  plan.layers = choose_layers(ticket, printer, models, summary);
-  check_arrangement(models, arrangement, volume, summary.layers.thinnest);
-  warn_if_grown_beyond(models, arrangement, volume, summary);
-  const auto indexed = SteadyClock::now();
-  std::vector<PlateModel> standing = stand_on_plate(models, arrangement, volume);
-  content.require_room_for_masks(standing, summary.resin.compensation != Compensation{});
-  plan.engine =
-      std::make_unique<ContourEngine>(std::move(standing), engine_settings(printer, summary.resin, volume));
-  // Computed for its time, and to have the engine's memory grown before the print needs it.
-  const std::optional<Nanometers> first = plan.layers.thickness_at(Nanometers{});
-  MaskBudget budget(MaskBudget::Clock::now() + kSampledBudgets * printer.mask_budget);
-  if (first) (void)plan.engine->mask_within(*first / 2, budget);
-  job.first_mask_at = SteadyClock::now();
-  job.analysis_engine = std::make_unique<ContourEngine>(*plan.engine);
-  job.display = volume.display;
-  summary.reading = read - start;
-  summary.indexing = indexed - read;
-  summary.first_mask = job.first_mask_at - indexed;
-  count_layers(plan, summary);
-  refuse_costly_masks(*plan.engine, plan.expected_layers, printer.mask_budget);
-  if (ticket.cracks == CrackPolicy::Refuse) {
-    for (std::size_t i = 0; i < models.size(); ++i)
-      if (content.models()[i].made_as == i) refuse_guesses(models[i], plan.layers, volume);
+// Of the models, as the ticket wants them placed, until it is told to stop.
+class Preparation {
+ public:
+  Preparation(const JobFiles& files, const JobSettings& settings, const PrinterConfig& printer)
+      : files_(files),
+        settings_(settings),
+        printer_(printer),
+        volume_(build_volume(printer, settings.resin)),
+        content_(files.model, files.plate, files.links, settings.ticket) {}
+
+  // Nothing when it was.
+  std::optional<PreparedJob> run(const std::stop_token& stop) {
+    take_printer();
+    content_.read(volume_.display, memory_room(printer_.memory_limit_bytes));
+    summary_.reading = SteadyClock::now() - start_;
+    models_ = make_ready(content_, {settings_, volume_, stop}, summary_);
+    if (stop.stop_requested()) return std::nullopt;
+    cylinders_ = drill(models_, content_, summary_);
+    raise(models_, settings_, volume_, summary_);
+    job_.plan.layers = choose_layers(settings_.ticket, printer_, models_, summary_);
+    const std::optional<Arrangement> arrangement =
+        place(models_, settings_, volume_, content_, summary_, stop);
+    if (!arrangement) return std::nullopt;
+    warn_if_grown_beyond(models_, *arrangement, volume_, summary_);
+    const auto indexed = SteadyClock::now();
+    summary_.indexing = indexed - start_ - summary_.reading - summary_.supporting;
+    make_engines(*arrangement);
+    summary_.first_mask = job_.first_mask_at - indexed;
+    look_at_layers();
+    for (std::size_t i = 0; i < models_.size(); ++i)
+      summary_.models[i].centers = (*arrangement)[i];
+    look_at_models(content_, *job_.plan.engine, summary_);
+    return std::move(job_);
   }
-  // It gives way to the print: its masks take longer by the clock.
-  constexpr int kSlack = 4;
-  job.analysis = {summary.resin.support, kSlack * printer.mask_budget};
-  take_settings(printer, summary.resin, plan);
-  for (std::size_t i = 0; i < models.size(); ++i)
-    summary.models[i].centers = arrangement[i];
-  look_at_models(content, *plan.engine, summary);
-  return job;
-}
+
+ private:
+  void take_printer() {
+    job_.settings = settings_;
+    job_.display = volume_.display;
+    job_.plan.job = files_.name;
+    summary_.plate = files_.plate;
+    summary_.resin = settings_.resin;
+    summary_.overridden = settings_.overridden;
+    summary_.irradiance_mw_cm2 = printer_.irradiance_mw_cm2;
+    summary_.tone = printer_.tone;
+    summary_.uniformity_mask = printer_.uniformity.has_value();
+    // It gives way to the print: its masks take longer by the clock.
+    constexpr int kSlack = 4;
+    job_.analysis = {summary_.resin.support, kSlack * printer_.mask_budget};
+    take_settings(printer_, summary_.resin, job_.plan);
+  }
+
+  void make_engines(const Arrangement& arrangement) {
+    PrintPlan& plan = job_.plan;
+    std::vector<PlateModel> standing = stand_on_plate(models_, arrangement, volume_.display);
+    content_.require_room_for_masks(standing, summary_.resin.compensation != Compensation{});
+    plan.engine = std::make_unique<ContourEngine>(std::move(standing),
+                                                  engine_settings(printer_, summary_.resin, volume_),
+                                                  summary_.supports ? summary_.supports->structure : nullptr);
+    // Computed for its time, and to have the engine's memory grown before the print needs it.
+    const std::optional<Nanometers> first = plan.layers.thickness_at(Nanometers{});
+    MaskBudget budget(MaskBudget::Clock::now() + kSampledBudgets * printer_.mask_budget);
+    if (first) (void)plan.engine->mask_within(*first / 2, budget);
+    job_.first_mask_at = SteadyClock::now();
+    job_.analysis_engine = std::make_unique<ContourEngine>(*plan.engine);
+  }
+
+  void look_at_layers() {
+    count_layers(job_.plan, summary_);
+    refuse_costly_masks(*job_.plan.engine, job_.plan.expected_layers, printer_.mask_budget);
+    check_holes(content_, cylinders_, job_.plan,
+                {{volume_.display, AntiAliasing::On, summary_.resin.compensation},
+                 middles_of(job_.plan.expected_layers),
+                 MaskBudget::Clock::now() + kLongestHoleSearch});
+    if (settings_.ticket.cracks != CrackPolicy::Refuse) return;
+    for (std::size_t i = 0; i < models_.size(); ++i)
+      if (content_.models()[i].made_as == i) refuse_guesses(models_[i], job_.plan.layers, volume_);
+  }
+
+  const SteadyClock::time_point start_ = SteadyClock::now();
+  const JobFiles& files_;
+  const JobSettings& settings_;
+  const PrinterConfig& printer_;
+  BuildVolume volume_;
+  JobContent content_;
+  PreparedJob job_;
+  JobSummary& summary_ = job_.summary;
+  std::vector<ModelToPlace> models_;
+  Cylinders cylinders_;  // of their drain holes
+};
 
 }  // namespace
 
 PreparedJob prepare_job(const JobFiles& files, const JobSettings& settings, const PrinterConfig& printer) {
+  return *prepare_job(files, settings, printer, std::stop_token{});
+}
+
+std::optional<PreparedJob> prepare_job(const JobFiles& files, const JobSettings& settings,
+                                       const PrinterConfig& printer, const std::stop_token& stop) {
   try {
-    return prepare(files, settings, printer);
+    return Preparation(files, settings, printer).run(stop);
   } catch (const JobRefused&) {
     throw;
   } catch (const TooManyLayers& error) {

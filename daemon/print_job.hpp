@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <stop_token>
 
 #include "core/analysis/print_analysis.hpp"
 #include "daemon/config/printer_config.hpp"
@@ -29,5 +31,9 @@ struct PreparedJob {
 // there is no room for it in memory; then nothing was read.
 [[nodiscard]] PreparedJob prepare_job(const JobFiles& files, const JobSettings& settings,
                                       const PrinterConfig& printer);
+// The same; nothing when `stop` was asked for while supports were made.
+[[nodiscard]] std::optional<PreparedJob> prepare_job(const JobFiles& files, const JobSettings& settings,
+                                                     const PrinterConfig& printer,
+                                                     const std::stop_token& stop);
 
 }  // namespace contourd

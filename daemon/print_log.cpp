@@ -9,6 +9,7 @@
 
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
+#include "daemon/supports_text.hpp"
 
 namespace contourd {
 namespace {
@@ -70,6 +71,19 @@ void PrintLog::ready(const std::string& job, const JobSummary& summary, Duration
   log_.info("settings", fmt::format("{}: {}", name, describe_settings(summary)), fields);
   if (const std::string correction = describe_correction(summary); !correction.empty())
     log_.info("compensation", fmt::format("{}: {}", name, correction), fields);
+  if (summary.supports) {
+    log_.info("supports",
+              fmt::format("{}: supports: {}; found in {:.0f} ms", name,
+                          supports_line(counts_of(*summary.supports)), milliseconds(summary.supporting)),
+              fields);
+  }
+  const std::size_t turned = std::min(summary.models.size(), kMaxWarnings);
+  for (std::size_t i = 0; i < turned; ++i) {
+    const ModelSummary& model = summary.models[i];
+    if (!model.orientation) continue;
+    const std::string what = summary.plate ? name + ": " + printable(model.file) : name;
+    log_.info("orientation", fmt::format("{}: {}", what, describe(*model.orientation)), fields);
+  }
   const std::size_t told = std::min(summary.warnings.size(), kMaxWarnings);
   for (std::size_t i = 0; i < told; ++i)
     log_.warning("model", fmt::format("{}: {}", name, summary.warnings[i]), fields);

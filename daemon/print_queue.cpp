@@ -33,6 +33,11 @@ void WaitingJob::screen_again() {
   asks.clear();
 }
 
+void WaitingJob::check_again() {
+  check = Check::Wanted;
+  screen_again();
+}
+
 PrintQueue::PrintQueue(const Log& log, Calls calls)
     : log_(log),
       calls_(std::move(calls)),
@@ -116,12 +121,18 @@ void PrintQueue::checked(const std::string& file, std::uint64_t number, const Ch
 
 // Of a job that stays.
 void PrintQueue::note_check(WaitingJob& job, const CheckedJob& found) {
+  if (std::holds_alternative<ReadingGivenUp>(found)) {
+    job.check = WaitingJob::Check::Wanted;
+    return;
+  }
   const auto* const refusal = std::get_if<JobRefusal>(&found);
   if (refusal != nullptr && refusal->for_now) return postpone(job, refusal->reason);
   job.check = WaitingJob::Check::Passed;
   job.postponed.clear();
   if (refusal == nullptr) {
     job.outlook = std::get<JobOutlook>(found);
+    // Where all layers are looked through, that finds it too.
+    if (job.outlook->question && !questions_.wanted()) note_question(job, *job.outlook->question);
     return;
   }
   // When its turn comes, the profile is read again.
@@ -193,12 +204,16 @@ void PrintQueue::note_screening(WaitingJob& job, const JobScreened& found) {
   } else if (const auto* const screened = std::get_if<ScreenedJob>(&found)) {
     job.screening = WaitingJob::Screening::Done;
     job.trouble.clear();
-    job.asks = questions_.about(*screened);
-    job.screened = *screened;
-    if (job.asks.empty()) return;
-    tell_question(log_, job);
-    questions_.tell_change();
+    note_question(job, *screened);
   }
+}
+
+void PrintQueue::note_question(WaitingJob& job, const ScreenedJob& screened) {
+  job.asks = questions_.about(screened);
+  job.screened = screened;
+  if (job.asks.empty()) return;
+  tell_question(log_, job);
+  questions_.tell_change();
 }
 
 void PrintQueue::accept(const std::string& file, const std::string& who) {

@@ -55,6 +55,8 @@ struct WaitingJob {
 
   // What was found is about other files or settings.
   void screen_again();
+  // What its check has found, too.
+  void check_again();
 };
 
 class PrintQueue {
@@ -152,6 +154,7 @@ class PrintQueue {
   void screen_next();
   void screened(const std::string& file, std::uint64_t number, const JobScreened& found);
   void note_screening(WaitingJob& job, const JobScreened& found);
+  void note_question(WaitingJob& job, const ScreenedJob& screened);
   void leave(WaitingJob& job, const std::string& reason, Leaving how);
   struct Reject {
     std::string file, reason;

@@ -19,8 +19,8 @@ namespace contourd {
 // While the light is on or not confirmed off, no callback of the event loop is to take longer.
 inline constexpr Duration kLongestLitTurn = std::chrono::milliseconds(10);
 
-// A circle around an island, in a picture's pixels.
-struct IslandMark {
+// A circle around an island, or around where a hollow is widest, in a picture's pixels.
+struct LayerMark {
   PixelPoint middle{};
   double radius = 0;
 };
@@ -31,7 +31,8 @@ struct LayerPicture {
   std::string why;         // it was chosen: "island, crack"
   Pixels width, height;
   std::vector<std::uint8_t> png;
-  std::vector<IslandMark> islands;  // that begin there
+  std::vector<LayerMark> islands;  // that begin there
+  std::vector<LayerMark> voids;    // suction cups and resin traps that are widest there
 };
 
 // Why a print was interrupted. Times are from its start, by the machine's clock.

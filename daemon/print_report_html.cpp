@@ -15,6 +15,7 @@
 #include "daemon/readable.hpp"
 #include "daemon/report_page_style.hpp"
 #include "daemon/state_time_line.hpp"
+#include "daemon/supports_text.hpp"
 
 namespace contourd {
 namespace {
@@ -47,12 +48,14 @@ std::string model_rows(const ModelSummary& model) {
   rows += row("Model", fmt::format("{} facets, {}, {}", model.mesh.facets, model.format,
                                    model.mesh.watertight ? "watertight" : "not watertight"));
   if (model.centers.size() != 1) rows += row("Copies", std::to_string(model.centers.size()));
+  if (model.drain_holes > 0) rows += row("Drain holes", std::to_string(model.drain_holes));
   const Scale& scale = model.scale;
   if (!scale.uniform()) {
     rows += row("Scale", fmt::format("{:.4g} x {:.4g} x {:.4g}", scale.x, scale.y, scale.z));
   } else if (scale.x != 1) {
     rows += row("Scale", fmt::format("{:.4g}", scale.x));
   }
+  if (model.orientation) rows += row("Way up", describe(*model.orientation));
   return rows;
 }
 
@@ -125,6 +128,22 @@ std::string models_rows(const std::vector<ModelSummary>& models) {
   return rows;
 }
 
+// Of each model whose way up was left to contourd, what else there was.
+std::string orientation_section(const std::vector<ModelSummary>& models) {
+  std::string html;
+  std::size_t told = 0;
+  for (const ModelSummary& model : models) {
+    if (!model.orientation || told == kMaxModels) continue;
+    ++told;
+    html += fmt::format("<h2>Ways up{}</h2>\n<table id=\"ways-up-{}\">\n",
+                        model.file.empty() ? "" : ": " + escaped(model.file), told);
+    for (const OrientationFigures& each : told_of(model.orientation->choice))
+      html += row(text_of(each.up), describe(each));
+    html += "</table>\n";
+  }
+  return html;
+}
+
 std::string facts(const PrintReport& report) {
   const JobSummary& summary = report.summary;
   std::string rows = row("Printer", report.printer);
@@ -133,6 +152,7 @@ std::string facts(const PrintReport& report) {
   rows += row("Layers", fmt::format("{} of {} exposed, {}", layers_exposed(report.layers),
                                     summary.layers.count, thickness_of(summary)));
   rows += resin_row(report) + models_rows(summary.models);
+  if (summary.supports) rows += row("Supports", supports_line(counts_of(*summary.supports)));
   rows += settings_rows(summary) + exposure_rows(report.layers) + trouble_rows(report);
   rows += row("First mask", fmt::format("{:.1f} ms after its turn came", ms(report.first_mask_after)));
   rows += mask_row(report.layers);
@@ -227,6 +247,23 @@ std::string light_section(const PrintReport& report) {
   return html + "</p>\n";
 }
 
+struct Rings {
+  const std::vector<LayerMark>& marks;
+  std::string_view style_class, label;
+};
+
+std::string rings_on(const LayerPicture& picture, const Rings& rings) {
+  if (rings.marks.empty()) return "";
+  std::string html =
+      fmt::format("<svg class=\"{}\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">",
+                  rings.style_class, picture.width.count(), picture.height.count(), rings.label);
+  for (const LayerMark& mark : rings.marks) {
+    html += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>", mark.middle.x, mark.middle.y,
+                        mark.radius);
+  }
+  return html + "</svg>";
+}
+
 std::string figure(const PrintReport& report, const LayerPicture& picture) {
   const auto record = std::ranges::lower_bound(report.layers, picture.layer, {}, &LayerRecord::layer);
   const std::string height = record == report.layers.end()
@@ -237,15 +274,8 @@ std::string figure(const PrintReport& report, const LayerPicture& picture) {
       "<figure id=\"layer-{0}\"><div class=\"shot\"><img alt=\"What the projector showed for layer {0}\" "
       "width=\"{1}\" height=\"{2}\" src=\"data:image/png;base64,{3}\">",
       picture.layer + 1, picture.width.count(), picture.height.count(), base64(picture.png));
-  if (!picture.islands.empty()) {
-    html += fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"Islands that begin here\">",
-                        picture.width.count(), picture.height.count());
-    for (const IslandMark& island : picture.islands) {
-      html += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>", island.middle.x,
-                          island.middle.y, island.radius);
-    }
-    html += "</svg>";
-  }
+  html += rings_on(picture, {picture.islands, "islands", "Islands that begin here"});
+  html += rings_on(picture, {picture.voids, "voids", "Suction cups and resin traps that are widest here"});
   return html + fmt::format("</div><figcaption>Layer {}{}{}</figcaption></figure>\n", picture.layer + 1,
                             height, picture.why.empty() ? "" : ": " + escaped(picture.why));
 }
@@ -288,7 +318,8 @@ std::string report_as_html(const PrintReport& report) {
         report.outcome == PrintOutcome::Done ? "" : ", the rest faint", base64(report.preview_png));
   }
   html += "<table>\n" + facts(report) + "</table>\n</div>\n";
-  html += warning_list(report) + layer_section(report) + time_section(report) + light_section(report);
+  html += warning_list(report) + orientation_section(report.summary.models) + layer_section(report) +
+          time_section(report) + light_section(report);
   return html + plots(report) + "</html>\n";
 }
 

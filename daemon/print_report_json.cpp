@@ -8,6 +8,7 @@
 #include "daemon/overrides_text.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
+#include "daemon/supports_text.hpp"
 
 namespace contourd {
 namespace {
@@ -42,6 +43,8 @@ Json model_json(const ModelSummary& model) {
   } else {
     json["rotation_deg"] = {model.rotation_deg.x, model.rotation_deg.y, model.rotation_deg.z};
   }
+  json["drain_holes"] = model.drain_holes;
+  if (model.orientation) json["orientation"] = orientation_json(*model.orientation);
   json["copies"] = model.centers.size();
   Json centers = Json::array();
   for (const Point& center : model.centers)
@@ -180,7 +183,9 @@ std::string report_as_json(const PrintReport& report) {
            {"lamp_mask", summary.uniformity_mask},
            {"gamma", summary.tone.gamma},
            {"threshold", summary.tone.threshold}});
+  if (summary.supports) json["settings"]["supports"] = support_settings_json(summary.resin.supports);
   json["overrides"] = overrides_json(summary.overridden);
+  json["supports"] = summary.supports ? supports_json(*summary.supports) : Json();
   add_layer_figures(summary.layers, json);
   json["layers_exposed"] = layers_exposed(report.layers);
   add_stops(report, json);
@@ -188,6 +193,7 @@ std::string report_as_json(const PrintReport& report) {
   json["loop_busy_ms_worst_lit"] = ms(report.busiest_lit.busy);
   json["reading_ms"] = ms(summary.reading);
   json["indexing_ms"] = ms(summary.indexing);
+  json["supporting_ms"] = ms(summary.supporting);
   json["first_mask_ms"] = ms(summary.first_mask);
   json["arrival_to_first_mask_ms"] = ms(report.first_mask_after);
   json["exposed_volume_mm3"] = exposed_volume_mm3(report.layers);

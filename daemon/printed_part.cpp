@@ -11,6 +11,7 @@
 #include "core/image/part_picture.hpp"
 #include "core/image/thumbnail.hpp"
 #include "daemon/layer_pictures.hpp"
+#include "hw/png_file.hpp"
 
 namespace contourd {
 namespace {
@@ -80,7 +81,12 @@ class PrintedPart {
   PrintedPart(const PrintReport& report, ContourEngine& engine)
       : report_(report),
         engine_(engine),
-        box_(box_around(engine.models(), engine.coverage().width(), engine.coverage().height())) {
+        box_(box_around(engine.models(), engine.coverage().width(), engine.coverage().height(),
+                        supports_of(report.summary))) {
+    if (!supports_of(report.summary).empty()) {
+      supports_.emplace(std::vector<PlateModel>{}, EngineSettings{.display = display_of(engine)},
+                        report.summary.supports->structure);
+    }
     const Nanometers printed = ExposedLayers(report.layers).top();
     const bool all = report.outcome == PrintOutcome::Done;
     height_mm_ = std::max(to_millimeters(printed).count(), all ? 0 : report.summary.height_mm);
@@ -107,6 +113,8 @@ class PrintedPart {
 
     PartPicture picture(part, side);
     SmallMasks masks(engine_, box_, longest, deadline);
+    std::optional<SmallMasks> supports;
+    if (supports_) supports.emplace(*supports_, box_, longest, deadline);
     ExposedLayers layers(report_.layers);
     const Nanometers top = layers.top();
     bool faint = false;
@@ -118,9 +126,11 @@ class PrintedPart {
       }
       const LayerRecord* const layer = layers.at(height);
       const bool is_dark = !faint && layer == nullptr;
-      const Mask* const mask = is_dark ? &dark : masks.at(faint ? height : layer->mask_height);
-      if (mask == nullptr) return std::nullopt;
-      picture.add(*mask);
+      const Nanometers cut = faint || is_dark ? height : layer->mask_height;
+      const Mask* const mask = is_dark ? &dark : masks.at(cut);
+      const Mask* const beside = !supports ? nullptr : is_dark ? &dark : supports->at(cut);
+      if (mask == nullptr || (supports && beside == nullptr)) return std::nullopt;
+      picture.add(*mask, beside);
     }
     Mask drawn = picture.draw();
     return Drawing{std::move(drawn), masks.took(), Steady::now() - start};
@@ -136,6 +146,7 @@ class PrintedPart {
 
   const PrintReport& report_;
   ContourEngine& engine_;
+  std::optional<ContourEngine> supports_;  // alone; nothing where there are none
   PixelBox box_;
   double height_mm_ = 0;
 };
@@ -149,6 +160,18 @@ Steady::duration enlarged(const PrintedPart::Drawing& drawing, double factor) {
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> encode_printed_part(const PrintReport& report, const Mask& part) {
+  if (supports_of(report.summary).empty()) return encode_png(part);
+  // Odd values are supports.
+  Palette palette;
+  for (std::size_t grey = 0; grey < palette.size(); ++grey) {
+    const auto value = static_cast<std::uint8_t>(grey);
+    const auto part_of = [value](double share) { return static_cast<std::uint8_t>(share * value); };
+    palette[grey] = grey % 2 == 0 ? Rgb{value, value, value} : Rgb{part_of(0.72), part_of(0.6), value};
+  }
+  return encode_png(part, &palette);
+}
 
 std::optional<Mask> draw_printed_part(const PrintReport& report, ContourEngine& engine,
                                       Steady::time_point deadline) {

@@ -83,16 +83,16 @@ PrintQueue::Calls PrinterService::calls_of_queue() {
             spool_.keep([files](const StateRecords& records) { records.keep_queue_order(files); },
                         std::move(done));
           }};
-  if (context_.config.ask_before.empty()) return calls;
-  calls.questions.screen = [this](const std::string& file, JobReader::Keep keep, auto done) {
-    reader_.screen(file, keep, std::move(done));
-  };
   calls.questions.changed = [this] { notify("question", ControlServer::Delivery::Lossy); };
   calls.questions.asked = [this](const JobScreening& screening) {
     return asked_findings(screening, context_.config);
   };
   calls.questions.keep_accepted = [this](const RecordKeeper::Lines& lines, auto done) {
     spool_.keep([lines](const StateRecords& records) { records.keep_accepted(lines); }, std::move(done));
+  };
+  if (context_.config.ask_before.empty()) return calls;
+  calls.questions.screen = [this](const std::string& file, JobReader::Keep keep, auto done) {
+    reader_.screen(file, keep, std::move(done));
   };
   return calls;
 }

@@ -9,6 +9,7 @@
 #include "core/contract/expects.hpp"
 #include "daemon/overrides_text.hpp"
 #include "daemon/spool_folders.hpp"
+#include "daemon/supports_text.hpp"
 
 namespace contourd {
 namespace {
@@ -76,9 +77,9 @@ Json PrinterStatus::queue(std::optional<std::size_t> number) const {
 }
 
 std::string_view PrinterStatus::state_of(const WaitingJob& job) const {
+  if (!job.asks.empty() && job.check == WaitingJob::Check::Passed) return "unaccepted";
   if (job.check != WaitingJob::Check::Passed || !parts_.queue.questions().wanted()) return name_of(job.check);
-  if (!job.screened) return "screening";
-  return job.asks.empty() ? "ready" : "unaccepted";
+  return job.screened ? "ready" : "screening";
 }
 
 Json PrinterStatus::waiting_job(std::size_t number) const {
@@ -89,9 +90,10 @@ Json PrinterStatus::waiting_job(std::size_t number) const {
            {"state", state_of(waiting)},
            {"waiting_for", or_null(reason_to_wait(number))}};
   for (const char* key : {"bytes", "parts", "resin", "overrides", "layers", "thinnest_layer_um",
-                          "thickest_layer_um", "height_mm", "print_time_s"})
+                          "thickest_layer_um", "height_mm", "print_time_s", "supports"})
     job[key] = nullptr;
-  job["resin_ml"] = waiting.screened ? Json(waiting.screened->screening.resin_ml) : Json();
+  const bool has_resin = waiting.screened && waiting.screened->screening.resin_ml;
+  job["resin_ml"] = has_resin ? Json(*waiting.screened->screening.resin_ml) : Json();
   job["asks"] = waiting.asks;
   job["warnings"] = waiting.screened ? Json(waiting.screened->screening.warnings) : Json::array();
   if (!waiting.outlook) return job;
@@ -105,6 +107,7 @@ Json PrinterStatus::waiting_job(std::size_t number) const {
   job["thickest_layer_um"] = to_millimeters(outlook.thickest_layer).count() * 1000;
   job["height_mm"] = outlook.height_mm;
   job["print_time_s"] = seconds(outlook.print_time);
+  if (outlook.supports) job["supports"] = supports_summary_json(*outlook.supports);
   return job;
 }
 

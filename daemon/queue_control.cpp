@@ -84,7 +84,7 @@ Json QueueControl::accept(const Json& given, const ControlCaller& caller) {
   const WaitingJob& job = queue_.jobs()[*number];
   if (job.check == WaitingJob::Check::Refused)
     throw ControlRefusal(fmt::format("{} is on its way to failed already", in_quotes(job.file)));
-  if (!queue_.questions().wanted())
+  if (job.asks.empty() && !queue_.questions().wanted())
     throw ControlRefusal(
         fmt::format("{} needs no word: this printer's ask_before names nothing", in_quotes(job.file)));
   if (!job.screened)

@@ -18,6 +18,7 @@ figure:target { outline: 3px solid var(--accent); }
 .shot { position: relative; background: #000; border-radius: 4px; overflow: hidden; box-shadow: 0 0 0 1px var(--line); }
 .shot img { display: block; width: 100%; height: auto; image-rendering: pixelated; }
 .shot svg { position: absolute; inset: 0; width: 100%; height: 100%; }
+.shot .voids circle { stroke: #4db8ff; }
 .shot circle { fill: none; stroke: #ff5a4d; stroke-width: 2; vector-effect: non-scaling-stroke; }
 figcaption { font-size: .87rem; line-height: 1.35; margin-top: .3rem; }
 .exposing { fill: var(--exposing); background: var(--exposing); } .moving { fill: var(--moving); background: var(--moving); }

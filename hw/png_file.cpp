@@ -159,9 +159,9 @@ Mask decode_png(std::span<const std::uint8_t> bytes, Pixels width, Pixels height
   return PngReader(bytes).decode(DisplaySize{width, height});
 }
 
-std::vector<std::uint8_t> encode_png(const Mask& mask) {
+std::vector<std::uint8_t> encode_png(const Mask& mask, const Palette* palette) {
   MaskPngEncoder encoder;
-  const std::span<const std::uint8_t> bytes = encoder.encode(mask);
+  const std::span<const std::uint8_t> bytes = encoder.encode(mask, palette);
   return {bytes.begin(), bytes.end()};
 }
 

@@ -30,7 +30,7 @@ void write_png(const std::filesystem::path& path, const Mask& mask, MaskPngEncod
 // Does not block.
 [[nodiscard]] Mask decode_png(std::span<const std::uint8_t> bytes, Pixels width, Pixels height);
 
-// The same PNG in memory.
-[[nodiscard]] std::vector<std::uint8_t> encode_png(const Mask& mask);
+// The same PNG in memory; coloured where there is a palette.
+[[nodiscard]] std::vector<std::uint8_t> encode_png(const Mask& mask, const Palette* palette = nullptr);
 
 }  // namespace contourd

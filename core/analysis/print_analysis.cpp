@@ -2,15 +2,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "core/contract/expects.hpp"
 #include "core/mask/exposure_correction.hpp"
 
 namespace contourd {
+namespace {
 
-PrintAnalysis::PrintAnalysis(const DisplayGeometry& display, const CarryingSupport& support)
-    : display_(display), support_(support) {
+// Keeps the largest kMaxVoids by a figure, as a heap whose front is the smallest of them.
+void keep(const PrintVoid& found, double PrintVoid::*figure, std::vector<PrintVoid>& largest) {
+  const auto larger = [figure](const PrintVoid& a, const PrintVoid& b) { return a.*figure > b.*figure; };
+  if (largest.size() == PrintFindings::kMaxVoids) {
+    if (!larger(found, largest.front())) return;
+    std::ranges::pop_heap(largest, larger);
+    largest.pop_back();
+  }
+  largest.push_back(found);
+  std::ranges::push_heap(largest, larger);
+}
+
+void sort_from_the_bottom(std::vector<PrintVoid>& voids) {
+  std::ranges::sort(voids, {}, [](const PrintVoid& each) {
+    return std::tuple(each.first_layer, each.widest_layer, each.pixel.y, each.pixel.x);
+  });
+}
+
+}  // namespace
+
+PrintAnalysis::PrintAnalysis(const DisplayGeometry& display, const CarryingSupport& support,
+                             const VoidLimits& limits)
+    : display_(display), support_(support), limits_(limits) {
   const double pitch_mm = to_millimeters(display.pixel_pitch).count();
   pixel_area_mm2_ = pitch_mm * pitch_mm;
 }
@@ -23,6 +46,7 @@ void PrintAnalysis::add_layer(const Mask& mask, const Layer& layer) {
   layer_.bright.extract_bright(mask, layer_.lit, support_.least_grey);
   note_area(static_cast<double>(layer_.lit.grey_sum()) / 255.0 * pixel_area_mm2_, layer);
   if (beneath_.lit.rows() > 0) note_islands();  // else it stands on the plate, as far as is known
+  note_voids(void_finder_.add_layer(layer_.bright, {findings_.layers() - 1, layer.thickness}));
   if (layer.cracks != LayerCracks{}) {
     findings_.cracks += layer.cracks;
     findings_.cracked_layers.push_back({findings_.layers() - 1, layer.cracks});
@@ -30,7 +54,7 @@ void PrintAnalysis::add_layer(const Mask& mask, const Layer& layer) {
   findings_.layer_time += layer.duration;
 }
 
-// What stands on it is told by the layer beneath, which it may well go on from.
+// What stands on it is told by the layer beneath, which it may well go on from; voids go on through it.
 void PrintAnalysis::add_abandoned_layer(const Layer& layer) {
   findings_.abandoned_layers.push_back(findings_.layers());
   findings_.area_mm2.push_back(0);
@@ -64,11 +88,39 @@ void PrintAnalysis::note_islands() {
   }
 }
 
+void PrintAnalysis::note_voids(std::span<const MaskVoid> ended) {
+  const double volume_unit_mm3 = pixel_area_mm2_ / 1e6;  // of a pixel and a nanometre
+  for (const MaskVoid& each : ended) {
+    const PrintVoid found{each.first_layer,
+                          each.last_layer,
+                          each.widest_layer,
+                          each.center,
+                          on_plate(display_, each.center),
+                          static_cast<double>(each.widest_pixels) * pixel_area_mm2_,
+                          static_cast<double>(each.volume) * volume_unit_mm3,
+                          each.on_plate};
+    if (found.area_mm2 >= limits_.cup_area_mm2 && found.volume_mm3 >= limits_.cup_volume_mm3) {
+      ++findings_.suction_cup_count;
+      keep(found, &PrintVoid::area_mm2, findings_.suction_cups);
+    }
+    if (each.closed && !each.on_plate && found.volume_mm3 >= limits_.trap_volume_mm3) {
+      ++findings_.resin_trap_count;
+      keep(found, &PrintVoid::volume_mm3, findings_.resin_traps);
+    }
+  }
+}
+
+void PrintAnalysis::end() {
+  note_voids(void_finder_.end());
+  sort_from_the_bottom(findings_.suction_cups);
+  sort_from_the_bottom(findings_.resin_traps);
+}
+
 std::optional<PrintFindings> analyze_print(
     ContourEngine& engine, const DisplayGeometry& display, std::span<const Nanometers> thicknesses,
     const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,
     const std::stop_token& stop, const AnalysisOptions& options) {
-  PrintAnalysis analysis(display, options.support);
+  PrintAnalysis analysis(display, options.support, options.void_limits);
   const ExposureCorrection threshold({.threshold = engine.threshold()}, std::nullopt);
   std::optional<Mask> kept;
   if (!threshold.is_none()) kept.emplace(display.width, display.height);
@@ -87,6 +139,7 @@ std::optional<PrintFindings> analyze_print(
     bottom += thickness;
     ++layer;
   }
+  analysis.end();
   return analysis.findings();
 }
 

@@ -1,6 +1,6 @@
 // What a whole print will be, known before it is printed: resin, exposed areas, what hangs in the air, what
-// the model's cracks cost, and how long it takes. One pass over the layers' masks, from the bottom up, a
-// layer at a time.
+// sucks on the film or keeps resin, what the model's cracks cost, and how long it takes. One pass over the
+// layers' masks, from the bottom up, a layer at a time.
 #pragma once
 
 #include <chrono>
@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/analysis/island_finder.hpp"
+#include "core/analysis/void_finder.hpp"
 #include "core/contour/layer_cracks.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/mask/mask.hpp"
@@ -28,12 +29,36 @@ struct CarryingSupport {
   bool operator==(const CarryingSupport&) const = default;
 };
 
+// Which voids are worth telling (see VoidFinder). Air presses with 0.1 N on a mm2 at most: 5 mm2 suck with
+// half a newton, less than half of what a support's tip of 0.4 mm holds. A mm3 is a droplet: it stays on
+// walls anyway. Lattices and sponges have thousands of smaller ones.
+struct VoidLimits {
+  double cup_area_mm2 = 5;
+  double cup_volume_mm3 = 1;
+  double trap_volume_mm3 = 1;
+
+  bool operator==(const VoidLimits&) const = default;
+};
+
 // Part of a layer that begins with nothing under it that carries it.
 struct Island {
   std::int32_t layer = 0;  // from 0
   PixelPoint pixel{};      // its middle in the mask
   Point plate_mm{};        // the same on the plate, from the plate's centre; seen from above, mirrors undone
   double area_mm2 = 0;     // exposed
+};
+
+// A void: a suction cup while it is open towards the film alone, a resin trap once it is closed all around.
+// Layers count from 0.
+struct PrintVoid {
+  std::int32_t first_layer = 0;
+  std::int32_t last_layer = 0;    // the one above opens or closes it, or there is none
+  std::int32_t widest_layer = 0;  // where most of it was open towards the film
+  PixelPoint pixel{};             // its middle there, in the mask
+  Point plate_mm{};               // the same on the plate, as an island's
+  double area_mm2 = 0;            // open there: what sucks
+  double volume_mm3 = 0;          // of all its layers
+  bool on_plate = false;          // begins on the plate, which closes it there
 };
 
 struct CrackedLayer {
@@ -53,6 +78,14 @@ struct PrintFindings {
   std::uint64_t island_count = 0;
   // From the bottom up, of the first kMaxIslands. The first layer has none: it stands on the plate.
   std::vector<Island> islands;
+  // What sucks on the film when the plate is lifted: the kMaxVoids with the largest areas, from the bottom
+  // up.
+  std::uint64_t suction_cup_count = 0;
+  std::vector<PrintVoid> suction_cups;
+  // What resin finds no way out of: the kMaxVoids with the largest volumes, from the bottom up. None of them
+  // is on the plate: what the plate closes opens when the part is taken off.
+  std::uint64_t resin_trap_count = 0;
+  std::vector<PrintVoid> resin_traps;
   LayerCracks cracks;  // of all layers together
   std::vector<CrackedLayer> cracked_layers;
   // Whose masks did not keep their budget: they count as dark in all figures but this.
@@ -61,6 +94,7 @@ struct PrintFindings {
 
   // A mesh of noise could have millions: enough of them is enough.
   static constexpr std::size_t kMaxIslands = 4096;
+  static constexpr std::size_t kMaxVoids = 1024;
 
   [[nodiscard]] std::int32_t layers() const { return static_cast<std::int32_t>(area_mm2.size()); }
   [[nodiscard]] double resin_ml() const { return volume_mm3 / 1000; }
@@ -70,7 +104,8 @@ struct PrintFindings {
 // is found in it. Not thread-safe.
 class PrintAnalysis {
  public:
-  explicit PrintAnalysis(const DisplayGeometry& display, const CarryingSupport& support = {});
+  explicit PrintAnalysis(const DisplayGeometry& display, const CarryingSupport& support = {},
+                         const VoidLimits& limits = {});
 
   struct Layer {
     Nanometers thickness{};
@@ -82,18 +117,24 @@ class PrintAnalysis {
   // A layer whose mask did not keep its budget.
   void add_abandoned_layer(const Layer& layer);
 
-  // What the layers added so far amount to.
+  // No more layers come: voids that are still open end here.
+  void end();
+
+  // What the layers added so far amount to. Of voids it has those that have ended, in no order before end().
   [[nodiscard]] const PrintFindings& findings() const { return findings_; }
 
  private:
   void note_area(double area_mm2, const Layer& layer);
   void note_islands();
+  void note_voids(std::span<const MaskVoid> ended);
 
   DisplayGeometry display_;
   double pixel_area_mm2_;
   CarryingSupport support_;
+  VoidLimits limits_;
   IslandFinder::Layer layer_, beneath_;
   IslandFinder finder_;
+  VoidFinder void_finder_;
   std::int32_t dark_since_ = 0;  // the first of the dark layers on top that are not counted, if there are any
   PrintFindings findings_;
 };
@@ -101,6 +142,7 @@ class PrintAnalysis {
 struct AnalysisOptions {
   CarryingSupport support{};
   std::optional<std::chrono::nanoseconds> mask_budget{};  // none: as long as each takes
+  VoidLimits void_limits{};
 };
 
 // All layers of a print, from the plate up by their thicknesses, computed by `engine` on `display`: what they

@@ -34,6 +34,7 @@ ContourEngine::ContourEngine(std::vector<PlateModel> models, const EngineSetting
       compensation_(settings.compensation),
       correction_(settings.tone, settings.uniformity),
       sections_(models_.size()),
+      holes_(models_.size()),
       rasterizer_(settings.display.width, settings.display.height, settings.anti_aliasing) {
   expects(std::ranges::all_of(models_, [](const PlateModel& each) { return each.model != nullptr; }),
           "every model is there");
@@ -51,6 +52,17 @@ ContourEngine::ContourEngine(HeightIndex model, const EngineSettings& settings, 
 
 void ContourEngine::begin_section() {
   figures_ = Figures{};
+  beside_.conics.clear();
+  beside_.contours.points.clear();
+  beside_.contours.loops.clear();
+}
+
+bool ContourEngine::cut_holes(std::size_t model, Millimeters z, MaskBudget& budget) {
+  const auto& source = models_[model].holes;
+  if (!source) return true;
+  Contours& holes = holes_[model];
+  source->section_at(to_nanometers(z).value_or(Nanometers{}), holes);
+  return budget.can_hold(holes.points.size()) && budget.spend(holes.points.size());
 }
 
 void ContourEngine::slice(std::size_t model, Millimeters z) {
@@ -67,6 +79,7 @@ void ContourEngine::link(std::size_t model, MaskBudget& budget) {
 
 bool ContourEngine::add_to_mask(std::size_t model, Millimeters z, Millimeters offset, MaskBudget& budget) {
   slice(model, z);
+  if (!cut_holes(model, z, budget)) return false;
   Section& section = sections_[model];
   if (!budget.spend(section.segments.size()) || !budget.can_hold(section.segments.size())) return false;
   if (offset != Millimeters{}) {
@@ -96,17 +109,24 @@ bool ContourEngine::add_moved(const PlateModel& model, Millimeters offset, MaskB
   return true;
 }
 
-bool ContourEngine::add_beside(Nanometers height, MaskBudget& budget) {
+bool ContourEngine::cut_beside(Nanometers height, MaskBudget& budget) {
   if (!beside_.source) return true;
-  beside_.source->section_at(height, beside_.contours);
-  if (beside_.contours.loops.empty()) return true;
-  if (!budget.spend(beside_.contours.points.size()) || !rasterizer_.end_plane(budget)) return false;
-  rasterizer_.add_loops(beside_.contours, beside_.map);
-  return true;
+  if (!beside_.source->conics_at(height, beside_.conics))
+    beside_.source->section_at(height, beside_.contours);
+  const std::size_t sides = beside_.conics.size() + beside_.contours.points.size();
+  return budget.can_hold(sides) && budget.spend(sides);
 }
 
+// A pixel of what is beside the models is 255 or nothing, so the greater value of both is what was lit over
+// what was painted; and correcting it afterwards leaves it the greater one, since that keeps an order.
 const Mask* ContourEngine::paint(MaskBudget& budget) {
   if (!rasterizer_.paint(budget)) return nullptr;
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    for (const PixelMap& copy : models_[i].copies)
+      rasterizer_.darken(holes_[i], copy);
+  }
+  rasterizer_.light(beside_.conics, beside_.map);
+  rasterizer_.light(beside_.contours, beside_.map);
   if (!corrected_) return &rasterizer_.mask();
   correction_.apply(rasterizer_.mask(), *corrected_);
   return &*corrected_;
@@ -118,7 +138,7 @@ const Mask* ContourEngine::mask_within(Nanometers height, MaskBudget& budget) {
   for (std::size_t i = 0; i < models_.size(); ++i) {
     if (!add_to_mask(i, models_[i].z_at(height), offset, budget)) return abandon();
   }
-  return add_beside(height, budget) ? paint(budget) : abandon();
+  return cut_beside(height, budget) ? paint(budget) : abandon();
 }
 
 const Mask* ContourEngine::abandon() {
@@ -138,7 +158,7 @@ const Mask& ContourEngine::mask_at_z(Millimeters z) {
   const PlateModel& model = models_.front();
   const std::optional<Nanometers> height = model.elevation.height_at(z, model.model->bounds());
   const Millimeters offset = height ? to_millimeters(compensation_.offset_at(*height)) : Millimeters{};
-  const bool added = add_to_mask(0, z, offset, unlimited) && (!height || add_beside(*height, unlimited));
+  const bool added = add_to_mask(0, z, offset, unlimited) && (!height || cut_beside(*height, unlimited));
   return sound(added ? paint(unlimited) : abandon());
 }
 

@@ -32,6 +32,8 @@ namespace contourd {
 // A model on the plate: it stands there once for each of its copies' maps.
 struct PlateModel : StandingModel {
   std::vector<PixelMap> copies;
+  // What is taken out of it, in every copy: sections in its own millimetres at its own z. Null: nothing.
+  std::shared_ptr<const SectionSource> holes{};
 };
 
 struct EngineSettings {
@@ -45,9 +47,10 @@ struct EngineSettings {
 class ContourEngine {
  public:
   // REQUIRES: no null pointers.
-  // `beside` is exposed too, as it is: compensation is the models' alone, as all that contours and cracks
-  // tell. Throws std::invalid_argument unless the display is 1 to 16384 pixels wide and high, and the lamp's
-  // mask, if there is one, as large as it.
+  // `beside` is exposed too, by pixel centres and fully, whatever the anti-aliasing: a pixel has the greater
+  // value of the two. Compensation and threshold are the models' alone, as all that contours and cracks tell;
+  // the lamp's mask makes its white what it makes of theirs. Throws std::invalid_argument unless the display
+  // is 1 to 16384 pixels wide and high, and the lamp's mask, if there is one, as large as it.
   ContourEngine(std::vector<PlateModel> models, const EngineSettings& settings,
                 std::shared_ptr<const SectionSource> beside = nullptr);
   // The same for one model that nobody shares.
@@ -60,8 +63,9 @@ class ContourEngine {
     return *models_.front().model;
   }
 
-  // The mask at a height above the plate: the union of the sections there. Valid until the next call.
-  // Throws std::length_error where a section crosses itself in more places than MaskBudget::kMaxSidesEver.
+  // The mask at a height above the plate: the union of the sections there, less the models' holes. Valid
+  // until the next call. Throws std::length_error where a section crosses itself in more places than
+  // MaskBudget::kMaxSidesEver.
   [[nodiscard]] const Mask& mask_at(Nanometers height);
   // The same within a budget. Null when that was overrun: the mask was abandoned, coverage() and cracks() are
   // of no use until the next one, which is computed as if nothing had happened.
@@ -69,12 +73,13 @@ class ContourEngine {
   // The same at a z of the model's own coordinates. REQUIRES: one model.
   [[nodiscard]] const Mask& mask_at_z(Millimeters z);
 
-  // What the last mask covers, before threshold, uniformity mask and gamma. Valid until the next one.
+  // What the last mask covers, what is beside the models included, before threshold, uniformity mask and
+  // gamma. Valid until the next one.
   [[nodiscard]] const Mask& coverage() const { return rasterizer_.mask(); }
 
-  // The contour loops at a height above the plate, without compensation: those of the first model, then of
-  // the second..., each in its model's own coordinates and once, however many copies there are. Valid until
-  // the next call.
+  // The contour loops at a height above the plate, without compensation and holes: those of the first model,
+  // then of the second..., each in its model's own coordinates and once, however many copies there are. Valid
+  // until the next call.
   [[nodiscard]] const Contours& contours_at(Nanometers height);
 
   // How many contour loops the last mask or the last contours have, in all models; copies count once. What a
@@ -103,18 +108,21 @@ class ContourEngine {
   struct Beside {
     std::shared_ptr<const SectionSource> source;  // null: nothing
     PixelMap map;                                 // of the plate
+    std::vector<ConicCut> conics{};               // or contours, of a source that has none
     Contours contours{};
   };
 
   void begin_section();
+  // Of a model, for paint().
+  [[nodiscard]] bool cut_holes(std::size_t model, Millimeters z, MaskBudget& budget);
   // These for a model, by its number.
   void slice(std::size_t model, Millimeters z);
   void link(std::size_t model, MaskBudget& budget);
   // Cuts it at its z and moves the contours outwards. False when the budget was overrun.
   [[nodiscard]] bool add_to_mask(std::size_t model, Millimeters z, Millimeters offset, MaskBudget& budget);
   [[nodiscard]] bool add_moved(const PlateModel& model, Millimeters offset, MaskBudget& budget);
-  // Behind all models: what is beside them.
-  [[nodiscard]] bool add_beside(Nanometers height, MaskBudget& budget);
+  // What is beside the models, for paint(). False when the budget was overrun.
+  [[nodiscard]] bool cut_beside(Nanometers height, MaskBudget& budget);
   // Null when the budget was overrun.
   [[nodiscard]] const Mask* paint(MaskBudget& budget);
   // Forgets what was added. Null.
@@ -127,6 +135,7 @@ class ContourEngine {
   ExposureCorrection correction_;
   Figures figures_;
   std::vector<Section> sections_;  // by model: what of its cut is not linked
+  std::vector<Contours> holes_;    // by model
   ContourLinker linker_;
   Contours contours_;  // of one model
   ContourOffset offset_;

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <stdexcept>
 #include <string_view>
+#include <tuple>
 
 namespace contourd {
 namespace {
@@ -51,6 +52,7 @@ constexpr std::size_t kChunk = kLength + kName + kCrc;
 constexpr std::size_t kHeader = 13;
 constexpr std::size_t kDataChunk = kSignature + kChunk + kHeader;
 constexpr std::size_t kData = kDataChunk + kLength + kName;
+constexpr std::size_t kPaletteBytes = 3 * std::tuple_size_v<Palette>;
 
 enum class Filter : std::uint8_t { None = 0, Up = 2 };
 
@@ -67,14 +69,23 @@ std::uint8_t* close_chunk(std::uint8_t* chunk, std::string_view name, std::size_
   return chunk + kChunk + size;
 }
 
-void write_header(std::uint8_t* at, const Mask& mask) {
+void write_header(std::uint8_t* at, const Mask& mask, const Palette* palette) {
   constexpr std::uint8_t kStart[kSignature] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-  constexpr std::uint8_t kGrey8[] = {8, 0, 0, 0, 0};  // deflate, filters by the row, not interlaced
+  // Deflate, filters by the row, not interlaced.
+  constexpr std::uint8_t kGrey8[] = {8, 0, 0, 0, 0}, kIndexed8[] = {8, 3, 0, 0, 0};
   std::uint8_t* header = std::copy_n(kStart, kSignature, at) + kLength + kName;
   write_number(header, static_cast<std::size_t>(mask.width().count()));
   write_number(header + 4, static_cast<std::size_t>(mask.height().count()));
-  std::copy_n(kGrey8, sizeof kGrey8, header + 8);
-  close_chunk(at + kSignature, "IHDR", kHeader);
+  std::copy_n(palette == nullptr ? kGrey8 : kIndexed8, sizeof kGrey8, header + 8);
+  std::uint8_t* chunk = close_chunk(at + kSignature, "IHDR", kHeader);
+  if (palette == nullptr) return;
+  std::uint8_t* color = chunk + kLength + kName;
+  for (const Rgb& each : *palette) {
+    *color++ = each.red;
+    *color++ = each.green;
+    *color++ = each.blue;
+  }
+  close_chunk(chunk, "PLTE", kPaletteBytes);
 }
 
 // The first pixel after `at` that differs from it, or `width`.
@@ -115,14 +126,15 @@ bool deflate_row(std::span<const std::uint8_t> row, RunDeflater& deflater) {
 
 }  // namespace
 
-std::span<const std::uint8_t> MaskPngEncoder::encode(const Mask& mask) {
+std::span<const std::uint8_t> MaskPngEncoder::encode(const Mask& mask, const Palette* palette) {
   if (mask.pixels().empty()) throw std::invalid_argument("a picture has at least one pixel");
-  deflater_.begin(bytes_, kData);
+  const std::size_t before = palette == nullptr ? 0 : kChunk + kPaletteBytes;
+  deflater_.begin(bytes_, before + kData);
   deflate_rows(mask);
   const std::size_t end = deflater_.finish();
   bytes_.resize(std::max(bytes_.size(), end + kCrc + kChunk));
-  write_header(bytes_.data(), mask);
-  std::uint8_t* last = close_chunk(bytes_.data() + kDataChunk, "IDAT", end - kData);
+  write_header(bytes_.data(), mask, palette);
+  std::uint8_t* last = close_chunk(bytes_.data() + before + kDataChunk, "IDAT", end - kData - before);
   close_chunk(last, "IEND", 0);
   return std::span(bytes_).first(end + kCrc + kChunk);
 }

@@ -7,6 +7,7 @@
 // Deterministic. Not thread-safe. Keeps its memory between calls: allocates only while pictures grow.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,11 +17,17 @@
 
 namespace contourd {
 
+struct Rgb {
+  std::uint8_t red = 0, green = 0, blue = 0;
+};
+// What each grey value is shown as.
+using Palette = std::array<Rgb, 256>;
+
 class MaskPngEncoder {
  public:
-  // The whole file's bytes, at most 9/8 of the pixels' and 200 more. Valid until the next call.
-  // Throws std::invalid_argument for a mask without pixels.
-  [[nodiscard]] std::span<const std::uint8_t> encode(const Mask& mask);
+  // The whole file's bytes, at most 9/8 of the pixels' and 200 more, with a palette 1000 more. Valid until
+  // the next call. Throws std::invalid_argument for a mask without pixels.
+  [[nodiscard]] std::span<const std::uint8_t> encode(const Mask& mask, const Palette* palette = nullptr);
 
  private:
   void deflate_rows(const Mask& mask);

@@ -195,11 +195,17 @@ PartPicture::Sight PartPicture::sight_of(std::int32_t row, double height) const 
           sign_x * kCosTurn * per_pixel, sign_y * kSinTurn * per_pixel};
 }
 
-void PartPicture::add(const Mask& mask) {
+void PartPicture::add(const Mask& mask, const Mask* beside) {
   expects(taken_ < masks_, "there are at most masks() of them");
   expects(mask.width() == box_.columns && mask.height() == box_.rows, "the mask is as large as the box");
   std::swap(beneath_, last_);
   last_.take(mask);
+  if (beside != nullptr) {
+    expects(beside->width() == box_.columns && beside->height() == box_.rows,
+            "the mask is as large as the box");
+    beside_.take(*beside);
+    is_beside_.surface.resize(surface_.size());
+  }
   // Nothing is beneath the first one: no line of sight comes from there.
   if (taken_ == 0) beneath_ = last_;
   // The rows in which this mask or the one beneath it can be seen.
@@ -233,6 +239,7 @@ void PartPicture::look_along(std::int32_t row) {
     const bool inside = last_.grey_at(x, y) >= kLeastGrey;
     if (inside) {
       surface_[at] = static_cast<float>(taken_) + 0.5F;
+      if (!is_beside_.surface.empty()) is_beside_.surface[at] = beside_.grey_at(x, y) >= kLeastGrey ? 1 : 0;
     } else if (inside_[at] != 0) {
       surface_[at] = leaves_at(x, y);
     }
@@ -254,6 +261,7 @@ float PartPicture::leaves_at(double x, double y) const {
 
 void PartPicture::add_faintly_from_here() {
   present_ = surface_;
+  is_beside_.present = is_beside_.surface;
 }
 
 std::vector<float> PartPicture::depths_of(const Surface& surface) const {
@@ -282,8 +290,27 @@ Mask PartPicture::shaded(const Surface& surface) const {
   return picture;
 }
 
+void PartPicture::mark_beside(Mask& picture) const {
+  if (is_beside_.surface.empty()) return;
+  for (std::int32_t row = 0; row < side_; ++row) {
+    const auto pixels = picture.row(row);
+    for (std::size_t column = 0; column < pixels.size(); ++column) {
+      const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(side_) + column;
+      const bool is_present = !is_beside_.present.empty() && seen(present_[at]);
+      const std::uint8_t mark = is_present ? is_beside_.present[at] : is_beside_.surface[at];
+      pixels[column] = static_cast<std::uint8_t>((pixels[column] & 0xFEU) | mark);
+    }
+  }
+}
+
 Mask PartPicture::draw() const {
-  if (present_.empty()) return cut_out(shaded(surface_));
+  Mask picture = whole_picture();
+  mark_beside(picture);
+  return cut_out(picture);
+}
+
+Mask PartPicture::whole_picture() const {
+  if (present_.empty()) return shaded(surface_);
   Mask picture = shaded(present_);
   const Mask whole = shaded(surface_);
   for (std::int32_t row = 0; row < side_; ++row) {
@@ -295,7 +322,7 @@ Mask PartPicture::draw() const {
       there[column] = static_cast<std::uint8_t>((1 - kFaint) * there[column] + kFaint * faint[column]);
     }
   }
-  return cut_out(picture);
+  return picture;
 }
 
 }  // namespace contourd

@@ -38,12 +38,14 @@ class PartPicture {
   // At which share of the box' height the next one lies, from half a step to the last one's: 0 to 1.
   [[nodiscard]] double next_height() const { return (taken_ + 0.5) / masks_; }
 
-  // REQUIRES: a mask of the box' size; fewer than masks() added.
-  void add(const Mask& mask);
+  // `beside` is what of it stands beside the models, such as supports: of each mask, or of none.
+  // REQUIRES: masks of the box' size; fewer than masks() added.
+  void add(const Mask& mask, const Mask* beside = nullptr);
   // What is added from here on is not there: it is drawn faint.
   void add_faintly_from_here();
 
-  // What was added, on black, cut to a square around it; the highest mask is its top.
+  // What was added, on black, cut to a square around it; the highest mask is its top. Where there is
+  // something beside the models, the lowest bit of each grey value says whether it is that.
   [[nodiscard]] Mask draw() const;
 
  private:
@@ -70,14 +72,23 @@ class PartPicture {
   // Towards the eye, in the picture's pixels.
   [[nodiscard]] std::vector<float> depths_of(const Surface& surface) const;
   [[nodiscard]] Mask shaded(const Surface& surface) const;
+  // As draw(), not cut.
+  [[nodiscard]] Mask whole_picture() const;
+  void mark_beside(Mask& picture) const;
+
+  // Whether the surface, and the present one, is of what stands beside the models; empty where nothing does.
+  struct IsBeside {
+    std::vector<std::uint8_t> surface, present;
+  };
 
   Box box_;
   std::int32_t side_;
   double scale_ = 1, middle_up_ = 0;  // the picture's pixels for one of a mask; what is in its middle
   std::int32_t masks_ = 1, taken_ = 0;
   double along_x_ = 0, along_y_ = 0;  // how far a line of sight moves from a mask to the one beneath it
-  Bordered beneath_, last_;
+  Bordered beneath_, last_, beside_;
   Surface surface_;
+  IsBeside is_beside_;
   std::vector<std::uint8_t> inside_;  // whether the line of sight was in the part at the last mask
   Surface present_;                   // what is there; empty as long as nothing is faint
 };

@@ -2,6 +2,7 @@
 // memory between calls: allocates only while masks grow. Not thread-safe.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -49,5 +50,22 @@ class MaskRuns {
   std::vector<std::uint32_t> row_starts_;
   std::uint64_t grey_sum_ = 0;
 };
+
+// Calls meet(i, j) for every run i of `a` and j of `b` that share a column, or come within `reach` columns of
+// it. Both from left to right, so one pass.
+template <typename Meet>
+void for_each_meeting(std::span<const PixelRun> a, std::span<const PixelRun> b, std::int32_t reach,
+                      Meet&& meet) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (a[i].first < b[j].end + reach && b[j].first < a[i].end + reach) meet(i, j);
+    // The one that ends first meets nothing further right.
+    if (a[i].end < b[j].end) {
+      ++i;
+    } else {
+      ++j;
+    }
+  }
+}
 
 }  // namespace contourd

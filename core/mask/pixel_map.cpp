@@ -37,6 +37,17 @@ PixelMap PixelMap::fit(const DisplayGeometry& display, const Bounds& bounds) {
   return PixelMap(scale, -bounds.min_x * scale, -scale, bounds.max_y * scale).mirrored(display);
 }
 
+PixelMap PixelMap::moved(const DisplayGeometry& from, const DisplayGeometry& to) const {
+  expects(from.pixel_pitch > Micrometers{} && to.pixel_pitch > Micrometers{}, "a pixel has a size");
+  const double ratio = from.pixel_pitch / to.pixel_pitch;
+  const double along_x = from.mirror_x == to.mirror_x ? ratio : -ratio;
+  const double along_y = from.mirror_y == to.mirror_y ? ratio : -ratio;
+  const auto beyond_middle = [](double offset, Pixels size) { return offset - size.count() / 2.0; };
+  return PixelMap(scale_x_ * along_x, beyond_middle(offset_x_, from.width) * along_x + to.width.count() / 2.0,
+                  scale_y_ * along_y,
+                  beyond_middle(offset_y_, from.height) * along_y + to.height.count() / 2.0);
+}
+
 PixelMap PixelMap::mirrored(const DisplayGeometry& display) const {
   PixelMap map = *this;
   if (display.mirror_x) {

@@ -43,6 +43,10 @@ class PixelMap {
     return {point.x * scale_x_ + offset_x_, point.y * scale_y_ + offset_y_};
   }
 
+  // Maps to the same places on the plate, on another display: `from` is the one that this maps to.
+  // REQUIRES: pixel_pitch > 0 of both.
+  [[nodiscard]] PixelMap moved(const DisplayGeometry& from, const DisplayGeometry& to) const;
+
   // Whether a mirror turns loops round: what ran counter-clockwise on the plate runs clockwise in the
   // picture.
   [[nodiscard]] bool turns_round() const { return (scale_x_ < 0) != (scale_y_ > 0); }

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 #include <utility>
 
@@ -113,7 +114,8 @@ Rasterizer::Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing)
       height_(height.count()),
       anti_aliasing_(anti_aliasing),
       band_(width_),
-      band_bits_(std::countr_zero(static_cast<std::uint32_t>(band_.rows()))) {
+      band_bits_(std::countr_zero(static_cast<std::uint32_t>(band_.rows()))),
+      lit_rows_(width, height) {
   first_side_.assign(static_cast<std::size_t>((height_ - 1) >> band_bits_) + 1, kNone);
   band_lit_.assign(first_side_.size(), 0);
   dark_.assign(band_.chunks() * static_cast<std::size_t>(height_), ~std::uint64_t{0});
@@ -263,40 +265,34 @@ bool Rasterizer::paint(MaskBudget& budget) {
   return painted == Painted::All;
 }
 
-bool Rasterizer::end_plane(MaskBudget& budget) {
-  return anti_aliasing_ == AntiAliasing::On ? outline_covered_sides(budget) : outline_centers(budget);
+// The next picture finds the run's blocks neither dark nor, by this, full: it writes them anew.
+inline void Rasterizer::light_run(std::uint8_t* pixels, std::int32_t row, std::int32_t first,
+                                  std::int32_t end) {
+  constexpr std::size_t kBlock = CoverageBand::kBlock, kChunkBlocks = 64;
+  std::memset(pixels + first, 255, static_cast<std::size_t>(end - first));
+  std::uint64_t* const dark = dark_.data() + static_cast<std::size_t>(row) * band_.chunks();
+  const std::size_t last = static_cast<std::size_t>(end - 1) / kBlock;
+  for (std::size_t block = static_cast<std::size_t>(first) / kBlock; block <= last; ++block)
+    dark[block / kChunkBlocks] &= ~(std::uint64_t{1} << block % kChunkBlocks);
+  band_lit_[static_cast<std::size_t>(row >> band_bits_)] = 1;
 }
 
-// Where nothing overlaps, the sides are the outline already: painting shows that, and works them off.
-bool Rasterizer::outline_covered_sides(MaskBudget& budget) {
-  if (!budget.can_hold(covered_sides_.size()) || !budget.spend(covered_sides_.size())) return false;
-  plane_.sides = covered_sides_;
-  plane_.first_side = first_side_;
-  const Painted painted = paint_bands(budget, Overlaps::Searched);
-  if (painted == Painted::ToAnOverlap) return unite_sides(budget);
-  covered_sides_.swap(plane_.sides);
-  first_side_.swap(plane_.first_side);
-  return painted == Painted::All;
+void Rasterizer::light(const Contours& convex, const PixelMap& map) {
+  std::uint8_t* const pixels = mask_.row(0).data();
+  const auto light = [this, pixels](std::int32_t row, std::int32_t first, std::int32_t end) {
+    light_run(pixels + static_cast<std::ptrdiff_t>(row) * width_, row, first, end);
+  };
+  for (const ContourLoop& loop : convex.loops)
+    lit_rows_.visit(convex.points_of(loop), map, light);
 }
 
-// The outline of the pixels whose centres are inside.
-bool Rasterizer::outline_centers(MaskBudget& budget) {
-  const Painted painted = paint_bands(budget, Overlaps::Searched);
-  clear();
-  if (painted != Painted::All) return false;
-  for (std::int32_t row = 0; row < height_; ++row) {
-    if (band_lit_[static_cast<std::size_t>(row >> band_bits_)] == 0) continue;
-    const std::span<const std::uint8_t> pixels = std::as_const(mask_).row(row);
-    std::uint8_t last = 0;
-    for (std::int32_t column = 0; column <= width_; ++column) {
-      const std::uint8_t next = column < width_ ? pixels[static_cast<std::size_t>(column)] : 0;
-      const double x = column, top = row, end = row + 1;
-      if (last == 0 && next != 0) add_centers({x, top}, {x, end});
-      if (last != 0 && next == 0) add_centers({x, end}, {x, top});
-      last = next;
-    }
-  }
-  return true;
+void Rasterizer::light(std::span<const ConicCut> cuts, const PixelMap& map) {
+  std::uint8_t* const pixels = mask_.row(0).data();
+  const auto light = [this, pixels](std::int32_t row, std::int32_t first, std::int32_t end) {
+    light_run(pixels + static_cast<std::ptrdiff_t>(row) * width_, row, first, end);
+  };
+  for (const ConicCut& cut : cuts)
+    lit_rows_.visit(cut, map, light);
 }
 
 Rasterizer::Painted Rasterizer::paint_bands(MaskBudget& budget, Overlaps overlaps) {
@@ -362,6 +358,20 @@ void Rasterizer::arrange(const CoveredSide& side) {
 RowBlocks Rasterizer::blocks_of(std::int32_t row) {
   const std::size_t chunks = band_.chunks(), at = static_cast<std::size_t>(row) * chunks;
   return {std::span(dark_).subspan(at, chunks), std::span(full_).subspan(at, chunks)};
+}
+
+// What was dark stays so; the next picture finds a run's blocks no longer full, and writes them anew.
+void Rasterizer::darken(const Contours& convex, const PixelMap& map) {
+  constexpr std::int32_t kBlock = CoverageBand::kBlock, kChunkBlocks = 64;
+  const auto darken = [this](std::int32_t row, std::int32_t first, std::int32_t end) {
+    std::fill_n(mask_.row(row).data() + first, end - first, std::uint8_t{0});
+    const RowBlocks blocks = blocks_of(row);
+    for (std::int32_t block = first / kBlock; block <= (end - 1) / kBlock; ++block)
+      blocks.full[static_cast<std::size_t>(block / kChunkBlocks)] &=
+          ~(std::uint64_t{1} << block % kChunkBlocks);
+  };
+  for (const ContourLoop& loop : convex.loops)
+    lit_rows_.visit(convex.points_of(loop), map, darken);
 }
 
 // Adds the band's part of all sides that reach into it; what is left of a side goes to the next band's list.

@@ -22,6 +22,7 @@
 #include "core/contour/slicer.hpp"
 #include "core/geometry/arranged_sides.hpp"
 #include "core/geometry/mask_budget.hpp"
+#include "core/mask/conic_rows.hpp"
 #include "core/mask/coverage_band.hpp"
 #include "core/mask/mask.hpp"
 #include "core/mask/pixel_map.hpp"
@@ -46,17 +47,18 @@ class Rasterizer {
   void add_segments(std::span<const Segment> segments, const PixelMap& map);
   void add_loops(const Contours& contours, const PixelMap& map);
 
-  // What was added since the last paint() becomes the outline of what it fills, so that nothing that is added
-  // now can take away from it: the picture is the union of both. Takes as long as a paint(). False when the
-  // budget was overrun: then clear() is to be called.
-  [[nodiscard]] bool end_plane(MaskBudget& budget);
-
   // Paints all polygons added since the last call, over the former picture. False when the budget was
   // overrun: mask() is of no use until the next call.
   [[nodiscard]] bool paint(MaskBudget& budget);
   // The same with as much time as it takes. Valid until the next call. Throws std::length_error for more
   // sides than a budget holds.
   const Mask& paint();
+  // Lights fully the pixels of the picture painted last whose centres are in one of these loops, which are
+  // convex: a plane of its own, in which nothing is grey. They may overlap, and lie outside the display.
+  void light(const Contours& convex, const PixelMap& map);
+  void light(std::span<const ConicCut> cuts, const PixelMap& map);
+  // The same, but makes them dark.
+  void darken(const Contours& convex, const PixelMap& map);
   // Forgets all polygons added since the last paint().
   void clear();
   // The last one painted; dark before that.
@@ -86,12 +88,6 @@ class Rasterizer {
     std::uint32_t next;
   };
 
-  // A plane's sides, as they are before it is painted.
-  struct PlaneSides {
-    std::vector<CoveredSide> sides;
-    std::vector<std::uint32_t> first_side;
-  };
-
   enum class Overlaps { Searched, Gone };
   enum class Painted { All, ToAnOverlap, Overrun };
 
@@ -104,10 +100,10 @@ class Rasterizer {
   [[nodiscard]] Painted paint_bands(MaskBudget& budget, Overlaps overlaps);
   [[nodiscard]] bool paint_band(std::int32_t first_row);
   [[nodiscard]] bool unite_sides(MaskBudget& budget);
-  [[nodiscard]] bool outline_covered_sides(MaskBudget& budget);
-  [[nodiscard]] bool outline_centers(MaskBudget& budget);
   void arrange(const CoveredSide& side);
   [[nodiscard]] RowBlocks blocks_of(std::int32_t row);
+  // `pixels`: the row's.
+  void light_run(std::uint8_t* pixels, std::int32_t row, std::int32_t first, std::int32_t end);
   void work_off_covered_sides(std::int32_t first_row, std::int32_t end_row);
   void work_off_center_sides(std::int32_t first_row, std::int32_t end_row);
   [[nodiscard]] std::uint32_t& first_side_at(std::int32_t row) {
@@ -126,7 +122,7 @@ class Rasterizer {
   std::vector<std::uint8_t> band_lit_;      // by band: whether mask_ holds any light there
   std::vector<std::uint64_t> dark_, full_;  // what mask_ holds, see RowBlocks
   ArrangedSides arranged_;                  // of polygons that overlap
-  PlaneSides plane_;
+  ConicRows lit_rows_;
 };
 
 }  // namespace contourd

@@ -72,6 +72,13 @@ bool is_direction(const Direction& d) {
 
 }  // namespace
 
+PlateAxes axes_with_up(const Direction& up) {
+  expects(is_direction(up), "the upward direction is finite and not zero");
+  const Matrix m = turn_upwards(up);
+  const auto row = [&m](std::size_t i) { return Direction{m[i][0], m[i][1], m[i][2]}; };
+  return {row(0), row(1), row(2)};
+}
+
 void orient(std::span<Facet> facets, const Orientation& orientation) {
   expects(!orientation.up || is_direction(*orientation.up), "the upward direction is finite and not zero");
   if (orientation.is_identity()) return;

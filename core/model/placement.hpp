@@ -44,6 +44,13 @@ struct Orientation {
   }
 };
 
+// The plate's axes as directions of a model, each of length 1.
+struct PlateAxes {
+  Direction right, back, up;
+};
+// When that direction comes to point up, as `Orientation::up` says. REQUIRES: finite and not zero.
+[[nodiscard]] PlateAxes axes_with_up(const Direction& up);
+
 // Applies it to every vertex, in double, rounded to float once. Equal vertices stay equal, so closed models
 // stay closed. Quarter turns are exact, and so are directions along an axis. A direction gives the same bits
 // on every machine. Coordinates must stay within float's range (the caller checks bounds and scale).

@@ -7,6 +7,21 @@
 namespace contourd {
 namespace {
 
+// A direction that points nowhere is none.
+void check_direction(JsonDocument& document, const std::string& place) {
+  const auto component = [&](const char* axis) { return document.valid_number(place + "/" + axis); };
+  if (component("x") == 0.0 && component("y") == 0.0 && component("z") == 0.0)
+    document.add_violation(place, "a direction must not be zero in x, y and z");
+}
+
+void check_drain_rules(JsonDocument& document, const nlohmann::json& model, const std::string& place) {
+  const nlohmann::json drain = model.value("drain", nlohmann::json());
+  for (std::size_t i = 0; drain.is_array() && i < drain.size(); ++i) {
+    if (drain[i].is_object() && drain[i].contains("direction"))
+      check_direction(document, place + "/drain/" + std::to_string(i) + "/direction");
+  }
+}
+
 // Rules across one model's keys; `place` is its pointer.
 void check_model_rules(JsonDocument& document, const std::string& place) {
   const nlohmann::json::json_pointer pointer(place);
@@ -16,12 +31,12 @@ void check_model_rules(JsonDocument& document, const std::string& place) {
       document.valid_number(place + "/scale") || model.value("scale", nlohmann::json()).is_object();
   if (has_scale && model.value("fit", nlohmann::json()) == true)
     document.add_violation(place + "/scale", "a ticket has either scale or fit, not both");
+  check_drain_rules(document, model, place);
+  check_orientation_rules(document, place);
   if (!model.contains("up")) return;
   if (model.contains("rotation_deg"))
     document.add_violation(place + "/up", "a ticket has either up or rotation_deg, not both");
-  const auto component = [&](const char* axis) { return document.valid_number(place + "/up/" + axis); };
-  if (component("x") == 0.0 && component("y") == 0.0 && component("z") == 0.0)
-    document.add_violation(place + "/up", "a direction must not be zero in x, y and z");
+  check_direction(document, place + "/up");
 }
 
 void check_layer_rules(JsonDocument& document) {
@@ -49,6 +64,17 @@ Scale read_scale(const JsonSection& model) {
   return {scale.number("x"), scale.number("y"), scale.number("z")};
 }
 
+Direction read_direction(const JsonSection& direction) {
+  return {direction.number("x"), direction.number("y"), direction.number("z")};
+}
+
+DrainHole read_drain_hole(const JsonSection& hole) {
+  const JsonSection position = hole.section("position_mm");
+  return {position.number("x"),       position.number("y"),
+          position.number("z"),       read_direction(hole.section("direction")),
+          hole.number("diameter_mm"), hole.number("depth_mm")};
+}
+
 ModelTicket read_model(const JsonSection& root) {
   ModelTicket model;
   if (root.has("file")) model.file = root.text("file");
@@ -56,10 +82,8 @@ ModelTicket read_model(const JsonSection& root) {
     const JsonSection rotation = root.section("rotation_deg");
     model.rotation = {rotation.number("x"), rotation.number("y"), rotation.number("z")};
   }
-  if (root.has("up")) {
-    const JsonSection up = root.section("up");
-    model.up = Direction{up.number("x"), up.number("y"), up.number("z")};
-  }
+  model.orientation = read_orientation(root);
+  if (root.has("up") && root.is_section("up")) model.up = read_direction(root.section("up"));
   if (root.has("scale")) model.scale = read_scale(root);
   if (root.has("fit")) model.fit = root.boolean("fit");
   if (root.has("position_mm")) {
@@ -67,6 +91,10 @@ ModelTicket read_model(const JsonSection& root) {
     model.position = {Millimeters{position.number("x")}, Millimeters{position.number("y")}};
   }
   model.copies = root.integer<int>("copies");
+  if (root.has("drain")) {
+    for (const JsonSection& hole : root.sections("drain"))
+      model.drain.push_back(read_drain_hole(hole));
+  }
   return model;
 }
 
@@ -79,6 +107,11 @@ TicketOverrides read_overrides(const JsonSection& root) {
           .lift = root.has("lift_mm") ? std::optional(root.length("lift_mm")) : std::nullopt,
           .settle = duration("settle_ms"),
           .rest = duration("rest_ms")};
+}
+
+SupportTicket read_supports(const JsonSection& root) {
+  if (root.is_section("supports")) return {SupportPolicy::Auto, read_asked_figures(root.section("supports"))};
+  return {root.text("supports") == "auto" ? SupportPolicy::Auto : SupportPolicy::Off, {}};
 }
 
 // What holds for the whole job.
@@ -94,6 +127,7 @@ JobTicket read_job(const JsonSection& root) {
   }
   ticket.overrides = read_overrides(root);
   ticket.cracks = root.text("cracks") == "refuse" ? CrackPolicy::Refuse : CrackPolicy::Repair;
+  if (root.has("supports")) ticket.supports = read_supports(root);
   return ticket;
 }
 

@@ -10,7 +10,9 @@
 
 #include "core/geometry/units.hpp"
 #include "core/model/placement.hpp"
+#include "daemon/config/orientation_ticket.hpp"
 #include "daemon/config/regular_file.hpp"
+#include "daemon/config/support_figures.hpp"
 #include "daemon/config/ticket_limits.hpp"
 
 namespace contourd {
@@ -30,21 +32,42 @@ struct PlateOffset {
   bool operator==(const PlateOffset&) const = default;
 };
 
+// A hole that is taken out of a model: a cylinder in its own millimetres, before it is turned and scaled.
+struct DrainHole {
+  double x_mm = 0, y_mm = 0, z_mm = 0;  // on the model's surface
+  Direction inwards{};
+  double diameter_mm = 0;
+  double depth_mm = 0;  // from there
+  bool operator==(const DrainHole&) const = default;
+};
+
 // What is to become of a model whose contours cannot be closed without a guess.
 enum class CrackPolicy {
   Repair,  // close them all the same, and warn
   Refuse,  // print nothing
 };
 
+// Whether what hangs in the air is held by supports.
+enum class SupportPolicy { Off, Auto };
+
+// What a ticket says of them.
+struct SupportTicket {
+  SupportPolicy policy = SupportPolicy::Auto;
+  std::vector<AskedSupportFigure> figures{};  // in the place of the resin's; with Auto
+  bool operator==(const SupportTicket&) const = default;
+};
+
 // One model: how it is turned, how large it is and where it lies.
 struct ModelTicket {
   std::string file;  // in the plate's folder; empty: the model that the ticket lies beside
   RotationDegrees rotation;
-  std::optional<Direction> up;  // never together with a rotation
-  std::optional<Scale> scale;   // never together with fit
-  bool fit = false;             // fill the display
+  std::optional<Direction> up;                     // never together with a rotation
+  std::optional<OrientationTicket> orientation{};  // contourd finds it; never together with up or a rotation
+  std::optional<Scale> scale;                      // never together with fit
+  bool fit = false;                                // fill the display
   std::optional<PlateOffset> position;
   int copies = 1;
+  std::vector<DrainHole> drain{};
   bool operator==(const ModelTicket&) const = default;
 };
 
@@ -62,6 +85,7 @@ struct JobTicket {
   std::optional<AdaptiveTicket> adaptive;  // never together with layer_height, or an exposure
   TicketOverrides overrides{};             // not yet checked against the resin's limits
   CrackPolicy cracks = CrackPolicy::Repair;
+  std::optional<SupportTicket> supports{};         // the printer's own without it
   std::vector<ModelTicket> models{ModelTicket{}};  // exactly one in a model's own ticket
   bool operator==(const JobTicket&) const = default;
 };

@@ -286,6 +286,7 @@ PrinterConfig read_printer(const JsonDocument& document, const fs::path& folder,
       .light_record = {},
       .ask_before = root.texts("ask_before"),
       .tiny_first_layer_percent = root.number("tiny_first_layer_percent"),
+      .supports = root.text("supports") == "auto" ? SupportPolicy::Auto : SupportPolicy::Off,
   };
   if (real) read_real(document, std::move(companions.table), config);
   return config;

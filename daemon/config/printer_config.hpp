@@ -11,6 +11,7 @@
 #include "core/geometry/units.hpp"
 #include "core/mask/exposure_correction.hpp"
 #include "daemon/config/config_error.hpp"
+#include "daemon/config/job_ticket.hpp"
 #include "daemon/config/resin_profile.hpp"
 #include "daemon/wear_part.hpp"
 #include "hw/real_machine_config.hpp"
@@ -72,6 +73,7 @@ struct PrinterConfig {
 
   std::vector<std::string> ask_before{};  // findings of which a job's owner is asked; see job_screening.hpp
   double tiny_first_layer_percent = 0;    // of the largest layer's area: a first layer below that is one
+  SupportPolicy supports = SupportPolicy::Off;  // of jobs whose tickets say nothing of it
 };
 
 // Whether the printer is this computer's, so that its folders must be possible here.

@@ -10,6 +10,7 @@
 #include "daemon/config/json_document.hpp"
 #include "daemon/config/json_schema.hpp"
 #include "daemon/config/json_section.hpp"
+#include "daemon/config/support_figures.hpp"
 
 namespace contourd {
 namespace {
@@ -153,6 +154,16 @@ Scale read_shrinkage(const JsonSection& profile) {
   return {factor("x"), factor("y"), factor("z")};
 }
 
+OrientationWeights read_orientation_weights(const JsonSection& profile) {
+  const JsonSection weights = profile.section("orientation_weights");
+  return {.support = weights.number("support"),
+          .contacts = weights.number("contacts"),
+          .peel = weights.number("peel"),
+          .height = weights.number("height"),
+          .standing = weights.number("standing"),
+          .keep_clean = weights.number("keep_clean")};
+}
+
 std::optional<Limits<Duration>> read_time_limits(const JsonSection& limits, std::string_view key) {
   if (!limits.has(key)) return std::nullopt;
   const std::vector<Duration> both = limits.durations(key);
@@ -189,6 +200,8 @@ ResinProfile read_profile(const JsonSection& profile, std::string name) {
                        .elephant_foot_height = profile.length("elephant_foot_height_um")},
       .support = {static_cast<std::uint8_t>(profile.integer<int>("support_grey")),
                   profile.number("support_area_mm2")},
+      .supports = read_support_settings(profile.section("supports")),
+      .orientation = read_orientation_weights(profile),
       .lift = profile.length("lift_mm"),
       .lift_speed = MillimetersPerSecond{profile.number("lift_speed_mm_s")},
       .retract_speed = MillimetersPerSecond{profile.number("retract_speed_mm_s")},
@@ -210,6 +223,8 @@ ResinProfile load_resin_profile(const std::filesystem::path& path, const ResinMa
   check_rules(document, machine);
   document.throw_if_violated();
   ResinProfile resin = read_profile(JsonSection(document), path.stem().string());
+  for (SupportContradiction& found : contradictions_of(resin.supports))
+    document.add_violation("/supports/" + std::string(found.key), std::move(found.sentence));
   if (machine.irradiance_mw_cm2) {
     for (std::string& problem :
          layer_height_problems(resin, resin.layer_height, *machine.irradiance_mw_cm2)) {

@@ -13,6 +13,8 @@
 #include "core/engine/compensation.hpp"
 #include "core/geometry/units.hpp"
 #include "core/model/placement.hpp"
+#include "core/orientation/orientation_weights.hpp"
+#include "core/support/support_settings.hpp"
 #include "daemon/config/ticket_limits.hpp"
 #include "hw/clock.hpp"
 
@@ -57,6 +59,8 @@ struct ResinProfile {
   int fade_layers = 0;      // after those: from the bottom exposure to the normal one
   Compensation compensation;
   CarryingSupport support;
+  SupportSettings supports;
+  OrientationWeights orientation;  // of a model whose ticket leaves to contourd what points up
   Nanometers lift;
   MillimetersPerSecond lift_speed;
   MillimetersPerSecond retract_speed;

@@ -42,7 +42,8 @@ struct TicketLimits {
 
 // A setting by which a job is printed because its ticket says so.
 struct OverriddenSetting {
-  std::string_view setting;  // of kTicketSettings; it ends in the unit of the other two
+  // Of kTicketSettings, or of support_figures(); it ends in the unit of the other two.
+  std::string_view setting;
   double asked = 0;
   double profile = 0;  // what the job would have been printed with
   bool operator==(const OverriddenSetting&) const = default;

@@ -7,6 +7,7 @@
 
 #include "core/contract/expects.hpp"
 #include "daemon/config/config_error.hpp"
+#include "daemon/config/support_figures.hpp"
 
 namespace contourd {
 namespace {
@@ -40,6 +41,9 @@ class Overriding {
   }
   void refuse(std::string_view key, std::string message) {
     refused_.push_back({files_.ticket, "/" + std::string(key), std::move(message)});
+  }
+  void add(const OverriddenSettings& overridden) {
+    overridden_.insert(overridden_.end(), overridden.begin(), overridden.end());
   }
   void throw_if_refused() const {
     if (!refused_.empty()) throw ConfigError(refused_);
@@ -85,6 +89,14 @@ void override_exposures(ResinProfile& resin, const JobTicket& ticket, double irr
   resin.exposure = exposures;
 }
 
+// Within no limits: no shape of a support hurts the machine.
+void override_supports(ResinProfile& resin, const JobTicket& ticket, Overriding& overriding) {
+  if (!ticket.supports || ticket.supports->figures.empty()) return;
+  overriding.add(override_supports(resin.supports, ticket.supports->figures));
+  for (const SupportContradiction& found : contradictions_of(resin.supports))
+    overriding.refuse("supports/" + std::string(found.key), found.sentence);
+}
+
 }  // namespace
 
 OverriddenSettings override_settings(ResinProfile& resin, const JobTicket& ticket, double irradiance_mw_cm2,
@@ -96,6 +108,7 @@ OverriddenSettings override_settings(ResinProfile& resin, const JobTicket& ticke
   overriding.set("lift_mm", asked.lift, resin.limits.lift, resin.lift);
   overriding.set("settle_ms", asked.settle, resin.limits.settle, resin.settle);
   overriding.set("rest_ms", asked.rest, resin.limits.rest, resin.rest);
+  override_supports(resin, ticket, overriding);
   overriding.throw_if_refused();
   return overriding.take();
 }

@@ -15,14 +15,18 @@
 #include "daemon/config/printer_config.hpp"
 #include "daemon/ctl/analyze_page.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/held_model.hpp"
 #include "daemon/ctl/read_model.hpp"
 #include "daemon/ctl/slice_files.hpp"
 #include "daemon/ctl/statistics_text.hpp"
+#include "daemon/ctl/turned_facets.hpp"
 #include "daemon/job_outlook.hpp"
+#include "daemon/layer_durations.hpp"
 #include "daemon/mesh_repair_text.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/print_job.hpp"
 #include "daemon/readable.hpp"
+#include "daemon/supports_text.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -48,11 +52,18 @@ Subject subject_alone(const AnalyzeOptions& options) {
   Subject subject;
   Model model = read_model(options.model);
   subject.model.warnings = std::move(model.warnings);
-  HeightIndex index(std::move(model.facets));
+  turn_facets(model.facets, options.up, options.scale.value_or(1));
+  scale_facets(model.facets, options.scale);
+  const auto made = std::make_shared<const HeightIndex>(std::move(model.facets));
+  const HeightIndex& index = *made;
   if (index.turned_outwards()) subject.model.warnings.emplace_back(kTurnedOutwardsWarning);
   if (index.repairs() != MeshRepairs{}) subject.model.warnings.push_back(repair_warning(index.repairs()));
   const Bounds bounds = index.bounds();
-  subject.model.layers = PrintLayers(layers_for(Millimeters{bounds.size_z()}, options.layer_height)).all();
+  HeldModel held = options.supports == SupportPolicy::Auto
+                       ? hold_model(made, {.display = options.display, .layer = options.layer_height})
+                       : lay_on_plate(made, PixelMap::true_scale(options.display, bounds.center()));
+  subject.model.layers = PrintLayers(layers_for(held.model.top(), options.layer_height)).all();
+  subject.model.top_mm = held.model.top().count();
   subject.layer_durations.assign(subject.model.layers.size(), options.layer_time);
   subject.model.assumed_layer_time = options.layer_time;
   subject.model.display = options.display;
@@ -63,9 +74,13 @@ Subject subject_alone(const AnalyzeOptions& options) {
     subject.model.warnings.emplace_back(
         "the model is larger than the display: what lies outside is not counted");
   }
-  subject.engine = std::make_unique<ContourEngine>(
-      std::move(index), EngineSettings{options.display, options.anti_aliasing},
-      std::vector{PixelMap::true_scale(options.display, bounds.center())});
+  subject.engine =
+      std::make_unique<ContourEngine>(held.engine(EngineSettings{options.display, options.anti_aliasing}));
+  subject.model.supports = std::move(held.supports);
+  if (subject.model.supports) {
+    if (std::string unheld = unheld_sentence(subject.model.supports->unheld); !unheld.empty())
+      subject.model.warnings.push_back(std::move(unheld));
+  }
   return subject;
 }
 
@@ -74,7 +89,8 @@ Subject subject_of_printer(const AnalyzeOptions& options) {
   const PrinterConfig printer = load_printer_config(*options.printer, Places::Elsewhere);
   // Bad files are told as by the other commands, before anything about the printer.
   (void)read_model(options.model);
-  PreparedJob job = prepare_model({options.model.stem().string(), options.model, options.ticket}, printer);
+  PreparedJob job = prepare_model({options.model.stem().string(), options.model, options.ticket}, printer,
+                                  {options.supports, options.scale});
   Subject subject;
   const PrintPlan& plan = job.plan;
   subject.layer_durations = layer_durations(plan, printer);
@@ -82,6 +98,8 @@ Subject subject_of_printer(const AnalyzeOptions& options) {
   subject.model.warnings = std::move(job.summary.warnings);
   subject.model.layers = plan.expected_layers;
   subject.model.display = job.display;
+  subject.model.top_mm = job.summary.height_mm;
+  subject.model.supports = std::move(job.summary.supports);
   subject.analysis = job.analysis;
   subject.model.size_x_mm = job.summary.models.front().size_x_mm;
   subject.model.size_y_mm = job.summary.models.front().size_y_mm;
@@ -148,8 +166,9 @@ AnalyzedModel analyze(Subject subject, bool with_contours) {
     model.measurements.push_back(stopwatch.measure(middle));
   model.statistics = statistics_of(model.measurements);
   if (with_contours) {
-    model.contours = stack_contours(*subject.engine, model.display, model.layer_middles, kMaxPictureLayers,
-                                    kMaxPicturePoints);
+    model.contours =
+        stack_contours({*subject.engine, model.supports ? model.supports->structure.get() : nullptr},
+                       model.display, model.layer_middles, {kMaxPictureLayers, kMaxPicturePoints});
   }
   return model;
 }
@@ -161,8 +180,10 @@ void print_findings(const AnalyzedModel& m) {
   fmt::print("layers        {}\n", layers_text(m.layers));
   fmt::print("layer time    {}\n", layer_time_text(m));
   fmt::print("resin         {:.3f} ml\n", found.resin_ml());
+  if (m.supports) fmt::print("supports      {}\n", supports_line(counts_of(*m.supports)));
   fmt::print("largest area  {:.2f} mm2, layer {}\n", found.largest_area_mm2, found.largest_area_layer + 1);
-  fmt::print("islands       {}\nempty layers  {}\n", found.island_count, found.empty_layers.size());
+  fmt::print("islands       {}\nsuction cups  {}\nresin traps   {}\nempty layers  {}\n", found.island_count,
+             found.suction_cup_count, found.resin_trap_count, found.empty_layers.size());
   fmt::print("cracks        {} gaps closed, the widest {:.3f} mm, {} open chains, {} turned, on {} layers\n",
              found.cracks.gaps_closed, found.cracks.widest_gap.count(), found.cracks.open_chains,
              found.cracks.turned_chains, found.cracked_layers.size());
@@ -182,6 +203,7 @@ void print_json(const AnalyzedModel& m) {
   json.update(findings_json(m.findings));
   json["assumed_layer_time_s"] =
       m.assumed_layer_time ? Json(std::chrono::duration<double>(*m.assumed_layer_time).count()) : Json();
+  json["supports"] = m.supports ? supports_json(*m.supports) : Json();
   json["model_warnings"] = m.warnings;
   json["statistics"] = statistics_json(m.statistics);
   json["area_mm2"] = m.findings.area_mm2;

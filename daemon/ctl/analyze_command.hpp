@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "core/engine/contour_engine.hpp"
+#include "daemon/config/job_ticket.hpp"
+#include "daemon/ctl/up_option.hpp"
 #include "hw/clock.hpp"
 
 namespace contourd::ctl {
@@ -17,11 +19,15 @@ struct AnalyzeOptions {
 
   // As contourd would print it: with this configuration, and a job's ticket.
   std::optional<std::filesystem::path> printer, ticket;
-  // Without a printer: in the middle of this display, and so much time for every layer.
+  // Without a printer: turned so, in the middle of this display, and so much time for every layer.
+  std::optional<UpOption> up;
   DisplayGeometry display;
   AntiAliasing anti_aliasing = AntiAliasing::On;
   Nanometers layer_height{50'000};
   Duration layer_time{};
+
+  std::optional<SupportPolicy> supports;  // as the printer does without it; without a printer none
+  std::optional<double> scale;            // factor on the model's size
 };
 int analyze(const AnalyzeOptions& options);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -13,14 +14,17 @@
 #include "daemon/html_page.hpp"
 #include "daemon/print_findings.hpp"
 #include "daemon/readable.hpp"
+#include "daemon/supports_text.hpp"
 
 namespace contourd::ctl {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Rows of the table of islands; the largest.
-constexpr std::size_t kMaxIslandRows = 50;
+// Rows of the table of islands, and of those of suction cups and resin traps; the largest.
+constexpr std::size_t kMaxRows = 50;
+// Contacts in the picture.
+constexpr std::size_t kMaxContacts = 5000;
 
 // {{name}} in the template becomes the value of that name. What is put in is not looked at again.
 std::string filled(std::string_view text, const std::map<std::string, std::string, std::less<>>& values) {
@@ -47,9 +51,12 @@ std::string facts(const AnalyzedModel& m) {
   rows += row("Layers", layers_text(m.layers));
   rows += row("Time of the layers", layer_time_text(m));
   rows += row("Resin", fmt::format("{:.2f} ml", found.resin_ml()));
+  if (m.supports) rows += row("Supports", supports_line(counts_of(*m.supports)));
   rows += row("Largest area",
               fmt::format("{:.2f} mm2, layer {}", found.largest_area_mm2, found.largest_area_layer + 1));
   rows += row("Islands", std::to_string(found.island_count));
+  rows += row("Suction cups", std::to_string(found.suction_cup_count));
+  rows += row("Resin traps", std::to_string(found.resin_trap_count));
   rows += row("Empty layers", std::to_string(found.empty_layers.size()));
   rows +=
       row("Cracks",
@@ -65,6 +72,11 @@ std::string facts(const AnalyzedModel& m) {
   return rows;
 }
 
+// Where a layer is cut.
+double height_mm(const AnalyzedModel& m, std::int32_t layer) {
+  return to_millimeters(m.layer_middles[static_cast<std::size_t>(layer)]).count();
+}
+
 // The largest first.
 std::vector<Island> islands_by_size(const AnalyzedModel& m) {
   std::vector<Island> islands = m.findings.islands;
@@ -75,9 +87,9 @@ std::vector<Island> islands_by_size(const AnalyzedModel& m) {
 std::string island_table(const AnalyzedModel& m) {
   if (m.findings.islands.empty()) return "";
   const std::vector<Island> islands = islands_by_size(m);
-  const std::size_t shown = std::min(islands.size(), kMaxIslandRows);
+  const std::size_t shown = std::min(islands.size(), kMaxRows);
   std::string table = fmt::format(
-      "<h2>Islands{}</h2>\n<table class=\"figures\" id=\"islands\">\n<tr><th>layer</th><th>height "
+      "<h2>Islands{}</h2>\n<table class=\"figures places\" id=\"islands\">\n<tr><th>layer</th><th>height "
       "mm</th><th>x "
       "mm</th><th>y mm</th><th>area mm²</th></tr>\n",
       shown < m.findings.island_count ? fmt::format(", the largest {} of {}", shown, m.findings.island_count)
@@ -85,12 +97,58 @@ std::string island_table(const AnalyzedModel& m) {
   for (std::size_t i = 0; i < shown; ++i) {
     table += fmt::format(
         "<tr "
-        "data-island=\"{}\"><td>{}</td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.4g}</td></tr>\n",
-        i, islands[i].layer + 1,
-        to_millimeters(m.layer_middles[static_cast<std::size_t>(islands[i].layer)]).count(),
-        islands[i].plate_mm.x, islands[i].plate_mm.y, islands[i].area_mm2);
+        "data-mark=\"{}\"><td>{}</td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.4g}</td></tr>\n",
+        i, islands[i].layer + 1, height_mm(m, islands[i].layer), islands[i].plate_mm.x, islands[i].plate_mm.y,
+        islands[i].area_mm2);
   }
   return table + "</table>\n";
+}
+
+// A kind of voids, and the number of the first of them among the picture's marks.
+struct VoidsShown {
+  const char* title;
+  const char* id;
+  std::size_t first_mark;
+  std::uint64_t count;
+  std::vector<PrintVoid> voids;  // the largest first
+};
+
+// In the order of the picture's marks.
+std::vector<VoidsShown> voids_shown(const AnalyzedModel& m) {
+  const PrintFindings& found = m.findings;
+  std::vector<VoidsShown> shown{
+      {"Suction cups", "cups", found.islands.size(), found.suction_cup_count, found.suction_cups},
+      {"Resin traps", "traps", found.islands.size() + found.suction_cups.size(), found.resin_trap_count,
+       found.resin_traps}};
+  std::ranges::stable_sort(shown[0].voids, std::ranges::greater{}, &PrintVoid::area_mm2);
+  std::ranges::stable_sort(shown[1].voids, std::ranges::greater{}, &PrintVoid::volume_mm3);
+  return shown;
+}
+
+std::string void_table(const AnalyzedModel& m, const VoidsShown& kind) {
+  if (kind.voids.empty()) return "";
+  const std::size_t shown = std::min(kind.voids.size(), kMaxRows);
+  std::string table = fmt::format(
+      "<h2>{}{}</h2>\n<table class=\"figures places\" id=\"{}\">\n<tr><th>layers</th><th>widest "
+      "mm</th><th>x mm</th><th>y mm</th><th>area mm²</th><th>volume mm³</th></tr>\n",
+      kind.title, shown < kind.count ? fmt::format(", the largest {} of {}", shown, kind.count) : "",
+      kind.id);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const PrintVoid& each = kind.voids[i];
+    table += fmt::format(
+        "<tr data-mark=\"{}\"><td>{} to {}{}</td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td>"
+        "<td>{:.4g}</td><td>{:.4g}</td></tr>\n",
+        kind.first_mark + i, each.first_layer + 1, each.last_layer + 1, each.on_plate ? ", on the plate" : "",
+        height_mm(m, each.widest_layer), each.plate_mm.x, each.plate_mm.y, each.area_mm2, each.volume_mm3);
+  }
+  return table + "</table>\n";
+}
+
+std::string void_tables(const AnalyzedModel& m) {
+  std::string tables;
+  for (const VoidsShown& kind : voids_shown(m))
+    tables += void_table(m, kind);
+  return tables;
 }
 
 template <typename Value>
@@ -151,21 +209,50 @@ Json quantities(const AnalyzedModel& m) {
       quantity("Exposed area", "mm²", of([&](std::size_t i) { return m.findings.area_mm2[i]; }))};
 }
 
+// [cause, x, y, z, load, whether it is held].
+Json contacts_json(const AnalyzedModel& m) {
+  Json contacts = Json::array();
+  if (!m.supports) return contacts;
+  const auto add = [&contacts](const SupportContact& contact, bool held) {
+    if (contacts.size() >= kMaxContacts) return;
+    contacts.push_back(
+        {name_of(contact.cause), contact.place.x, contact.place.y, contact.place.z, contact.load_mm2, held});
+  };
+  for (const UnheldPlace& place : m.supports->unheld)
+    add(place.contact, false);
+  for (const SupportContact& contact : m.supports->contacts)
+    add(contact, true);
+  return contacts;
+}
+
 Json picture_data(const AnalyzedModel& m) {
   const ContourStack& stack = m.contours;
   std::vector<double> heights;
   for (const std::int32_t layer : stack.layers)
-    heights.push_back(to_millimeters(m.layer_middles[static_cast<std::size_t>(layer)]).count());
+    heights.push_back(height_mm(m, layer));
   Json islands = Json::array();
   for (const Island& island : islands_by_size(m)) {
-    islands.push_back({island.layer + 1, island.plate_mm.x, island.plate_mm.y,
-                       to_millimeters(m.layer_middles[static_cast<std::size_t>(island.layer)]).count(),
+    islands.push_back({island.layer + 1, island.plate_mm.x, island.plate_mm.y, height_mm(m, island.layer),
                        island.area_mm2});
   }
-  return {{"layers", stack.layers},   {"heights_mm", heights},
-          {"top_mm", m.size_z_mm},    {"min_mm", {stack.min_x_mm, stack.min_y_mm}},
-          {"size_mm", stack.size_mm}, {"quantities", quantities(m)},
-          {"islands", islands},       {"loops", base64(stack.words)}};
+  Json voids = Json::array();
+  for (const VoidsShown& kind : voids_shown(m)) {
+    for (const PrintVoid& each : kind.voids) {
+      voids.push_back({each.widest_layer + 1, each.plate_mm.x, each.plate_mm.y,
+                       height_mm(m, each.widest_layer), each.area_mm2});
+    }
+  }
+  return {{"layers", stack.layers},
+          {"heights_mm", heights},
+          {"top_mm", m.top_mm},
+          {"min_mm", {stack.min_x_mm, stack.min_y_mm}},
+          {"size_mm", stack.size_mm},
+          {"quantities", quantities(m)},
+          {"islands", islands},
+          {"voids", voids},
+          {"contacts", contacts_json(m)},
+          {"loops", base64(stack.words)},
+          {"support_loops", base64(stack.support_words)}};
 }
 
 // As the content of a script element: it must not end there.
@@ -198,6 +285,7 @@ std::string analysis_page(const AnalyzedModel& model) {
                                     {"summary", escaped(findings_line(model.findings))},
                                     {"facts", facts(model)},
                                     {"islands", island_table(model)},
+                                    {"voids", void_tables(model)},
                                     {"plots", plots(model)},
                                     {"correlations", correlations(model)},
                                     {"data", json_in_html(picture_data(model))},

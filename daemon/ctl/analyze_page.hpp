@@ -9,6 +9,7 @@
 
 #include "core/analysis/print_analysis.hpp"
 #include "core/layers/layer_statistics.hpp"
+#include "core/support/supports.hpp"
 #include "daemon/ctl/contour_stack.hpp"
 #include "hw/clock.hpp"
 
@@ -18,7 +19,9 @@ struct AnalyzedModel {
   std::string name;
   std::size_t facets = 0;
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;  // as printed
+  double top_mm = 0;                                   // above the plate
   DisplayGeometry display;
+  std::optional<Supports> supports;            // nothing where none are wanted
   std::vector<Nanometers> layers;              // their thicknesses, from the plate up
   std::vector<Nanometers> layer_middles;       // where they are cut
   std::optional<Duration> assumed_layer_time;  // when no printer is known

@@ -1,8 +1,10 @@
 "use strict";
 // The stacked contours as a picture that can be turned (thesis, figures 4.1 to 4.7): lines in WebGL 2, or on a
-// plain canvas where there is none. The marks (box, islands) are drawn over it.
+// plain canvas where there is none. The marks (box, islands, suction cups, resin traps, what supports hold) are drawn
+// over it.
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
+  const places = [...data.islands, ...data.voids];
   const byId = (id) => document.getElementById(id);
   const stage = byId("stage"), marks = byId("marks");
   if (data.layers.length === 0) {
@@ -16,13 +18,16 @@
   const middle = [0, 0, data.top_mm / 2], reach = [0, 0, data.top_mm / 2];
 
   function decode() {
-    const text = atob(data.loops), words = new DataView(new ArrayBuffer(text.length));
-    for (let i = 0; i < text.length; ++i) words.setUint8(i, text.charCodeAt(i));
+    // The models' loops, then the supports'.
+    const texts = [atob(data.loops), atob(data.support_loops)], size = texts[0].length;
+    const words = new DataView(new ArrayBuffer(size + texts[1].length));
+    for (let i = 0; i < size; ++i) words.setUint8(i, texts[0].charCodeAt(i));
+    for (let i = 0; i < texts[1].length; ++i) words.setUint8(size + i, texts[1].charCodeAt(i));
     const word = (i) => words.getUint16(2 * i, true);
-    const loops = [], count = text.length / 2;
+    const loops = [], count = words.byteLength / 2;
     let points = 0;
     for (let i = 0; i < count; i += 3 + 2 * loops[loops.length - 1].count) {
-      loops.push({layer: word(i), count: word(i + 1) + 65536 * word(i + 2), first: points, at: i + 3});
+      loops.push({layer: word(i), count: word(i + 1) + 65536 * word(i + 2), first: points, at: i + 3, support: 2 * i >= size});
       points += loops[loops.length - 1].count;
     }
     const ends = [[65535, 0], [65535, 0]];  // lowest and highest word along x and y
@@ -57,7 +62,7 @@
     corner: {yaw: -0.6, pitch: 0.42}, front: {yaw: 0, pitch: 0},
     side: {yaw: -Math.PI / 2, pitch: 0}, top: {yaw: 0, pitch: Math.PI / 2},
   };
-  const view = {...views.corner, zoom: 1, shift: [0, 0], shown: data.layers.length, chosen: -1};
+  const view = {...views.corner, zoom: 1, shift: [0, 0], shown: data.layers.length, chosen: -1, supports: true};
   let wanted = false;
   const redraw = () => {
     if (wanted) return;
@@ -85,6 +90,8 @@
     const at = Math.min(Math.max(part, 0), 1) * (ramp.length - 1), i = Math.min(Math.floor(at), ramp.length - 2);
     return ramp[i].map((from, k) => Math.round(from + (ramp[i + 1][k] - from) * (at - i)));
   }
+  const supportColor = [168, 150, 196];
+  const causeColors = {island: "#ff4d8d", overhang: "#ffd166", peel: "#5ad1ff"};
   const cssOf = (part) => `rgb(${colorOf(part).join(" ")})`;
   const figure = (value) => value === 0 ? "0" : Math.abs(value) >= 1000 ? value.toFixed(0) : value.toPrecision(3);
 
@@ -137,15 +144,20 @@
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) return null;
     gl.useProgram(program);
     // Each point and the next of its loop; loops come layer by layer.
-    const pairs = new Uint32Array(2 * points), ends = new Array(data.layers.length + 1).fill(0);
+    const pairs = new Uint32Array(2 * points);
+    const ends = [false, true].map(() => new Array(data.layers.length + 1).fill(0));  // of models, of supports
+    const begins = [0, 2 * (loops.find((loop) => loop.support) || {first: points}).first];
     for (const loop of loops) {
       for (let k = 0; k < loop.count; ++k) {
         pairs[2 * (loop.first + k)] = loop.first + k;
         pairs[2 * (loop.first + k) + 1] = loop.first + (k + 1) % loop.count;
       }
-      ends[loop.layer + 1] = 2 * (loop.first + loop.count);
+      ends[Number(loop.support)][loop.layer + 1] = 2 * (loop.first + loop.count);
     }
-    for (let i = 1; i < ends.length; ++i) ends[i] = Math.max(ends[i], ends[i - 1]);
+    ends.forEach((each, kind) => {
+      each[0] = begins[kind];
+      for (let i = 1; i < each.length; ++i) each[i] = Math.max(each[i], each[i - 1]);
+    });
     const attribute = (name, size, type, normalized) => {
       const place = gl.getAttribLocation(program, name);
       gl.enableVertexAttribArray(place);
@@ -166,7 +178,7 @@
       paint(layerParts) {
         const colors = new Uint8Array(3 * points);
         for (const loop of loops) {
-          const color = colorOf(layerParts[loop.layer]);
+          const color = loop.support ? supportColor : colorOf(layerParts[loop.layer]);
           for (let k = 0; k < loop.count; ++k) colors.set(color, 3 * (loop.first + k));
         }
         gl.bufferData(gl.ARRAY_BUFFER, colors, gl.STATIC_DRAW);
@@ -180,7 +192,9 @@
         gl.uniform2f(scale, mm / canvas.width, mm / canvas.height);
         gl.uniform2f(shift, 2 * view.shift[0] / canvas.width, -2 * view.shift[1] / canvas.height);
         gl.uniform1f(size, radius);
-        gl.drawElements(gl.LINES, ends[view.shown], gl.UNSIGNED_INT, 0);
+        for (const kind of view.supports ? [0, 1] : [0]) {
+          gl.drawElements(gl.LINES, ends[kind][view.shown] - begins[kind], gl.UNSIGNED_INT, 4 * begins[kind]);
+        }
       },
     };
   }
@@ -193,6 +207,7 @@
     byId("contours").replaceWith(canvas);
     const context = canvas.getContext("2d");
     let colors = [];
+    const inOrder = [...loops].sort((a, b) => a.layer - b.layer || a.first - b.first);
     return {
       canvas,
       paint(layerParts) { colors = layerParts.map(cssOf); },
@@ -202,14 +217,15 @@
         const step = Math.max(1, Math.ceil(points / (turning ? 60000 : 400000)));
         context.fillStyle = "#10151b";
         context.fillRect(0, 0, canvas.width, canvas.height);
-        let layer = -1;
-        for (const loop of loops) {
+        let layer = -1, support = false;
+        for (const loop of inOrder) {
           if (loop.layer >= view.shown) break;
-          if (loop.layer % step !== 0) continue;
-          if (loop.layer !== layer) {
+          if (loop.layer % step !== 0 || (loop.support && !view.supports)) continue;
+          if (loop.layer !== layer || loop.support !== support) {
             if (layer >= 0) context.stroke();
             layer = loop.layer;
-            context.strokeStyle = colors[layer];
+            support = loop.support;
+            context.strokeStyle = support ? `rgb(${supportColor.join(" ")})` : colors[layer];
             context.beginPath();
           }
           for (let i = 3 * loop.first, end = i + 3 * loop.count; i < end; i += 3) {
@@ -224,7 +240,7 @@
     };
   }
 
-  // --- the marks: the box around the print, and its islands
+  // --- the marks: the box around the print, its islands, where its hollows are widest, and where supports hold it
 
   function drawMarks() {
     const context = marks.getContext("2d"), dot = devicePixelRatio || 1, [w, d, h] = reach;
@@ -249,20 +265,43 @@
     line([-w, d, -h], [-w, -d, -h]);
     line([w, d, -h], [w, d, h], `z ${(2 * h).toFixed(1)} mm`);
     const top = data.heights_mm[view.shown - 1];
-    data.islands.forEach(([, x, y, z], i) => {
+    if (view.supports) drawContacts(context, dot, top);
+    places.forEach(([layer, x, y, z], i) => {
       if (z > top && i !== view.chosen) return;
       const p = project([x - middle[0], y - middle[1], z - middle[2]]);
       const chosen = i === view.chosen;
       context.beginPath();
-      context.arc(p[0], p[1], (chosen ? 10 : data.islands.length > 40 ? 3 : 5) * dot, 0, 2 * Math.PI);
+      context.arc(p[0], p[1], (chosen ? 10 : places.length > 40 ? 3 : 5) * dot, 0, 2 * Math.PI);
       context.lineWidth = (chosen ? 3 : 1.5) * dot;
-      context.strokeStyle = "#ff4d8d";
+      context.strokeStyle = i < data.islands.length ? "#ff4d8d" : "#4db8ff";
       context.stroke();
-      if (chosen || data.islands.length <= 12) {
-        context.fillStyle = "#ff9dc0";
-        context.fillText(`layer ${data.islands[i][0]}`, p[0] + 12 * dot, p[1] + 4 * dot);
+      if (chosen || places.length <= 12) {
+        context.fillStyle = i < data.islands.length ? "#ff9dc0" : "#a8dcff";
+        context.fillText(`layer ${layer}`, p[0] + 12 * dot, p[1] + 4 * dot);
       }
     });
+  }
+
+  // Dots by their cause; a cross where nothing holds.
+  function drawContacts(context, dot, top) {
+    const size = (data.contacts.length > 200 ? 2 : 3) * dot;
+    for (const [cause, x, y, z, , held] of data.contacts) {
+      if (z > top) continue;
+      const [across, down] = project([x - middle[0], y - middle[1], z - middle[2]]);
+      context.fillStyle = context.strokeStyle = causeColors[cause];
+      context.beginPath();
+      if (held) {
+        context.arc(across, down, size, 0, 2 * Math.PI);
+        context.fill();
+        continue;
+      }
+      context.lineWidth = 2 * dot;
+      for (const sign of [1, -1]) {
+        context.moveTo(across - 2 * size, down - 2 * size * sign);
+        context.lineTo(across + 2 * size, down + 2 * size * sign);
+      }
+      context.stroke();
+    }
   }
 
   function draw() {
@@ -342,12 +381,12 @@
   for (const button of document.querySelectorAll("[data-view]")) {
     button.addEventListener("click", () => look(button.dataset.view));
   }
-  for (const row of document.querySelectorAll("[data-island]")) {
+  for (const row of document.querySelectorAll("[data-mark]")) {
     row.addEventListener("click", () => {
-      const island = Number(row.dataset.island);
-      view.chosen = view.chosen === island ? -1 : island;
-      for (const each of document.querySelectorAll("[data-island]")) {
-        each.classList.toggle("chosen", Number(each.dataset.island) === view.chosen);
+      const mark = Number(row.dataset.mark);
+      view.chosen = view.chosen === mark ? -1 : mark;
+      for (const each of document.querySelectorAll("[data-mark]")) {
+        each.classList.toggle("chosen", Number(each.dataset.mark) === view.chosen);
       }
       redraw();
     });
@@ -369,6 +408,13 @@
   data.quantities.forEach((each, i) => quantity.add(new Option(each.name, String(i))));
   quantity.addEventListener("change", () => chooseQuantity(Number(quantity.value)));
 
+  const supports = byId("supports");
+  byId("supports-tool").hidden = data.contacts.length === 0;
+  supports.addEventListener("change", () => {
+    view.supports = supports.checked;
+    redraw();
+  });
+
   const painter = glPainter() || flatPainter();
   new ResizeObserver(() => {
     for (const canvas of [painter.canvas, marks]) {
@@ -379,7 +425,7 @@
   }).observe(stage);
   const step = data.layers.length > 1 ? data.layers[1] - data.layers[0] : 1;
   byId("note").textContent = (step > 1 ? `One layer in ${step}. ` : "") +
-    "Drag turns, wheel zooms, shift-drag moves." + (data.islands.length > 0 ? " Rings: islands." : "");
+    "Drag turns, wheel zooms, shift-drag moves." + (places.length > 0 ? " Rings: islands; blue: suction cups and resin traps." : "");
   chooseQuantity(0);
   showUpTo();
 })();

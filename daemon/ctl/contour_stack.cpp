@@ -38,8 +38,12 @@ Bounds plate_bounds(const ContourEngine& engine, const DisplayGeometry& display)
 
 class Stacker {
  public:
-  Stacker(const ContourEngine& engine, const DisplayGeometry& display) : engine_(engine), display_(display) {
-    const Bounds bounds = plate_bounds(engine, display);
+  Stacker(const StackedPrint& print, const DisplayGeometry& display, std::span<const Nanometers> middles)
+      : engine_(print.engine), supports_(print.supports), display_(display) {
+    Bounds bounds = plate_bounds(engine_, display);
+    // Feet stand wider than anything that stands on them.
+    for (std::size_t i = 0; supports_ != nullptr && i < middles.size(); i += kFeetSteps)
+      include_supports(middles[i], bounds);
     if (bounds.empty()) return;
     stack_.min_x_mm = bounds.min_x;
     stack_.min_y_mm = bounds.min_y;
@@ -55,23 +59,46 @@ class Stacker {
         const std::vector<Point> points = simplified(contours_.points_of(loop), stack_.size_mm * kFinest);
         if (points.size() < 3) continue;
         for (const PixelMap& copy : each.copies)
-          add_loop(points, copy);
+          add_loop(points, copy, stack_.words);
       }
     }
+    if (supports_ != nullptr) add_supports(height);
   }
 
   [[nodiscard]] std::size_t points() const { return points_; }
   [[nodiscard]] ContourStack take() { return std::move(stack_); }
 
  private:
-  void add_loop(std::span<const Point> points, const PixelMap& copy) {
-    add_word(static_cast<std::uint32_t>(stack_.layers.size() - 1));
-    add_word(static_cast<std::uint32_t>(points.size()) & 0xFFFFU);
-    add_word(static_cast<std::uint32_t>(points.size()) >> 16U);
+  // How many layers are passed over where supports are looked at for how far they reach.
+  static constexpr std::size_t kFeetSteps = 8;
+
+  void include_supports(Nanometers height, Bounds& bounds) {
+    supports_->section_at(height, contours_);
+    for (const Point& p : contours_.points) {
+      bounds.min_x = std::min(bounds.min_x, p.x);
+      bounds.max_x = std::max(bounds.max_x, p.x);
+      bounds.min_y = std::min(bounds.min_y, p.y);
+      bounds.max_y = std::max(bounds.max_y, p.y);
+    }
+  }
+
+  void add_supports(Nanometers height) {
+    supports_->section_at(height, contours_);
+    const PixelMap plate = PixelMap::true_scale(display_, {0, 0});
+    for (const ContourLoop& loop : contours_.loops) {
+      const std::vector<Point> points = simplified(contours_.points_of(loop), stack_.size_mm * kFinest);
+      if (points.size() >= 3) add_loop(points, plate, stack_.support_words);
+    }
+  }
+
+  void add_loop(std::span<const Point> points, const PixelMap& copy, std::vector<std::uint8_t>& words) {
+    add_word(static_cast<std::uint32_t>(stack_.layers.size() - 1), words);
+    add_word(static_cast<std::uint32_t>(points.size()) & 0xFFFFU, words);
+    add_word(static_cast<std::uint32_t>(points.size()) >> 16U, words);
     for (const Point& point : points) {
       const Point p = on_plate(display_, copy.to_pixels(point));
-      add_word(quantized(p.x - stack_.min_x_mm));
-      add_word(quantized(p.y - stack_.min_y_mm));
+      add_word(quantized(p.x - stack_.min_x_mm), words);
+      add_word(quantized(p.y - stack_.min_y_mm), words);
     }
     points_ += points.size();
   }
@@ -81,12 +108,13 @@ class Stacker {
     return static_cast<std::uint32_t>(std::lround(std::clamp(part, 0.0, 1.0) * kWordMax));
   }
 
-  void add_word(std::uint32_t word) {
-    stack_.words.push_back(static_cast<std::uint8_t>(word & 0xFFU));
-    stack_.words.push_back(static_cast<std::uint8_t>(word >> 8U));
+  static void add_word(std::uint32_t word, std::vector<std::uint8_t>& words) {
+    words.push_back(static_cast<std::uint8_t>(word & 0xFFU));
+    words.push_back(static_cast<std::uint8_t>(word >> 8U));
   }
 
   const ContourEngine& engine_;
+  const SectionSource* supports_;
   const DisplayGeometry& display_;
   Section section_;
   ContourLinker linker_;
@@ -132,17 +160,16 @@ std::vector<Point> simplified(std::span<const Point> polygon, double tolerance) 
   return points;
 }
 
-ContourStack stack_contours(const ContourEngine& engine, const DisplayGeometry& display,
-                            std::span<const Nanometers> middles, std::int32_t most_layers,
-                            std::size_t most_points) {
+ContourStack stack_contours(const StackedPrint& print, const DisplayGeometry& display,
+                            std::span<const Nanometers> middles, const StackLimits& limits) {
   const auto count = static_cast<std::int32_t>(middles.size());
-  std::int32_t step = std::max(1, (count + most_layers - 1) / most_layers);
+  std::int32_t step = std::max(1, (count + limits.most_layers - 1) / limits.most_layers);
   while (true) {
-    Stacker stacker(engine, display);
-    for (std::int32_t layer = 0; layer < count && stacker.points() <= most_points; layer += step)
+    Stacker stacker(print, display, middles);
+    for (std::int32_t layer = 0; layer < count && stacker.points() <= limits.most_points; layer += step)
       stacker.add_layer(layer, middles[static_cast<std::size_t>(layer)]);
     // Too many: every other one of them. A single layer is as coarse as it gets.
-    if (stacker.points() <= most_points || step >= count) return stacker.take();
+    if (stacker.points() <= limits.most_points || step >= count) return stacker.take();
     step *= 2;
   }
 }

@@ -15,14 +15,23 @@ struct ContourStack {
   // Little-endian words of 16 bits: for each loop its place in `layers`, its number of points (low, high),
   // then x and y of each point. A word w stands for the millimetre min + w / 65535 * size, on the plate.
   std::vector<std::uint8_t> words;
+  std::vector<std::uint8_t> support_words;  // the same of supports
   double min_x_mm = 0, min_y_mm = 0;
   double size_mm = 0;  // along x and y alike
 };
 
-// Of the layers that are cut at these heights: at most `most_points` points, in at most `most_layers` layers.
-[[nodiscard]] ContourStack stack_contours(const ContourEngine& engine, const DisplayGeometry& display,
-                                          std::span<const Nanometers> middles, std::int32_t most_layers,
-                                          std::size_t most_points);
+struct StackedPrint {
+  const ContourEngine& engine;
+  const SectionSource* supports = nullptr;  // if there are any
+};
+struct StackLimits {
+  std::int32_t most_layers = 0;
+  std::size_t most_points = 0;
+};
+
+// Of the layers that are cut at these heights, within the limits.
+[[nodiscard]] ContourStack stack_contours(const StackedPrint& print, const DisplayGeometry& display,
+                                          std::span<const Nanometers> middles, const StackLimits& limits);
 
 // The points without those within `tolerance` of the line between the neighbours that are kept (Douglas and
 // Peucker), for a closed polygon.

@@ -32,11 +32,13 @@
 #include "daemon/ctl/manual_command.hpp"
 #include "daemon/ctl/mask_command.hpp"
 #include "daemon/ctl/offer_command.hpp"
+#include "daemon/ctl/orient_command.hpp"
 #include "daemon/ctl/preview_command.hpp"
 #include "daemon/ctl/queue_command.hpp"
 #include "daemon/ctl/setup_command.hpp"
 #include "daemon/ctl/slice_command.hpp"
 #include "daemon/ctl/submit_command.hpp"
+#include "daemon/ctl/support_command.hpp"
 #include "daemon/ctl/switches_command.hpp"
 #include "daemon/ctl/watch_command.hpp"
 #include "daemon/job_settings.hpp"
@@ -60,6 +62,9 @@ struct SliceWords {
   double grow_um = 0, elephant_foot_um = 0, elephant_foot_height_um = 0, gamma = 1;
   int threshold = 0;
   std::string uniformity_mask;
+  std::string supports = "off";
+  std::optional<double> scale;
+  std::optional<std::string> up;
 };
 
 struct AnalyzeWords {
@@ -68,6 +73,17 @@ struct AnalyzeWords {
   DisplayWords display;
   std::string anti_aliasing = "on";
   std::string html, printer, ticket;
+  std::optional<std::string> supports;
+  std::optional<double> scale;
+  std::optional<std::string> up;
+};
+
+struct SupportWords {
+  DisplayWords display;
+  double layer_height_um = 50;
+  std::optional<double> scale;
+  std::optional<std::string> up;
+  std::string stl;
 };
 
 DisplayGeometry parse_display(const DisplayWords& words) {
@@ -150,7 +166,20 @@ AdaptiveLayers parse_adaptive(const SliceWords& words) {
   return layers;
 }
 
+// As a ticket may have it.
+std::optional<double> parse_scale(const std::optional<double>& scale) {
+  // Not the other way round: nan is none of the two.
+  if (scale && !(*scale >= 0.001 && *scale <= 1000))
+    throw UsageError(fmt::format("--scale {}: expected 0.001 to 1000", *scale));
+  return scale;
+}
+
 SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
+  options.supports = words.supports == "auto";
+  options.scale = parse_scale(words.scale);
+  // A picture that fills the display has no millimetres.
+  if (options.supports && options.fit) throw UsageError("--supports auto does not go with --fit");
+  if (words.up) options.up = parse_up(*words.up);
   options.engine.display = parse_display(words.display);
   options.engine.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
   parse_corrections(options.engine, words);
@@ -184,7 +213,18 @@ SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
 
 constexpr double kLongestLayerS = 3600;
 
+SupportOptions parse_support(SupportOptions options, const SupportWords& words) {
+  if (words.up) options.up = parse_up(*words.up);
+  options.display = parse_display(words.display);
+  options.layer_height = parse_um("--layer-height-um", words.layer_height_um, 1);
+  options.scale = parse_scale(words.scale);
+  set_if_given(options.stl, words.stl);
+  if (options.with_model && !options.stl) throw UsageError("--with-model goes with --stl");
+  return options;
+}
+
 AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeWords& words) {
+  if (words.up) options.up = parse_up(*words.up);
   options.display = parse_display(words.display);
   options.anti_aliasing = parse_anti_aliasing(words.anti_aliasing);
   options.layer_height = parse_um("--layer-height-um", words.layer_height_um, 1);
@@ -193,9 +233,35 @@ AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeWords& words) 
     throw UsageError(fmt::format("--layer-time-s {}: expected 0 to {}", words.layer_time_s, kLongestLayerS));
   options.layer_time =
       std::chrono::duration_cast<Duration>(std::chrono::duration<double>(words.layer_time_s));
+  if (words.supports) options.supports = *words.supports == "auto" ? SupportPolicy::Auto : SupportPolicy::Off;
+  options.scale = parse_scale(words.scale);
   set_if_given(options.html, words.html);
   set_if_given(options.printer, words.printer);
   set_if_given(options.ticket, words.ticket);
+  return options;
+}
+
+// What the user typed for orient.
+struct OrientWords {
+  std::string preset = "auto";
+  std::string printer, resin, html, pictures;
+};
+
+OrientOptions parse_orient(OrientOptions options, const OrientWords& words) {
+  options.preset = orientation_preset(words.preset).value_or(OrientationPreset::Auto);
+  // As a ticket may have it. Not the other way round: nan is none of the two.
+  if (options.scale && !(*options.scale >= 0.001 && *options.scale <= 1000))
+    throw UsageError(fmt::format("--scale {}: expected 0.001 to 1000", *options.scale));
+  if (options.force && words.pictures.empty()) throw UsageError("--force goes with --pictures");
+  set_if_given(options.printer, words.printer);
+  set_if_given(options.resin, words.resin);
+  set_if_given(options.html, words.html);
+  set_if_given(options.pictures, words.pictures);
+  return options;
+}
+
+SubmitOptions parse_submit(SubmitOptions options, const std::optional<std::string>& up) {
+  if (up) options.up = parse_up(*up);
   return options;
 }
 
@@ -266,6 +332,7 @@ nlohmann::ordered_json place_in_queue(const QueueWords& words) {
 // What the user typed for the commands that put models into the spool.
 struct SpoolWords {
   SubmitOptions submit;
+  std::optional<std::string> up;
   OfferOptions offer;
 };
 
@@ -294,7 +361,7 @@ std::string help_of_command(const CLI::App& program, std::span<const std::string
   return command->help(before);
 }
 
-// The commands, their options, and which of them was chosen.
+// The commands, their options, and which of them was chosen. It has many functions: one for each command.
 class CommandLine {
  public:
   CommandLine() {
@@ -305,6 +372,8 @@ class CommandLine {
     add_inspect();
     add_slice();
     add_analyze();
+    add_support();
+    add_orient();
     add_preview();
     add_mask();
     add_submit();
@@ -360,6 +429,7 @@ class CommandLine {
       return command->add_option(name, word, help)->check(kNotEmpty)->capture_default_str();
     };
     add("--z", words_.z_mm, "Height of the cut, mm, in the file's coordinates");
+    add("--up", words_.up, "What points up: X,Y,Z in the model's coordinates; or auto, fast, clean, safe");
     add("--layer-height-um", words_.layer_height_um, "Layer height, um");
     CLI::Option* cusp = add("--cusp-um", words_.cusp_um,
                             "Adaptive layers: how far a layer's edge may stand off the surface, um");
@@ -378,6 +448,9 @@ class CommandLine {
     add("--elephant-foot-height-um", words_.elephant_foot_height_um, "Height over which that fades, um");
     add("--uniformity-mask,--lamp-mask", words_.uniformity_mask,
         "Multiply the masks by this PNG file, 8-bit grey, 255 leaves as it is (--lamp-mask: its old name)");
+    add("--supports", words_.supports, "Hold what hangs in the air: auto or off")
+        ->check(CLI::IsMember({"auto", "off"}));
+    add("--scale", words_.scale, "Factor on the model's size");
     add("--gamma", words_.gamma, "Gamma of the projector, which the masks undo");
     add("--threshold", words_.threshold, "Leave grey below this dark");
     command->add_flag("--force", slice_.force,
@@ -400,18 +473,61 @@ class CommandLine {
     command->add_option("--ticket", analyze_words_.ticket, "The job's ticket, with --printer")
         ->check(kNotEmpty)
         ->needs(printer);
+    command
+        ->add_option("--supports", analyze_words_.supports,
+                     "Hold what hangs in the air: auto or off; as the printer does, or off, without it")
+        ->check(CLI::IsMember({"auto", "off"}));
+    command->add_option("--scale", analyze_words_.scale, "Factor on the model's size")->check(kNotEmpty);
     const auto add = [&](const char* name, auto& word, const char* help) {
       return command->add_option(name, word, help)
           ->check(kNotEmpty)
           ->capture_default_str()
           ->excludes(printer);
     };
+    add("--up", analyze_words_.up,
+        "What points up: X,Y,Z in the model's coordinates; or auto, fast, clean, safe");
     add("--layer-height-um", analyze_words_.layer_height_um, "Layer height, um");
     add("--layer-time-s", analyze_words_.layer_time_s, "What a layer takes on the printer, s");
     add("--display", analyze_words_.display.display, "Pixels, WIDTHxHEIGHT");
     add("--pixel-pitch-um", analyze_words_.display.pixel_pitch_um, "Side of a pixel on the plate, um");
     add("--aa", analyze_words_.anti_aliasing, "Anti-aliasing: grey masks by area coverage, or 1-bit")
         ->check(CLI::IsMember({"on", "off"}));
+  }
+
+  void add_support() {
+    CLI::App* command = add_command("support", "Say what of a model has to be held, and what holds it",
+                                    [this] { return support(parse_support(support_, support_words_)); });
+    command->add_option("MODEL", support_.model, "A model's file")->required();
+    const auto add = [command](const char* name, auto& word, const char* help) {
+      return command->add_option(name, word, help)->check(kNotEmpty)->capture_default_str();
+    };
+    add("--stl", support_words_.stl, "Write the supports to this STL file, for other programs");
+    command->add_flag("--with-model", support_.with_model, "The model too, as it stands on them");
+    add("--scale", support_words_.scale, "Factor on the model's size");
+    add("--up", support_words_.up,
+        "What points up: X,Y,Z in the model's coordinates; or auto, fast, clean, safe");
+    add("--layer-height-um", support_words_.layer_height_um, "The model is lifted by whole layers, um");
+    add("--display", support_words_.display.display, "Pixels, WIDTHxHEIGHT: the build area");
+    add("--pixel-pitch-um", support_words_.display.pixel_pitch_um, "Side of a pixel on the plate, um");
+    command->add_flag("--json", support_.json, "Print JSON");
+  }
+
+  void add_orient() {
+    CLI::App* command = add_command("orient", "Say which way up a model prints best, and what else there is",
+                                    [this] { return orient(parse_orient(orient_, orient_words_)); });
+    command->add_option("MODEL", orient_.model, "A model's file")->required();
+    const auto add = [command](const char* name, auto& word, const char* help) {
+      return command->add_option(name, word, help)->check(kNotEmpty)->capture_default_str();
+    };
+    add("--preset", orient_words_.preset, "What counts: auto (the resin's weights), fast, clean or safe")
+        ->check(CLI::IsMember({"auto", "fast", "clean", "safe"}));
+    add("--scale", orient_.scale, "Factor on the model's size");
+    add("--printer", orient_words_.printer, "As contourd with this configuration prints it");
+    add("--profile", orient_words_.resin, "A resin's profile, in the place of the printer's");
+    add("--html", orient_words_.html, "Write a page with pictures");
+    add("--pictures", orient_words_.pictures, "Write a picture of each as PNG to this folder: 0001.png ...");
+    command->add_flag("--force", orient_.force, "Replace the pictures of an earlier one in that folder");
+    command->add_flag("--json", orient_.json, "Print JSON");
   }
 
   void add_mask() {
@@ -443,8 +559,9 @@ class CommandLine {
   }
 
   void add_submit() {
-    CLI::App* command =
-        add_command("submit", "Put models into the queue", [this] { return submit(client_, spool_.submit); });
+    CLI::App* command = add_command("submit", "Put models into the queue", [this] {
+      return submit(client_, parse_submit(spool_.submit, spool_.up));
+    });
     command->add_option("FILE", spool_.submit.models, "Models' files")->required();
     CLI::Option* ticket =
         command->add_option("--ticket", spool_.submit.ticket, "Their ticket")->check(kNotEmpty);
@@ -460,9 +577,11 @@ class CommandLine {
     add("--settle-ms", spool_.submit.settle_ms, "Wait before the light, ms; the same");
     add("--rest-ms", spool_.submit.rest_ms, "Wait after the light, ms; the same");
     add("--copies", spool_.submit.copies, "How many of each model");
-    add("--up", spool_.submit.up, "What points up: X,Y,Z in the model's coordinates")
-        ->delimiter(',')
-        ->expected(3);
+    add("--up", spool_.up, "What points up: X,Y,Z in the model's coordinates; or auto, fast, clean, safe")
+        ->check(kNotEmpty);
+    add("--supports", spool_.submit.supports,
+        "Hold what hangs in the air: auto or off; as the printer does without it")
+        ->check(CLI::IsMember({"auto", "off"}));
     CLI::Option* scale = add("--scale", spool_.submit.scale, "Factor on the model's size");
     command->add_flag("--fit", spool_.submit.fit, "Fill the display")->excludes(ticket)->excludes(scale);
     command
@@ -759,7 +878,11 @@ class CommandLine {
   SliceOptions slice_;
   AnalyzeOptions analyze_;
   AnalyzeWords analyze_words_;
+  SupportOptions support_;
+  SupportWords support_words_;
   SliceWords words_;
+  OrientOptions orient_;
+  OrientWords orient_words_;
   PreviewOptions preview_;
   SpoolWords spool_;
   ManualWords manual_;

@@ -36,9 +36,15 @@ void look_at_model(const std::filesystem::path& path) {
   }
 }
 
-PreparedJob prepare_model(const JobFiles& files, const PrinterConfig& printer) {
+PreparedJob prepare_model(const JobFiles& files, const PrinterConfig& printer, const AskedOfJob& asked) {
   try {
-    return prepare_job(files, read_settings(files, printer), printer);
+    JobSettings settings = read_settings(files, printer);
+    if (asked.supports) settings.supports = *asked.supports;
+    if (asked.scale) {
+      settings.ticket.models.front().scale = Scale{*asked.scale};
+      settings.ticket.models.front().fit = false;
+    }
+    return prepare_job(files, settings, printer);
   } catch (const ProfileTrouble& trouble) {
     if (trouble.fault() == ProfileTrouble::Fault::Profile) throw;
     throw ModelError(files.model.string() + ": " + trouble.what());

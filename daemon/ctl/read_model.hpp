@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "core/model/model.hpp"
 #include "daemon/print_job.hpp"
@@ -14,9 +15,16 @@ namespace contourd::ctl {
 // Throws as that does, as far as the file's beginning shows what is wrong.
 void look_at_model(const std::filesystem::path& path);
 
+// What is asked for beside a job's ticket.
+struct AskedOfJob {
+  std::optional<SupportPolicy> supports{};
+  std::optional<double> scale{};  // in the place of the ticket's
+};
+
 // As contourd with that configuration makes it ready to be printed, by its ticket if it has one. Throws
 // ModelError with what is wrong with the job, its ticket included, and ProfileTrouble with what is wrong with
 // the printer's own resin.
-[[nodiscard]] PreparedJob prepare_model(const JobFiles& files, const PrinterConfig& printer);
+[[nodiscard]] PreparedJob prepare_model(const JobFiles& files, const PrinterConfig& printer,
+                                        const AskedOfJob& asked = {});
 
 }  // namespace contourd::ctl

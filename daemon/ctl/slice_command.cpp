@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "core/contour/filled_area.hpp"
 #include "core/engine/contour_engine.hpp"
@@ -15,12 +16,15 @@
 #include "core/layers/layer_statistics.hpp"
 #include "core/layers/print_layers.hpp"
 #include "daemon/ctl/exit_codes.hpp"
+#include "daemon/ctl/held_model.hpp"
 #include "daemon/ctl/layer_folder.hpp"
 #include "daemon/ctl/mask_files.hpp"
 #include "daemon/ctl/read_model.hpp"
 #include "daemon/ctl/slice_files.hpp"
 #include "daemon/ctl/statistics_text.hpp"
+#include "daemon/ctl/turned_facets.hpp"
 #include "daemon/mesh_repair_text.hpp"
+#include "daemon/supports_text.hpp"
 #include "hw/png_file.hpp"
 
 namespace contourd::ctl {
@@ -38,9 +42,12 @@ PixelMap map_for(const SliceOptions& options, const Bounds& bounds) {
                      : PixelMap::true_scale(options.engine.display, bounds.center());
 }
 
-ContourEngine engine_for(std::shared_ptr<const HeightIndex> model, const SliceOptions& options) {
-  const PixelMap map = map_for(options, model->bounds());
-  return ContourEngine({PlateModel{{std::move(model)}, {map}}}, options.engine);
+HeldModel stand(const std::shared_ptr<const HeightIndex>& model, const SliceOptions& options) {
+  if (!options.supports) return lay_on_plate(model, map_for(options, model->bounds()));
+  HoldingOptions holding{.display = options.engine.display};
+  if (options.layer_height) holding.layer = *options.layer_height;
+  if (options.adaptive) holding.layer = options.adaptive->thickest;
+  return hold_model(model, holding);
 }
 
 Mask read_uniformity_mask(const std::filesystem::path& path, const DisplayGeometry& display) {
@@ -75,7 +82,16 @@ Json cracks_json(const LayerCracks& cracks) {
           {"widest_gap_mm", cracks.widest_gap.count()}};
 }
 
-int slice_at_height(const SliceOptions& options, const std::shared_ptr<const HeightIndex>& model) {
+// Of the whole print, where there are any.
+void add_supports(const HeldModel& held, Json& json) {
+  if (held.supports) json["supports"] = supports_summary_json(counts_of(*held.supports));
+}
+void print_supports(const HeldModel& held) {
+  if (held.supports) fmt::print("supports     {}\n", supports_line(counts_of(*held.supports)));
+}
+
+int slice_at_height(const SliceOptions& options, const HeldModel& held) {
+  const std::shared_ptr<const HeightIndex>& model = held.model.model;
   const Millimeters z = *options.z;
   Section section;
   slice_at(*model, z, section);
@@ -85,7 +101,7 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
   const double perimeter = perimeter_mm(contours);
   if (options.mask) {
     warn_if_larger_than_display(options, model->bounds());
-    write_mask(*options.mask, engine_for(model, options).mask_at_z(z));
+    write_mask(*options.mask, held.engine(options.engine).mask_at_z(z));
   }
   if (options.json) {
     Json json{{"z_mm", z.count()},
@@ -95,6 +111,7 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
     json.update(cracks_json(contours.cracks));
     json["area_mm2"] = area;
     json["perimeter_mm"] = perimeter;
+    add_supports(held, json);
     fmt::print("{}\n", json.dump(2));
     return kOk;
   }
@@ -104,6 +121,7 @@ int slice_at_height(const SliceOptions& options, const std::shared_ptr<const Hei
              contours.cracks.open_chains, contours.cracks.turned_chains, contours.cracks.gaps_closed,
              contours.cracks.widest_gap.count());
   fmt::print("area         {:.6g} mm2\nperimeter    {:.6g} mm\n", area, perimeter);
+  print_supports(held);
   return kOk;
 }
 
@@ -178,7 +196,8 @@ Json cracked_layers_json(std::span<const LayerCracks> layers) {
   return list;
 }
 
-void report_measurements(const SliceOptions& options, std::size_t facets, const MeasuredLayers& measured) {
+void report_measurements(const SliceOptions& options, const HeldModel& held, const MeasuredLayers& measured) {
+  const std::size_t facets = held.model.model->facets().size();
   const auto& measurements = measured.measurements;
   const LayerStatistics statistics = statistics_of(measurements);
   if (options.csv) {
@@ -188,18 +207,22 @@ void report_measurements(const SliceOptions& options, std::size_t facets, const 
     write_statistics(summary, statistics);
   }
   if (!options.json) {
-    fmt::print("facets {}, layers {}\n\n", facets, measurements.size());
+    fmt::print("facets {}, layers {}\n", facets, measurements.size());
+    print_supports(held);
+    fmt::print("\n");
     return print_statistics(statistics);
   }
   Json json{{"facets", facets}, {"layers", measurements.size()}};
   json.update(statistics_json(statistics));
   json.update(cracks_json(total_of(measured.cracks)));
   json["cracked_layer_list"] = cracked_layers_json(measured.cracks);
+  add_supports(held, json);
   fmt::print("{}\n", json.dump(2));
 }
 
-int slice_layers(const SliceOptions& options, const std::shared_ptr<const HeightIndex>& model) {
-  const StandingModel standing{model};
+int slice_layers(const SliceOptions& options, const HeldModel& held) {
+  const StandingModel& standing = held.model;
+  const std::shared_ptr<const HeightIndex>& model = standing.model;
   const std::vector<Nanometers> layers = layer_middles(options, standing);
   if (layers.empty()) {
     throw ModelError(fmt::format("{}: the model is {:.6g} mm high, too thin for a layer",
@@ -212,12 +235,12 @@ int slice_layers(const SliceOptions& options, const std::shared_ptr<const Height
   std::vector<LayerCracks> cracks;
   if (options.csv || options.contours || options.json || !options.masks) {
     MeasuredLayers measured = measure_layers(options, standing, layers);
-    report_measurements(options, model->facets().size(), measured);
+    report_measurements(options, held, measured);
     cracks = std::move(measured.cracks);
   }
   if (options.masks) {
     warn_if_larger_than_display(options, model->bounds());
-    cracks = write_masks(*options.masks, layers, [&] { return engine_for(model, options); });
+    cracks = write_masks(*options.masks, layers, [&] { return held.engine(options.engine); });
   }
   warn_if_cracked(cracks);
   return kOk;
@@ -228,11 +251,16 @@ int slice_layers(const SliceOptions& options, const std::shared_ptr<const Height
 int slice(SliceOptions options) {
   if (options.uniformity)
     options.engine.uniformity = read_uniformity_mask(*options.uniformity, options.engine.display);
-  const auto model = std::make_shared<const HeightIndex>(read_model(options.model).facets);
+  std::vector<Facet> facets = read_model(options.model).facets;
+  turn_facets(facets, options.up, options.scale.value_or(1));
+  scale_facets(facets, options.scale);
+  const auto model = std::make_shared<const HeightIndex>(std::move(facets));
   if (model->turned_outwards()) fmt::print(stderr, "contourctl: warning: {}\n", kTurnedOutwardsWarning);
   if (model->repairs() != MeshRepairs{})
     fmt::print(stderr, "contourctl: warning: {}\n", repair_warning(model->repairs()));
-  return options.z ? slice_at_height(options, model) : slice_layers(options, model);
+  const HeldModel held = stand(model, options);
+  warn_of_unheld(held);
+  return options.z ? slice_at_height(options, held) : slice_layers(options, held);
 }
 
 }  // namespace contourd::ctl

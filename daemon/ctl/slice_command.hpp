@@ -7,6 +7,7 @@
 
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/adaptive_layers.hpp"
+#include "daemon/ctl/up_option.hpp"
 
 namespace contourd::ctl {
 
@@ -19,8 +20,12 @@ struct SliceOptions {
   std::optional<Nanometers> layer_height;
   std::optional<AdaptiveLayers> adaptive;
 
+  std::optional<UpOption> up;  // before all else; a z is the turned model's then
+
   EngineSettings engine;
   bool fit = false;
+  bool supports = false;        // layers count from the plate then, and --z stays the file's
+  std::optional<double> scale;  // factor on the model's size
   std::optional<std::filesystem::path> uniformity;  // to be read into engine.uniformity
 
   std::optional<std::filesystem::path> mask;      // one PNG, with z

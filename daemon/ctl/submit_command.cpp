@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <system_error>
+#include <variant>
 
 #include "core/formats/model_reader.hpp"
 #include "daemon/config/config_error.hpp"
@@ -28,6 +29,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+Json up_json(const UpOption& up) {
+  if (const auto* const preset = std::get_if<OrientationPreset>(&up)) return name_of(*preset);
+  const auto& direction = std::get<Direction>(up);
+  return {{"x", direction.x}, {"y", direction.y}, {"z", direction.z}};
+}
+
 // As text; empty when there is none.
 std::string ticket_of(const SubmitOptions& options) {
   if (options.ticket) {
@@ -42,7 +49,8 @@ std::string ticket_of(const SubmitOptions& options) {
         std::pair("bottom_exposure_ms", options.bottom_exposure_ms), std::pair("lift_mm", options.lift_mm),
         std::pair("settle_ms", options.settle_ms), std::pair("rest_ms", options.rest_ms)})
     if (value) ticket[key] = *value;
-  if (!options.up.empty()) ticket["up"] = {{"x", options.up[0]}, {"y", options.up[1]}, {"z", options.up[2]}};
+  if (options.up) ticket["up"] = up_json(*options.up);
+  if (options.supports) ticket["supports"] = *options.supports;
   if (options.scale) ticket["scale"] = *options.scale;
   if (options.fit) ticket["fit"] = true;
   if (options.copies) ticket["copies"] = *options.copies;

@@ -9,17 +9,18 @@
 #include <vector>
 
 #include "daemon/ctl/client.hpp"
+#include "daemon/ctl/up_option.hpp"
 
 namespace contourd::ctl {
 
 struct SubmitOptions {
   std::vector<std::filesystem::path> models;
   // The tickets' keys of these names (config/ticket.schema.json); what is not given is not in the ticket.
-  std::optional<std::string> resin;
+  std::optional<std::string> resin, supports;
   std::optional<double> layer_height_um, scale;
   std::optional<double> exposure_ms, bottom_exposure_ms, lift_mm, settle_ms, rest_ms;
   std::optional<int> copies;
-  std::vector<double> up;  // x, y, z; or none
+  std::optional<UpOption> up;
   bool fit = false;
   // In the place of all these.
   std::optional<std::filesystem::path> ticket;

@@ -18,8 +18,10 @@
 #include "daemon/job_outlook.hpp"
 #include "daemon/job_screening.hpp"
 #include "daemon/job_settings.hpp"
+#include "daemon/layer_durations.hpp"
 #include "daemon/print_job.hpp"
 #include "daemon/readable.hpp"
+#include "daemon/supports_text.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -41,7 +43,7 @@ class Look {
 
   ModelOutlook at(const fs::path& model) {
     outlook_ = {{}, Json::object(), false};
-    for (const char* key : {"layers", "print_time_s", "resin_ml", "resin"})
+    for (const char* key : {"layers", "print_time_s", "resin_ml", "resin", "supports"})
       outlook_.json[key] = nullptr;
     outlook_.json["warnings"] = Json::array();
     outlook_.json["asks"] = Json::array();
@@ -73,6 +75,8 @@ class Look {
     outlook_.json["layers"] = job.summary.layers.count;
     outlook_.json["print_time_s"] = std::chrono::duration<double>(time).count();
     outlook_.json["resin"] = job.summary.resin.name;
+    if (job.summary.supports)
+      outlook_.json["supports"] = supports_summary_json(counts_of(*job.summary.supports));
     const std::string text = fmt::format("{} layer{} in {}", job.summary.layers.count,
                                          job.summary.layers.count == 1 ? "" : "s", readable(time));
     const std::optional<JobScreening> screening = screening_within(job, durations);
@@ -84,14 +88,16 @@ class Look {
           fmt::format("not all layers were looked through in {:.0f} s", milliseconds(kLongestLook) / 1000);
       return note(outlook_.json["unknown"].get<std::string>());
     }
-    outlook_.json["resin_ml"] = screening->resin_ml;
-    tell(model,
-         fmt::format("{}, {:.2f} ml of {}", text, screening->resin_ml, printable(job.summary.resin.name)));
+    outlook_.json["resin_ml"] = screening->resin_ml.value();
+    tell(model, fmt::format("{}, {:.2f} ml of {}", text, screening->resin_ml.value(),
+                            printable(job.summary.resin.name)));
+    if (job.summary.supports && counts_of(*job.summary.supports).any())
+      note("supports: " + supports_line(counts_of(*job.summary.supports)));
     for (const std::string& warning : screening->warnings)
       warn(warning);
     const std::vector<std::string> asked = asked_findings(*screening, *printer_.config);
     outlook_.json["asks"] = asked;
-    if (!asked.empty() && !printer_.config->ask_before.empty())
+    if (!asked.empty())
       note(fmt::format("the printer will ask before it prints this: {}", findings_text(asked)));
   }
 

@@ -61,6 +61,8 @@ inline constexpr std::uint64_t kSeed = 2019;  // of random heights
 [[nodiscard]] std::vector<Row> print_rows(const Bench& bench);
 // mask_rows.cpp: one mask, at random and rising heights.
 [[nodiscard]] std::vector<Row> mask_rows(const Bench& bench);
+// support_rows.cpp: what supports add to a mask.
+[[nodiscard]] std::vector<Row> support_rows(const Bench& bench);
 // load_rows.cpp: from a file to the first mask; reading; memory.
 [[nodiscard]] std::vector<Row> load_rows(const Bench& bench);
 // The child's part of it: prints the peak memory of this process after a model's first mask.

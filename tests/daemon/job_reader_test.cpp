@@ -150,6 +150,38 @@ TEST_CASE("Jobs are read in the order in which they were given") {
   CHECK(order == std::vector<std::string>{"a.stl", "b.stl"});
 }
 
+TEST_CASE("A check is given up for the job whose turn has come, and for one that is forgotten") {
+  Started desk;
+  desk.put(Spool::Folder::Incoming, "part.stl");
+  desk.put(Spool::Folder::Printing, "next.stl");
+  std::optional<CheckedJob> found;
+  // The first keeps the reader's thread busy until the other is ordered, and given up.
+  models::write_binary_stl(desk.spool.folder(Spool::Folder::Incoming) / "large.stl", models::sphere(20, 300));
+  desk.reader->check("large.stl", JobReader::Keep::Nothing, [](const auto&) {});
+  desk.reader->check("part.stl", JobReader::Keep::Nothing, [&](const CheckedJob& said) { found = said; });
+  SECTION("a turn") {
+    desk.reader->read(desk.spool.files_of(Spool::Folder::Printing, "next.stl"), std::nullopt,
+                      [](const auto&) {});
+  }
+  SECTION("a forgotten one") {
+    desk.reader->forget("part.stl");
+  }
+  REQUIRE(desk.run_until([&] { return found.has_value(); }));
+  CHECK(std::holds_alternative<ReadingGivenUp>(*found));
+}
+
+TEST_CASE("A job that is read for its turn is given up in its search for supports") {
+  Started desk;
+  desk.config.supports = SupportPolicy::Auto;
+  models::write_binary_stl(desk.spool.folder(Spool::Folder::Printing) / "ball.stl", models::sphere(5, 60));
+  std::optional<bool> given_up;
+  desk.reader->read(desk.spool.files_of(Spool::Folder::Printing, "ball.stl"), std::nullopt,
+                    [&](const ReadJob& job) { given_up = std::holds_alternative<ReadingGivenUp>(job); });
+  desk.reader->give_up_reading();
+  REQUIRE(desk.run_until([&] { return given_up.has_value(); }));
+  CHECK(*given_up);
+}
+
 TEST_CASE("The text of a refusal is bounded and fit for a terminal, and keeps its lines") {
   CHECK(refusal_text("one\ntwo\x1b[2J") == "one\ntwo?[2J");
   CHECK(refusal_text(std::string(100'000, 'x')).size() < 10'000);
@@ -164,7 +196,7 @@ JobScreened screened(
   desk.reader->screen(file, JobReader::Keep::Nothing, [&](const JobScreened& said) { found = said; });
   before();
   CHECK(desk.run_until([&] { return found.has_value(); }));
-  return found.value_or(JobScreened{ScreeningGivenUp{}});
+  return found.value_or(JobScreened{ReadingGivenUp{}});
 }
 
 }  // namespace
@@ -200,10 +232,10 @@ TEST_CASE("A job whose turn has come, and one that is forgotten, end a look thro
       desk.reader->read(desk.spool.files_of(Spool::Folder::Printing, "next.stl"), std::nullopt,
                         [](const auto&) {});
     });
-    CHECK(std::holds_alternative<ScreeningGivenUp>(found));
+    CHECK(std::holds_alternative<ReadingGivenUp>(found));
   }
   SECTION("a forgotten one") {
     const JobScreened found = screened(desk, "part.stl", [&] { desk.reader->forget("part.stl"); });
-    CHECK(std::holds_alternative<ScreeningGivenUp>(found));
+    CHECK(std::holds_alternative<ReadingGivenUp>(found));
   }
 }

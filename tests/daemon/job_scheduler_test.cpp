@@ -42,6 +42,16 @@ class Desk : public testing::PrinterFixture {
   QueueHold hold{
       context, spool, {.light_may_be_on = [this] { return lit; }, .retry = [this] { scheduler.run(); }}};
   bool asking;
+  std::function<void(const CheckedJob&)> check_done;  // ends the last check
+  // What a check finds in the job as it is now.
+  [[nodiscard]] JobOutlook unheld(const std::string& file) const {
+    const JobFiles files = spool.files_of(Spool::Folder::Incoming, file);
+    JobOutlook outlook;
+    outlook.question = ScreenedJob{{.resin_ml = {}, .findings = {"unheld_places"}, .warnings = {}},
+                                   content_mark(files),
+                                   read_settings(files, config)};
+    return outlook;
+  }
   std::vector<std::function<void(const JobScreened&)>> screenings;  // under way, by when they were begun
   // The last one ends: the job as it is now has these.
   void find(const std::string& file, const Names& findings) {
@@ -54,7 +64,8 @@ class Desk : public testing::PrinterFixture {
     PrintQueue::Calls calls{.check =
                                 [this](const std::string& file, JobReader::Keep, const auto& done) {
                                   checked.push_back(file);
-                                  if (asking) done(JobOutlook{});
+                                  if (asking) return done(JobOutlook{});
+                                  check_done = done;
                                 },
                             .forget = [](const std::string&) {},
                             .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
@@ -62,13 +73,13 @@ class Desk : public testing::PrinterFixture {
                             .refused = [](const std::string&, const std::string&) {},
                             .removed = [](const std::string&, const std::string&) {},
                             .keep_order = [](const QueueOrder::Names&, const auto&) {}};
+    calls.questions.changed = [] {};
+    calls.questions.asked = [](const JobScreening& screening) { return screening.findings; };
+    calls.questions.keep_accepted = [](const Acceptances::Lines&, const auto& done) { done(""); };
     if (!asking) return calls;
     calls.questions.screen = [this](const std::string&, JobReader::Keep, const auto& done) {
       screenings.push_back(done);
     };
-    calls.questions.changed = [] {};
-    calls.questions.asked = [](const JobScreening& screening) { return screening.findings; };
-    calls.questions.keep_accepted = [](const Acceptances::Lines&, const auto& done) { done(""); };
     return calls;
   }
   PrintQueue queue{log.log, queue_calls()};
@@ -97,6 +108,38 @@ TEST_CASE("A job that arrives at an idle printer begins at once, in printing/ an
   CHECK(desk.jobs[0].settings);
   CHECK(desk.scheduler.waiting_for().empty());
   CHECK(desk.checked.empty());
+}
+
+TEST_CASE("A job with supports is checked before it begins, since its owner may have to be asked") {
+  Desk desk;
+  desk.config.supports = SupportPolicy::Auto;
+  desk.arrive("part.stl");
+  CHECK(desk.begun().empty());
+  REQUIRE(desk.checked == Names{"part.stl"});
+  CHECK(desk.has("incoming/part.stl"));
+  SECTION("it is held") {
+    desk.check_done(JobOutlook{});
+    CHECK(desk.begun() == Names{"part"});
+    CHECK_FALSE(desk.jobs[0].unheld_accepted);
+  }
+  SECTION("what cannot be held is accepted") {
+    desk.check_done(desk.unheld("part.stl"));
+    CHECK(desk.begun().empty());
+    desk.arrive("other.stl");
+    desk.check_done(JobOutlook{});
+    CHECK(desk.begun() == Names{"other"});
+    desk.queue.accept("part.stl", "user me");
+    desk.end_job();
+    REQUIRE(desk.begun() == Names{"other", "part"});
+    CHECK(desk.jobs[1].unheld_accepted);
+  }
+  SECTION("what was accepted is not what lies there when its turn comes") {
+    desk.check_done(desk.unheld("part.stl"));
+    desk.put_text(Spool::Folder::Incoming, "part.json", "{}");
+    desk.queue.accept("part.stl", "user me");
+    CHECK(desk.begun().empty());
+    CHECK(desk.run_until([&] { return desk.checked == Names{"part.stl", "part.stl"}; }));
+  }
 }
 
 TEST_CASE("One job begins after the other, in their order") {

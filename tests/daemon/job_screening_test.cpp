@@ -47,6 +47,21 @@ TEST_CASE("A sound job has no finding") {
   CHECK(screening.resin_ml == Approx(1));
 }
 
+TEST_CASE("Places that cannot be held are asked about whatever the printer's file names") {
+  Job job;
+  job.summary.supports.emplace().unheld = {{{{1, 2, 3}, {0, 0, -1}, ContactCause::Island, 0.5}, "no way"}};
+  const JobScreening screening = job.screening();
+  CHECK(screening.findings == Names{"unheld_places"});
+  CHECK(asked_findings(screening, printer_that_asks({})) == Names{"unheld_places"});
+  const auto without_masks = screening_of_preparation(job.summary);
+  REQUIRE(without_masks);
+  CHECK(without_masks->findings == Names{"unheld_places"});
+  CHECK_FALSE(without_masks->resin_ml);
+  job.summary.supports->unheld.clear();
+  CHECK(job.screening().findings.empty());
+  CHECK_FALSE(screening_of_preparation(job.summary));
+}
+
 TEST_CASE("Each finding has its name, and its sentence is among the warnings") {
   Job job;
   SECTION("islands") {
@@ -54,6 +69,18 @@ TEST_CASE("Each finding has its name, and its sentence is among the warnings") {
     job.findings.islands = {{1, {1, 2}, {0, 0}, 2}};
     CHECK(job.screening().findings == Names{"islands"});
     CHECK(warns(job.screening(), "island"));
+  }
+  SECTION("suction cups") {
+    job.findings.suction_cup_count = 1;
+    job.findings.suction_cups = {{0, 9, 4, {1, 2}, {0, 0}, 81, 800, false}};
+    CHECK(job.screening().findings == Names{"suction_cups"});
+    CHECK(warns(job.screening(), "suction cup"));
+  }
+  SECTION("resin traps") {
+    job.findings.resin_trap_count = 1;
+    job.findings.resin_traps = {{0, 9, 4, {1, 2}, {0, 0}, 81, 800, false}};
+    CHECK(job.screening().findings == Names{"resin_traps"});
+    CHECK(warns(job.screening(), "closed hollow"));
   }
   SECTION("a first layer that is tiny") {
     job.findings.area_mm2[0] = 0.49;

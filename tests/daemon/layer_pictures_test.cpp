@@ -112,11 +112,14 @@ TEST_CASE("The box is around all copies with some room, and within the display")
   CHECK(box_around(engine.models(), Pixels{30}, Pixels{20}) == PixelBox{11, 8, 30, 20});
 }
 
-TEST_CASE("A picture is the mask that was shown, in that box, with the islands that begin there") {
+TEST_CASE(
+    "A picture is the mask that was shown, in that box, with the islands that begin there and the hollows") {
   PrintReport report = printed(3);
   report.findings.emplace().area_mm2.assign(3, 6);
   report.findings->islands = {{1, {20, 30}, {0, 0}, 3}};
   report.findings->island_count = 1;
+  report.findings->suction_cups = {{0, 2, 2, {20, 30}, {0, 0}, 3, 5, false}};
+  report.findings->resin_traps = {{0, 2, 0, {21, 31}, {0, 0}, 3, 5, false}};
   ContourEngine engine = engine_of_a_box();
   const auto pictures = draw_layer_pictures(report, engine, MaskBudget::Clock::now() + 1h);
   REQUIRE(pictures.size() == 3);
@@ -139,6 +142,11 @@ TEST_CASE("A picture is the mask that was shown, in that box, with the islands t
   CHECK(pictures[1].islands[0].middle.y == 22);
   CHECK(pictures[1].islands[0].radius > 10);  // of 300 pixels
   CHECK(pictures[0].islands.empty());
+  CHECK(pictures[0].voids.size() == 1);
+  CHECK(pictures[1].voids.empty());
+  REQUIRE(pictures[2].voids.size() == 1);
+  CHECK(pictures[2].voids[0].middle.x == 9);
+  CHECK(pictures[2].voids[0].middle.y == 22);
 }
 
 TEST_CASE("What is not drawn by the deadline is left out") {

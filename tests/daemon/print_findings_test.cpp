@@ -67,6 +67,49 @@ TEST_CASE("A warning tells the layers that its sentence names, and what is to be
   CHECK(warnings[2].layers == std::vector<std::int32_t>{3});
 }
 
+TEST_CASE("Suction cups and resin traps are told with their layers, place, area and volume") {
+  PrintFindings findings;
+  findings.area_mm2 = {10, 10};
+  findings.largest_area_mm2 = 10;
+  findings.suction_cups = {{0, 19, 4, {1, 2}, {3.25, -2}, 81, 1234, true}};
+  findings.suction_cup_count = 1;
+  findings.resin_traps = {{4, 9, 6, {1, 2}, {0, 1}, 2, 3.5, false},
+                          {11, 11, 11, {1, 2}, {5, 6}, 3, 800, false},
+                          {12, 20, 14, {1, 2}, {7, 8}, 3, 20, false},
+                          {13, 20, 14, {1, 2}, {9, 9}, 3, 10, false}};
+  findings.resin_trap_count = 5;
+  const auto warnings = findings_warnings(findings);
+  REQUIRE(warnings.size() == 2);
+  CHECK(warnings[0].sentence ==
+        "1 suction cup pulls on the film until it opens or is closed: layers 1 to 20, at 3.25, -2.00 mm from "
+        "the plate's centre in layer 5 (81 mm2, 1.2 ml, closed by the plate)");
+  CHECK(warnings[0].mark == "suction cup");
+  CHECK(warnings[0].layers == std::vector<std::int32_t>{4});
+  CHECK(warnings[1].sentence ==
+        "5 closed hollows keep resin that cannot flow out: layer 12, at 5.00, 6.00 mm from the plate's "
+        "centre in "
+        "layer 12 (800 mm3), layers 13 to 21, at 7.00, 8.00 mm from the plate's centre in layer 15 (20 mm3), "
+        "layers 14 to 21, at 9.00, 9.00 mm from the plate's centre in layer 15 (10 mm3), and 2 more");
+  CHECK(warnings[1].mark == "resin trap");
+  CHECK(warnings[1].layers == std::vector<std::int32_t>{11, 14});
+  CHECK(findings_line(findings) ==
+        "2 layers, 0.00 ml of resin, at most 10.00 mm2 (layer 1), 0 islands, 0 empty layers, 1 suction cup, "
+        "5 resin traps");
+  const auto json = findings_json(findings);
+  CHECK(json["suction_cups"] == 1);
+  CHECK(json["resin_traps"] == 5);
+  CHECK(json["resin_trap_list"].size() == 4);
+  const auto& cup = json["suction_cup_list"][0];
+  CHECK(cup["first_layer"] == 1);
+  CHECK(cup["last_layer"] == 20);
+  CHECK(cup["widest_layer"] == 5);
+  CHECK(cup["plate_mm"][1] == -2);
+  CHECK(cup["pixel"][0] == 1);
+  CHECK(cup["area_mm2"] == 81);
+  CHECK(cup["volume_mm3"] == 1234);
+  CHECK(cup["on_plate"] == true);
+}
+
 TEST_CASE("Turned facets are a warning and a figure") {
   PrintFindings findings;
   findings.area_mm2 = {1, 1, 1};

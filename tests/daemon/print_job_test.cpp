@@ -1,10 +1,14 @@
 #include "daemon/print_job.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
+#include "core/layers/layers.hpp"
 #include "daemon/job_memory.hpp"
+#include "daemon/support_counts.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
 #include "tests/models/models.hpp"
@@ -19,7 +23,9 @@ class Desk {
  public:
   Desk()
       : printer(load_printer_config(std::filesystem::path(CONTOURD_CONFIG_DIR) / "simulated.json")),
-        resin(find_resin(printer, printer.resin)) {}
+        resin(find_resin(printer, printer.resin)) {
+    printer.supports = SupportPolicy::Off;
+  }
 
   PreparedJob prepare(const models::Facets& facets, const std::string& ticket = "") {
     JobFiles files{"part", folder_.path() / "part.stl", std::nullopt};
@@ -28,6 +34,15 @@ class Desk {
     JobSettings settings = read_settings(files, printer);
     if (!settings.ticket.resin) settings.resin = resin;
     return prepare_job(files, settings, printer);
+  }
+
+  // With supports.
+  std::optional<PreparedJob> prepare_until(const models::Facets& facets, const std::stop_token& stop) {
+    const JobFiles files{"part", folder_.path() / "part.stl", std::nullopt};
+    models::write_binary_stl(files.model, facets);
+    JobSettings settings = read_settings(files, printer);
+    settings.supports = SupportPolicy::Auto;
+    return prepare_job(files, settings, printer, stop);
   }
 
   std::string refusal_of(const models::Facets& facets, const std::string& ticket = "") {
@@ -67,6 +82,53 @@ Lit lit_box(const Mask& mask) {
 }
 
 }  // namespace
+
+TEST_CASE("A model is turned so that it prints best when its ticket leaves that to contourd") {
+  Desk desk;
+  // On its point as it is drawn.
+  models::Facets cone = models::cone(6, 20, 48);
+  orient(cone, {.up = Direction{0, 0, -1}});
+  const PreparedJob drawn = desk.prepare(cone);
+  CHECK_FALSE(drawn.summary.models[0].orientation);
+  const PreparedJob job = desk.prepare(cone, R"({"up": "auto"})");
+  const ModelSummary& model = job.summary.models[0];
+  REQUIRE(model.orientation);
+  CHECK(model.up == Direction{0, 0, -1});
+  CHECK(model.orientation->choice.chosen().contacts == 0);
+  CHECK(job.plan.engine->mask_at(Nanometers{100'000}).lit_area() >
+        100 * drawn.plan.engine->mask_at(Nanometers{100'000}).lit_area());
+}
+
+TEST_CASE("A model that prints well as it is drawn is not turned") {
+  const PreparedJob job = Desk().prepare(kCube, R"({"up": "fast"})");
+  CHECK(job.summary.models[0].up == Direction{0, 0, 1});
+  CHECK(lit_box(job.plan.engine->mask_at(Nanometers{1'000'000})) == Lit{760, 1159, 340, 739});
+}
+
+TEST_CASE("A model that is too high for the machine is laid down where that is left to contourd") {
+  Desk desk;
+  const models::Facets column = models::box({0, 0, 0}, {10, 10, 80});
+  desk.printer.travel = Nanometers{60'000'000};
+  CHECK_FALSE(desk.refusal_of(column).empty());
+  CHECK(desk.prepare(column, R"({"up": "auto"})").summary.height_mm < 50);
+}
+
+TEST_CASE("The resin's weights, the scale and what is to be kept clean decide what points up") {
+  Desk desk;
+  const models::Facets plate = models::box({0, 0, 0}, {20, 4, 20});
+  CHECK(desk.prepare(plate, R"({"up": "auto"})").summary.height_mm == 20);
+  desk.resin.orientation = {
+      .support = 0, .contacts = 0, .peel = 0, .height = 1, .standing = 0, .keep_clean = 0};
+  CHECK(std::abs(desk.prepare(plate, R"({"up": "auto"})").summary.height_mm - 4) < 1e-5);  // float's rounding
+  CHECK(std::abs(desk.prepare(plate, R"({"up": "auto", "scale": 2})").summary.height_mm - 8) < 1e-5);
+  desk.resin.orientation.keep_clean = 100;
+  const std::string clean = R"({"up": "auto", "keep_clean": [{"y": 1}, {"y": -1}]})";
+  CHECK(desk.prepare(plate, clean).summary.height_mm == 20);
+}
+
+TEST_CASE("A model without facets is refused as any, also where its way up is to be found") {
+  CHECK_FALSE(Desk().refusal_of({}, R"({"up": "auto"})").empty());
+}
 
 TEST_CASE("A cube lies in the middle of the display, at its true size") {
   Desk desk;
@@ -199,6 +261,28 @@ TEST_CASE("A direction that points up stands a flat box up as the angles do") {
   CHECK(job.summary.models[0].size_z_mm == 20.0);
 }
 
+TEST_CASE("A drain hole is taken out of the part as it stands and one beside it refuses the job") {
+  Desk desk;
+  // Up from the face that stands on the plate, and into one of its sides.
+  const std::string holes = R"({"copies": 2, "drain": [
+    {"position_mm": {"x": 10, "y": 10}, "direction": {"z": 1}, "diameter_mm": 4, "depth_mm": 5},
+    {"position_mm": {"x": 0, "y": 10, "z": 10}, "direction": {"x": 1}, "diameter_mm": 2}]})";
+  const PreparedJob job = desk.prepare(kCube, holes);
+  CHECK(job.summary.models[0].drain_holes == 2);
+  for (ContourEngine* engine : {job.plan.engine.get(), job.analysis_engine.get()}) {
+    // By pixel centres: a circle of 40 pixels' radius within a thousandth.
+    CHECK(320000 - engine->mask_at(Nanometers{2'000'000}).lit_area() ==
+          contourd::testing::Approx(2 * 5026.5).epsilon(2e-3));
+    CHECK(engine->mask_at(Nanometers{6'000'000}).lit_area() == 320000);
+    // 5 mm deep and 2 mm wide: 100 by 40 pixels.
+    CHECK(320000 - engine->mask_at(Nanometers{10'000'000}).lit_area() ==
+          contourd::testing::Approx(2 * 4000).epsilon(0.01));
+  }
+  const std::string refusal = desk.refusal_of(kCube, R"({"drain": [
+    {"position_mm": {"x": 10, "y": 40}, "direction": {"z": 1}, "diameter_mm": 4}]})");
+  CHECK(refusal.find("drain hole 1 of the model is beside the model: from 10, 40, 0 mm on") == 0);
+}
+
 TEST_CASE("Factors by axis and the resin's shrinkage change a cube by whole pixels") {
   Desk desk;
   desk.resin.shrinkage_factors = {1.25, 1, 1};
@@ -231,6 +315,80 @@ TEST_CASE("Adaptive layers are thin on slopes and thick on walls, within what th
   CHECK(desk.prepare(kCube, R"({"adaptive_layers": {"cusp_um": 40}})").summary.layers.count == 200);
   CHECK(desk.refusal_of(kCube, R"({"adaptive_layers": {"cusp_um": 40, "min_um": 10}})")
             .find("the layer height cannot be printed") == 0);
+}
+
+TEST_CASE("With supports a model that stands by itself is printed as without") {
+  Desk desk;
+  PreparedJob without = desk.prepare(kCube), with = desk.prepare(kCube, R"({"supports": "auto"})");
+  CHECK_FALSE(without.summary.supports);
+  REQUIRE(with.summary.supports);
+  CHECK_FALSE(counts_of(*with.summary.supports).any());
+  CHECK(with.summary.height_mm == without.summary.height_mm);
+  REQUIRE(with.plan.expected_layers == without.plan.expected_layers);
+  for (const Nanometers height : middles_of(without.plan.expected_layers))
+    REQUIRE(with.plan.engine->mask_at(height) == without.plan.engine->mask_at(height));
+}
+
+TEST_CASE("With supports a ball is lifted by whole layers and both engines expose what holds it") {
+  Desk desk;
+  const models::Facets ball = models::sphere(5, 32);
+  PreparedJob job = desk.prepare(ball, R"({"supports": "auto", "layer_height_um": 70})");
+  REQUIRE(job.summary.supports);
+  const SupportCounts counts = counts_of(*job.summary.supports);
+  CHECK(counts.islands >= 1);
+  CHECK(counts.unheld == 0);
+  CHECK(counts.feet >= 1);
+  const Nanometers lift = job.plan.engine->models().front().elevation.above_plate();
+  CHECK(lift >= Nanometers{5'000'000});
+  CHECK(lift.count() % 70'000 == 0);
+  CHECK(job.summary.height_mm == Approx(to_millimeters(lift).count() + 10));  // 5 um: the mesh's coarseness
+  // Beneath the ball there are supports alone.
+  const Nanometers beneath = lift / 2;
+  CHECK(job.plan.engine->mask_at(beneath).lit_area() > 0);
+  CHECK(job.plan.engine->mask_at(beneath) == job.analysis_engine->mask_at(beneath));
+  CHECK(job.plan.engine->intersecting_facets() == 0);
+}
+
+TEST_CASE("The printer's file says whether there are supports, and a ticket otherwise") {
+  Desk desk;
+  desk.printer.supports = SupportPolicy::Auto;
+  CHECK(desk.prepare(models::sphere(5, 32)).summary.supports);
+  CHECK_FALSE(desk.prepare(models::sphere(5, 32), R"({"supports": "off"})").summary.supports);
+}
+
+TEST_CASE("A model that is too high once it is lifted is refused with the figures") {
+  Desk desk;
+  // 154 mm can be printed: 160 mm less the lift of 6 mm.
+  CHECK(desk.refusal_of(models::sphere(20, 32), R"({"supports": "auto", "scale": {"z": 3.8}})") ==
+        "the model is 152.00 mm high and stands 5.00 mm above the plate, on supports: 157.00 mm, and the "
+        "machine can print 154.00 mm (its travel less the lift)");
+  CHECK(desk.refusal_of(models::sphere(20, 32), R"({"supports": "off", "scale": {"z": 3.8}})").empty());
+}
+
+TEST_CASE("A model that is to fill the machine leaves room for the supports beneath it") {
+  Desk desk;
+  const PreparedJob job =
+      desk.prepare(models::box({0, 0, 0}, {2, 2, 100}), R"({"supports": "auto", "fit": true})");
+  CHECK(job.summary.height_mm == Approx(154 - 5 - 0.1));  // 0.1 mm is the thickest layer
+}
+
+TEST_CASE("Copies that are held stand so far apart that a foot has room between them") {
+  Desk desk;
+  const auto distance = [&](const models::Facets& facets) {
+    const auto centers =
+        desk.prepare(facets, R"({"supports": "auto", "copies": 2})").summary.models.front().centers;
+    return std::abs(centers[1].x - centers[0].x) + std::abs(centers[1].y - centers[0].y);
+  };
+  CHECK(distance(kCube) == Approx(20 + 2));
+  CHECK(distance(models::sphere(5, 32)) == Approx(10 + 4 + 2 * 0.5).margin(0.01));  // of a mesh of 32 corners
+}
+
+TEST_CASE("A search for supports that is given up prepares no job") {
+  Desk desk;
+  std::stop_source stop;
+  stop.request_stop();
+  CHECK_FALSE(desk.prepare_until(models::sphere(5, 32), stop.get_token()));
+  CHECK(desk.prepare_until(models::sphere(5, 32), {}));
 }
 
 TEST_CASE("Adaptive layers without a working curve are refused") {

@@ -107,6 +107,22 @@ class AskingDesk {
     }
   }
 
+  // Of a printer whose file names no finding, where a check finds this.
+  [[nodiscard]] PrintQueue::Calls calls_without_screening(const JobOutlook& outlook) {
+    PrintQueue::Calls calls{
+        .check = [outlook](const std::string&, JobReader::Keep, const auto& done) { done(outlook); },
+        .forget = [](const std::string&) {},
+        .reject = [](const std::string&, const std::string&, const Spool::Rejected&) {},
+        .changed = [] {},
+        .refused = [](const std::string&, const std::string&) {},
+        .removed = [](const std::string&, const std::string&) {},
+        .keep_order = [](const QueueOrder::Names&, const auto&) {}};
+    calls.questions.asked = [](const JobScreening& screening) { return screening.findings; };
+    calls.questions.keep_accepted = [](const Acceptances::Lines&, const auto& done) { done(""); };
+    calls.questions.changed = [] {};
+    return calls;
+  }
+
   EventLoop loop;
   testing::LogText log{loop};
   std::vector<RunningScreening> screenings;
@@ -154,6 +170,16 @@ TEST_CASE("Jobs wait in the order of their arrival, and the first is the next") 
   CHECK(desk.told == Names{"changed", "changed", "changed"});
   CHECK(desk.queue.take_first().file == "b.stl");
   CHECK(desk.order() == Names{"a.stl", "c.stl"});
+}
+
+TEST_CASE("A check that was given up is made again") {
+  Desk desk;
+  desk.arrive({"a.stl"});
+  desk.queue.check_next();
+  desk.checks[0].done(ReadingGivenUp{});
+  CHECK(desk.queue.jobs().front().check == Check::Wanted);
+  desk.queue.check_next();
+  CHECK(desk.checks.size() == 2);
 }
 
 TEST_CASE("A job that is written again keeps its place, and is checked again") {
@@ -621,6 +647,31 @@ TEST_CASE("What was accepted needs no second word from these files, and one from
   CHECK(desk.queue.jobs()[2].asks == Names{"cracks"});
 }
 
+TEST_CASE("A job that was checked and has places that cannot be held waits for its owner") {
+  AskingDesk desk;
+  JobOutlook outlook;
+  outlook.question =
+      ScreenedJob{{.resin_ml = {}, .findings = {"unheld_places"}, .warnings = {"1 place"}}, "a1", {}};
+  SECTION("where nothing else is asked about") {
+    PrintQueue queue(desk.log.log, desk.calls_without_screening(outlook));
+    queue.arrived("a.stl");
+    queue.check_next();
+    CHECK_FALSE(queue.has_first());
+    CHECK(queue.jobs()[0].asks == Names{"unheld_places"});
+    CHECK(desk.log.has("warning: a.stl waits: unheld places; \"contourctl accept a\""));
+    CHECK(desk.log.has("warning: a.stl: 1 place"));
+    queue.accept("a.stl", "user me");
+    CHECK(queue.has_first());
+    CHECK(queue.questions().has_accepted(queue.jobs()[0].screened, "unheld_places"));
+  }
+  SECTION("where its layers are looked through, by what that finds") {
+    desk.arrive({"a.stl"});
+    CHECK(desk.queue.has_first());
+    desk.find({"unheld_places"});
+    CHECK_FALSE(desk.queue.has_first());
+  }
+}
+
 TEST_CASE("What was accepted is forgotten when the job has ended, and not when it only begins") {
   AskingDesk desk;
   desk.arrive({"a.stl"});
@@ -652,7 +703,7 @@ TEST_CASE("A job that is written again while it asks, or is looked through, is l
 TEST_CASE("A screening that was given up is made again, and one that finds a mistake refuses the job") {
   AskingDesk desk;
   desk.arrive({"a.stl"});
-  desk.screenings[0].done(ScreeningGivenUp{});
+  desk.screenings[0].done(ReadingGivenUp{});
   desk.queue.check_next();
   REQUIRE(desk.screenings.size() == 2);
   desk.screenings[1].done(JobRefusal{"no model"});

@@ -39,7 +39,7 @@ PrintReport report_of(std::int32_t layers) {
 }
 
 LayerPicture picture_of(std::int32_t layer, const Mask& mask) {
-  return {layer, "", mask.width(), mask.height(), encode_png(mask), {}};
+  return {layer, "", mask.width(), mask.height(), encode_png(mask), {}, {}};
 }
 
 // No two pixels beside each other are alike, which is the most that a picture takes.

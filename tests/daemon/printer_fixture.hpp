@@ -25,13 +25,14 @@
 
 namespace contourd::testing {
 
-// The shipped simulated printer, which keeps no masks and asks for no room on the disk.
+// The shipped simulated printer, which keeps no masks, asks for no room on the disk and holds nothing.
 inline PrinterConfig simulated_config(const std::filesystem::path& folder) {
   PrinterConfig config = load_printer_config(std::filesystem::path(CONTOURD_CONFIG_DIR) / "simulated.json");
   config.spool_folder = folder / "spool";
   config.control_socket = folder / "control.sock";
   config.min_free_disk_bytes = 0;
   config.simulated.display.masks.reset();
+  config.supports = SupportPolicy::Off;
   return config;
 }
 

@@ -75,6 +75,7 @@ class Bench {
     config.wait_for_plate_cleared = false;
     config.min_free_disk_bytes = 0;
     config.simulated.display.masks.reset();
+    config.supports = SupportPolicy::Off;
   }
 
   void start() {

@@ -125,6 +125,9 @@ void write_ticket_inputs(const fs::path& folder) {
  "scale": {"x": 1.01, "y": 1, "z": 2}})");
   write(folder / "both",
         R"(t{"up": {"z": 0}, "rotation_deg": {}, "fit": true, "scale": 2, "copies": 1, "copies": 2})");
+  write(
+      folder / "drain",
+      R"(t{"drain": [{"position_mm": {"x": 1, "z": -2}, "direction": {"y": -1}, "diameter_mm": 2, "depth_mm": 3}]})");
   write(folder / "plate",
         R"(p{"resin": "standard", "models": [{"file": "a.stl", "fit": true}, {"file": "b.stl",
  "copies": 3, "rotation_deg": {"z": 45}}]})");

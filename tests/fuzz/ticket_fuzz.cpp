@@ -12,6 +12,16 @@
 namespace contourd::fuzz {
 namespace {
 
+void check(const DrainHole& hole) {
+  const Direction& way = hole.inwards;
+  const double length = std::hypot(way.x, way.y, way.z);
+  demand(std::isfinite(length) && length > 0, "a hole without a direction");
+  demand(hole.diameter_mm > 0 && hole.diameter_mm <= 1e4 && hole.depth_mm > 0 && hole.depth_mm <= 1e5,
+         "a hole without a bound");
+  for (const double place : {hole.x_mm, hole.y_mm, hole.z_mm})
+    demand(std::fabs(place) <= 1e5, "a hole's place without a bound");
+}
+
 bool is_plain_name(const std::string& file) {
   return !file.empty() && file.front() != '.' && file.find('/') == std::string::npos &&
          file.find('\0') == std::string::npos;
@@ -38,6 +48,12 @@ void check(const ModelTicket& model, bool of_plate) {
   }
 }
 
+void check_drain(const ModelTicket& model) {
+  demand(model.drain.size() <= 16, "holes without a bound");
+  for (const DrainHole& hole : model.drain)
+    check(hole);
+}
+
 void check(const JobTicket& ticket, bool of_plate) {
   demand(!ticket.resin || is_plain_name(*ticket.resin), "a resin's name leads out of its folder");
   demand(!ticket.layer_height || ticket.layer_height->count() > 0, "layers without a height");
@@ -48,8 +64,10 @@ void check(const JobTicket& ticket, bool of_plate) {
     demand(!thinnest || !thickest || *thinnest <= *thickest, "the thinnest layer is the thicker");
   }
   demand(of_plate ? !ticket.models.empty() : ticket.models.size() == 1, "a ticket without its model");
-  for (const ModelTicket& model : ticket.models)
+  for (const ModelTicket& model : ticket.models) {
     check(model, of_plate);
+    check_drain(model);
+  }
 }
 
 }  // namespace

@@ -18,6 +18,9 @@
 #include "core/model/mesh_report.hpp"
 #include "core/model/placement.hpp"
 #include "core/model/sine_cosine.hpp"
+#include "core/orientation/orientation_choice.hpp"
+#include "core/support/support_mesh.hpp"
+#include "core/support/support_structure.hpp"
 #include "tests/models/damage.hpp"
 
 namespace contourd {
@@ -193,6 +196,17 @@ void print_adaptive_layers(const std::string& name, const models::Facets& facets
   std::printf("%s, %zu adaptive layers: %016" PRIx64 "\n", name.c_str(), all.size(), digest.value());
 }
 
+void print_orientation(const std::string& name, const models::Facets& facets) {
+  const OrientationRequest request{.lift = Millimeters{5}, .keep_clean = {Direction{1, 0, 0}}};
+  const OrientationChoice choice = choose_orientation(facets, request).value();
+  Digest digest;
+  for (const OrientationFigures& each : choice.ranked)
+    for (const double figure : {each.up.x, each.up.y, each.up.z, each.score, each.contacts, each.support_mm3,
+                                each.largest_mm2, each.standing_mm2, each.touched_mm2, each.size_x_mm})
+      digest.add(figure);
+  std::printf("%s, %u ways up: %016" PRIx64 "\n", name.c_str(), choice.tried, digest.value());
+}
+
 // A model as a file's bytes, read back: the reader is part of what must agree.
 models::Facets read_back(const models::Facets& facets, bool ascii) {
   if (!ascii) return read_model(models::to_binary_stl(facets)).facets;
@@ -214,10 +228,57 @@ void print_subject(const Subject& subject, const Orientation& orientation, const
   digest.add(inspect_mesh(facets).volume_mm3);
   std::printf("%s, facets: %016" PRIx64 "\n", name.c_str(), digest.value());
   if (subject.name != "huge") print_adaptive_layers(name, facets);
+  if (subject.name != "huge" && !facets.empty()) print_orientation(name, facets);
   const HeightIndex model(std::move(facets));
   for (const Setting& setting : settings())
     print_layers(name, model, setting);
   print_contours(name, model);
+}
+
+// Pillars, branches, level braces, tips and balls around a model that stands above the plate.
+std::vector<SupportPrimitive> supports() {
+  std::vector<SupportPrimitive> primitives;
+  for (int i = 0; i < 40; ++i) {
+    const auto [sine, cosine] = sine_cosine(i * 37.3);
+    const double x = 0.31 * i * cosine, y = 0.23 * i * sine, top = 2 + 0.21 * i;
+    primitives.push_back(Frustum{{x, y, 0}, {x, y, 1}, 1.9, 0.5});
+    primitives.push_back(Frustum{{x, y, 1}, {x, y, top}, 0.61, 0.5});
+    primitives.push_back(Ball{{x, y, top}, 0.503});
+    primitives.push_back(
+        Frustum{{x, y, top}, {x - 0.7 * cosine, y + 1.1 * sine, top + 1.3}, 0.5, 0.2 * (i % 2)});
+    primitives.push_back(Frustum{{x, y, top}, {x + 2 * sine, y + 1.5, top + 0.01 * (i % 3)}, 0.3, 0.35});
+  }
+  return primitives;
+}
+
+void print_supports() {
+  const auto structure = std::make_shared<const SupportStructure>(supports());
+  const auto model = std::make_shared<const HeightIndex>(models::gyroid_sphere(8, 5, 24));
+  for (const Setting& setting : settings()) {
+    std::vector<PlateModel> standing(1);
+    standing.front().model = model;
+    standing.front().elevation = Elevation(Nanometers{5'000'000});
+    standing.front().copies = maps_of(setting, model->bounds());
+    ContourEngine engine(std::move(standing), engine_settings(setting), structure);
+    for (std::int64_t um = 0; um < 12'000; um += 797)
+      std::printf("supports, %s, %" PRId64 " um: %016" PRIx64 "\n", setting.name, um,
+                  digest_of(engine.mask_at(Nanometers{um * 1000})));
+  }
+  Contours contours;
+  for (std::int64_t um = 0; um < 12'000; um += 797) {
+    structure->section_at(Nanometers{um * 1000}, contours);
+    std::printf("supports, contours, %" PRId64 " um: %016" PRIx64 ", %zu loops\n", um, digest_of(contours),
+                contours.loops.size());
+  }
+  Digest digest;
+  const std::vector<Facet> facets = support_mesh(structure->primitives());
+  for (const Facet& facet : facets) {
+    for (const Vertex& v : facet.vertices) {
+      for (const float coordinate : {v.x, v.y, v.z})
+        digest.add(std::uint64_t{std::bit_cast<std::uint32_t>(coordinate)});
+    }
+  }
+  std::printf("supports, %zu facets: %016" PRIx64 "\n", facets.size(), digest.value());
 }
 
 void print_sines() {
@@ -245,6 +306,7 @@ void print_everything() {
       print_subject(subject, up, "up", false);
     }
   }
+  print_supports();
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ class Completion(FolderTest):
         return told.stdout.splitlines() if told.stdout.strip() else []
 
     def test_bash_offers_commands_and_their_options(self):
-        self.assertEqual(self.bash("s"), ["slice", "submit", "status", "stop", "show", "switches", "setup"])
+        self.assertEqual(self.bash("s"), ["slice", "support", "submit", "status", "stop", "show", "switches", "setup"])
         self.assertIn("plate-cleared", self.bash(""))
         self.assertIn("--copies", self.bash("submit", "--"))
         self.assertEqual(self.bash("light", "o"), ["on", "off"])
@@ -44,7 +44,7 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("slice", "--uni"), ["--uniformity-mask"])
         self.assertEqual(self.bash("slice", "--aa", "o"), ["on", "off"])
         self.assertEqual(self.bash("history", "--outcome", ""), ["done", "failed", "cancelled"])
-        self.assertEqual(self.bash("help", "s"), ["safety", "slice", "submit", "status", "stop", "show", "switches", "setup"])
+        self.assertEqual(self.bash("help", "s"), ["safety", "slice", "support", "submit", "status", "stop", "show", "switches", "setup"])
         self.assertEqual(self.bash("offer", "--o"), ["--once"])
         # Files are the shell's.
         self.assertEqual(self.bash("submit", "part"), [])

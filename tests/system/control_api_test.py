@@ -49,6 +49,7 @@ NOTIFICATIONS = [name for name, _ in rows("## Notifications")]
 STATUS, JOB, ANALYSIS = rows("### A status"), rows("### A job"), rows("### An analysis")
 ENDED_JOB, MANUAL = rows("### An ended job"), rows("### What is done by hand")
 WAITING, OVERRIDE = rows("### A waiting job"), rows("### An override")
+SUPPORTS = rows("### Supports")
 PAST_JOB = rows("### A job of the history")
 INPUT = rows("### An input")
 PART = rows("### A part that wears")
@@ -113,6 +114,8 @@ class ControlApiTest(FolderTest):
         for job in result["jobs"] if reply[1] == "queue" else ():
             self.assert_fields(job, WAITING)
             self.assertIn(f"`{job['state']}`", WAITING[3][2])
+            if job["supports"]:
+                self.assert_fields(job["supports"], SUPPORTS)
             for each in job["overrides"] or ():
                 self.assert_fields(each, OVERRIDE)
                 self.assertIn(f"`{each['setting']}`", OVERRIDE[0][2])

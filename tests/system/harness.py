@@ -390,7 +390,7 @@ class Daemon:
         self.config = source_json("simulated.json")
         if not masks:
             del self.config["simulation"]["masks_folder"]
-        merge(self.config, {"wait_for_plate_cleared": False, "min_free_disk_mb": 0, "job_ended_socket": "job-ended.socket"})
+        merge(self.config, {"supports": "off", "wait_for_plate_cleared": False, "min_free_disk_mb": 0, "job_ended_socket": "job-ended.socket"})
         merge(self.config, config or {})
         os.makedirs(os.path.join(self.folder, "resins"), exist_ok=True)
         self.write_resin("standard", resin or {})

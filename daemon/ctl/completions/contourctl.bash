@@ -46,6 +46,7 @@ _contourctl() {
     --job) words=$(_contourctl_words jobs) ;;
     --resin) words=$(_contourctl_words resins) ;;
     schema) words=$'plate\nprinter\nprojector\nresin\nticket' ;;
+    --preset|--up) words=$'auto\nfast\nclean\nsafe' ;;
     --aa) words=$'on\noff' ;;
     --outcome) words=$'done\nfailed\ncancelled' ;;
     replaced) words=$'lamp\nfilm\nvat' ;;

@@ -60,6 +60,7 @@ complete -c contourctl -n __contourctl_queue_command -f -a '(__contourctl_waitin
 complete -c contourctl -n '__contourctl_before show; and not __contourctl_queue_command' -a 'white black grid checker focus border dimensions'
 complete -c contourctl -n '__contourctl_before replaced' -f -a 'lamp film vat'
 complete -c contourctl -n '__contourctl_before schema' -f -a 'plate printer projector resin ticket'
+complete -c contourctl -n '__contourctl_before --preset; or __contourctl_before --up' -f -a 'auto fast clean safe'
 complete -c contourctl -n '__contourctl_before --aa' -f -a 'on off'
 complete -c contourctl -n '__contourctl_before --outcome' -f -a 'done failed cancelled'
 complete -c contourctl -n 'not __fish_use_subcommand; and string match -q -- "-*" (commandline -ct)' -f -a '(__contourctl_options)'

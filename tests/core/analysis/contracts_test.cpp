@@ -1,6 +1,7 @@
 // That each header of core/analysis checks what it requires.
 #include "core/analysis/island_finder.hpp"
 #include "core/analysis/print_analysis.hpp"
+#include "core/analysis/void_finder.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
 
@@ -26,4 +27,16 @@ TEST_CASE("IslandFinder takes the runs of masks of one size alone") {
   IslandFinder finder;
   CHECK(contract_broken_by([&] { (void)finder.find(layer, layer, 1); }).empty());
   CHECK(contract_broken_by([&] { (void)finder.find(layer, taller, 1); }) == "all masks have one size");
+}
+
+TEST_CASE("VoidFinder takes the runs of masks of one size alone") {
+  MaskRuns layer, taller;
+  layer.extract(Mask(Pixels{4}, Pixels{4}));
+  taller.extract(Mask(Pixels{4}, Pixels{5}));
+  VoidFinder finder;
+  (void)finder.add_layer(layer, {0, Nanometers{1}});
+  CHECK(contract_broken_by([&] { (void)finder.add_layer(layer, {1, Nanometers{1}}); }).empty());
+  CHECK(contract_broken_by([&] {
+          (void)finder.add_layer(taller, {1, Nanometers{1}});
+        }) == "all masks have one size");
 }

@@ -1,6 +1,7 @@
 #include "core/analysis/print_analysis.hpp"
 #include "core/layers/print_layers.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -179,6 +180,155 @@ TEST_CASE("A hollow ball has the resin of its wall and one island inside when so
   const PrintFindings filled = analyze(together(shell, ball(0, 0, 0, 2)), Nanometers{100'000});
   REQUIRE(filled.islands.size() == 1);
   CHECK(filled.islands[0].layer == 60);
+}
+
+namespace {
+
+// A box of 20 x 20 x 10 mm from z = 0 with something of 10 x 10 mm taken out, from one height to another.
+models::Facets hollowed(float from, float to) {
+  return together(models::box({-10, -10, 0}, {10, 10, 10}),
+                  inverted(models::box({-5, -5, from}, {5, 5, to})));
+}
+
+// A duct of 2 x 2 mm from the hollow's middle out to x = 10. It takes away once what the hollow leaves.
+models::Facets duct(float from, float to) {
+  return inverted(models::box({5, -1, from}, {10, 1, to}));
+}
+
+}  // namespace
+
+TEST_CASE("A cup that opens towards the film sucks and one that opens towards the plate is on it") {
+  // Layers of 0.5 mm.
+  const PrintFindings upright = analyze(hollowed(2, 10));
+  CHECK(upright.resin_trap_count == 0);
+  REQUIRE(upright.suction_cups.size() == 1);
+  const PrintVoid& cup = upright.suction_cups[0];
+  CHECK(cup.first_layer == 4);
+  CHECK(cup.last_layer == 19);
+  CHECK(cup.widest_layer == 4);
+  CHECK(near(cup.area_mm2, 100, kRounding));
+  CHECK(near(cup.volume_mm3, 800, 1e-6));
+  CHECK(near(cup.plate_mm.x, 0, kRounding));
+  CHECK(!cup.on_plate);
+  const PrintFindings down = analyze(hollowed(0, 8));
+  CHECK(down.resin_trap_count == 0);
+  REQUIRE(down.suction_cups.size() == 1);
+  CHECK(down.suction_cups[0].on_plate);
+  CHECK(down.suction_cups[0].last_layer == 15);
+}
+
+TEST_CASE("A tube on the plate is a cup up to its end and one above a gap is none") {
+  const PrintFindings tube = analyze(hollowed(0, 10));
+  REQUIRE(tube.suction_cups.size() == 1);
+  CHECK(tube.suction_cups[0].on_plate);
+  CHECK(tube.suction_cups[0].first_layer == 0);
+  CHECK(tube.suction_cups[0].last_layer == 19);
+  CHECK(tube.resin_trap_count == 0);
+  models::Facets above = hollowed(0, 10);
+  models::translate(above, 0, 0, 2);
+  const PrintFindings lifted = analyze(together(above, models::box({-10, -10, 0}, {-9, -9, 2})));
+  // The gap is told by its own warnings.
+  CHECK(lifted.suction_cup_count == 0);
+}
+
+TEST_CASE("A closed hollow sucks and then keeps resin and its duct decides when it does not") {
+  const PrintFindings closed = analyze(hollowed(2, 8));
+  REQUIRE(closed.resin_traps.size() == 1);
+  CHECK(closed.resin_trap_count == 1);
+  CHECK(near(closed.resin_traps[0].volume_mm3, 600, 1e-6));
+  CHECK(closed.resin_traps[0].first_layer == 4);
+  CHECK(closed.resin_traps[0].last_layer == 15);
+  CHECK(closed.suction_cup_count == 1);
+  // At its lower end it never sucks.
+  const PrintFindings low = analyze(together(hollowed(2, 8), duct(2, 3)));
+  CHECK(low.resin_trap_count == 0);
+  CHECK(low.suction_cup_count == 0);
+  // At its upper end it sucks up to there.
+  const PrintFindings high = analyze(together(hollowed(2, 8), duct(7, 8)));
+  CHECK(high.resin_trap_count == 0);
+  REQUIRE(high.suction_cups.size() == 1);
+  CHECK(high.suction_cups[0].last_layer == 13);
+}
+
+TEST_CASE("A hollow ball keeps the resin of its inside") {
+  const models::Facets shell = together(ball(0, 0, 0, 8, 48), inverted(ball(0, 0, 0, 6, 48)));
+  const PrintFindings found = analyze(shell, Nanometers{100'000});
+  REQUIRE(found.resin_traps.size() == 1);
+  // Of a pixel at the wall a quarter is left out on average, of 2 pi r / 0.05 mm of them a layer: 1 %.
+  const double volume_mm3 = 4 * std::numbers::pi / 3 * 216;
+  CHECK(near(found.resin_traps[0].volume_mm3, volume_mm3, 0.02 * volume_mm3));
+  CHECK(near(found.resin_traps[0].plate_mm.x, 0, 0.01));
+  // Its widest layer is that of its middle, where 0.1 mm are 0.0008 of its area.
+  CHECK(near(found.suction_cups.at(0).widest_layer, 80, 5));
+}
+
+TEST_CASE("A bottle that stands on its floor sucks up to its neck's end and keeps nothing") {
+  // The floor is printed first, then the belly, then the neck of 4 x 4 mm.
+  const models::Facets bottle =
+      together(together(models::box({-8, -8, 0}, {8, 8, 8}), models::box({-3, -3, 8}, {3, 3, 12})),
+               together(inverted(models::box({-7, -7, 1}, {7, 7, 7})),
+                        inverted(models::box({-2, -2, 7}, {2, 2, 12}))));
+  const PrintFindings found = analyze(bottle);
+  CHECK(found.resin_trap_count == 0);
+  REQUIRE(found.suction_cups.size() == 1);
+  CHECK(near(found.suction_cups[0].area_mm2, 14 * 14, kRounding));
+  CHECK(near(found.suction_cups[0].volume_mm3, 14 * 14 * 6 + 4 * 4 * 5, 1e-6));
+  CHECK(found.suction_cups[0].last_layer == 23);
+}
+
+TEST_CASE("A hollow that is too small to matter is none and the largest of many are kept") {
+  // Each of 1.5 x 1.5 mm and 0.4 mm high.
+  PrintAnalysis analysis(kDisplay, {}, {.cup_area_mm2 = 0, .cup_volume_mm3 = 0, .trap_volume_mm3 = 0});
+  PrintAnalysis usual(kDisplay);
+  Mask full(kDisplay.width, kDisplay.height), holes(kDisplay.width, kDisplay.height);
+  for (std::int32_t y = 1; y < 439; ++y) {
+    std::fill(full.row(y).begin() + 1, full.row(y).end() - 1, std::uint8_t{255});
+    std::copy(full.row(y).begin(), full.row(y).end(), holes.row(y).begin());
+  }
+  // 60 x 40 of them, in every tenth place twice as large.
+  for (std::int32_t i = 0; i < 2400; ++i) {
+    const std::int32_t x = 10 + i % 60 * 7, y = 10 + i / 60 * 10;
+    for (std::int32_t dx = 0; dx < (i % 10 == 0 ? 4 : 2); ++dx)
+      holes.row(y)[static_cast<std::size_t>(x + dx)] = 0;
+  }
+  for (PrintAnalysis* each : {&analysis, &usual}) {
+    for (const Mask* mask : {&full, &holes, &full})
+      each->add_layer(*mask, {kLayer, 0s, {}});
+    each->end();
+  }
+  const PrintFindings& found = analysis.findings();
+  CHECK(found.resin_trap_count == 2400);
+  CHECK(found.suction_cup_count == 2400);
+  REQUIRE(found.resin_traps.size() == PrintFindings::kMaxVoids);
+  CHECK(std::ranges::count_if(found.suction_cups, [](const PrintVoid& v) { return v.area_mm2 > 0.006; }) ==
+        240);
+  CHECK(usual.findings().resin_trap_count == 0);
+  CHECK(usual.findings().suction_cup_count == 0);
+}
+
+TEST_CASE("A hollow goes on through a layer whose mask was abandoned") {
+  PrintAnalysis analysis(kDisplay);
+  Mask full(kDisplay.width, kDisplay.height);
+  for (std::int32_t y = 100; y < 300; ++y)
+    std::fill(full.row(y).begin() + 100, full.row(y).begin() + 300, std::uint8_t{255});
+  Mask ring = full;
+  for (std::int32_t y = 120; y < 220; ++y)
+    std::fill(ring.row(y).begin() + 120, ring.row(y).begin() + 220, std::uint8_t{0});
+  analysis.add_layer(full, {kLayer, 0s, {}});
+  analysis.add_layer(ring, {kLayer, 0s, {}});
+  analysis.add_abandoned_layer({kLayer, 0s, {}});
+  analysis.add_layer(ring, {kLayer, 0s, {}});
+  analysis.add_layer(full, {kLayer, 0s, {}});
+  analysis.end();
+  REQUIRE(analysis.findings().resin_traps.size() == 1);
+  CHECK(analysis.findings().resin_traps[0].first_layer == 1);
+  CHECK(analysis.findings().resin_traps[0].last_layer == 3);
+  // 5 x 5 mm of two layers.
+  CHECK(near(analysis.findings().resin_traps[0].volume_mm3, 25, 1e-9));
+}
+
+TEST_CASE("A gyroid keeps no resin") {
+  CHECK(analyze(models::gyroid_sphere(9, 6, 48), Nanometers{100'000}).resin_trap_count == 0);
 }
 
 TEST_CASE("A gyroid's resin is its mesh's volume") {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/analysis/island_finder.hpp"
+#include "core/analysis/void_finder.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/mask/mask_runs.hpp"
 #include "tests/allocation_counter.hpp"
@@ -59,6 +60,25 @@ TEST_CASE("A warm engine allocates nothing for a model that is there twice") {
   const models::Facets copy = facets;
   facets.insert(facets.end(), copy.begin(), copy.end());
   CHECK(allocations_when_warm(facets) == 0);
+}
+
+TEST_CASE("Finding voids allocates nothing when warm") {
+  const DisplayGeometry display{Pixels{480}, Pixels{480}};
+  ContourEngine engine(HeightIndex(models::gyroid_sphere(10, 6, 24)),
+                       EngineSettings{display, AntiAliasing::On}, {PixelMap::true_scale(display, {0, 0})});
+  MaskRuns solid;
+  VoidFinder finder;
+  long during_last = 0;
+  for (int pass = 0; pass < 3; ++pass) {
+    const long before = testing::allocations();
+    for (std::int32_t layer = 0; kLayer * layer < Nanometers{20'250'000}; ++layer) {
+      solid.extract(engine.mask_at(kLayer * layer));
+      (void)finder.add_layer(solid, {layer, kLayer});
+    }
+    (void)finder.end();
+    during_last = testing::allocations() - before;
+  }
+  CHECK(during_last == 0);
 }
 
 TEST_CASE("Finding islands allocates nothing when warm") {

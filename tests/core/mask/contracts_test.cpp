@@ -1,4 +1,5 @@
 // That each header of core/mask checks what it requires.
+#include "core/mask/convex_rows.hpp"
 #include "core/mask/coverage_band.hpp"
 #include "core/mask/exact_side.hpp"
 #include "core/mask/exposure_correction.hpp"
@@ -69,4 +70,10 @@ TEST_CASE("Which side a point lies on is exact for coordinates below 1e100") {
   CHECK(contract_broken_by([] {
           (void)side_of({0, 0}, {1, 1e100}, {2, 3});
         }) == "coordinates are below 1e100");
+}
+
+TEST_CASE("ConvexRows takes polygons with a corner at least") {
+  ConvexRows rows(Pixels{4}, Pixels{3});
+  const PixelMap map = PixelMap::true_scale({Pixels{4}, Pixels{3}, Micrometers{50.0}}, {0, 0});
+  CHECK(contract_broken_by([&] { rows.visit({}, map, [](auto, auto, auto) {}); }) == "a polygon has corners");
 }

@@ -46,6 +46,47 @@ TEST_CASE("every key of a ticket arrives with its unit") {
   CHECK(model.copies == 3);
 }
 
+TEST_CASE("a ticket says of supports auto or off, or auto with figures of its own") {
+  CHECK_FALSE(load("{}").supports);
+  CHECK(load(R"({"supports": "off"})").supports == SupportTicket{SupportPolicy::Off, {}});
+  CHECK(load(R"({"supports": "auto"})").supports == SupportTicket{SupportPolicy::Auto, {}});
+  CHECK(load(R"({"supports": {"lift_mm": 7.5, "tip_diameter_mm": 0.3}})").supports ==
+        SupportTicket{SupportPolicy::Auto, {{"tip_diameter_mm", 0.3}, {"lift_mm", 7.5}}});
+  CHECK(load_plate(R"({"supports": "off", "models": [{"file": "a.stl"}]})").supports ==
+        SupportTicket{SupportPolicy::Off, {}});
+  CHECK(complaints_about(R"({"supports": "on"})").size() == 1);
+  CHECK(complaints_about(R"({"supports": {"tip_diameter_mm": 0.01}})") ==
+        Complaints{"/supports/tip_diameter_mm: 0.01 is less than the least allowed, 0.05 mm"});
+}
+
+TEST_CASE("a drain hole arrives in the model's own millimetres") {
+  const ModelTicket model = load(R"({"drain": [
+      {"position_mm": {"x": 1.5, "z": -2}, "direction": {"z": 2}, "diameter_mm": 3, "depth_mm": 4.5},
+      {"position_mm": {}, "direction": {"y": -1}, "diameter_mm": 1}]})")
+                                .models[0];
+  REQUIRE(model.drain.size() == 2);
+  CHECK(model.drain[0] == DrainHole{1.5, 0, -2, {0, 0, 2}, 3, 4.5});
+  CHECK(model.drain[1] == DrainHole{0, 0, 0, {0, -1, 0}, 1, 5});
+  CHECK(load_plate(R"({"models": [{"file": "a.stl", "drain": [
+      {"position_mm": {}, "direction": {"y": -1}, "diameter_mm": 1}]}]})")
+            .models[0]
+            .drain.size() == 1);
+  CHECK(load("{}").models[0].drain.empty());
+}
+
+TEST_CASE("a drain hole needs a place, a direction that points somewhere and a diameter, and there are few") {
+  CHECK(complaints_about(R"({"drain": [{"position_mm": {}, "direction": {"z": 0}, "diameter_mm": 1}]})") ==
+        Complaints{"/drain/0/direction: a direction must not be zero in x, y and z"});
+  CHECK(complaints_about(R"({"drain": [{"position_mm": {}, "direction": {"z": 1}, "diameter_mm": 0}]})") ==
+        Complaints{"/drain/0/diameter_mm: 0 is less than the least allowed, 0.001 mm"});
+  CHECK(complaints_about(R"({"drain": [{}]})").size() == 3);
+  std::string many = R"({"drain": [)";
+  for (int i = 0; i < 17; ++i)
+    many +=
+        std::string(i == 0 ? "" : ", ") + R"({"position_mm": {}, "direction": {"z": 1}, "diameter_mm": 1})";
+  CHECK(complaints_about(many + "]}").size() == 1);
+}
+
 TEST_CASE("an empty ticket is the same as none") {
   const JobTicket ticket = load("{}");
   CHECK_FALSE(ticket.resin);
@@ -81,6 +122,46 @@ TEST_CASE("a ticket has up or a rotation but not both, and up is a direction") {
   CHECK(complaints_about(R"({"up": {"z": 0.0}})").size() == 1);
   CHECK(complaints_about(R"({"up": {"x": "left"}})") ==
         Complaints{"/up/x: expected a number, found the text \"left\""});
+}
+
+TEST_CASE("a ticket leaves it to contourd what points up, and names what is to be kept clean") {
+  const ModelTicket model = load(R"({"up": "clean", "keep_clean": [
+    {"y": -1}, {"min": {"x": 0, "y": -1, "z": 2}, "max": {"x": 3, "y": 4, "z": 5}}]})")
+                                .models[0];
+  CHECK_FALSE(model.up);
+  REQUIRE(model.orientation);
+  CHECK(model.orientation->preset == OrientationPreset::Clean);
+  CHECK(model.orientation->keep_clean ==
+        std::vector<KeepClean>{Direction{0, -1, 0}, KeepCleanBox{{0, -1, 2}, {3, 4, 5}}});
+  CHECK(load(R"({"up": "auto"})").models[0].orientation == OrientationTicket{});
+  CHECK_FALSE(load(R"({"up": {"z": 1}})").models[0].orientation);
+  const JobTicket plate =
+      load_plate(R"({"models": [{"file": "a.stl", "up": "safe", "keep_clean": [{"x": 1}]}]})");
+  CHECK(plate.models[0].orientation == OrientationTicket{OrientationPreset::Safe, {Direction{1, 0, 0}}});
+}
+
+TEST_CASE("what is to be kept clean goes with a way up that is found, and is a surface") {
+  const auto only = [](std::string_view text, const std::string& complaint) {
+    CHECK(complaints_about(text) == Complaints{complaint});
+  };
+  const std::string goes = "/keep_clean: it goes with \"up\": \"auto\", \"fast\", \"clean\" or \"safe\"";
+  only(R"({"keep_clean": [{"x": 1}]})", goes);
+  only(R"({"up": {"z": 1}, "keep_clean": [{"x": 1}]})", goes);
+  only(R"({"up": "auto", "rotation_deg": {"x": 90}})",
+       "/up: a ticket has either up or rotation_deg, not both");
+  only(R"({"up": "auto", "keep_clean": [{"x": 0, "z": 0}]})",
+       "/keep_clean/0: a direction must not be zero in x, y and z");
+  const std::string either =
+      "what is kept clean is either a direction (x, y, z) or a box (min and max), one of both";
+  only(R"({"up": "auto", "keep_clean": [{"x": 1}, {}]})", "/keep_clean/1: " + either);
+  only(R"({"up": "auto", "keep_clean": [{"min": {"x": 0, "y": 0, "z": 0}}]})", "/keep_clean/0: " + either);
+  only(
+      R"({"up": "auto", "keep_clean": [{"min": {"x": 0, "y": 5, "z": 0}, "max": {"x": 1, "y": 1, "z": 1}}]})",
+      "/keep_clean/0/min/y: it is more than the y of max");
+  CHECK(complaints_about(R"({"up": "best"})").size() == 1);
+  CHECK(complaints_about(R"({"up": "auto", "keep_clean": []})").size() == 1);
+  CHECK(complaints_about(R"({"up": "auto", "keep_clean": {"x": 1}})").size() == 1);
+  CHECK(complaints_about(R"({"up": "auto", "keep_clean": [1]})").size() == 1);
 }
 
 TEST_CASE("a ticket's layers are of one height or adaptive") {
@@ -217,8 +298,8 @@ TEST_CASE("a plate's mistakes are told with the model's number, from 0") {
   CHECK(complaints_about_plate(R"({"models": [{"file": "a.stl"}, {"file": "b.stl", "copies": 0, "clour": 1},
                                                {"up": {"z": 0}, "scale": []}]})") ==
         Complaints{
-            "/models/1/clour: there is no key \"clour\" here; the known ones are \"copies\", \"file\", "
-            "\"position_mm\", \"rotation_deg\", \"scale\", \"up\"",
+            "/models/1/clour: there is no key \"clour\" here; the known ones are \"copies\", \"drain\", "
+            "\"file\", \"keep_clean\", \"position_mm\", \"rotation_deg\", \"scale\", \"up\"",
             "/models/1/copies: 0 is less than the least allowed, 1",
             "/models/2/file: this key is missing: A model's file in the same folder: its name, without '/' "
             "and with no '.' at its start",

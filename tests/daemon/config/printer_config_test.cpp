@@ -99,6 +99,7 @@ TEST_CASE("every key of a printer file arrives in the configuration with its uni
   printer["wait_for_plate_cleared"] = false;
   printer["ask_before"] = {"islands", "cracks"};
   printer["tiny_first_layer_percent"] = 2.5;
+  printer["supports"] = "auto";
   printer["min_free_disk_mb"] = 7;
   printer["mask_budget_ms"] = 250;
   printer["manual"] = {{"light_limit_s", 12.5}, {"vat_depth_mm", 45}};
@@ -127,6 +128,7 @@ TEST_CASE("every key of a printer file arrives in the configuration with its uni
   CHECK_FALSE(config.wait_for_plate_cleared);
   CHECK(config.ask_before == std::vector<std::string>{"islands", "cracks"});
   CHECK(config.tiny_first_layer_percent == 2.5);
+  CHECK(config.supports == SupportPolicy::Auto);
   CHECK(config.min_free_disk_bytes == 7'000'000);
   CHECK(config.mask_budget == std::chrono::milliseconds{250});
   CHECK(config.manual.light_limit == std::chrono::milliseconds{12'500});
@@ -172,6 +174,7 @@ TEST_CASE("what a printer file leaves out has the default value") {
   CHECK(config.wait_for_plate_cleared);
   CHECK(config.ask_before.empty());
   CHECK(config.tiny_first_layer_percent == 5);
+  CHECK(config.supports == SupportPolicy::Off);
   CHECK(config.min_free_disk_bytes == 100'000'000);
   CHECK(config.mask_budget == std::chrono::milliseconds{1000});
   CHECK_FALSE(config.mirror_x);

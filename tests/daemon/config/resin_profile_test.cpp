@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "daemon/config/support_figures.hpp"
 #include "tests/catch.hpp"
 #include "tests/daemon/config/config_fixture.hpp"
 
@@ -66,6 +67,58 @@ TEST_CASE("every key of a resin profile arrives with its unit, and the file give
   CHECK(curve.bottom_overcure == Micrometers{150.0});
 }
 
+TEST_CASE("a resin's supports are as by default but for what its profile says") {
+  json resin = shipped("resins/standard.json");
+  CHECK(load(resin).supports == SupportSettings{});
+  resin["supports"] = {{"tip_diameter_mm", 0.5}, {"tip_holds_mm2", 8.5}, {"lift_mm", 3}};
+  SupportSettings expected;
+  expected.tip_diameter = Millimeters{0.5};
+  expected.tip_holds_mm2 = 8.5;
+  expected.lift = Millimeters{3};
+  CHECK(load(resin).supports == expected);
+  resin["supports"]["spacing_mm"] = 0.4;
+  CHECK(complaints_about(resin) ==
+        Complaints{"/supports/spacing_mm: 0.4 is less than the least allowed, 0.5 mm"});
+}
+
+TEST_CASE("each figure of a resin's supports goes to its own setting") {
+  json resin = shipped("resins/standard.json");
+  double value = 2;
+  for (const SupportFigure& figure : support_figures())
+    resin["supports"][std::string(figure.key)] = value += 0.001;
+  // It must be larger than two others together.
+  resin["supports"]["lift_mm"] = 5.5;
+  const SupportSettings read = load(resin).supports;
+  value = 2;
+  for (const SupportFigure& figure : support_figures()) {
+    value += 0.001;
+    CHECK(figure.get(read) == (figure.key == "lift_mm" ? 5.5 : value));
+  }
+}
+
+TEST_CASE("figures of supports that contradict each other are told with both") {
+  const auto complaints = [](const json& supports) {
+    json resin = shipped("resins/standard.json");
+    resin["supports"] = supports;
+    return complaints_about(resin);
+  };
+  CHECK(complaints({{"tip_diameter_mm", 1.2}}) ==
+        Complaints{"/supports/tip_diameter_mm: 1.2 mm is more than pillar_diameter_mm, 1 mm: a tip is no "
+                   "thicker than its pillar"});
+  CHECK(complaints({{"foot_diameter_mm", 0.9}}) ==
+        Complaints{"/supports/foot_diameter_mm: 0.9 mm is less than pillar_diameter_mm, 1 mm: a foot is no "
+                   "thinner than its pillar"});
+  CHECK(complaints({{"tip_depth_mm", 1.1}}) ==
+        Complaints{"/supports/tip_depth_mm: 1.1 mm is more than tip_length_mm, 1 mm: a tip is not deeper in "
+                   "the model than it is long"});
+  CHECK(complaints({{"lift_mm", 1.9}}) ==
+        Complaints{"/supports/lift_mm: 1.9 mm is less than foot_height_mm and tip_length_mm together, 2 mm: "
+                   "there is no room for a support"});
+  // Equal is none.
+  CHECK(complaints({{"tip_diameter_mm", 1}, {"foot_diameter_mm", 1}, {"tip_depth_mm", 1}, {"lift_mm", 2}})
+            .empty());
+}
+
 TEST_CASE("a resin's shrinkage becomes the factors that make it good") {
   json resin = shipped("resins/standard.json");
   CHECK(load(resin).shrinkage_factors == Scale{});
@@ -77,6 +130,18 @@ TEST_CASE("a resin's shrinkage becomes the factors that make it good") {
   CHECK(factors.z == 1);
   resin["shrinkage_percent"]["z"] = 21;
   CHECK(complaints_about(resin) == Complaints{"/shrinkage_percent/z: 21 is more than the limit, 20"});
+}
+
+TEST_CASE("a resin's weights of orientation arrive, and are contourd's own where they are not given") {
+  json resin = shipped("resins/standard.json");
+  CHECK(load(resin).orientation == OrientationWeights{});
+  resin["orientation_weights"] = {{"support", 3}, {"contacts", 0.5}, {"peel", 100},
+                                  {"height", 0},  {"standing", 2},   {"keep_clean", 1}};
+  CHECK(load(resin).orientation == OrientationWeights{3, 0.5, 100, 0, 2, 1});
+  resin["orientation_weights"]["peel"] = 101;
+  CHECK(complaints_about(resin) == Complaints{"/orientation_weights/peel: 101 is more than the limit, 100"});
+  resin["orientation_weights"] = {{"speed", 1}};
+  CHECK(complaints_about(resin).size() == 1);
 }
 
 TEST_CASE("an exposure given outright is the bottom one, fades linearly, then stays") {

@@ -96,6 +96,18 @@ TEST_CASE("a ticket that sets none of them leaves the resin as it is") {
   CHECK(printed(limited_profile(), json::object()).overridden.empty());
 }
 
+TEST_CASE("a ticket's figures of supports need no limits and are told with the resin's own") {
+  const Printed job =
+      printed(shipped("resins/standard.json"), {{"supports", {{"lift_mm", 8}, {"spacing_mm", 2}}}});
+  CHECK(job.resin.supports.lift == Millimeters{8});
+  CHECK(job.resin.supports.spacing == Millimeters{2});
+  CHECK(job.overridden == OverriddenSettings{{"supports.lift_mm", 8, 5}, {"supports.spacing_mm", 2, 3.2}});
+  CHECK(printed(shipped("resins/standard.json"), {{"supports", "auto"}}).overridden.empty());
+  CHECK(refusals_of(shipped("resins/standard.json"), {{"supports", {{"tip_diameter_mm", 2}}}}) ==
+        Complaints{"/supports/tip_diameter_mm: 2 mm is more than pillar_diameter_mm, 1 mm: a tip is no "
+                   "thicker than its pillar"});
+}
+
 TEST_CASE("both ends of the limits belong to them, and a hair beyond is refused, not clamped") {
   for (const double ms : {2000.0, 8000.0})
     CHECK(refusals_of(limited_profile(), {{"exposure_ms", ms}}).empty());

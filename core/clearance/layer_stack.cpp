@@ -1,0 +1,99 @@
+#include "core/clearance/layer_stack.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/units.hpp"
+
+namespace contourd {
+namespace {
+
+// Of layers that are thinner, only some are looked at, so far apart at most.
+constexpr double kLookedAt_mm = 0.1;
+
+}  // namespace
+
+void LayerStack::begin(const DisplayGeometry& sweep_display, Nanometers step) {
+  columns_ = sweep_display.width.count();
+  rows_ = sweep_display.height.count();
+  pitch_mm_ = to_millimeters(sweep_display.pixel_pitch).count();
+  step_mm_ = to_millimeters(step).count();
+  stride_ = std::max(1, static_cast<std::int32_t>(kLookedAt_mm / step_mm_ + 1e-9));
+  layers_.clear();
+  row_starts_.clear();
+  runs_.clear();
+}
+
+void LayerStack::layer(Nanometers /*height*/, const MaskRuns& lit) {
+  const std::span<const PixelRun> runs = lit.runs();
+  Layer layer{0, 0, row_starts_.size()};
+  if (!runs.empty()) {
+    layer.first_row = runs.front().row;
+    layer.end_row = runs.back().row + 1;
+  }
+  for (std::int32_t row = layer.first_row; row < layer.end_row; ++row) {
+    row_starts_.push_back(static_cast<std::uint32_t>(runs_.size()));
+    for (const PixelRun& run : lit.in_row(row))
+      runs_.push_back({static_cast<std::uint16_t>(run.first), static_cast<std::uint16_t>(run.end)});
+  }
+  row_starts_.push_back(static_cast<std::uint32_t>(runs_.size()));
+  layers_.push_back(layer);
+}
+
+std::span<const LayerStack::Run> LayerStack::runs_in(std::int32_t layer, std::int32_t row) const {
+  if (layer < 0 || layer >= layers()) return {};
+  const Layer& in = layers_[static_cast<std::size_t>(layer)];
+  if (row < in.first_row || row >= in.end_row) return {};
+  const std::size_t start = in.first_start + static_cast<std::size_t>(row - in.first_row);
+  return std::span(runs_).subspan(row_starts_[start], row_starts_[start + 1] - row_starts_[start]);
+}
+
+bool LayerStack::is_clear(const PlatePoint& point, double distance_mm) const {
+  const double column = point.x / pitch_mm_ + columns_ / 2.0 - 0.5;
+  const double row = rows_ / 2.0 - point.y / pitch_mm_ - 0.5;
+  const double level = point.z / step_mm_ - 0.5;
+  const double up = distance_mm / step_mm_ + stride_;
+  const double last = std::min(std::floor(level + up), layers() - 1.0);
+  const auto first = static_cast<std::int32_t>(std::max(std::ceil(level - up), 0.0));
+  for (std::int32_t layer = first; layer <= last; layer += stride_) {
+    const double off = std::max(std::fabs(layer - level) - stride_, 0.0) * step_mm_;
+    const double disc = distance_mm * distance_mm - off * off;
+    if (disc > 0 && !is_disc_clear(layer, row, column, disc)) return false;
+  }
+  return true;
+}
+
+// `disc_mm2`: its radius' square. Row and column from the first pixel's middle.
+bool LayerStack::is_disc_clear(std::int32_t layer, double row, double column, double disc_mm2) const {
+  const Layer& in = layers_[static_cast<std::size_t>(layer)];
+  const double across = std::sqrt(disc_mm2) / pitch_mm_ + 1;
+  const double last = std::min(std::floor(row + across), in.end_row - 1.0);
+  const auto first = static_cast<std::int32_t>(std::max<double>(std::ceil(row - across), in.first_row));
+  for (std::int32_t at = first; at <= last; ++at) {
+    const std::span<const Run> runs = runs_in(layer, at);
+    if (runs.empty()) continue;
+    const double aside = std::max(std::fabs(at - row) - 1, 0.0) * pitch_mm_;
+    const double left = disc_mm2 - aside * aside;
+    if (left <= 0) continue;
+    const double reach = std::sqrt(left) / pitch_mm_ + 1;
+    const double low = std::ceil(column - reach), high = std::floor(column + reach);
+    const auto run = std::ranges::partition_point(runs, [low](const Run& each) { return each.end <= low; });
+    if (run != runs.end() && run->first <= high) return false;
+  }
+  return true;
+}
+
+std::optional<double> LayerStack::top_below(const PlatePoint& point, double down_mm) const {
+  const double column = std::floor(point.x / pitch_mm_ + columns_ / 2.0);
+  const auto row = static_cast<std::int32_t>(std::floor(rows_ / 2.0 - point.y / pitch_mm_));
+  const double level = std::min(std::floor(point.z / step_mm_ - 0.5), layers() - 1.0);
+  const double last = std::max(std::floor((point.z - down_mm) / step_mm_), 0.0);
+  for (double layer = level; layer >= last; --layer) {
+    for (const Run& run : runs_in(static_cast<std::int32_t>(layer), row)) {
+      if (run.first <= column && column < run.end) return (layer + 1) * step_mm_;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace contourd

@@ -1,0 +1,158 @@
+#include "core/orientation/orientation_choice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/contract/expects.hpp"
+#include "core/model/enclosed_volume.hpp"
+#include "core/orientation/candidate_directions.hpp"
+#include "core/orientation/orientation_rating.hpp"
+#include "core/orientation/rated_mesh.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr Direction kAsDrawn{0, 0, 1};
+// By so much of all weights another direction must be better for a model to be turned.
+constexpr double kWorthTurning = 0.05;
+
+// The worst of all directions tried, by which figures are made comparable; at least so much, or a single
+// contact would decide.
+struct Worst {
+  double contacts = 4, support_mm3 = 20, largest_mm2 = 1, height_mm = 1, touched_mm2 = 1;
+
+  void take(const OrientationFigures& figures) {
+    contacts = std::max(contacts, figures.contacts);
+    support_mm3 = std::max(support_mm3, figures.support_mm3);
+    largest_mm2 = std::max(largest_mm2, figures.largest_mm2);
+    height_mm = std::max(height_mm, figures.size_z_mm);
+    touched_mm2 = std::max(touched_mm2, figures.touched_mm2);
+  }
+};
+
+// Of supports the root: from none to a few it is farther than from many to some more.
+double score_of(const OrientationFigures& figures, const OrientationWeights& weights, const Worst& worst) {
+  return weights.support * std::sqrt(figures.support_mm3 / worst.support_mm3) +
+         weights.contacts * std::sqrt(figures.contacts / worst.contacts) +
+         weights.peel * figures.largest_mm2 / worst.largest_mm2 +
+         weights.height * figures.size_z_mm / worst.height_mm + (figures.stands ? 0 : weights.standing) +
+         weights.keep_clean * figures.touched_mm2 / worst.touched_mm2;
+}
+
+// Those that fit first, the best of them first; as they come where they are alike. Areas may be beyond all
+// numbers: such a score is none.
+void rank(std::vector<OrientationFigures>& rated, const OrientationWeights& weights, const Worst& worst) {
+  for (OrientationFigures& figures : rated)
+    if (figures.score = score_of(figures, weights, worst); !std::isfinite(figures.score))
+      figures.score = std::numeric_limits<double>::max();
+  std::ranges::stable_sort(rated, [](const OrientationFigures& a, const OrientationFigures& b) {
+    return a.fits != b.fits ? a.fits : a.score < b.score;
+  });
+}
+
+// Moves what is to be printed to the front.
+void choose(std::vector<OrientationFigures>& ranked, const OrientationWeights& weights) {
+  const auto drawn = std::ranges::find(ranked, kAsDrawn, &OrientationFigures::up);
+  const double all = weights.support + weights.contacts + weights.peel + weights.height + weights.standing;
+  const bool may_stay = drawn->fits || !ranked.front().fits;
+  if (may_stay && drawn->score <= ranked.front().score + kWorthTurning * all)
+    std::rotate(ranked.begin(), drawn, drawn + 1);
+}
+
+class Choosing {
+ public:
+  Choosing(std::span<const Facet> facets, const OrientationRequest& request, const std::stop_token& stop)
+      : facets_(facets),
+        request_(request),
+        stop_(stop),
+        inside_out_(enclosed_volume(facets, bounds_of(facets)).inside_out()) {}
+
+  std::optional<OrientationChoice> choose() {
+    const std::vector<Direction> candidates = candidate_directions(facets_);
+    std::vector<OrientationFigures> sampled = rate_by_sample(candidates);
+    if (stop_.stop_requested()) return std::nullopt;
+    Worst worst;
+    for (const OrientationFigures& figures : sampled)
+      worst.take(figures);
+    rank(sampled, request_.weights, worst);
+    OrientationChoice choice;
+    choice.tried = static_cast<std::uint32_t>(candidates.size());
+    choice.ranked = rate_finalists(sampled);
+    if (stop_.stop_requested()) return std::nullopt;
+    choice.steps = steps_;
+    for (const OrientationFigures& figures : choice.ranked)
+      worst.take(figures);
+    rank(choice.ranked, request_.weights, worst);
+    contourd::choose(choice.ranked, request_.weights);
+    return choice;
+  }
+
+ private:
+  [[nodiscard]] RatedMesh::Making making(std::span<const Facet> facets) const {
+    const Scale& scale = request_.scale;
+    // In the model's own millimetres.
+    const double cell_mm = kContactCellMm / std::max({scale.x, scale.y, scale.z});
+    return {
+        .facets = facets, .inside_out = inside_out_, .cell_mm = cell_mm, .keep_clean = request_.keep_clean};
+  }
+
+  std::vector<OrientationFigures> rate_by_sample(std::span<const Direction> candidates) {
+    FacetSample sample;
+    RatedMesh::Making sampled = making(facets_);
+    if (facets_.size() > kSampledFacets) {
+      sample = sample_of(facets_, kSampledFacets);
+      sampled.facets = sample.facets;
+      sampled.weights = sample.weights;
+    }
+    const RatedMesh mesh(sampled);
+    OrientationRating rating(mesh, request_, OrientationRating::Mesh::Sample);
+    std::vector<OrientationFigures> rated;
+    for (const Direction& up : candidates) {
+      if (stop_.stop_requested()) break;
+      rated.push_back(rating.rate(up));
+    }
+    steps_ += rating.steps();
+    return rated;
+  }
+
+  // The best by the sample, and as drawn. If none of them fits by all its facets, more, until one does.
+  std::vector<OrientationFigures> rate_finalists(std::span<const OrientationFigures> sampled) {
+    const RatedMesh mesh(making(facets_));
+    OrientationRating rating(mesh, request_, OrientationRating::Mesh::Whole);
+    std::vector<OrientationFigures> rated{rating.rate(kAsDrawn)};
+    bool one_fits = rated.front().fits;
+    for (const OrientationFigures& each : sampled) {
+      if (stop_.stop_requested() ||
+          (rated.size() >= finalists_of(facets_.size()) && (one_fits || !each.fits)))
+        break;
+      if (each.up == kAsDrawn) continue;
+      rated.push_back(rating.rate(each.up));
+      one_fits = one_fits || rated.back().fits;
+    }
+    steps_ += rating.steps();
+    return rated;
+  }
+
+  std::span<const Facet> facets_;
+  const OrientationRequest& request_;
+  const std::stop_token& stop_;
+  bool inside_out_;
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace
+
+std::size_t finalists_of(std::size_t facets) {
+  constexpr std::size_t kFacetsRated = 8'000'000, kFewest = 6, kMost = 24;
+  return std::clamp(kFacetsRated / std::max<std::size_t>(facets, 1), kFewest, kMost);
+}
+
+std::optional<OrientationChoice> choose_orientation(std::span<const Facet> facets,
+                                                    const OrientationRequest& request,
+                                                    const std::stop_token& stop) {
+  expects(!facets.empty() && facets.size() < kMaxFacets, "there are facets, and fewer than 2^30");
+  return Choosing(facets, request, stop).choose();
+}
+
+}  // namespace contourd

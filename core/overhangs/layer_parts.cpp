@@ -1,0 +1,113 @@
+#include "core/overhangs/layer_parts.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/contract/expects.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr std::uint32_t kNone = 0xFFFFFFFF;
+
+}  // namespace
+
+void LayerParts::add_layer(const MaskRuns& lit, const MaskRuns& beneath) {
+  expects(lit.rows() == beneath.rows() && beneath.runs().size() == part_of_run_.size(),
+          "the layer beneath is the one before, of the same size");
+  std::swap(parts_, parts_beneath_);
+  std::swap(part_of_run_, part_of_run_beneath_);
+  const auto runs = static_cast<std::uint32_t>(lit.runs().size());
+  meetings_.clear();
+  run_parent_.resize(runs);
+  for (std::uint32_t run = 0; run < runs; ++run)
+    run_parent_[run] = run;
+  for (std::int32_t row = 1; row < lit.rows(); ++row)
+    join_rows(lit, row);
+  number_parts(lit);
+  for (std::int32_t row = 0; row < lit.rows(); ++row)
+    take_over_bodies(lit, beneath, row);
+  for (LayerPart& part : parts_) {
+    if (part.body == kNone) {
+      part.body = bodies();
+      body_parent_.push_back(part.body);
+    }
+  }
+  for (LayerPart& part : parts_)
+    part.body = body_now(part.body);
+}
+
+const LayerPart& LayerParts::part_at(const MaskRuns& lit, std::int32_t row, std::int32_t column) const {
+  expects(lit.runs().size() == part_of_run_.size(), "the runs are the last layer's");
+  const std::span<const PixelRun> runs = lit.in_row(row);
+  const auto run = std::ranges::find_if(runs, [column](const PixelRun& each) { return column < each.end; });
+  expects(run != runs.end() && run->first <= column, "the pixel is lit in the last layer");
+  return parts_[part_of_run_[lit.first_in_row(row) + static_cast<std::size_t>(run - runs.begin())]];
+}
+
+std::uint32_t LayerParts::body_now(std::uint32_t body) {
+  while (body_parent_[body] != body) {
+    body_parent_[body] = body_parent_[body_parent_[body]];
+    body = body_parent_[body];
+  }
+  return body;
+}
+
+std::uint32_t LayerParts::root_of(std::uint32_t run) {
+  while (run_parent_[run] != run) {
+    run_parent_[run] = run_parent_[run_parent_[run]];
+    run = run_parent_[run];
+  }
+  return run;
+}
+
+void LayerParts::join_rows(const MaskRuns& lit, std::int32_t row) {
+  const std::span<const PixelRun> above = lit.in_row(row - 1), here = lit.in_row(row);
+  const std::uint32_t first_above = lit.first_in_row(row - 1), first_here = lit.first_in_row(row);
+  // One column's reach: pixels that touch by a corner.
+  for_each_meeting(above, here, 1, [&](std::size_t i, std::size_t j) {
+    const std::uint32_t a = root_of(first_above + static_cast<std::uint32_t>(i));
+    const std::uint32_t b = root_of(first_here + static_cast<std::uint32_t>(j));
+    run_parent_[std::max(a, b)] = std::min(a, b);
+  });
+}
+
+void LayerParts::number_parts(const MaskRuns& lit) {
+  parts_.clear();
+  part_of_run_.resize(run_parent_.size());
+  for (std::uint32_t run = 0; run < run_parent_.size(); ++run) {
+    const std::uint32_t root = root_of(run);
+    if (root == run) {
+      part_of_run_[run] = static_cast<std::uint32_t>(parts_.size());
+      parts_.push_back({kNone, 0, 0});
+    }
+    part_of_run_[run] = part_of_run_[root];
+    const PixelRun& pixels = lit.runs()[run];
+    parts_[part_of_run_[run]].pixels += pixels.end - pixels.first;
+  }
+}
+
+void LayerParts::take_over_bodies(const MaskRuns& lit, const MaskRuns& beneath, std::int32_t row) {
+  const std::span<const PixelRun> here = lit.in_row(row), under = beneath.in_row(row);
+  const std::uint32_t first_here = lit.first_in_row(row), first_under = beneath.first_in_row(row);
+  for_each_meeting(here, under, 0, [&](std::size_t i, std::size_t j) {
+    LayerPart& part = parts_[part_of_run_[first_here + i]];
+    part.carried += std::min(here[i].end, under[j].end) - std::max(here[i].first, under[j].first);
+    join_bodies(part.body, parts_beneath_[part_of_run_beneath_[first_under + j]].body);
+  });
+}
+
+void LayerParts::join_bodies(std::uint32_t& body, std::uint32_t other) {
+  const std::uint32_t b = body_now(other);
+  if (body == kNone) {
+    body = b;
+    return;
+  }
+  const std::uint32_t a = body_now(body);
+  if (a == b) return;
+  meetings_.push_back({std::max(a, b), std::min(a, b)});
+  body_parent_[std::max(a, b)] = std::min(a, b);
+  body = std::min(a, b);
+}
+
+}  // namespace contourd

@@ -1,0 +1,237 @@
+#include "core/overhangs/overhang_sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "core/contract/expects.hpp"
+#include "core/engine/contour_engine.hpp"
+#include "core/overhangs/layer_parts.hpp"
+#include "core/overhangs/overhang_cover.hpp"
+#include "core/overhangs/peel_balance.hpp"
+#include "core/overhangs/surface_probe.hpp"
+#include "core/overhangs/sweep_grid.hpp"
+#include "core/overhangs/underside.hpp"
+
+namespace contourd {
+namespace {
+
+using Need = OverhangCover::Need;
+
+constexpr double kPi = 3.14159265358979323846;
+// Of the farthest reach: so near to it that it is held with what is beyond.
+constexpr double kSoon = 0.8;
+// An island that is no larger in its first layer, and has grown together with what is held in the next, or is
+// gone there, is none: it is less than a layer's light lets cure to anything.
+constexpr double kSpeckMm2 = 0.01;
+
+struct PlacedContact {
+  SweepPixel at;
+  std::int32_t layer;  // at which the material begins there
+  std::uint32_t body;
+  ContactCause cause;
+  double held_pixels;  // that hang on it in the layer that it is for
+};
+
+std::vector<PlateModel> on_grid(const SupportRequest& request, const SweepGrid& grid) {
+  std::vector<PlateModel> models = request.models;
+  for (PlateModel& model : models) {
+    for (PixelMap& copy : model.copies)
+      copy = copy.moved(request.display, grid.display);
+  }
+  return models;
+}
+
+// No contact holds more than it is strong enough for: a disc beneath a level surface, and beneath one that
+// rises a strip as wide as may bridge.
+HoldingRadii holding_radii(const SupportSettings& settings, const SweepGrid& grid) {
+  const double disc_mm = std::sqrt(settings.tip_holds_mm2 / kPi);
+  const double strip_mm = settings.tip_holds_mm2 / (2 * settings.bridge.count());
+  const double beneath_mm = settings.bridge.count() + settings.tip_diameter.count() / 2 - grid.pixel_mm();
+  return {std::min(beneath_mm, disc_mm) / grid.pixel_mm(),
+          std::min(settings.spacing.count(), strip_mm) / grid.pixel_mm()};
+}
+
+Millimeters top_of(std::span<const PlateModel> models) {
+  Millimeters top{};
+  for (const PlateModel& model : models) {
+    if (!model.copies.empty()) top = std::max(top, model.top());
+  }
+  return top;
+}
+
+class Sweep {
+ public:
+  explicit Sweep(const SupportRequest& request)
+      : settings_(request.settings),
+        grid_(sweep_grid(request.display)),
+        models_(on_grid(request, grid_)),
+        engine_(models_, {.display = grid_.display, .anti_aliasing = AntiAliasing::Off}),
+        underside_(grid_),
+        cover_(holding_radii(settings_, grid_)),
+        peel_(settings_.tip_holds_mm2 / pixel_area_mm2()) {
+    lit_.extract(Mask(grid_.display.width, grid_.display.height));
+  }
+
+  [[nodiscard]] const SweepGrid& grid() const { return grid_; }
+  // The next layer up: what is lit there, until the next call.
+  const MaskRuns& add_layer();
+  [[nodiscard]] HeldPlaces held() const;
+
+ private:
+  [[nodiscard]] double pixel_area_mm2() const { return grid_.pixel_mm() * grid_.pixel_mm(); }
+  [[nodiscard]] std::int32_t tip_pixels() const {
+    return static_cast<std::int32_t>(settings_.tip_diameter.count() / 2 / grid_.pixel_mm());
+  }
+  [[nodiscard]] Need need_of(const ReachingPixel& pixel) const;
+  [[nodiscard]] bool is_speck(const LayerPart& part) const;
+  [[nodiscard]] SupportContact contact_of(const PlacedContact& placed, const SurfaceProbe& probe) const;
+  void hold_specks();
+  void hold_overhangs();
+  void balance_peel();
+  void add_contact(const PlacedContact& contact);
+
+  SupportSettings settings_;
+  SweepGrid grid_;
+  std::vector<PlateModel> models_;  // their copies' maps are to the grid
+  ContourEngine engine_;
+  Underside underside_;
+  OverhangCover cover_;
+  PeelBalance peel_;
+  LayerParts parts_;
+  MaskRuns lit_, beneath_;
+  std::int32_t layer_ = 0;
+  std::vector<OverhangCover::Spot> spots_;
+  std::vector<SweepPixel> specks_;  // of the last layer
+  std::vector<PlacedContact> contacts_;
+};
+
+const MaskRuns& Sweep::add_layer() {
+  ++layer_;
+  std::swap(lit_, beneath_);
+  lit_.extract(engine_.mask_at(grid_.height_of(layer_)));
+  parts_.add_layer(lit_, beneath_);
+  peel_.add_layer(parts_);
+  if (layer_ == 1) {
+    for (const LayerPart& part : parts_.parts())
+      peel_.stand(part.body);
+  }
+  underside_.add_layer({lit_, beneath_, parts_},
+                       {kSoon * cover_.radii().reach * grid_.pixel_mm(), settings_.bridge.count()});
+  for (const Underside::Sample& sample : underside_.samples())
+    peel_.add_place({sample.at, layer_, sample.steep}, parts_.parts()[sample.part].body);
+  hold_specks();
+  hold_overhangs();
+  balance_peel();
+  return lit_;
+}
+
+bool Sweep::is_speck(const LayerPart& part) const {
+  const double area_mm2 = static_cast<double>(part.pixels) * pixel_area_mm2();
+  return layer_ > 1 && part.carried == 0 && (part.pixels == 1 || area_mm2 < kSpeckMm2);
+}
+
+// The last layer's that have not gone.
+void Sweep::hold_specks() {
+  for (const SweepPixel speck : specks_) {
+    if (underside_.hangs_alone(speck))
+      add_contact({underside_.centered(speck, tip_pixels()), 0,
+                   parts_.part_at(lit_, speck.row, speck.column).body, ContactCause::Island, 1});
+  }
+  specks_.clear();
+}
+
+Need Sweep::need_of(const ReachingPixel& pixel) const {
+  if (pixel.bridge_mm > settings_.bridge.count()) return Need::Bridge;
+  const double reach = underside_.reach_mm(pixel.at) / grid_.pixel_mm();
+  if (reach > cover_.radii().reach) return Need::Reach;
+  return reach > kSoon * cover_.radii().reach ? Need::Soon : Need::None;
+}
+
+void Sweep::hold_overhangs() {
+  spots_.clear();
+  for (const ReachingPixel& pixel : underside_.reaching()) {
+    if (is_speck(parts_.parts()[pixel.part])) {
+      specks_.push_back(pixel.at);
+    } else if (const Need need = need_of(pixel); need != Need::None) {
+      spots_.push_back({pixel.at, pixel.part, need});
+    }
+  }
+  cover_.set_spots(spots_);
+  while (const std::optional<OverhangCover::Choice> choice = cover_.choose()) {
+    const LayerPart& part = parts_.parts()[choice->part];
+    const SweepPixel at = underside_.centered(choice->at, tip_pixels());
+    const auto held = static_cast<double>(cover_.hold(at, *choice));
+    add_contact({at, 0, part.body, part.carried == 0 ? ContactCause::Island : ContactCause::Overhang, held});
+  }
+}
+
+void Sweep::balance_peel() {
+  for (const LayerPart& part : parts_.parts()) {
+    while (peel_.overloaded(part.body)) {
+      const std::optional<PeelBalance::Place> place = peel_.take_place(part.body);
+      if (!place) break;
+      add_contact({place->at, place->layer, part.body, ContactCause::Peel, 0});
+    }
+  }
+  peel_.settle();
+}
+
+// Its layer is looked up where none is given.
+void Sweep::add_contact(const PlacedContact& contact) {
+  PlacedContact& placed = contacts_.emplace_back(contact);
+  if (placed.layer == 0) placed.layer = underside_.begins_at(placed.at);
+  peel_.add_contact(placed.at, placed.body);
+  // A little farther than it may reach: as the material grows, its reach does.
+  constexpr double kGrowthMm = 1;
+  if (underside_.is_lit(placed.at))
+    underside_.hold(placed.at, cover_.radii().reach * grid_.pixel_mm() + kGrowthMm);
+}
+
+SupportContact Sweep::contact_of(const PlacedContact& placed, const SurfaceProbe& probe) const {
+  const Point place = grid_.place_of(placed.at);
+  const double high_mm = to_millimeters(grid_.height_of(placed.layer)).count();
+  const auto surface =
+      probe.beneath(place, {high_mm - 3 * grid_.step_mm(), high_mm}, settings_.tip_diameter.count() / 2);
+  SupportContact contact;
+  contact.place = {place.x, place.y, surface ? surface->z_mm : high_mm - grid_.step_mm() / 2};
+  contact.outward = surface ? surface->outward : Direction{0, 0, -1};
+  contact.cause = placed.cause;
+  contact.load_mm2 = std::max(placed.held_pixels, peel_.load_pixels(placed.body)) * pixel_area_mm2();
+  return contact;
+}
+
+HeldPlaces Sweep::held() const {
+  const SurfaceProbe probe(models_, grid_.display);
+  HeldPlaces held;
+  for (const PlacedContact& contact : contacts_)
+    held.contacts.push_back(contact_of(contact, probe));
+  std::ranges::stable_sort(held.contacts, {}, [](const SupportContact& contact) {
+    return std::tuple(contact.place.z, contact.place.y, contact.place.x);
+  });
+  return held;
+}
+
+}  // namespace
+
+std::optional<HeldPlaces> find_overhangs(const SupportRequest& request, LayerObserver& observer,
+                                         const std::stop_token& stop) {
+  expects(
+      request.display.pixel_pitch > Micrometers{} &&
+          std::ranges::all_of(request.models, [](const PlateModel& each) { return each.model != nullptr; }),
+      "every model is there, and a pixel has a size");
+  Sweep sweep(request);
+  observer.begin(sweep.grid().display, sweep.grid().step);
+  const Millimeters top = top_of(request.models);
+  for (std::int32_t layer = 1; to_millimeters(sweep.grid().height_of(layer)) < top; ++layer) {
+    if (stop.stop_requested()) return std::nullopt;
+    const MaskRuns& lit = sweep.add_layer();
+    observer.layer(sweep.grid().height_of(layer), lit);
+  }
+  return sweep.held();
+}
+
+}  // namespace contourd

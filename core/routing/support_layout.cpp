@@ -1,0 +1,133 @@
+#include "core/routing/support_layout.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "core/clearance/clearance_field.hpp"
+#include "core/clearance/plate_ways.hpp"
+#include "core/routing/support_loads.hpp"
+#include "core/routing/support_routing.hpp"
+#include "core/routing/support_solids.hpp"
+#include "core/routing/support_tips.hpp"
+
+namespace contourd {
+namespace {
+
+// Ways lead no farther around the places that are held.
+constexpr double kAround_mm = 15;
+// Of the usual branch, where there is little room.
+constexpr double kLeastWidth = 0.5;
+
+ClearanceField::Region region_around(const std::vector<SupportContact>& contacts) {
+  const PlatePoint& first = contacts.front().place;
+  ClearanceField::Region region{first.x, first.x, first.y, first.y, 0};
+  for (const SupportContact& contact : contacts) {
+    const PlatePoint& at = contact.place;
+    region = {std::min(region.left, at.x), std::max(region.right, at.x), std::min(region.front, at.y),
+              std::max(region.back, at.y), std::max(region.top, at.z)};
+  }
+  return {region.left - kAround_mm, region.right + kAround_mm, region.front - kAround_mm,
+          region.back + kAround_mm, region.top + ClearanceField::kGreatest_mm};
+}
+
+void from_the_plate_up(std::vector<SupportContact>& contacts) {
+  std::ranges::stable_sort(contacts, [](const SupportContact& a, const SupportContact& b) {
+    return std::tuple(a.place.z, a.place.y, a.place.x) < std::tuple(b.place.z, b.place.y, b.place.x);
+  });
+}
+
+// What is beyond the number of contacts that are held.
+std::vector<UnheldPlace> set_aside(std::vector<SupportContact>& contacts) {
+  std::vector<UnheldPlace> beyond;
+  for (std::size_t i = kMostContacts; i < contacts.size(); ++i)
+    beyond.push_back({contacts[i], "4096 places beneath it have to be held already"});
+  contacts.resize(std::min(contacts.size(), kMostContacts));
+  return beyond;
+}
+
+void append(SupportTree more, SupportTree& tree) {
+  const auto first = static_cast<std::uint32_t>(tree.nodes.size());
+  for (SupportNode& node : more.nodes) {
+    if (node.below != SupportNode::kNone) node.below += first;
+    tree.nodes.push_back(node);
+  }
+  for (SupportTree::HeldTip& held : more.tips) {
+    held.node += first;
+    tree.tips.push_back(std::move(held));
+  }
+}
+
+// Holds one contact after the other, by ways to the plate or, what these do not reach, to a model.
+class SupportLayout {
+ public:
+  SupportLayout(const ClearanceField& field, const SupportSettings& settings, const std::stop_token& stop)
+      : field_(field), settings_(settings), stop_(stop) {}
+
+  // Returns those that it cannot hold.
+  [[nodiscard]] std::vector<SupportContact> hold(const std::vector<SupportContact>& contacts,
+                                                 PlateWays::End end) {
+    const double usual = settings_.pillar_diameter.count() / 2;
+    const WayWidths widths{usual, usual * kLeastWidth, settings_.tip_diameter.count() / 2};
+    const PlateWays ways(field_, {widths, end, contacts}, stop_);
+    const SupportTips tips(field_, ways, settings_);
+    SupportRouting routing(field_, ways, settings_);
+    std::vector<SupportContact> unheld;
+    for (const SupportContact& contact : contacts) {
+      if (stop_.stop_requested()) return unheld;
+      if (std::optional<SupportTip> tip = tips.tip_at(contact)) {
+        routing.add(std::move(*tip), static_cast<std::uint32_t>(held_.size()), contact.load_mm2);
+        held_.push_back(contact);
+      } else {
+        unheld.push_back(contact);
+      }
+    }
+    append(routing.lead_down(stop_), tree_);
+    return unheld;
+  }
+
+  [[nodiscard]] Supports supports() {
+    Supports supports;
+    thicken_branches(tree_, field_, settings_);
+    std::vector<SupportPrimitive> solids = solids_of(tree_, field_, settings_);
+    for (const SupportPrimitive& solid : solids)
+      supports.volume_mm3 += volume_mm3(solid);
+    for (const SupportNode& node : tree_.nodes) {
+      if (node.below != SupportNode::kNone) ++supports.branches;
+      if (node.below == SupportNode::kNone) ++(node.place.z == 0 ? supports.feet : supports.feet_on_models);
+    }
+    from_the_plate_up(held_);
+    supports.contacts = std::move(held_);
+    if (!solids.empty()) supports.structure = std::make_shared<const SupportStructure>(std::move(solids));
+    return supports;
+  }
+
+ private:
+  const ClearanceField& field_;
+  SupportSettings settings_;
+  std::stop_token stop_;
+  SupportTree tree_;
+  std::vector<SupportContact> held_;
+};
+
+}  // namespace
+
+std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, const LayerStack& layers,
+                                         const DisplayGeometry& build_area, const SupportSettings& settings,
+                                         const std::stop_token& stop) {
+  if (contacts.empty()) return Supports{};
+  from_the_plate_up(contacts);
+  const std::vector<UnheldPlace> beyond = set_aside(contacts);
+  const ClearanceField field(layers, region_around(contacts), {build_area, settings.clearance.count()}, stop);
+  SupportLayout layout(field, settings, stop);
+  std::vector<SupportContact> unheld = layout.hold(contacts, PlateWays::End::Plate);
+  if (!unheld.empty()) unheld = layout.hold(unheld, PlateWays::End::Model);
+  if (stop.stop_requested()) return std::nullopt;
+  Supports supports = layout.supports();
+  for (const SupportContact& contact : unheld)
+    supports.unheld.push_back({contact, "no way leads to the plate, nor to a place on the model"});
+  supports.unheld.insert(supports.unheld.end(), beyond.begin(), beyond.end());
+  return supports;
+}
+
+}  // namespace contourd

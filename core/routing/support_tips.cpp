@@ -1,0 +1,142 @@
+#include "core/routing/support_tips.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace contourd {
+namespace {
+
+// Of tip_length, and of the branch's radius: what is tried, one after the other.
+constexpr std::array<double, 4> kLengths{1.2, 1.6, 2.2, 3.2};
+// So many directions go with the normal, the others around it.
+constexpr std::size_t kAlongNormal = 3;
+constexpr std::array<double, 2> kWidths{1, 0.5};
+// The cone's first part is where the surface is.
+constexpr double kAtSurface_mm = 0.4;
+constexpr double kLook_mm = 0.2;
+// What is solid so close below a surface is the surface's own.
+constexpr double kBelowSurface_mm = 0.2;
+// Between two parts of a model.
+constexpr double kShortestPin_mm = 0.3;
+
+constexpr double kHalf = 0.70710678118654757;  // sine and cosine of 45 degrees
+
+Direction unit(double x, double y, double z) {
+  const double length = std::sqrt(x * x + y * y + z * z);
+  return {x / length, y / length, z / length};
+}
+
+// Not flatter than 45 degrees.
+Direction turned_down(const Direction& outward) {
+  const double across = std::sqrt(outward.x * outward.x + outward.y * outward.y);
+  if (across <= -outward.z) return unit(outward.x, outward.y, outward.z);
+  if (across == 0) return {0, 0, -1};
+  return {outward.x / across * kHalf, outward.y / across * kHalf, -kHalf};
+}
+
+// The normal's first, then nearer to straight down, then all around.
+std::vector<Direction> directions_for(const Direction& outward) {
+  const Direction first = turned_down(outward);
+  std::vector<Direction> all{first, unit(first.x, first.y, first.z - 1), {0, 0, -1}};
+  constexpr std::array<std::array<double, 2>, 8> kAround{
+      {{1, 0}, {kHalf, kHalf}, {0, 1}, {-kHalf, kHalf}, {-1, 0}, {-kHalf, -kHalf}, {0, -1}, {kHalf, -kHalf}}};
+  for (const auto& [x, y] : kAround) {
+    all.push_back({x * kHalf, y * kHalf, -kHalf});
+    all.push_back(unit(x, y, -2.4));
+  }
+  const auto nearest_first = [&first](const Direction& a, const Direction& b) {
+    const auto along = [&first](const Direction& d) { return d.x * first.x + d.y * first.y + d.z * first.z; };
+    return along(a) > along(b);
+  };
+  std::stable_sort(all.begin() + kAlongNormal, all.end(), nearest_first);
+  return all;
+}
+
+PlatePoint moved(const PlatePoint& at, const Direction& direction, double by) {
+  return {at.x + direction.x * by, at.y + direction.y * by, at.z + direction.z * by};
+}
+
+}  // namespace
+
+SupportTips::SupportTips(const ClearanceField& field, const PlateWays& ways, const SupportSettings& settings)
+    : field_(field), ways_(ways), settings_(settings) {}
+
+std::optional<SupportTip> SupportTips::tip_at(const SupportContact& contact) const {
+  // At the build area's edge it moves in by its own radius at most; its depth makes up for that.
+  const PlatePoint at = field_.moved_inside(contact.place, settings_.tip_diameter.count() / 2);
+  const std::vector<Direction> directions = directions_for(contact.outward);
+  const double radius = settings_.pillar_diameter.count() / 2;
+  const std::span<const Direction> along_normal = std::span(directions).first(kAlongNormal);
+  for (const double width : kWidths) {
+    for (const std::span<const Direction> some :
+         {along_normal, std::span(directions).subspan(kAlongNormal)}) {
+      for (const double length : kLengths) {
+        for (const Direction& direction : some) {
+          const Cone cone{direction, length * settings_.tip_length.count(), width * radius};
+          if (std::optional<SupportTip> tip = tip_with(at, cone)) return tip;
+        }
+      }
+    }
+  }
+  return stub_at(at, directions);
+}
+
+std::optional<SupportTip> SupportTips::tip_with(const PlatePoint& at, const Cone& cone) const {
+  const PlatePoint joint = moved(at, cone.outward, cone.length_mm);
+  // What is cheap to tell first.
+  if (joint.z < settings_.foot_height.count() || !ways_.length_from(joint)) return std::nullopt;
+  if (!field_.has_room(joint, cone.radius_mm) || !is_free(at, cone)) return std::nullopt;
+  std::optional<PlateWay> way = ways_.way_from(joint);
+  if (!way) return std::nullopt;
+  return SupportTip{at, joint, cone.outward, cone.radius_mm, std::move(*way)};
+}
+
+// A cone down to what is so close below that a branch has no room.
+std::optional<SupportTip> SupportTips::stub_at(const PlatePoint& at,
+                                               std::span<const Direction> directions) const {
+  const double tip = settings_.tip_diameter.count() / 2, usual = settings_.pillar_diameter.count() / 2;
+  for (const double widest : {usual, (usual + tip) / 2, tip}) {
+    for (const Direction& direction : directions) {
+      const std::optional<PlatePoint> foot = foot_of_stub(at, direction);
+      if (!foot) continue;
+      const double length = PlateSegment{at, *foot}.length();
+      const Cone cone{direction, length, foot->z > 0 ? tip : std::clamp(length, tip, widest)};
+      if (field_.is_inside(*foot, cone.radius_mm) && is_free(at, cone))
+        return SupportTip{at, *foot, direction, cone.radius_mm, {}};
+    }
+  }
+  return std::nullopt;
+}
+
+// Where a stub in this direction ends: on the plate, or straight down on a model.
+std::optional<PlatePoint> SupportTips::foot_of_stub(const PlatePoint& at, const Direction& direction) const {
+  const double longest = 2 * settings_.tip_length.count() + settings_.foot_height.count();
+  if (ways_.end() == PlateWays::End::Plate) {
+    const double length = at.z / -direction.z;
+    if (!(at.z > 0) || length > longest) return std::nullopt;
+    const PlatePoint foot = moved(at, direction, length);
+    return PlatePoint{foot.x, foot.y, 0};
+  }
+  const PlatePoint below{at.x, at.y, at.z - kBelowSurface_mm};
+  const std::optional<double> top = field_.layers().top_below(below, longest);
+  if (direction.z != -1 || !top || at.z - *top < kShortestPin_mm) return std::nullopt;
+  return PlatePoint{at.x, at.y, *top};
+}
+
+// Whether the cone touches the models nowhere but at its point.
+bool SupportTips::is_free(const PlatePoint& at, const Cone& cone) const {
+  const double tip = settings_.tip_diameter.count() / 2;
+  const PlatePoint joint = moved(at, cone.outward, cone.length_mm);
+  const PlatePoint above{joint.x, joint.y, joint.z + kBelowSurface_mm};
+  const bool on_model = field_.layers().top_below(above, 2 * kBelowSurface_mm).has_value();
+  const double end = on_model ? cone.length_mm - kAtSurface_mm : cone.length_mm;
+  for (double along = kAtSurface_mm; along < end; along += kLook_mm) {
+    const double radius = tip + (cone.radius_mm - tip) * (along / cone.length_mm);
+    // The surface that it holds may rise beside it at 45 degrees.
+    if (!field_.is_free(moved(at, cone.outward, along), std::min(radius, along * kHalf - 0.15))) return false;
+  }
+  return true;
+}
+
+}  // namespace contourd

@@ -1,0 +1,51 @@
+// Where a support meets the model: a cone that ends in the surface, within 45 degrees of straight down, and
+// the way that leads on from it. Immutable; thread-safe. Deterministic.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/clearance/clearance_field.hpp"
+#include "core/clearance/plate_ways.hpp"
+#include "core/support/support_contact.hpp"
+#include "core/support/support_settings.hpp"
+
+namespace contourd {
+
+struct SupportTip {
+  PlatePoint at;         // on the model's surface
+  PlatePoint joint;      // where the cone ends and the branch begins; on the plate: it has no branch
+  Direction outward;     // from `at` to `joint`, of length 1
+  double radius_mm = 0;  // at the joint
+  PlateWay way;          // from the joint on
+};
+
+class SupportTips {
+ public:
+  // Both must outlive it.
+  SupportTips(const ClearanceField& field, const PlateWays& ways, const SupportSettings& settings);
+
+  // The tip that holds this place: along the surface's normal if that leads anywhere, else aside of it,
+  // longer or thinner. Nothing where none does.
+  [[nodiscard]] std::optional<SupportTip> tip_at(const SupportContact& contact) const;
+
+ private:
+  struct Cone {
+    Direction outward;
+    double length_mm, radius_mm;
+  };
+
+  [[nodiscard]] std::optional<SupportTip> tip_with(const PlatePoint& at, const Cone& cone) const;
+  [[nodiscard]] std::optional<SupportTip> stub_at(const PlatePoint& at,
+                                                  std::span<const Direction> directions) const;
+  [[nodiscard]] std::optional<PlatePoint> foot_of_stub(const PlatePoint& at,
+                                                       const Direction& direction) const;
+  [[nodiscard]] bool is_free(const PlatePoint& at, const Cone& cone) const;
+
+  const ClearanceField& field_;
+  const PlateWays& ways_;
+  SupportSettings settings_;
+};
+
+}  // namespace contourd

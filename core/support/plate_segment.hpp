@@ -1,0 +1,32 @@
+// A straight stretch above the plate, and what supports ask of it. Values; thread-safe as any value is.
+#pragma once
+
+#include <cmath>
+
+#include "core/support/support_contact.hpp"
+
+namespace contourd {
+
+// In millimetres.
+[[nodiscard]] inline double level_distance(const PlatePoint& a, const PlatePoint& b) {
+  const double x = b.x - a.x, y = b.y - a.y;
+  return std::sqrt(x * x + y * y);
+}
+
+struct PlateSegment {
+  PlatePoint from, to;
+
+  [[nodiscard]] double length() const {
+    const double x = to.x - from.x, y = to.y - from.y, z = to.z - from.z;
+    return std::sqrt(x * x + y * y + z * z);
+  }
+  // A point of it: 0 is `from`, 1 is `to`.
+  [[nodiscard]] PlatePoint at(double part) const {
+    return {from.x + part * (to.x - from.x), from.y + part * (to.y - from.y),
+            from.z + part * (to.z - from.z)};
+  }
+  // Whether it leads down at 45 degrees or more, within a nanometre.
+  [[nodiscard]] bool leads_down() const { return level_distance(from, to) <= from.z - to.z + 1e-6; }
+};
+
+}  // namespace contourd

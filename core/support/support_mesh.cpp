@@ -1,0 +1,107 @@
+#include "core/support/support_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "core/model/placement.hpp"
+#include "core/model/sine_cosine.hpp"
+
+namespace contourd {
+namespace {
+
+constexpr int kFewestSides = 12, kMostSides = 96;
+
+// A chord's middle is off its circle by a little less than radius (pi / sides)^2 / 2. A facet between two
+// rings of a ball may be as far off both ways.
+int sides_for(double radius_mm) {
+  constexpr double kPi = 3.14159265358979323846;
+  const double needed = std::min(kPi * std::sqrt(radius_mm / kMeshErrorMm), double{kMostSides});
+  return std::clamp((static_cast<int>(needed) + 4) / 4 * 4, kFewestSides, kMostSides);
+}
+
+// Unit vectors, the third up the axis, the second a quarter turn from the first as seen from its end.
+struct Frame {
+  Direction first, second, axis;
+};
+
+Frame upright_frame() {
+  return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+}
+
+Frame frame_of(const Frustum& frustum) {
+  const double x = frustum.upper.x - frustum.lower.x, y = frustum.upper.y - frustum.lower.y;
+  const double z = frustum.upper.z - frustum.lower.z;
+  const double level = std::sqrt(x * x + y * y);
+  if (level == 0) return upright_frame();
+  const double length = std::sqrt(level * level + z * z);
+  const Direction axis{x / length, y / length, z / length}, first{-y / level, x / level, 0};
+  const Direction second{axis.y * first.z - axis.z * first.y, axis.z * first.x - axis.x * first.z,
+                         axis.x * first.y - axis.y * first.x};
+  return {first, second, axis};
+}
+
+// Around an axis; a single point without a radius.
+struct Ring {
+  PlatePoint middle;
+  double radius_mm;
+};
+
+std::vector<Vertex> corners_of(const Ring& ring, const Frame& frame, int sides) {
+  std::vector<Vertex> corners;
+  for (int i = 0; i < sides; ++i) {
+    const SineCosine turn = sine_cosine(360.0 * i / sides);
+    const double a = ring.radius_mm * turn.cosine, b = ring.radius_mm * turn.sine;
+    corners.push_back({static_cast<float>(ring.middle.x + a * frame.first.x + b * frame.second.x),
+                       static_cast<float>(ring.middle.y + a * frame.first.y + b * frame.second.y),
+                       static_cast<float>(ring.middle.z + a * frame.first.z + b * frame.second.z)});
+  }
+  return corners;
+}
+
+// Closed by discs at the first ring and the last, unless they are points.
+void add_rings(std::span<const Ring> rings, const Frame& frame, int sides, std::vector<Facet>& facets) {
+  const auto count = static_cast<std::size_t>(sides);
+  std::vector<Vertex> below = corners_of(rings.front(), frame, sides);
+  for (std::size_t i = 1; rings.front().radius_mm > 0 && i + 1 < count; ++i)
+    facets.push_back({{below[0], below[i + 1], below[i]}});
+  for (std::size_t ring = 1; ring < rings.size(); ++ring) {
+    std::vector<Vertex> above = corners_of(rings[ring], frame, sides);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t next = (i + 1) % count;
+      if (rings[ring - 1].radius_mm > 0) facets.push_back({{below[i], below[next], above[next]}});
+      if (rings[ring].radius_mm > 0) facets.push_back({{below[i], above[next], above[i]}});
+    }
+    below = std::move(above);
+  }
+  for (std::size_t i = 1; rings.back().radius_mm > 0 && i + 1 < count; ++i)
+    facets.push_back({{below[0], below[i], below[i + 1]}});
+}
+
+void add_mesh(const Frustum& frustum, std::vector<Facet>& facets) {
+  const Ring rings[]{{frustum.lower, frustum.lower_radius_mm}, {frustum.upper, frustum.upper_radius_mm}};
+  add_rings(rings, frame_of(frustum), sides_for(std::max(rings[0].radius_mm, rings[1].radius_mm)), facets);
+}
+
+void add_mesh(const Ball& ball, std::vector<Facet>& facets) {
+  if (ball.radius_mm == 0) return;
+  const int sides = sides_for(ball.radius_mm), bands = sides / 2;
+  std::vector<Ring> rings;
+  for (int i = 0; i <= bands; ++i) {
+    const SineCosine turn = sine_cosine(180.0 * i / bands - 90.0);
+    const PlatePoint middle{ball.center.x, ball.center.y, ball.center.z + ball.radius_mm * turn.sine};
+    rings.push_back({middle, i == 0 || i == bands ? 0 : ball.radius_mm * turn.cosine});
+  }
+  add_rings(rings, upright_frame(), sides, facets);
+}
+
+}  // namespace
+
+std::vector<Facet> support_mesh(std::span<const SupportPrimitive> primitives) {
+  std::vector<Facet> facets;
+  for (const SupportPrimitive& primitive : primitives)
+    std::visit([&](const auto& each) { add_mesh(each, facets); }, primitive);
+  return facets;
+}
+
+}  // namespace contourd

@@ -1,0 +1,48 @@
+// What a print's supports are, in figures. Values; thread-safe (no shared state).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/support/supports.hpp"
+
+namespace contourd {
+
+struct SupportCounts {
+  std::size_t islands = 0, overhangs = 0, peel = 0;  // contacts by their cause
+  std::size_t unheld = 0;                            // places
+  std::uint32_t branches = 0, feet = 0, feet_on_models = 0;
+  double volume_mm3 = 0;
+
+  [[nodiscard]] std::size_t contacts() const { return islands + overhangs + peel; }
+  // Something has to be held.
+  [[nodiscard]] bool any() const { return contacts() + unheld > 0; }
+  bool operator==(const SupportCounts&) const = default;
+};
+
+[[nodiscard]] inline SupportCounts counts_of(const Supports& supports) {
+  SupportCounts counts{.islands = 0,
+                       .overhangs = 0,
+                       .peel = 0,
+                       .unheld = supports.unheld.size(),
+                       .branches = supports.branches,
+                       .feet = supports.feet,
+                       .feet_on_models = supports.feet_on_models,
+                       .volume_mm3 = supports.volume_mm3};
+  for (const SupportContact& contact : supports.contacts) {
+    switch (contact.cause) {
+      case ContactCause::Island:
+        ++counts.islands;
+        break;
+      case ContactCause::Overhang:
+        ++counts.overhangs;
+        break;
+      case ContactCause::Peel:
+        ++counts.peel;
+        break;
+    }
+  }
+  return counts;
+}
+
+}  // namespace contourd

@@ -1,0 +1,16 @@
+// That each header of core/clearance checks what it requires.
+#include "core/clearance/clearance_field.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+
+using namespace contourd;
+using testing::contract_broken_by;
+
+TEST_CASE("A field's level is one of its own") {
+  LayerStack layers;
+  layers.begin({Pixels{104}, Pixels{104}, Micrometers{100.0}}, Nanometers{50'000});
+  const DisplayGeometry area{Pixels{100}, Pixels{100}, Micrometers{100.0}};
+  const ClearanceField field(layers, {-5, 5, -5, 5, 5}, {area, 0.5}, {});
+  CHECK(contract_broken_by([&] { static_cast<void>(field.level(field.levels())); }) ==
+        "the level is one of the field's");
+}

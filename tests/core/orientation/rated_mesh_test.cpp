@@ -1,0 +1,91 @@
+#include "core/orientation/rated_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/orientation/facet_area.hpp"
+#include "tests/catch.hpp"
+#include "tests/models/models.hpp"
+
+using namespace contourd;
+
+namespace {
+
+double surface_of(std::span<const Facet> facets) {
+  double sum = 0;
+  for (const Facet& facet : facets)
+    sum += length_of(area_of(facet));
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("A sample stands for the whole surface, and holds every large facet") {
+  models::Facets facets = models::sphere(10, 60);
+  const models::Facets large = models::box({20, 20, 20}, {40, 40, 40});
+  facets.insert(facets.end(), large.begin(), large.end());
+  const FacetSample sample = sample_of(facets, 1000);
+  REQUIRE(sample.facets.size() <= 1000);
+  REQUIRE(sample.facets.size() > 300);  // two thirds of the surface are the box'
+  double stands_for = 0;
+  std::size_t of_box = 0;
+  for (std::size_t i = 0; i < sample.facets.size(); ++i) {
+    stands_for += sample.weights[i] * length_of(area_of(sample.facets[i]));
+    if (sample.facets[i].vertices[0].x >= 20) ++of_box;
+  }
+  const double surface = surface_of(facets);
+  CHECK(std::abs(stands_for - surface) <= surface / 1000 * 1.001);  // but for the last part
+  CHECK(of_box == 12);
+}
+
+TEST_CASE("A sample of what has no area is empty") {
+  const Vertex v{1, 1, 1};
+  const Facet facets[]{{{v, v, v}}};
+  CHECK(sample_of(facets, 10).facets.empty());
+}
+
+TEST_CASE("Each vertex of a rated mesh is there once, and its areas face outwards") {
+  models::Facets facets = models::box({0, 0, 0}, {10, 20, 30});
+  for (const bool inside_out : {false, true}) {
+    const RatedMesh mesh({.facets = facets, .inside_out = inside_out});
+    CHECK(mesh.vertices().size() == 8);
+    double upwards = 0;
+    for (const RatedMesh::Side& side : mesh.sides())
+      upwards += std::max(0.0, side.along({0, 0, 1}));
+    CHECK(upwards == 200);
+    double of_top = 0;
+    for (const RatedMesh::Side& side : mesh.sides())
+      if (std::ranges::all_of(side.corners, [&](auto v) { return mesh.vertices()[v].z == 30; }))
+        of_top += side.along({0, 0, 1});
+    CHECK(of_top == 200);
+    models::invert(facets);
+  }
+}
+
+TEST_CASE("Vertices of one cube of the grid have one cell") {
+  const models::Facets facets = models::box({0, 0, 0}, {1, 1, 5});
+  const RatedMesh mesh({.facets = facets, .cell_mm = 3});
+  CHECK(mesh.cells() == 2);
+  std::set<std::uint32_t> low, high;
+  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v)
+    (mesh.vertices()[v].z == 0 ? low : high).insert(mesh.cell_of(v));
+  CHECK(low.size() == 1);
+  CHECK(high.size() == 1);
+  CHECK(low != high);
+}
+
+TEST_CASE("What is to be kept clean looks in a direction, or lies in a box") {
+  const models::Facets facets = models::box({0, 0, 0}, {10, 10, 10});
+  const auto kept = [&](const KeepClean& each) {
+    const KeepClean all[]{each};
+    const RatedMesh mesh({.facets = facets, .keep_clean = all});
+    return std::ranges::count(mesh.sides(), true, &RatedMesh::Side::keep_clean);
+  };
+  CHECK(kept(Direction{0, 0, 7}) == 2);
+  CHECK(kept(Direction{0.2, 0.1, 1}) == 2);
+  CHECK(kept(Direction{1, 1, 1}) == 0);  // 55 degrees from each
+  CHECK(kept(KeepCleanBox{{-1, -1, 9}, {11, 11, 11}}) == 2);
+  CHECK(kept(KeepCleanBox{{-1, -1, -1}, {11, 11, 11}}) == 12);
+  CHECK(kept(KeepCleanBox{{20, 20, 20}, {30, 30, 30}}) == 0);
+}

@@ -1,0 +1,54 @@
+// That each header of core/overhangs checks what it requires.
+#include "core/overhangs/layer_parts.hpp"
+#include "core/overhangs/overhang_sweep.hpp"
+#include "core/overhangs/peel_balance.hpp"
+#include "core/overhangs/surface_probe.hpp"
+#include "core/overhangs/sweep_grid.hpp"
+#include "core/overhangs/underside.hpp"
+#include "tests/broken_contract.hpp"
+#include "tests/catch.hpp"
+#include "tests/core/overhangs/held_fixture.hpp"
+
+using namespace contourd;
+using testing::contract_broken_by;
+
+TEST_CASE("A sweep needs models that are there, and pixels with a size") {
+  SupportRequest request = testing::held_request(models::box({0, 0, 0}, {1, 1, 1}), 0);
+  testing::CountingObserver observer;
+  const auto sweep = [&] { (void)find_overhangs(request, observer); };
+  CHECK(contract_broken_by(sweep).empty());
+  request.display.pixel_pitch = Micrometers{};
+  CHECK(contract_broken_by(sweep) == "every model is there, and a pixel has a size");
+  request.display.pixel_pitch = Micrometers{50.0};
+  request.models.front().model = nullptr;
+  CHECK(contract_broken_by(sweep) == "every model is there, and a pixel has a size");
+  CHECK(contract_broken_by([&] { SurfaceProbe(request.models, request.display); }) == "every model is there");
+}
+
+TEST_CASE("A sweep's grid needs a build area with a size") {
+  CHECK(contract_broken_by([] { (void)sweep_grid(testing::kHeldDisplay); }).empty());
+  CHECK(contract_broken_by([] {
+          (void)sweep_grid({Pixels{0}, Pixels{1}, Micrometers{50.0}});
+        }) == "the build area has a size");
+}
+
+TEST_CASE("LayerParts and PeelBalance take one layer after the other, of one size") {
+  MaskRuns small, large;
+  small.extract(Mask(Pixels{4}, Pixels{4}));
+  large.extract(Mask(Pixels{4}, Pixels{5}));
+  LayerParts parts;
+  CHECK(contract_broken_by([&] { parts.add_layer(small, small); }).empty());
+  CHECK(contract_broken_by([&] { parts.add_layer(small, large); }) ==
+        "the layer beneath is the one before, of the same size");
+  parts.add_layer(small, small);
+  CHECK(contract_broken_by([&] { (void)parts.part_at(small, 1, 1); }) ==
+        "the pixel is lit in the last layer");
+  CHECK(contract_broken_by([] { PeelBalance(0); }) == "a contact holds something");
+  const PeelBalance peel(1);
+  CHECK(contract_broken_by([&] { (void)peel.overloaded(0); }) == "the body is one of a layer's");
+}
+
+TEST_CASE("Underside holds lit pixels alone") {
+  Underside underside(sweep_grid(testing::kHeldDisplay));
+  CHECK(contract_broken_by([&] { underside.hold({1, 1}, 1); }) == "the contact is lit");
+}

@@ -1,0 +1,67 @@
+#include "core/overhangs/layer_parts.hpp"
+
+#include <string_view>
+#include <vector>
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+
+namespace {
+
+// A row for each text, its lit pixels '#'.
+MaskRuns runs_of(const std::vector<std::string_view>& rows) {
+  Mask mask(Pixels{static_cast<std::int32_t>(rows.front().size())},
+            Pixels{static_cast<std::int32_t>(rows.size())});
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (std::size_t column = 0; column < rows[row].size(); ++column) {
+      if (rows[row][column] == '#') mask.row(static_cast<std::int32_t>(row))[column] = 255;
+    }
+  }
+  MaskRuns runs;
+  runs.extract(mask);
+  return runs;
+}
+
+}  // namespace
+
+TEST_CASE("Pixels that touch by a side or a corner are one part") {
+  const MaskRuns dark = runs_of({"......", "......", "......"});
+  const MaskRuns lit = runs_of({"#.#..#", ".#....", "....##"});
+  LayerParts parts;
+  parts.add_layer(lit, dark);
+  REQUIRE(parts.parts().size() == 3);
+  CHECK(parts.parts()[0].pixels == 3);
+  CHECK(parts.parts()[1].pixels == 1);
+  CHECK(parts.parts()[2].pixels == 2);
+  CHECK(parts.bodies() == 3);
+}
+
+TEST_CASE("A part goes on as the body under it, and is a new one where nothing is") {
+  const MaskRuns dark = runs_of({"......"}), first = runs_of({"##...."}), second = runs_of({".##..#"});
+  LayerParts parts;
+  parts.add_layer(first, dark);
+  const std::uint32_t body = parts.parts()[0].body;
+  parts.add_layer(second, first);
+  REQUIRE(parts.parts().size() == 2);
+  CHECK(parts.parts()[0] == LayerPart{body, 2, 1});
+  CHECK(parts.parts()[1].carried == 0);
+  CHECK(parts.parts()[1].body != body);
+  CHECK(parts.meetings().empty());
+}
+
+TEST_CASE("Bodies that meet are one from then on, and that is told once") {
+  const MaskRuns dark = runs_of({"......", "......"}), apart = runs_of({"##..##", "......"});
+  const MaskRuns together = runs_of({"######", "......"});
+  LayerParts parts;
+  parts.add_layer(apart, dark);
+  const std::uint32_t left = parts.parts()[0].body, right = parts.parts()[1].body;
+  parts.add_layer(together, apart);
+  REQUIRE(parts.meetings().size() == 1);
+  CHECK(parts.meetings()[0].into == left);
+  CHECK(parts.meetings()[0].body == right);
+  parts.add_layer(apart, together);
+  CHECK(parts.parts()[0].body == left);
+  CHECK(parts.parts()[1].body == left);
+  CHECK(parts.meetings().empty());
+}

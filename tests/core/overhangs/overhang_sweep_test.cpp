@@ -1,0 +1,336 @@
+#include "core/overhangs/overhang_sweep.hpp"
+
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <stop_token>
+
+#include "core/formats/model_reader.hpp"
+#include "tests/catch.hpp"
+#include "tests/core/overhangs/held_fixture.hpp"
+#include "tests/core/section_fixture.hpp"
+
+using namespace contourd;
+using testing::contacts_of;
+using testing::held_request;
+using testing::prism;
+using testing::together;
+
+namespace {
+
+// A sweep's layer is 0.05 mm thick, its pixel as wide.
+constexpr double kStepMm = 0.05;
+constexpr double kStrengthMm2 = 11.1;
+
+double distance_mm(const SupportContact& contact, double x, double y) {
+  return std::hypot(contact.place.x - x, contact.place.y - y);
+}
+
+// From (x, y) to the nearest contact; infinite without any.
+double nearest_mm(const std::vector<SupportContact>& contacts, double x, double y) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const SupportContact& contact : contacts)
+    nearest = std::min(nearest, distance_mm(contact, x, y));
+  return nearest;
+}
+
+std::size_t count(const std::vector<SupportContact>& contacts, ContactCause cause) {
+  return static_cast<std::size_t>(std::ranges::count(contacts, cause, &SupportContact::cause));
+}
+
+bool all_at_height(const std::vector<SupportContact>& contacts, double z_mm) {
+  // Vertices are floats.
+  return std::ranges::all_of(
+      contacts, [z_mm](const SupportContact& each) { return std::fabs(each.place.z - z_mm) < 1e-4; });
+}
+
+bool none_overloaded(const std::vector<SupportContact>& contacts) {
+  return std::ranges::all_of(contacts,
+                             [](const SupportContact& each) { return each.load_mm2 <= kStrengthMm2; });
+}
+
+// A wedge on the plate, 12 mm deep, whose underside rises from x = 2 to the right over a foot 4 mm wide.
+models::Facets rising_underside(double rise_for_each_mm) {
+  const std::array<Point, 5> outline{{{-2, 0},
+                                      {2, 0},
+                                      {14, 12 * rise_for_each_mm},
+                                      {14, 12 * rise_for_each_mm + 1},
+                                      {-2, 12 * rise_for_each_mm + 1}}};
+  return prism(outline, 12);
+}
+
+}  // namespace
+
+TEST_CASE("What stands on the plate and gets no wider needs no contact") {
+  CHECK(contacts_of(models::box({-5, -5, 0}, {5, 5, 10}), 0).empty());
+  CHECK(contacts_of(models::cone(8, 12, 60), 0).empty());
+}
+
+TEST_CASE("A lifted ball is held at its lowest point, from straight beneath, and around it") {
+  const auto contacts = contacts_of(models::globe(6, 40, 80), 5);
+  REQUIRE(contacts.size() > 4);
+  const SupportContact& lowest = contacts.front();
+  CHECK(lowest.cause == ContactCause::Island);
+  // It may be a pixel off the middle, and the ball is of facets.
+  CHECK(lowest.place.z == testing::Approx(5).margin(0.005));
+  CHECK(distance_mm(lowest, 0, 0) < 0.1);
+  CHECK(lowest.outward.z < -0.99);
+  CHECK(count(contacts, ContactCause::Island) == 1);
+  CHECK(none_overloaded(contacts));
+}
+
+TEST_CASE("A contact's normal has length 1, points away from the model and never up") {
+  for (const SupportContact& contact : contacts_of(models::globe(6, 40, 80), 5)) {
+    const Direction& out = contact.outward;
+    CHECK(std::fabs(out.x * out.x + out.y * out.y + out.z * out.z - 1) < 1e-9);
+    CHECK(out.z <= 0);
+    // The ball's own normal there; facets are 4.5 degrees wide, and the sum of those around is within 6.
+    const double along =
+        (contact.place.x * out.x + contact.place.y * out.y + (contact.place.z - 11) * out.z) / 6;
+    CHECK(along > 0.994);
+  }
+}
+
+TEST_CASE("No point under a table is farther than may bridge from a leg or a contact") {
+  models::Facets table = models::box({-10, -10, 10}, {10, 10, 12});
+  for (const float x : {-10.0F, 8.0F}) {
+    for (const float y : {-10.0F, 8.0F}) {
+      const auto leg = models::box({x, y, 0}, {x + 2, y + 2, 11});
+      table.insert(table.end(), leg.begin(), leg.end());
+    }
+  }
+  const auto contacts = contacts_of(table, 0);
+  CHECK(all_at_height(contacts, 10));
+  CHECK(count(contacts, ContactCause::Overhang) == contacts.size());
+  CHECK(none_overloaded(contacts));
+  // 384 mm2 by discs of 1.65 mm: 54 if they lay as in a honeycomb, 71 as on a chessboard.
+  CHECK(contacts.size() <= 88);
+  double farthest = 0;
+  for (double x = -9.9; x < 10; x += 0.1) {
+    for (double y = -9.9; y < 10; y += 0.1) {
+      const double leg = std::hypot(std::max(0.0, 8 - std::fabs(x)), std::max(0.0, 8 - std::fabs(y)));
+      farthest = std::max(farthest, std::min(leg, nearest_mm(contacts, x, y) - 0.2));
+    }
+  }
+  // And a pixel's diagonal for where pixels lie.
+  CHECK(farthest <= 1.5 + 0.071);
+}
+
+TEST_CASE("The arms of a T are held where they begin, its stem is not") {
+  const auto contacts =
+      contacts_of(together(models::box({-2, -2, 0}, {2, 2, 11}), models::box({-10, -2, 10}, {10, 2, 12})), 0);
+  CHECK(all_at_height(contacts, 10));
+  for (const double side : {-1.0, 1.0}) {
+    for (double x = 3.5; x < 10; x += 0.25)
+      CHECK(nearest_mm(contacts, side * x, 0) < 1.72);
+  }
+  CHECK(
+      std::ranges::all_of(contacts, [](const SupportContact& each) { return std::fabs(each.place.x) > 3; }));
+  CHECK(contacts.size() <= 18);
+}
+
+TEST_CASE("A bridge is held only where it is longer than the resin bridges from both sides") {
+  const auto bridge = [](float gap) {
+    return together(together(models::box({-gap / 2 - 3, -3, 0}, {-gap / 2, 3, 5}),
+                             models::box({gap / 2, -3, 0}, {gap / 2 + 3, 3, 5})),
+                    models::box({-gap / 2 - 1, -3, 4}, {gap / 2 + 1, 3, 6}));
+  };
+  CHECK(contacts_of(bridge(2.9F), 0).empty());
+  const auto contacts = contacts_of(bridge(4), 0);
+  REQUIRE_FALSE(contacts.empty());
+  for (const SupportContact& contact : contacts)
+    CHECK(std::fabs(contact.place.x) < 0.6);  // a strip of 1 mm is too far from both
+  SupportSettings stiff;
+  stiff.bridge = Millimeters{2.1};
+  CHECK(contacts_of(bridge(4), 0, stiff).empty());
+}
+
+TEST_CASE("A ball that begins beside a post in the air is an island there") {
+  auto ball = models::globe(1, 20, 40);
+  models::translate(ball, 3, 1, 7);
+  const auto contacts = contacts_of(together(models::box({-4, -4, 0}, {2.5F, 4, 9}), ball), 0);
+  REQUIRE(contacts.size() == 1);
+  CHECK(contacts.front().cause == ContactCause::Island);
+  CHECK(std::fabs(contacts.front().place.z - 6) < 0.005);
+  CHECK(distance_mm(contacts.front(), 3, 1) < 0.1);
+}
+
+TEST_CASE("Stairs from beneath need no contact at 45 degrees, and contacts where they lead farther out") {
+  const auto stairs = [](float out) {
+    models::Facets all = models::box({-2, -3, 0}, {2, 3, 1.1F});
+    for (int i = 1; i < 8; ++i) {
+      const auto rise = static_cast<float>(i);
+      all = together(all, models::box({-2, -3, rise}, {2 + out * rise, 3, rise + 1.1F}));
+    }
+    return all;
+  };
+  CHECK(contacts_of(stairs(1), 0).empty());
+  CHECK(contacts_of(stairs(2.5F), 0).size() >= 7);
+}
+
+TEST_CASE("Each finger of a comb that points down is held in its middle") {
+  models::Facets comb = models::box({-6, -0.15F, 5}, {6, 0.15F, 7});
+  for (int i = 0; i < 9; ++i) {
+    const auto x = static_cast<float>(1.4 * (i - 4));
+    comb = together(comb, models::box({x - 0.15F, -0.15F, 0}, {x + 0.15F, 0.15F, 5.5F}));
+  }
+  const auto contacts = contacts_of(comb, 5);
+  CHECK(all_at_height(contacts, 5));
+  REQUIRE(contacts.size() == 9);
+  for (int i = 0; i < 9; ++i)
+    CHECK(nearest_mm(contacts, 1.4 * (i - 4), 0) < 0.06);  // a pixel's diagonal, halved, and rounding
+}
+
+TEST_CASE("An underside that rises gently is held again and again, a steep one never") {
+  CHECK(contacts_of(rising_underside(1.1), 0).empty());
+  const auto gentle = contacts_of(rising_underside(0.36), 0);  // 20 degrees
+  const auto gentler = contacts_of(rising_underside(0.18), 0);
+  CHECK(gentle.size() >= 2);
+  CHECK(gentler.size() > gentle.size());
+  // Its reach is at most 3.2 mm, less a millimetre for each of height.
+  for (double x = 6.5; x < 13.9; x += 0.5)
+    CHECK(nearest_mm(gentler, x, 0) < 5);
+  CHECK(none_overloaded(gentle));
+}
+
+TEST_CASE("Contacts lie on the surface, between the sweep's layers") {
+  const auto contacts = contacts_of(rising_underside(0.18), 0);
+  REQUIRE_FALSE(contacts.empty());
+  for (const SupportContact& contact : contacts) {
+    CHECK(std::fabs(contact.place.z - (contact.place.x - 2) * 0.18) < 1e-4);
+    CHECK(std::fabs(contact.outward.x - 0.18 / std::hypot(1, 0.18)) < 1e-4);
+  }
+}
+
+TEST_CASE("Shells that overlap are held as what they are together") {
+  const auto whole = models::box({-4, -4, 0}, {4, 4, 4});
+  const auto shells =
+      together(together(models::box({-4, -4, 0}, {1, 4, 4}), models::box({-1, -4, 0}, {4, 4, 4})),
+               models::box({-2, -2, 1}, {2, 2, 3}));
+  CHECK(contacts_of(shells, 5).size() == contacts_of(whole, 5).size());
+  CHECK(all_at_height(contacts_of(shells, 5), 5));
+}
+
+TEST_CASE("A speck gets no contact, what lasts for longer gets one") {
+  const auto block = models::box({-5, -5, 0}, {5, 5, 10});
+  const auto beside = [&](float side, float height) {
+    return together(block, models::box({7, 0, 4.01F}, {7 + side, side, 4.01F + height}));
+  };
+  CHECK(contacts_of(beside(0.06F, 0.04F), 0).empty());
+  CHECK(contacts_of(beside(0.3F, 0.3F), 0).size() == 1);
+  CHECK(contacts_of(beside(0.06F, 1), 0).size() == 1);
+}
+
+TEST_CASE("What is wide high up has as many contacts as its peel asks for") {
+  // A pyramid on its point, 45 degrees steep: nothing hangs over. Its widest layer is 24 by 24 mm.
+  const std::array<Point, 4> profile{{{0, 0}, {17, 17}, {17, 18}, {0, 18}}};
+  const auto contacts = contacts_of(models::lathe(profile, 4), 5);
+  CHECK(contacts.size() >= 26);  // half of 578 mm2 by 11.1
+  CHECK(contacts.size() <= 40);
+  CHECK(count(contacts, ContactCause::Peel) > 0);
+  CHECK(none_overloaded(contacts));
+  SupportSettings strong;
+  strong.tip_holds_mm2 = 50;
+  CHECK(contacts_of(models::lathe(profile, 4), 5, strong).size() < contacts.size() / 2);
+}
+
+TEST_CASE("Contacts come from the plate up, the same every time, and on a mirrored display") {
+  auto ball = models::globe(3, 30, 60);
+  models::translate(ball, 5, 2, 3);
+  const auto model = together(ball, models::box({-8, -4, 2}, {0, 3, 4}));
+  const auto contacts = contacts_of(model, 5);
+  REQUIRE(contacts.size() > 5);
+  CHECK(std::ranges::is_sorted(contacts, {}, [](const SupportContact& each) { return each.place.z; }));
+  CHECK(contacts_of(model, 5) == contacts);
+  SupportRequest mirrored = held_request(model, 5);
+  mirrored.display.mirror_x = true;
+  mirrored.models.front().copies = {PixelMap::true_scale(mirrored.display, {0, 0})};
+  CHECK(contacts_of(mirrored) == contacts);
+}
+
+TEST_CASE("Who looks on sees every layer from the plate to the models' top") {
+  testing::CountingObserver observer;
+  REQUIRE(find_overhangs(held_request(models::box({-2, -2, 0}, {2, 2, 3}), 1), observer));
+  CHECK(observer.step == Nanometers{50'000});
+  CHECK(observer.display.width_mm() >= 40);
+  REQUIRE(observer.heights.size() == 80);
+  for (std::size_t i = 0; i < observer.heights.size(); ++i)
+    CHECK(observer.heights[i] == Nanometers{25'000 + 50'000 * static_cast<std::int64_t>(i)});
+}
+
+TEST_CASE("A sweep that is to stop does so before the next layer") {
+  class Stopper final : public LayerObserver {
+   public:
+    void begin(const DisplayGeometry&, Nanometers) override {}
+    void layer(Nanometers, const MaskRuns&) override {
+      if (++layers == 7) source.request_stop();
+    }
+    std::stop_source source;
+    int layers = 0;
+  };
+  Stopper stopper;
+  const auto request = held_request(models::box({-2, -2, 0}, {2, 2, 3}), 1);
+  CHECK_FALSE(find_overhangs(request, stopper, stopper.source.get_token()));
+  CHECK(stopper.layers == 7);
+}
+
+TEST_CASE("Every box in the air is held from beneath, and no contact by more than its strength") {
+  const bool held = rc::check([] {
+    models::Facets all = models::box({-19, -19, 0}, {-18, -18, 1});
+    std::vector<std::array<float, 4>> boxes;  // x, y, z, side
+    for (int i = 0; i < 4; ++i) {
+      const auto part = [](int most) { return static_cast<float>(*rc::gen::inRange(0, most)) / 100; };
+      const float x = static_cast<float>(-14 + 8 * i), y = part(1000) - 5, z = 1 + part(500),
+                  side = 0.2F + part(600);
+      boxes.push_back({x, y, z, side});
+      const auto box = models::box({x, y, z}, {x + side, y + side, z + 1});
+      all.insert(all.end(), box.begin(), box.end());
+    }
+    const auto contacts = contacts_of(all, 0);
+    RC_ASSERT(none_overloaded(contacts));
+    for (const auto& [x, y, z, side] : boxes) {
+      for (const double part : {0.1, 0.5, 0.9}) {
+        // A pixel's diagonal beside what may bridge from the tip's rim.
+        RC_ASSERT(nearest_mm(contacts, x + part * side, y + part * side) <= 1.7 + kStepMm * 1.42);
+      }
+    }
+  });
+  CHECK(held);
+}
+
+TEST_CASE("Models of the shared folder need no more contacts than PrusaSlicer gives them") {
+  const std::filesystem::path folder = std::filesystem::path(CONTOURD_SHARED_DIR) / "models";
+  if (!std::filesystem::exists(folder)) {
+    std::puts("SKIPPED: the shared models are not there");
+    return;
+  }
+  struct Row {
+    const char* file;
+    float scale;
+    double lift_mm;
+    std::size_t most;
+  };
+  for (const Row& row : {Row{"thingi-1063852.stl", 1, 5, 24}, Row{"pv-horse.stl", 200, 5, 14},
+                         Row{"thingi-73416.stl", 1, 0, 90}, Row{"pv-turbineblade.stl", 1, 0, 14}}) {
+    Model model = read_model_file(folder / row.file);
+    const Bounds bounds = bounds_of(model.facets);
+    for (Facet& facet : model.facets) {
+      for (Vertex& v : facet.vertices)
+        v = {(v.x - static_cast<float>(bounds.center().x)) * row.scale,
+             (v.y - static_cast<float>(bounds.center().y)) * row.scale, v.z * row.scale};
+    }
+    SupportRequest request = held_request(model.facets, row.lift_mm);
+    request.display = {Pixels{1920}, Pixels{1080}, Micrometers{50.0}};
+    request.models.front().copies = {PixelMap::true_scale(request.display, {0, 0})};
+    const auto contacts = contacts_of(request);
+    INFO(row.file << ": " << contacts.size());
+    CHECK(contacts.size() <= row.most);
+    CHECK_FALSE(contacts.empty());
+    CHECK(none_overloaded(contacts));
+  }
+}

@@ -1,0 +1,251 @@
+#include "core/routing/support_layout.hpp"
+
+#include <cmath>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/core/routing/supports_fixture.hpp"
+#include "tests/core/section_fixture.hpp"
+#include "tests/models/models.hpp"
+#include "tests/random_shapes.hpp"
+
+using namespace contourd;
+using testing::draw;
+using testing::draw_real;
+using testing::kBuildArea;
+using testing::together;
+
+namespace {
+
+constexpr Direction kDown{0, 0, -1};
+
+SupportContact contact(double x, double y, double z, Direction outward = kDown) {
+  return {{x, y, z}, outward, ContactCause::Overhang, 8};
+}
+
+Supports supports_for(const models::Facets& facets, std::vector<SupportContact> contacts,
+                      const SupportSettings& settings = {}) {
+  LayerStack layers;
+  testing::stack({facets}, kBuildArea, layers);
+  return *lay_out_supports(std::move(contacts), layers, kBuildArea, settings);
+}
+
+// What must hold of all supports. A pixel of a sweep hides up to a tenth of a micrometre of what is flat, and
+// looks at a way are 0.2 mm apart: 5 micrometres.
+constexpr double kLooks_mm = 0.005;
+
+void check_all(const Supports& supports, const models::Facets& facets, const SupportSettings& settings = {}) {
+  REQUIRE(supports.structure);
+  CHECK(testing::least_clearance(supports, facets, settings) >= settings.clearance.count() - kLooks_mm);
+  CHECK(testing::is_within(supports, kBuildArea));
+  CHECK(testing::is_steep(supports));
+  CHECK(testing::is_connected(supports, facets));
+}
+
+// Four legs of 2 mm and a top of 16 by 12 mm from 12 to 14 mm above the plate.
+models::Facets table() {
+  models::Facets all = models::box({-8, -6, 12}, {8, 6, 14});
+  for (const float x : {-8.0F, 6.0F}) {
+    for (const float y : {-6.0F, 4.0F})
+      all = together(std::move(all), models::box({x, y, 0}, {x + 2, y + 2, 12}));
+  }
+  return all;
+}
+
+std::vector<SupportContact> under_table() {
+  std::vector<SupportContact> contacts;
+  for (const double x : {-4.0, 0.0, 4.0}) {
+    for (const double y : {-3.0, 0.0, 3.0})
+      contacts.push_back(contact(x, y, 12));
+  }
+  return contacts;
+}
+
+}  // namespace
+
+TEST_CASE("What needs nothing gets nothing") {
+  const Supports supports = supports_for(table(), {});
+  CHECK_FALSE(supports.structure);
+  CHECK(supports.contacts.empty());
+  CHECK(supports.unheld.empty());
+  CHECK(supports.volume_mm3 == 0);
+}
+
+TEST_CASE("A ball above the plate stands on branches that meet") {
+  models::Facets ball = models::globe(6, 24, 48);
+  models::translate(ball, 0, 0, 11);
+  std::vector<SupportContact> contacts{contact(0, 0, 5)};
+  for (int i = 0; i < 8; ++i) {
+    const double angle = i * 0.785398, s = 0.5, c = std::sqrt(1 - s * s);
+    const Direction outward{s * std::cos(angle), s * std::sin(angle), -c};
+    contacts.push_back(contact(6 * outward.x, 6 * outward.y, 11 + 6 * outward.z, outward));
+  }
+  const Supports supports = supports_for(ball, contacts);
+  CHECK(supports.contacts.size() == 9);
+  CHECK(supports.unheld.empty());
+  CHECK(supports.feet_on_models == 0);
+  CHECK(supports.feet < 6);
+  check_all(supports, ball);
+}
+
+TEST_CASE("A table's top is held by fewer feet than places, between its legs") {
+  const Supports supports = supports_for(table(), under_table());
+  CHECK(supports.contacts.size() == 9);
+  CHECK(supports.feet <= 3);
+  check_all(supports, table());
+}
+
+TEST_CASE("Branches that meet take less resin than pillars that do not") {
+  double alone = 0;
+  for (const SupportContact& each : under_table())
+    alone += supports_for(table(), {each}).volume_mm3;
+  CHECK(supports_for(table(), under_table()).volume_mm3 < 0.6 * alone);
+}
+
+TEST_CASE("The wall of a tilted plate is held along its normal, no flatter than 45 degrees") {
+  // Its underside rises at 30 degrees from the vertical.
+  models::Facets plate = models::box({-1, -6, 0}, {1, 6, 16});
+  for (Facet& facet : plate) {
+    for (Vertex& v : facet.vertices)
+      v.x += v.z * 0.577F;
+  }
+  const Direction outward{0.866, 0, -0.5};
+  const auto on_wall = [](double y, double z) { return PlatePoint{1 + z * 0.577, y, z}; };
+  std::vector<SupportContact> contacts;
+  for (const double y : {-4.0, 0.0, 4.0})
+    contacts.push_back({on_wall(y, 12), outward, ContactCause::Overhang, 8});
+  const Supports supports = supports_for(plate, contacts);
+  CHECK(supports.contacts.size() == 3);
+  check_all(supports, plate);
+}
+
+TEST_CASE("An arch over a block has a foot on the block where no way leads to the plate") {
+  // A tunnel with a floor, 12 mm long and 8 mm high, its walls closed to all sides.
+  const models::Facets room =
+      together(models::box({-8, -8, 0}, {8, 8, 20}), testing::inverted(models::box({-5, -5, 6}, {5, 5, 14})));
+  const Supports supports = supports_for(room, {contact(0, 0, 14), contact(2, 1, 14)});
+  CHECK(supports.contacts.size() == 2);
+  CHECK(supports.feet == 0);
+  CHECK(supports.feet_on_models >= 1);
+  CHECK(testing::is_connected(supports, room));
+  CHECK(testing::least_clearance(supports, room, {}) >= 0.5 - kLooks_mm);
+}
+
+TEST_CASE("Where a way leads to the plate no foot stands on the model") {
+  // A bridge over a block that is narrow: the way goes around it.
+  const models::Facets bridge =
+      together(together(models::box({-12, -4, 0}, {-10, 4, 22}), models::box({10, -4, 0}, {12, 4, 22})),
+               together(models::box({-12, -4, 20}, {12, 4, 22}), models::box({-2, -2, 0}, {2, 2, 6})));
+  const Supports supports = supports_for(bridge, {contact(0, 0, 20)});
+  CHECK(supports.feet == 1);
+  CHECK(supports.feet_on_models == 0);
+  check_all(supports, bridge);
+}
+
+TEST_CASE("A comb's slots are held, its teeth not touched") {
+  models::Facets comb = models::box({-12, -3, 15}, {12, 3, 17});
+  for (int i = 0; i < 5; ++i) {
+    const float x = -12.0F + static_cast<float>(i) * 5.5F;
+    comb = together(std::move(comb), models::box({x, -3, 0}, {x + 2, 3, 15}));
+  }
+  std::vector<SupportContact> contacts;
+  for (int i = 0; i < 4; ++i) {
+    for (const double y : {-2.0, 2.0})
+      contacts.push_back(contact(-12 + i * 5.5 + 3.75, y, 15));
+  }
+  const Supports supports = supports_for(comb, contacts);
+  CHECK(supports.contacts.size() == 8);
+  check_all(supports, comb);
+}
+
+TEST_CASE("Branches under a ring stay clear of the pin in its middle, which is another model") {
+  const models::Facets ring = together(models::box({-6, -6, 10}, {6, 6, 13}),
+                                       testing::inverted(models::box({-3, -3, 10}, {3, 3, 13})));
+  const models::Facets pin = models::box({-1.5F, -1.5F, 0}, {1.5F, 1.5F, 18});
+  LayerStack layers;
+  testing::stack({ring, pin}, kBuildArea, layers);
+  std::vector<SupportContact> contacts;
+  for (const double a : {-4.5, 4.5}) {
+    for (const double b : {-4.5, 0.0, 4.5}) {
+      contacts.push_back(contact(a, b, 10));
+      if (b == 0) contacts.push_back(contact(b, a, 10));
+    }
+  }
+  const Supports supports = *lay_out_supports(contacts, layers, kBuildArea, {});
+  CHECK(supports.contacts.size() == 8);
+  check_all(supports, together(ring, pin));
+}
+
+TEST_CASE("At the build area's edge supports stay inside it") {
+  const models::Facets box = models::box({14, 9, 8}, {20, 15, 12});
+  const Supports supports =
+      supports_for(box, {contact(19.7, 14.7, 8), contact(19.7, 9.5, 8), contact(14.3, 14.7, 8)});
+  CHECK(supports.contacts.size() == 3);
+  check_all(supports, box);
+}
+
+TEST_CASE("What nothing reaches is told with its reason") {
+  // A gap of 0.15 mm within a box has room for nothing.
+  const models::Facets closed = together(models::box({-8, -8, 0}, {8, 8, 20}),
+                                         testing::inverted(models::box({-5, -5, 6}, {5, 5, 6.15F})));
+  const Supports supports = supports_for(closed, {contact(0, 0, 6.15)});
+  CHECK_FALSE(supports.structure);
+  REQUIRE(supports.unheld.size() == 1);
+  CHECK(supports.unheld[0].contact == contact(0, 0, 6.15));
+  CHECK(supports.unheld[0].why == "no way leads to the plate, nor to a place on the model");
+}
+
+TEST_CASE("Of a million places the lowest are held, and the others told") {
+  std::vector<SupportContact> contacts;
+  for (int i = 0; i < 70; ++i) {
+    for (int k = 0; k < 70; ++k)
+      contacts.push_back(contact(-7 + i * 0.2, -5 + k * 0.14, 12));
+  }
+  const Supports supports = supports_for(table(), contacts);
+  CHECK(supports.contacts.size() + supports.unheld.size() == contacts.size());
+  CHECK(supports.contacts.size() <= kMostContacts);
+  CHECK(supports.unheld.back().why == "4096 places beneath it have to be held already");
+}
+
+TEST_CASE("The same places give the same supports, in whatever order they come") {
+  std::vector<SupportContact> contacts = under_table();
+  const Supports one = supports_for(table(), contacts);
+  std::ranges::reverse(contacts);
+  const Supports other = supports_for(table(), contacts);
+  CHECK(std::ranges::equal(one.structure->primitives(), other.structure->primitives()));
+  CHECK(one.contacts == other.contacts);
+}
+
+TEST_CASE("Who asks to stop gets nothing") {
+  LayerStack layers;
+  testing::stack({table()}, kBuildArea, layers);
+  std::stop_source source;
+  source.request_stop();
+  CHECK_FALSE(lay_out_supports(under_table(), layers, kBuildArea, {}, source.get_token()));
+}
+
+TEST_CASE("Under random boxes every support is clear, inside, steep and stands") {
+  CHECK(rc::check([] {
+    // One above the other or side by side: a place within another box is on no surface.
+    models::Facets all;
+    std::vector<SupportContact> contacts;
+    for (std::int64_t i = draw(1, 4); i > 0; --i) {
+      const auto x = static_cast<float>(-20 + 10 * (i - 1)), y = static_cast<float>(draw_real(-13, 7));
+      const auto z = static_cast<float>(draw_real(0.5, 8)), w = static_cast<float>(draw_real(1, 9.5));
+      const auto d = static_cast<float>(draw_real(1, 8)), under = static_cast<float>(draw_real(0, 0.5 * z));
+      all = together(std::move(all), models::box({x, y, z}, {x + w, y + d, z + 1}));
+      if (under > 0.1F) all = together(std::move(all), models::box({x, y, 0}, {x + w, y + d, under}));
+      for (std::int64_t k = draw(0, 4); k > 0; --k)
+        contacts.push_back(contact(draw_real(x, x + w), draw_real(y, y + d), z));
+    }
+    const Supports supports = supports_for(all, contacts);
+    RC_ASSERT(supports.contacts.size() + supports.unheld.size() == contacts.size());
+    if (!supports.structure) return;
+    RC_ASSERT(testing::least_clearance(supports, all, {}) >= 0.5 - kLooks_mm);
+    RC_ASSERT(testing::is_within(supports, kBuildArea));
+    RC_ASSERT(testing::is_steep(supports));
+    RC_ASSERT(testing::is_connected(supports, all));
+  }));
+}

@@ -1,0 +1,11 @@
+#include "core/support/support_contact.hpp"
+
+#include "tests/catch.hpp"
+
+using namespace contourd;
+
+TEST_CASE("The causes of a contact have names") {
+  CHECK(name_of(ContactCause::Island) == "island");
+  CHECK(name_of(ContactCause::Overhang) == "overhang");
+  CHECK(name_of(ContactCause::Peel) == "peel");
+}

@@ -1,0 +1,56 @@
+#include "core/support/support_mesh.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/model/mesh_report.hpp"
+#include "tests/catch.hpp"
+#include "tests/core/support/random_primitives.hpp"
+
+using namespace contourd;
+using namespace contourd::testing;
+
+namespace {
+
+std::vector<Facet> mesh_of(const SupportPrimitive& primitive) {
+  return support_mesh(std::span(&primitive, 1));
+}
+
+}  // namespace
+
+TEST_CASE("A primitive's mesh is closed, has its inside within and its volume") {
+  const double pi = std::numbers::pi;
+  const struct {
+    SupportPrimitive primitive;
+    double mm3;
+  } cases[]{{Ball{{1, 2, 3}, 2}, pi * 32 / 3},
+            {Frustum{{1, 2, 3}, {1, 2, 5}, 2, 1}, pi * 2 * 7 / 3},
+            {Frustum{{1, 2, 3}, {4, 6, 3}, 1, 1}, pi * 5},
+            {Frustum{{1, 2, 3}, {3, 4, 4}, 1, 0}, pi}};
+  for (const auto& [primitive, mm3] : cases) {
+    const MeshReport report = inspect_mesh(mesh_of(primitive));
+    CHECK(report.watertight);
+    // Facets are up to 0.02 mm within radii of 1 and more.
+    CHECK(report.volume_mm3 < mm3);
+    CHECK(report.volume_mm3 > mm3 * 0.96);
+  }
+  CHECK(mesh_of(Ball{{0, 0, 0}, 0}).empty());
+}
+
+TEST_CASE("A mesh is within its primitive, and no farther than it says") {
+  CHECK(rc::check([] {
+    const SupportPrimitive primitive = draw_primitive();
+    const std::vector<Facet> facets = mesh_of(primitive);
+    RC_ASSERT(inspect_mesh(facets).watertight);
+    for (const Facet& facet : facets) {
+      const auto& [a, b, c] = facet.vertices;
+      const PlatePoint middle{(double{a.x} + b.x + c.x) / 3, (double{a.y} + b.y + c.y) / 3,
+                              (double{a.z} + b.z + c.z) / 3};
+      const double off = outside(primitive, middle);
+      // Coordinates are rounded to half a micrometre at most.
+      RC_ASSERT(off < 1e-6);
+      RC_ASSERT(off > -kMeshErrorMm);
+    }
+  }));
+}

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Suction cups and resin traps: found, told, asked about; and the drain holes of a ticket."""
+
+import json
+import math
+import os
+
+from harness import OK, Daemon, FolderTest, binary_stl, box, contourctl, inside_out, main, wait_until
+
+BLOCK = box((0, 0, 0), (10, 10, 1))
+
+
+def hollow(low, high):
+    return binary_stl([*BLOCK, *inside_out(box((2, 2, low), (8, 8, high)))])
+
+
+# Twenty layers. Its mouth is at the film.
+CUP = hollow(0.2, 1)
+CLOSED = hollow(0.2, 0.8)
+TUBE = hollow(0, 1)
+# From its left side into the hollow, from that one's first layer on.
+SIDE_HOLE = {"position_mm": {"x": 0, "y": 5, "z": 0.3}, "direction": {"x": 3}, "diameter_mm": 0.4, "depth_mm": 2.5}
+ASKS = {"ask_before": ["suction_cups", "resin_traps"]}
+
+
+class Suction(FolderTest):
+    def analyze(self, model, *options):
+        result = contourctl("analyze", self.write("part.stl", model), "--json", *options)
+        self.assertEqual(result.returncode, OK, result.stderr)
+        return json.loads(result.stdout)
+
+    def job(self, daemon, name):
+        jobs = daemon.rpc("queue")["result"]["jobs"]
+        return next((job for job in jobs if job["job"] == name), {})
+
+    def wait_unaccepted(self, daemon, name):
+        wait_until(lambda: self.job(daemon, name).get("state") == "unaccepted", f"{name} to ask")
+        return self.job(daemon, name)
+
+    def test_a_cup_is_told_with_layers_place_area_and_volume(self):
+        found = self.analyze(CUP)
+        self.assertEqual((found["suction_cups"], found["resin_traps"]), (1, 0))
+        cup = found["suction_cup_list"][0]
+        self.assertEqual((cup["first_layer"], cup["last_layer"], cup["widest_layer"], cup["on_plate"]), (5, 20, 5, False))
+        self.assertAlmostEqual(cup["area_mm2"], 36, delta=1e-6)
+        self.assertAlmostEqual(cup["volume_mm3"], 36 * 0.8, delta=1e-6)
+        for value in cup["plate_mm"]:
+            self.assertAlmostEqual(value, 0, delta=1e-6)
+        self.assertIn("1 suction cup pulls on the film until it opens or is closed: layers 5 to 20", found["warnings"][0])
+
+    def test_a_tube_on_the_plate_is_closed_by_it(self):
+        found = self.analyze(TUBE)
+        self.assertTrue(found["suction_cup_list"][0]["on_plate"])
+        self.assertIn("closed by the plate", found["warnings"][0])
+
+    def test_the_page_has_its_tables(self):
+        page = self.path("part.html")
+        self.analyze(CLOSED, "--html", page)
+        with open(page, encoding="utf-8") as file:
+            text = file.read()
+        for words in ('id="cups"', 'id="traps"', 'data-mark="0"', 'data-mark="1"', '"voids":[[5,'):
+            self.assertIn(words, text)
+
+    def test_a_cup_that_is_dropped_waits_to_be_accepted(self):
+        daemon = Daemon(self, ASKS).start()
+        daemon.drop("cup.stl", CUP)
+        self.assertEqual(self.wait_unaccepted(daemon, "cup")["asks"], ["suction_cups"])
+        shown = daemon.ctl("queue", "show", "cup").stdout.decode()
+        self.assertRegex(shown, r"(?m)^warning   1 suction cup pulls on the film until it opens or is closed: layers 5 to 20, ")
+        self.assertEqual(daemon.ctl("accept", "cup").returncode, OK)
+        analysis = daemon.wait_done("cup")["analysis"]
+        self.assertEqual((analysis["suction_cups"], analysis["resin_traps"]), (1, 0))
+        page = daemon.read("done", "cup.report.html")
+        self.assertIn("Suction cups and resin traps that are widest here", page)
+        daemon.stop()
+
+    def test_a_closed_hollow_is_asked_about_as_both(self):
+        daemon = Daemon(self, ASKS).start()
+        daemon.drop("ball.stl", CLOSED)
+        self.assertEqual(self.wait_unaccepted(daemon, "ball")["asks"], ["suction_cups", "resin_traps"])
+        daemon.stop()
+
+    # --- drain holes
+
+    def new_name(self):
+        """A test's daemons share their spool."""
+        self.dropped = getattr(self, "dropped", 0) + 1
+        return f"part{self.dropped}"
+
+    def refused(self, model, drain, *words, **ticket):
+        daemon = Daemon(self).start()
+        name = self.new_name()
+        daemon.drop(name + ".stl", model, {"drain": drain, **ticket})
+        reason = daemon.wait_refused(name)
+        for word in words:
+            self.assertIn(word, reason)
+        daemon.stop()
+
+    def drained(self, model, drain, **ticket):
+        daemon = Daemon(self, {"wait_for_plate_cleared": False}).start()
+        name = self.new_name()
+        daemon.drop(name + ".stl", model, {"drain": drain, **ticket})
+        report = daemon.wait_done(name)
+        daemon.stop()
+        return report
+
+    def test_a_bottle_with_a_hole_in_its_side_is_neither_cup_nor_trap(self):
+        daemon = Daemon(self, ASKS).start()
+        daemon.drop("bottle.stl", CLOSED, {"drain": [SIDE_HOLE]})
+        report = daemon.wait_done("bottle")
+        self.assertEqual((report["analysis"]["suction_cups"], report["analysis"]["resin_traps"]), (0, 0))
+        self.assertEqual(report["model"]["drain_holes"], 1)
+        daemon.stop()
+
+    def test_a_hole_in_the_floor_of_what_stands_on_the_plate_leaves_a_cup_on_it_and_no_trap(self):
+        report = self.drained(CLOSED, [{"position_mm": {"x": 5, "y": 5}, "direction": {"z": 1}, "diameter_mm": 2, "depth_mm": 0.5}])
+        self.assertEqual((report["analysis"]["suction_cups"], report["analysis"]["resin_traps"]), (1, 0))
+        self.assertTrue(report["analysis"]["suction_cup_list"][0]["on_plate"])
+
+    def test_a_hole_takes_its_volume_and_is_turned_and_scaled_with_the_model(self):
+        whole = self.drained(binary_stl(BLOCK), [])["analysis"]["resin_ml"] * 1000
+        through = {"position_mm": {"x": 5, "y": 5}, "direction": {"z": 1}, "diameter_mm": 3, "depth_mm": 2}
+        area = math.pi * 1.5**2
+        # Each pixel counts whole, by its centre: 0.05 mm in the radius would be 7 %, the mean of it far less.
+        taken = whole - self.drained(binary_stl(BLOCK), [through])["analysis"]["resin_ml"] * 1000
+        self.assertAlmostEqual(taken, area * 1, delta=0.01 * area)
+        turned = whole - self.drained(binary_stl(BLOCK), [through], up={"x": 1})["analysis"]["resin_ml"] * 1000
+        self.assertAlmostEqual(turned, area * 1, delta=0.02 * area)
+        larger = 8 * whole - self.drained(binary_stl(BLOCK), [through], scale=2)["analysis"]["resin_ml"] * 1000
+        self.assertAlmostEqual(larger, 8 * area, delta=0.01 * 8 * area)
+
+    def drop_plate(self, daemon, name, plate, files):
+        staging = self.path("staged-plate")
+        os.mkdir(staging)
+        for file, data in {**files, "plate.json": json.dumps(plate).encode()}.items():
+            with open(os.path.join(staging, file), "wb") as out:
+                out.write(data)
+        os.makedirs(daemon.file("incoming"), exist_ok=True)
+        os.rename(staging, daemon.file("incoming", name))
+
+    def test_each_copy_and_each_model_of_a_plate_has_its_own_holes(self):
+        found = self.drained(CLOSED, [SIDE_HOLE], copies=3)["analysis"]
+        self.assertEqual((found["suction_cups"], found["resin_traps"]), (0, 0))
+        daemon = Daemon(self).start()
+        self.drop_plate(daemon, "both", {"models": [{"file": "a.stl", "drain": [SIDE_HOLE]}, {"file": "a.stl"}]}, {"a.stl": CLOSED})
+        report = daemon.wait_done("both")
+        self.assertEqual((report["analysis"]["suction_cups"], report["analysis"]["resin_traps"]), (1, 1))
+        daemon.stop()
+
+    def test_a_hole_beside_the_model_is_refused_with_its_place(self):
+        beside = {**SIDE_HOLE, "position_mm": {"x": -20, "y": 5, "z": 0.3}}
+        self.refused(CLOSED, [SIDE_HOLE, beside], "drain hole 2 of the model is beside the model: from -20, 5, 0.3 mm on, 0.4 mm wide")
+        self.refused(CLOSED, [{**SIDE_HOLE, "direction": {}}], "/drain/0/direction: a direction must not be zero")
+
+
+if __name__ == "__main__":
+    main()

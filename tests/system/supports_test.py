@@ -1,0 +1,201 @@
+#!/usr/bin/env python3
+"""What holds a print: supports in tickets, in the printer's file, in the report and in contourctl."""
+
+import json
+import math
+import os
+import re
+
+from harness import (
+    BAD_DATA, BAD_USAGE, OK, Daemon, FolderTest, binary_stl, box, contourctl, inside_out, main, read_png, wait_until,
+)  # fmt: skip
+
+DISPLAY = ("--display", "1920x1080", "--pixel-pitch-um", "50")  # simulated.json
+
+
+def ball(radius, steps=24):
+    """Stands on a point."""
+    def at(ring, turn):
+        down, around = math.pi * ring / steps, 2 * math.pi * turn / steps
+        return (radius * math.sin(down) * math.cos(around), radius * math.sin(down) * math.sin(around), radius * math.cos(down))
+
+    facets = []
+    for ring in range(steps):
+        for turn in range(steps):
+            a, b, c, d = at(ring, turn), at(ring + 1, turn), at(ring + 1, turn + 1), at(ring, turn + 1)
+            if ring < steps - 1:
+                facets.append((a, b, c))
+            if ring > 0:
+                facets.append((a, c, d))
+    return facets
+
+
+BALL = binary_stl(ball(4))
+BOX = binary_stl(box((0, 0, 0), (10, 5, 1)))
+# A plate hangs in a closed room, a tenth of a millimetre above its floor: no support has room beneath it.
+CAGED = binary_stl([*box((0, 0, 0), (12, 12, 8)), *inside_out(box((1, 1, 2), (11, 11, 7))), *box((3, 3, 2.1), (9, 9, 4))])
+
+
+class Supports(FolderTest):
+    def daemon(self, supports="auto", **config):
+        return Daemon(self, {"supports": supports, **config}, masks=True).start()
+
+    def printed(self, daemon, name, data, ticket=None):
+        daemon.drop(f"{name}.stl", data, ticket)
+        return daemon.wait_done(name)
+
+    def masks(self, folder):
+        return {name: read_png(os.path.join(folder, name)) for name in sorted(os.listdir(folder))}
+
+    def sliced(self, data, *words):
+        model, folder = self.write("model.stl", data), self.path("sliced" + "".join(words))
+        told = contourctl("slice", model, "--layer-height-um", "50", "--masks", folder, *DISPLAY, *words)
+        self.assertEqual(told.returncode, OK, told.stderr)
+        return self.masks(folder)
+
+    def json_of(self, *words):
+        told = contourctl(*words, "--json")
+        self.assertEqual(told.returncode, OK, told.stderr)
+        return json.loads(told.stdout)
+
+    # --- what is printed
+
+    def test_a_ball_is_held_without_a_word_where_the_printer_s_file_says_so(self):
+        daemon = self.daemon()
+        report = self.printed(daemon, "ball", BALL)
+        supports = report["supports"]
+        self.assertGreaterEqual(supports["islands"], 1)
+        self.assertGreaterEqual(supports["feet"], 1)
+        self.assertEqual(supports["unheld"], 0)
+        self.assertEqual(len(supports["contact_list"]), supports["contacts"])
+        self.assertEqual(report["analysis"]["islands"], 0)
+        # 8 mm of ball and 5 mm beneath it, by 50 um.
+        self.assertEqual(report["layers"], 260)
+        self.assertEqual(report["settings"]["supports"]["tip_diameter_mm"], 0.4)
+        self.assertRegex(daemon.log(), r"ball: supports: \d+ contacts? \(\d+ islands?, \d+ overhangs?, \d+ peel\), \d+ branch(es)?, \d+ f(oo|ee)t")
+        with open(self.path("spool", "done", "ball.report.html"), encoding="utf-8") as file:
+            self.assertRegex(file.read(), r"<th>Supports</th><td>\d+ contact")
+        self.assertEqual(self.masks(self.path("masks", "ball")), self.sliced(BALL, "--supports", "auto"))
+        daemon.stop()
+
+    def test_off_prints_what_was_printed_before_there_were_supports(self):
+        daemon = self.daemon("off")
+        report = self.printed(daemon, "ball", BALL)
+        self.assertIsNone(report["supports"])
+        self.assertEqual(report["layers"], 160)
+        bare = self.sliced(BALL)
+        self.assertEqual(self.masks(self.path("masks", "ball")), bare)
+        self.assertEqual(self.sliced(BALL, "--supports", "off"), bare)
+        self.assertIsNotNone(self.printed(daemon, "held", BALL, {"supports": "auto"})["supports"])
+        daemon.stop()
+
+    def test_a_model_that_needs_nothing_is_printed_as_it_is(self):
+        daemon = self.daemon()
+        report = self.printed(daemon, "box", BOX, {"copies": 2})
+        self.assertEqual((report["supports"]["contacts"], report["supports"]["unheld"]), (0, 0))
+        self.assertIn("box: supports: nothing has to be held", daemon.log())
+        self.assertIsNone(self.printed(daemon, "bare", BOX, {"copies": 2, "supports": "off"})["supports"])
+        self.assertEqual(self.masks(self.path("masks", "box")), self.masks(self.path("masks", "bare")))
+        daemon.stop()
+
+    def test_a_ticket_s_figures_are_printed_and_told(self):
+        daemon = self.daemon("off")
+        report = self.printed(daemon, "ball", BALL, {"supports": {"lift_mm": 7, "foot_diameter_mm": 3}})
+        self.assertEqual(report["layers"], 300)
+        self.assertEqual(report["overrides"], [{"setting": "supports.foot_diameter_mm", "asked": 3, "profile": 4},
+                                               {"setting": "supports.lift_mm", "asked": 7, "profile": 5}])  # fmt: skip
+        self.assertIn("by its ticket: supports.foot_diameter_mm 3 instead of 4, supports.lift_mm 7 instead of 5", daemon.log())
+        daemon.drop("wrong.stl", BALL, {"supports": {"tip_diameter_mm": 2}})
+        self.assertIn("/supports/tip_diameter_mm: 2 mm is more than pillar_diameter_mm, 1 mm", daemon.wait_refused("wrong"))
+        daemon.stop()
+
+    def test_a_model_that_is_too_high_once_it_is_lifted_is_refused(self):
+        daemon = self.daemon(z_axis={"travel_mm": 18})
+        daemon.drop("ball.stl", BALL)
+        self.assert_one_line(daemon.wait_refused("ball").encode(), "the model is 8.00 mm high and stands 5.00 mm above the plate, on supports: "
+                             "13.00 mm, and the machine can print 12.00 mm")  # fmt: skip
+        self.printed(daemon, "bare", BALL, {"supports": "off"})
+        daemon.stop()
+
+    # --- what cannot be held
+
+    def test_what_cannot_be_held_waits_for_a_word(self):
+        daemon = self.daemon()
+        daemon.drop("caged.stl", CAGED)
+        job = wait_until(lambda: next((job for job in daemon.rpc("queue")["result"]["jobs"] if job["state"] == "unaccepted"), None), "caged to ask")
+        self.assertEqual(job["asks"], ["unheld_places"])
+        self.assertGreaterEqual(job["supports"]["unheld"], 1)
+        self.assertRegex(" ".join(job["warnings"]), r"places? cannot be held: at -?\d+\.\d\d, -?\d+\.\d\d mm from the plate's centre, \d+\.\d\d mm above the plate \(")
+        self.assertIn('caged.stl waits: unheld places; "contourctl accept caged" has it printed as it is', daemon.log())
+        self.printed(daemon, "box", BOX)
+        told = daemon.ctl("accept", "caged")
+        self.assertEqual(told.returncode, OK, told.stderr)
+        report = daemon.wait_done("caged")
+        self.assertGreaterEqual(report["supports"]["unheld"], 1)
+        self.assertTrue(any("cannot be held" in warning for warning in report["model"]["warnings"]))
+        daemon.stop()
+
+    # --- contourctl
+
+    def test_support_lists_what_holds_and_writes_it_as_a_model(self):
+        model = self.write("ball.stl", BALL)
+        told = contourctl("support", model)
+        self.assertEqual(told.returncode, OK, told.stderr)
+        self.assertRegex(told.stdout.decode(), r"(?m)^supports   \d+ contacts?.*\nlift       5 mm$")
+        self.assertRegex(told.stdout.decode(), r"(?m)^island     at -?\d+\.\d\d, -?\d+\.\d\d mm, \d+\.\d\d mm above the plate, holds ")
+        supports = self.json_of("support", model)
+        self.assertEqual(supports["lift_mm"], 5)
+        self.assertEqual({each["cause"] for each in supports["contact_list"]} - {"island", "overhang", "peel"}, set())
+        alone, together = self.path("alone.stl"), self.path("together.stl")
+        self.assertEqual(contourctl("support", model, "--stl", alone).returncode, OK)
+        self.assertEqual(contourctl("support", model, "--stl", together, "--with-model").returncode, OK)
+        inspected, both = self.json_of("inspect", alone), self.json_of("inspect", together)
+        self.assertGreater(inspected["facets"], 100)
+        self.assertEqual(both["facets"], inspected["facets"] + len(ball(4)))
+        half = self.json_of("support", model, "--scale", "0.5")
+        self.assertLess(max(each["plate_mm"][2] for each in half["contact_list"]), 5 + 4)
+
+    def test_analyze_counts_what_holds_and_shows_it(self):
+        model, page = self.write("ball.stl", BALL), self.path("ball.html")
+        bare = self.json_of("analyze", model)
+        held = self.json_of("analyze", model, "--supports", "auto", "--html", page)
+        self.assertIsNone(bare["supports"])
+        self.assertEqual(bare["islands"], 0)  # a ball's point on the plate is none
+        self.assertEqual((held["islands"], held["layers"]), (0, 260))
+        self.assertGreater(held["resin_ml"], bare["resin_ml"])
+        with open(page, encoding="utf-8") as file:
+            data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', file.read(), re.DOTALL)[1])
+        self.assertEqual(len(data["contacts"]), held["supports"]["contacts"])
+        self.assertGreater(len(data["support_loops"]), 100)
+        self.assertEqual(data["top_mm"], 13)
+        printer = Daemon(self, {"supports": "auto"}).config_path
+        self.assertEqual(self.json_of("analyze", model, "--printer", printer)["layers"], 260)
+        self.assertEqual(self.json_of("analyze", model, "--printer", printer, "--supports", "off")["layers"], 160)
+        self.assertEqual(self.json_of("analyze", model, "--printer", printer, "--scale", "0.5")["layers"], 180)
+
+    def test_submit_says_so_in_the_ticket_and_tells_what_to_expect(self):
+        daemon = self.daemon("off")
+        model = self.write("ball.stl", BALL)
+        told = daemon.ctl("submit", "--yes", "--supports", "auto", "--printer", daemon.config_path, model)
+        self.assertEqual(told.returncode, OK, told.stderr)
+        self.assertIn("260 layers", told.stdout.decode())
+        self.assertRegex(told.stdout.decode(), r"(?m)^  supports: \d+ contact")
+        self.assertEqual(daemon.wait_done("ball")["layers"], 260)
+        daemon.stop()
+
+    def test_what_makes_no_sense_is_refused_in_a_sentence(self):
+        model = self.write("ball.stl", BALL)
+        for words, code, part in (
+            (["slice", model, "--z", "1", "--supports", "on"], BAD_USAGE, "--supports"),
+            (["slice", model, "--layer-height-um", "50", "--supports", "auto", "--fit"], BAD_USAGE, "--supports auto does not go with --fit"),
+            (["slice", model, "--z", "1", "--scale", "0"], BAD_USAGE, "--scale 0: expected 0.001 to 1000"),
+            (["support", model, "--with-model"], BAD_USAGE, "--with-model goes with --stl"),
+            (["support", self.write("none.stl", b"no model")], BAD_DATA, "none.stl"),
+        ):
+            told = contourctl(*words)
+            self.assertEqual(told.returncode, code, words)
+            self.assertIn(part, told.stderr.decode())
+
+
+if __name__ == "__main__":
+    main()
