@@ -222,7 +222,10 @@ Cylinders drill(std::vector<ModelToPlace>& models, const JobContent& content, Jo
 }
 
 void check_holes(const JobContent& content, const Cylinders& cylinders, const PrintPlan& plan,
-                 const HoleSearch& search) {
+                 EngineSettings settings) {
+  settings.anti_aliasing = AntiAliasing::On;  // the least cut shows
+  const HoleSearch search{std::move(settings), middles_of(plan.expected_layers),
+                          MaskBudget::Clock::now() + kLongestHoleSearch};
   for (std::size_t i = 0; i < cylinders.size(); ++i) {
     const NamedModel& model = content.models()[i];
     refuse_holes_beside({plan.engine->models()[i], model.ticket, cylinders[i]}, model.name, search);
@@ -437,10 +440,7 @@ class Preparation {
   void look_at_layers() {
     count_layers(job_.plan, summary_);
     refuse_costly_masks(*job_.plan.engine, job_.plan.expected_layers, printer_.mask_budget);
-    check_holes(content_, cylinders_, job_.plan,
-                {{volume_.display, AntiAliasing::On, summary_.resin.compensation},
-                 middles_of(job_.plan.expected_layers),
-                 MaskBudget::Clock::now() + kLongestHoleSearch});
+    check_holes(content_, cylinders_, job_.plan, engine_settings(printer_, summary_.resin, volume_));
     if (settings_.ticket.cracks != CrackPolicy::Refuse) return;
     for (std::size_t i = 0; i < models_.size(); ++i)
       if (content_.models()[i].made_as == i) refuse_guesses(models_[i], job_.plan.layers, volume_);
