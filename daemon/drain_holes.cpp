@@ -34,8 +34,12 @@ Frustum cylinder_of(const Facet& axis, double radius_mm) {
   return {lower, upper, radius_mm, radius_mm};
 }
 
-// The heights above the plate that a cylinder in the model reaches.
-std::pair<Nanometers, Nanometers> reach_of(const Frustum& cylinder, const StandingModel& model) {
+struct HeightRange {
+  Nanometers low, high;
+};
+
+// Above the plate, what a cylinder in the model reaches.
+HeightRange reach_of(const Frustum& cylinder, const StandingModel& model) {
   const Bounds& bounds = model.model->bounds();
   const auto height = [&](double z_mm) {
     // Clamped to where there is something to cut.
@@ -51,9 +55,9 @@ bool cuts(const Frustum& cylinder, const PlateModel& model, const HoleSearch& se
   PlateModel drilled = whole;
   drilled.holes = holes_of(std::span(&cylinder, 1));
   ContourEngine with({std::move(drilled)}, search.settings), without({std::move(whole)}, search.settings);
-  const auto [low, high] = reach_of(cylinder, model);
+  const HeightRange reach = reach_of(cylinder, model);
   return std::ranges::any_of(search.heights, [&](Nanometers height) {
-    if (height < low || height > high) return false;
+    if (height < reach.low || height > reach.high) return false;
     MaskBudget first(search.deadline), second(search.deadline);
     if (with.mask_within(height, first) == nullptr || without.mask_within(height, second) == nullptr)
       return true;

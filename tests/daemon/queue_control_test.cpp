@@ -97,7 +97,7 @@ TEST_CASE("The queue has all that is known of a job that waits") {
   CHECK(jobs[0].dump() ==
         R"({"number":1,"file":"one.stl","job":"one","state":"ready","waiting_for":null,"bytes":84,"parts":0,)"
         R"("resin":"grey","overrides":[],"layers":7,"thinnest_layer_um":0.0,"thickest_layer_um":0.0,)"
-        R"("height_mm":0.0,"print_time_s":0.0,"resin_ml":null,"asks":[],"warnings":[]})");
+        R"("height_mm":0.0,"print_time_s":0.0,"supports":null,"resin_ml":null,"asks":[],"warnings":[]})");
   CHECK(jobs[1]["state"] == "unchecked");
   CHECK(jobs[1]["bytes"].is_null());
   CHECK(jobs[1].size() == jobs[0].size());

@@ -110,7 +110,7 @@ class Supports(FolderTest):
         daemon.stop()
 
     def test_a_model_that_is_too_high_once_it_is_lifted_is_refused(self):
-        daemon = self.daemon(z_axis={"travel_mm": 18})
+        daemon = self.daemon(z_axis={"travel_mm": 18}, simulation={"start_height_mm": 0})
         daemon.drop("ball.stl", BALL)
         self.assert_one_line(daemon.wait_refused("ball").encode(), "the model is 8.00 mm high and stands 5.00 mm above the plate, on supports: "
                              "13.00 mm, and the machine can print 12.00 mm")  # fmt: skip
