@@ -83,15 +83,37 @@ bool LayerStack::is_disc_clear(std::int32_t layer, double row, double column, do
   return true;
 }
 
+bool LayerStack::is_pixel_lit(double layer, double row, double column) const {
+  if (!(layer >= 0 && layer < layers() && row >= 0 && row < rows_)) return false;
+  const std::span<const Run> runs = runs_in(static_cast<std::int32_t>(layer), static_cast<std::int32_t>(row));
+  return std::ranges::any_of(runs,
+                             [column](const Run& run) { return run.first <= column && column < run.end; });
+}
+
+bool LayerStack::is_lit(const PlatePoint& point) const {
+  return is_pixel_lit(std::floor(point.z / step_mm_), row_of(point.y), column_of(point.x));
+}
+
+std::optional<double> LayerStack::underside_above(const PlatePoint& point, double up_mm) const {
+  const double column = column_of(point.x), row = row_of(point.y);
+  const double last = std::min(std::floor((point.z + up_mm) / step_mm_), layers() - 1.0);
+  // On the plate nothing has to be held.
+  const double first = std::max(std::ceil(point.z / step_mm_), 1.0);
+  bool dark = !is_pixel_lit(first - 1, row, column);
+  for (double layer = first; layer <= last; ++layer) {
+    const bool lit = is_pixel_lit(layer, row, column);
+    if (lit && dark) return layer * step_mm_;
+    dark = !lit;
+  }
+  return std::nullopt;
+}
+
 std::optional<double> LayerStack::top_below(const PlatePoint& point, double down_mm) const {
-  const double column = std::floor(point.x / pitch_mm_ + columns_ / 2.0);
-  const auto row = static_cast<std::int32_t>(std::floor(rows_ / 2.0 - point.y / pitch_mm_));
+  const double column = column_of(point.x), row = row_of(point.y);
   const double level = std::min(std::floor(point.z / step_mm_ - 0.5), layers() - 1.0);
   const double last = std::max(std::floor((point.z - down_mm) / step_mm_), 0.0);
   for (double layer = level; layer >= last; --layer) {
-    for (const Run& run : runs_in(static_cast<std::int32_t>(layer), row)) {
-      if (run.first <= column && column < run.end) return (layer + 1) * step_mm_;
-    }
+    if (is_pixel_lit(layer, row, column)) return (layer + 1) * step_mm_;
   }
   return std::nullopt;
 }

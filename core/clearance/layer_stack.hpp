@@ -5,6 +5,7 @@
 // while layers come; thread-safe after that. Memory: 4 bytes a run and a row.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -33,10 +34,14 @@ class LayerStack final : public LayerObserver {
   // From left to right; none where the row or the layer is beyond all that is lit.
   [[nodiscard]] std::span<const Run> runs_in(std::int32_t layer, std::int32_t row) const;
 
+  // Whether the pixel and the layer that the point lies in are lit.
+  [[nodiscard]] bool is_lit(const PlatePoint& point) const;
   // Whether nothing of the models may be nearer to the point than the distance.
   [[nodiscard]] bool is_clear(const PlatePoint& point, double distance_mm) const;
   // The height of the first solid straight below; nothing when there is none so far down.
   [[nodiscard]] std::optional<double> top_below(const PlatePoint& point, double down_mm) const;
+  // The height of the first solid straight above that begins there; nothing when there is none so far up.
+  [[nodiscard]] std::optional<double> underside_above(const PlatePoint& point, double up_mm) const;
 
  private:
   struct Layer {
@@ -44,6 +49,10 @@ class LayerStack final : public LayerObserver {
     std::size_t first_start;  // in row_starts_
   };
 
+  // By numbers from 0, which may be beyond the display's and the layers'.
+  [[nodiscard]] bool is_pixel_lit(double layer, double row, double column) const;
+  [[nodiscard]] double column_of(double x_mm) const { return std::floor(x_mm / pitch_mm_ + columns_ / 2.0); }
+  [[nodiscard]] double row_of(double y_mm) const { return std::floor(rows_ / 2.0 - y_mm / pitch_mm_); }
   [[nodiscard]] bool is_disc_clear(std::int32_t layer, double row, double column, double disc_mm2) const;
 
   std::int32_t columns_ = 0, rows_ = 0;

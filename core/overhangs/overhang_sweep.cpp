@@ -207,8 +207,11 @@ SupportContact Sweep::contact_of(const PlacedContact& placed, const SurfaceProbe
 HeldPlaces Sweep::held() const {
   const SurfaceProbe probe(models_, grid_.display);
   HeldPlaces held;
-  for (const PlacedContact& contact : contacts_)
-    held.contacts.push_back(contact_of(contact, probe));
+  for (const PlacedContact& placed : contacts_) {
+    const SupportContact contact = contact_of(placed, probe);
+    // What begins lower than the first layer ends lies on the plate.
+    if (contact.place.z >= grid_.step_mm()) held.contacts.push_back(contact);
+  }
   std::ranges::stable_sort(held.contacts, {}, [](const SupportContact& contact) {
     return std::tuple(contact.place.z, contact.place.y, contact.place.x);
   });

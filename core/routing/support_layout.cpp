@@ -6,6 +6,7 @@
 
 #include "core/clearance/clearance_field.hpp"
 #include "core/clearance/plate_ways.hpp"
+#include "core/routing/contact_neighbours.hpp"
 #include "core/routing/support_loads.hpp"
 #include "core/routing/support_routing.hpp"
 #include "core/routing/support_solids.hpp"
@@ -73,14 +74,17 @@ class SupportLayout {
     const SupportTips tips(field_, ways, settings_);
     SupportRouting routing(field_, ways, settings_);
     std::vector<SupportContact> unheld;
+    const auto is_held = [&](const SupportContact& contact) {
+      std::optional<SupportTip> tip = tips.tip_at(contact);
+      if (!tip) return false;
+      routing.add(std::move(*tip), static_cast<std::uint32_t>(held_.size()), contact.load_mm2);
+      held_.push_back(contact);
+      return true;
+    };
     for (const SupportContact& contact : contacts) {
       if (stop_.stop_requested()) return unheld;
-      if (std::optional<SupportTip> tip = tips.tip_at(contact)) {
-        routing.add(std::move(*tip), static_cast<std::uint32_t>(held_.size()), contact.load_mm2);
-        held_.push_back(contact);
-      } else {
+      if (!is_held(contact) && !std::ranges::any_of(neighbours_of(contact, field_.layers()), is_held))
         unheld.push_back(contact);
-      }
     }
     append(routing.lead_down(stop_), tree_);
     return unheld;

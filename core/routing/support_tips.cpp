@@ -20,7 +20,13 @@ constexpr double kBelowSurface_mm = 0.2;
 // Between two parts of a model.
 constexpr double kShortestPin_mm = 0.3;
 
+// An island that is so near to other material is joined to it, if nothing else holds it.
+constexpr double kBeside_mm = 0.3;
+
 constexpr double kHalf = 0.70710678118654757;  // sine and cosine of 45 degrees
+
+constexpr std::array<std::array<double, 2>, 8> kAround{
+    {{1, 0}, {kHalf, kHalf}, {0, 1}, {-kHalf, kHalf}, {-1, 0}, {-kHalf, -kHalf}, {0, -1}, {kHalf, -kHalf}}};
 
 Direction unit(double x, double y, double z) {
   const double length = std::sqrt(x * x + y * y + z * z);
@@ -39,8 +45,6 @@ Direction turned_down(const Direction& outward) {
 std::vector<Direction> directions_for(const Direction& outward) {
   const Direction first = turned_down(outward);
   std::vector<Direction> all{first, unit(first.x, first.y, first.z - 1), {0, 0, -1}};
-  constexpr std::array<std::array<double, 2>, 8> kAround{
-      {{1, 0}, {kHalf, kHalf}, {0, 1}, {-kHalf, kHalf}, {-1, 0}, {-kHalf, -kHalf}, {0, -1}, {kHalf, -kHalf}}};
   for (const auto& [x, y] : kAround) {
     all.push_back({x * kHalf, y * kHalf, -kHalf});
     all.push_back(unit(x, y, -2.4));
@@ -79,7 +83,10 @@ std::optional<SupportTip> SupportTips::tip_at(const SupportContact& contact) con
       }
     }
   }
-  return stub_at(at, directions);
+  std::optional<SupportTip> stub = stub_at(at, directions);
+  if (!stub && contact.cause == ContactCause::Island && ways_.end() == PlateWays::End::Model)
+    stub = strut_beside(at);
+  return stub;
 }
 
 std::optional<SupportTip> SupportTips::tip_with(const PlatePoint& at, const Cone& cone) const {
@@ -104,6 +111,23 @@ std::optional<SupportTip> SupportTips::stub_at(const PlatePoint& at,
       const Cone cone{direction, length, foot->z > 0 ? tip : std::clamp(length, tip, widest)};
       if (field_.is_inside(*foot, cone.radius_mm) && is_free(at, cone))
         return SupportTip{at, *foot, direction, cone.radius_mm, {}};
+    }
+  }
+  return std::nullopt;
+}
+
+// As thick as a tip, at 45 degrees into the material beside the first layer of an island.
+std::optional<SupportTip> SupportTips::strut_beside(const PlatePoint& at) const {
+  const LayerStack& layers = field_.layers();
+  const double tip = settings_.tip_diameter.count() / 2;
+  for (double gap = layers.pitch_mm(); gap <= kBeside_mm; gap += layers.pitch_mm()) {
+    for (const auto& [x, y] : kAround) {
+      if (!layers.is_lit({at.x + x * gap, at.y + y * gap, at.z - layers.step_mm()})) continue;
+      const Direction outward{x * kHalf, y * kHalf, -kHalf};
+      const PlatePoint foot = moved(at, outward, (gap + tip) / kHalf);
+      // It stands in the material with all its depth.
+      if (layers.is_lit(foot) && layers.is_lit({foot.x, foot.y, foot.z - settings_.tip_depth.count()}))
+        return SupportTip{at, foot, outward, tip, {}};
     }
   }
   return std::nullopt;

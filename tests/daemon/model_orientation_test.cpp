@@ -55,7 +55,7 @@ TEST_CASE("The report has the best ways up, the chosen one first") {
   CHECK(json["preset"] == "auto");
   CHECK(json["as_drawn"] == false);
   REQUIRE(json["alternatives"].size() == kAlternativesTold);
-  CHECK(json["alternatives"][0]["up"] == nlohmann::json{0, 0, -1});
+  CHECK(json["alternatives"][0]["up"] == nlohmann::ordered_json{0, 0, -1});
   CHECK(json["alternatives"][0]["stands"] == true);
 }
 

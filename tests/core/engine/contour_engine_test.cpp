@@ -251,7 +251,8 @@ TEST_CASE("The order of the facets in the file does not matter") {
     models::Facets facets = ball();
     const Nanometers height{testing::draw(0, 16'000'000)};
     const Mask mask = mask_of(facets, height);
-    std::ranges::rotate(facets, facets.begin() + testing::draw(0, static_cast<std::int64_t>(facets.size())));
+    std::rotate(facets.begin(), facets.begin() + testing::draw(0, static_cast<std::int64_t>(facets.size())),
+                facets.end());
     std::ranges::reverse(facets);
     RC_ASSERT(mask_of(facets, height) == mask);
   }));

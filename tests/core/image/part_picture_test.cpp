@@ -120,12 +120,12 @@ TEST_CASE("A wall as wide as a pixel of the picture has no holes") {
 TEST_CASE("Mirrors of the masks are undone") {
   const auto stair = [](int column, int row, double at) { return column + row / 3 < 70 * (1 - at); };
   const Mask upright = drawn(kBlock, stair);
-  for (const auto& [x, y] : {std::pair{true, false}, {false, true}, {true, true}}) {
+  for (const std::pair<bool, bool>& mirrors : {std::pair{true, false}, {false, true}, {true, true}}) {
     PartPicture::Box box = kBlock;
-    box.mirror_x = x;
-    box.mirror_y = y;
+    box.mirror_x = mirrors.first;
+    box.mirror_y = mirrors.second;
     CHECK(upright == drawn(box, [&](int column, int row, double at) {
-            return stair(x ? 59 - column : column, y ? 59 - row : row, at);
+            return stair(box.mirror_x ? 59 - column : column, box.mirror_y ? 59 - row : row, at);
           }));
   }
   CHECK_FALSE(upright ==

@@ -468,7 +468,7 @@ TEST_CASE("The order of the sides does not matter") {
     for (const AntiAliasing mode : kBoth) {
       const Mask mask = painted(40, 30, mode, polygons);
       std::vector<Polygon> other{polygons[1], polygons[0]};
-      std::ranges::rotate(other[0], other[0].begin() + 1);
+      std::rotate(other[0].begin(), other[0].begin() + 1, other[0].end());
       RC_ASSERT(painted(40, 30, mode, other) == mask);
     }
   }));

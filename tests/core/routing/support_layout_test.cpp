@@ -197,6 +197,46 @@ TEST_CASE("What nothing reaches is told with its reason") {
   CHECK(supports.unheld[0].why == "no way leads to the plate, nor to a place on the model");
 }
 
+TEST_CASE("A place that no tip reaches is held beside, where the material is one with it") {
+  // A slot that is too narrow for a tip, from the middle of a bar's underside to the plate.
+  models::Facets bar = models::box({-6, -1, 10}, {6, 1, 12});
+  for (const float x : {-0.3F, 0.2F})
+    bar = together(std::move(bar), models::box({x, -0.8F, 9.4F}, {x + 0.1F, 0.8F, 10}));
+  const Supports supports = supports_for(bar, {contact(0, 0, 10)});
+  CHECK(supports.unheld.empty());
+  REQUIRE(supports.contacts.size() == 1);
+  const PlatePoint held = supports.contacts[0].place;
+  CHECK(std::hypot(held.x, held.y) <= 0.91);
+  CHECK(std::fabs(held.x) >= 0.3 - 1e-9);
+  CHECK(std::fabs(held.z - 10) < 1e-9);
+  // What is beside it, but another part, does not hold it.
+  const models::Facets walls =
+      together(models::box({-2, -6, 0}, {-0.25F, 6, 20}), models::box({0.25F, -6, 0}, {2, 6, 20}));
+  const models::Facets apart = together(walls, models::box({-0.15F, -2, 10}, {0.15F, 2, 12}));
+  CHECK(supports_for(apart, {contact(0, 0, 10)}).contacts.empty());
+}
+
+TEST_CASE("An island close beside a wall, with room for no tip, is joined to the wall") {
+  // A room as narrow as a tip, and in it a flake beside one of its walls.
+  const models::Facets room = together(models::box({-8, -8, 0}, {8, 8, 20}),
+                                       testing::inverted(models::box({-0.25F, -5, 6}, {0.25F, 5, 18})));
+  const models::Facets all = together(room, models::box({-0.1F, -0.1F, 12}, {0.1F, 0.1F, 13}));
+  SupportContact flake = contact(0, 0, 12);
+  CHECK(supports_for(all, {flake}).unheld.size() == 1);
+  flake.cause = ContactCause::Island;
+  const Supports supports = supports_for(all, {flake});
+  CHECK(supports.unheld.empty());
+  REQUIRE(supports.structure);
+  // From the flake at 45 degrees into the wall.
+  const bool leads_into_wall =
+      std::ranges::any_of(supports.structure->primitives(), [](const SupportPrimitive& each) {
+        const auto* strut = std::get_if<Frustum>(&each);
+        return strut != nullptr && strut->upper == PlatePoint{0, 0, 12} && std::fabs(strut->lower.x) > 0.25 &&
+               std::fabs(strut->lower.x) <= 12 - strut->lower.z + 1e-9;
+      });
+  CHECK(leads_into_wall);
+}
+
 TEST_CASE("Of a million places the lowest are held, and the others told") {
   std::vector<SupportContact> contacts;
   for (int i = 0; i < 70; ++i) {

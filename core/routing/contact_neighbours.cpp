@@ -1,0 +1,50 @@
+#include "core/routing/contact_neighbours.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace contourd {
+namespace {
+
+constexpr std::array<double, 3> kDistances_mm{0.3, 0.6, 0.9};
+constexpr double kHalf = 0.70710678118654757;  // sine and cosine of 45 degrees
+constexpr std::array<Point, 8> kAround{
+    {{1, 0}, {kHalf, kHalf}, {0, 1}, {-kHalf, kHalf}, {-1, 0}, {-kHalf, -kHalf}, {0, -1}, {kHalf, -kHalf}}};
+// How far the surface may lie above the contact or below it.
+constexpr double kAcross_mm = 0.6;
+
+// Whether the material leads from one to the other at this height.
+bool is_one(const PlatePoint& from, const PlatePoint& to, double z, const LayerStack& layers) {
+  const int steps = static_cast<int>(std::hypot(to.x - from.x, to.y - from.y) / layers.pitch_mm()) + 1;
+  for (int i = 0; i <= steps; ++i) {
+    const double part = static_cast<double>(i) / steps;
+    if (!layers.is_lit({from.x + (to.x - from.x) * part, from.y + (to.y - from.y) * part, z})) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<SupportContact> neighbours_of(const SupportContact& contact, const LayerStack& layers) {
+  const double up = contact.cause == ContactCause::Island ? 2 * layers.step_mm() : kAcross_mm;
+  std::vector<SupportContact> neighbours;
+  for (const double distance : kDistances_mm) {
+    for (const Point& way : kAround) {
+      const PlatePoint low{contact.place.x + way.x * distance, contact.place.y + way.y * distance,
+                           contact.place.z - kAcross_mm};
+      const std::optional<double> underside = layers.underside_above(low, kAcross_mm + up);
+      if (!underside) continue;
+      const PlatePoint place{low.x, low.y, *underside};
+      const double inside = std::max(place.z, contact.place.z) + 1.5 * layers.step_mm();
+      if (!is_one(contact.place, place, inside, layers)) continue;
+      SupportContact& neighbour = neighbours.emplace_back(contact);
+      neighbour.place = place;
+      neighbour.outward = {0, 0, -1};
+    }
+  }
+  return neighbours;
+}
+
+}  // namespace contourd
