@@ -26,7 +26,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kSoon = 0.8;
 // An island that is no larger in its first layer, and has grown together with what is held in the next, or is
 // gone there, is none: it is less than a layer's light lets cure to anything.
-constexpr double kSpeckMm2 = 0.01;
+constexpr double kSpeckMm2 = 0.005;
 
 struct PlacedContact {
   SweepPixel at;
