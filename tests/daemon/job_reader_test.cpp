@@ -156,7 +156,7 @@ TEST_CASE("A check is given up for the job whose turn has come, and for one that
   desk.put(Spool::Folder::Printing, "next.stl");
   std::optional<CheckedJob> found;
   // The first keeps the reader's thread busy until the other is ordered, and given up.
-  models::write_binary_stl(desk.spool.folder(Spool::Folder::Incoming) / "large.stl", models::sphere(20, 300));
+  models::write_binary_stl(desk.spool.folder(Spool::Folder::Incoming) / "large.stl", models::sphere(20, 100));
   desk.reader->check("large.stl", JobReader::Keep::Nothing, [](const auto&) {});
   desk.reader->check("part.stl", JobReader::Keep::Nothing, [&](const CheckedJob& said) { found = said; });
   SECTION("a turn") {
