@@ -35,9 +35,9 @@ std::vector<std::uint16_t> gap_squares(double cell_mm) {
 const std::vector<std::uint8_t>& roots() {
   static const std::vector<std::uint8_t> all = [] {
     std::vector<std::uint8_t> made(kFar + 1);
-    for (std::uint32_t root = 0; root * root <= kFar; ++root) {
-      const std::uint32_t end = std::min<std::uint32_t>((root + 1) * (root + 1), kFar + 1);
-      std::fill(made.begin() + root * root, made.begin() + end, static_cast<std::uint8_t>(root));
+    for (std::uint32_t square = 0, root = 0; square <= kFar; ++square) {
+      if ((root + 1) * (root + 1) == square) ++root;
+      made[square] = static_cast<std::uint8_t>(root);
     }
     return made;
   }();

@@ -166,7 +166,7 @@ TEST_CASE("A report does not depend on the order of facets or on which corner co
     std::rotate(facets.begin(), facets.begin() + testing::draw(0, static_cast<std::int64_t>(facets.size())),
                 facets.end());
     for (Facet& facet : facets)
-      std::ranges::rotate(facet.vertices, facet.vertices.begin() + testing::draw(0, 2));
+      std::rotate(facet.vertices.begin(), facet.vertices.begin() + testing::draw(0, 2), facet.vertices.end());
     const MeshReport other = inspect_mesh(facets);
     RC_ASSERT(other.open_edges == report.open_edges);
     RC_ASSERT(other.non_manifold_edges == report.non_manifold_edges);
