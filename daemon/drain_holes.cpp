@@ -15,7 +15,10 @@ namespace {
 
 // The axis as two corners of a facet: it is turned and scaled as facets are.
 Facet axis_of(const DrainHole& hole) {
-  const Direction& d = hole.inwards;
+  // Of any length: the squares of a tiny one would be none.
+  const double longest =
+      std::max({std::fabs(hole.inwards.x), std::fabs(hole.inwards.y), std::fabs(hole.inwards.z)});
+  const Direction d{hole.inwards.x / longest, hole.inwards.y / longest, hole.inwards.z / longest};
   const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
   const auto at = [&](double way_mm) {
     const auto along = [&](double from_mm, double part) {

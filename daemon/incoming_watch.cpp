@@ -231,7 +231,7 @@ void IncomingWatch::seen(const std::string& file, Look look, const Seen& seen) {
     if (!watched) look_later(file);
     return;
   }
-  Candidate& candidate = candidates_[file];
+  Candidate& candidate = this->candidate(file);
   if (upload.bytes != candidate.bytes) candidate.unchanged_looks = 0;
   if (look == Look::Timer) ++candidate.unchanged_looks;
   candidate.bytes = upload.bytes;
@@ -265,8 +265,14 @@ std::vector<std::string> IncomingWatch::arriving(std::size_t most) const {
   return files;
 }
 
+IncomingWatch::Candidate& IncomingWatch::candidate(const std::string& file) {
+  const auto [found, is_new] = candidates_.try_emplace(file);
+  if (is_new) found->second.number = ++candidates_begun_;
+  return found->second;
+}
+
 void IncomingWatch::look_later(const std::string& file) {
-  candidates_.try_emplace(file);
+  (void)candidate(file);
   if (!look_again_timer_) {
     look_again_timer_ = loop_.at(std::chrono::steady_clock::now() + kLookInterval, "the spool's timer",
                                  [this] { look_again(); });
@@ -275,9 +281,13 @@ void IncomingWatch::look_later(const std::string& file) {
 
 void IncomingWatch::look_again() {
   look_again_timer_.reset();
-  std::deque<std::string> files;
+  std::vector<std::pair<std::uint64_t, std::string>> in_order;
   for (const auto& [file, candidate] : candidates_)
-    files.push_back(file);
+    in_order.emplace_back(candidate.number, file);
+  std::ranges::sort(in_order);
+  std::deque<std::string> files;
+  for (auto& [number, file] : in_order)
+    files.push_back(std::move(file));
   consider_soon(std::move(files), Look::Timer);
 }
 

@@ -89,6 +89,7 @@ class IncomingWatch {
   struct Candidate {
     std::uintmax_t bytes = 0;  // a plate's files together
     int unchanged_looks = 0;   // by the timer: events may come in bursts
+    std::uint64_t number = 0;  // in the order in which they came
   };
 
   struct Seen {
@@ -118,6 +119,7 @@ class IncomingWatch {
   void note_passed_over(const std::string& file, const std::optional<WhyPassedOver>& why);
   void seen_to_be_gone(const std::string& file);
   void look_later(const std::string& file);
+  Candidate& candidate(const std::string& file);
   void look_again();
   void note_missing(const std::string& file, const std::vector<std::string>& missing);
 
@@ -139,7 +141,7 @@ class IncomingWatch {
   std::set<std::string> arrived_;  // and told
   std::set<std::string> originals_;
   std::map<std::string, std::uint64_t> looks_;  // under way: the number of the latest at each file
-  std::uint64_t looks_begun_ = 0;
+  std::uint64_t looks_begun_ = 0, candidates_begun_ = 0;
 };
 
 }  // namespace contourd

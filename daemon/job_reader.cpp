@@ -95,6 +95,7 @@ void JobReader::look_at(const std::string& file, LookNow look_now, Done done) {
 }
 
 void JobReader::check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done) {
+  if (keep == Keep::Prepared) give_up_looks();
   look_at(
       file,
       [this, keep](const JobFiles& files, const std::stop_token& stop) {

@@ -50,8 +50,8 @@ class JobReader {
   // Ends the last read() soon, wherever it can be ended.
   void give_up_reading() { reading_.request_stop(); }
   // Prepares incoming/`file`: `done` gets why it would be refused, or what it will be. At most one job is
-  // kept, until another is read, or until its memory is needed for a check. read(), and forget() of that
-  // file, end it soon.
+  // kept, until another is read, or until its memory is needed for a check. read(), forget() of that
+  // file, and a check of another one that is to be kept, end it soon.
   enum class Keep { Nothing, Prepared };
   void check(const std::string& file, Keep keep, std::function<void(const CheckedJob&)> done);
   // Looks through all layers of incoming/`file`, which takes as long as their masks; keeps the job as check()

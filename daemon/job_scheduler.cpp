@@ -70,7 +70,7 @@ void JobScheduler::take_what_is_due() {
 }
 
 std::string JobScheduler::reason_to_wait() const {
-  if (calls_.controlled_by_hand()) return "the printer is controlled by hand";
+  if (calls_.controlled_by_hand()) return "the printer is controlled by hand; \"contourctl stop\" ends that";
   if (std::string not_ready = context_.machine.why_not_ready(); !not_ready.empty()) return not_ready;
   if (std::string reason = hold_.reason_to_wait(); !reason.empty()) return reason;
   if (std::string trouble = spool_.trouble(); !trouble.empty()) return trouble;

@@ -36,8 +36,10 @@ ResinProfile resin_for(const JobTicket& ticket, const PrinterConfig& printer) {
     };
     // Where the printer's own is missing too, the folder is.
     const bool unknown = ticket.resin && !is_there(name) && is_there(printer.resin);
-    throw ProfileTrouble(unknown ? Fault::Ticket : Fault::Profile,
-                         fmt::format("the job ticket is wrong:\n{}", error.what()), in_one_line(name, error));
+    const std::string sentence = in_one_line(name, error);
+    if (!unknown) throw ProfileTrouble(Fault::Profile, sentence, sentence);
+    throw ProfileTrouble(Fault::Ticket, fmt::format("the job ticket is wrong: {}", error.in_one_line()),
+                         sentence);
   }
 }
 
@@ -62,7 +64,7 @@ JobSettings read_settings(const JobFiles& files, const PrinterConfig& printer) {
   } catch (const JobRefused&) {
     throw;
   } catch (const ConfigError& error) {
-    throw JobRefused(fmt::format("the job ticket is wrong:\n{}", error.what()));
+    throw JobRefused(fmt::format("the job ticket is wrong: {}", error.in_one_line()));
   } catch (const std::exception& error) {
     throw JobRefused(fmt::format("the job ticket cannot be used: {}", printable(error.what())));
   }

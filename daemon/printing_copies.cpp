@@ -37,7 +37,7 @@ JobCopy PrintingCopies::copy(const std::string& file) {
   } catch (const JobUnreadable& error) {
     return {.job = {}, .unreadable = error.what()};
   } catch (const ConfigError& error) {
-    return {.job = {}, .unreadable = fmt::format("the job ticket is wrong:\n{}", error.what())};
+    return {.job = {}, .unreadable = fmt::format("the job ticket is wrong: {}", error.in_one_line())};
   } catch (const std::exception& error) {
     remove_leftovers();
     return {.job = {}, .unreadable = {}, .trouble = error.what()};

@@ -77,8 +77,9 @@ class Sweep {
   }
 
   [[nodiscard]] const SweepGrid& grid() const { return grid_; }
-  // The next layer up: what is lit there, until the next call.
-  const MaskRuns& add_layer();
+  // The next layer up: what is lit there, until the next call. Its contacts are not all there once `stop` was
+  // asked for.
+  const MaskRuns& add_layer(const std::stop_token& stop);
   [[nodiscard]] HeldPlaces held() const;
 
  private:
@@ -90,8 +91,10 @@ class Sweep {
   [[nodiscard]] bool is_speck(const LayerPart& part) const;
   [[nodiscard]] SupportContact contact_of(const PlacedContact& placed, const SurfaceProbe& probe) const;
   void hold_specks();
-  void hold_overhangs();
-  void balance_peel();
+  void hold_overhangs(const std::stop_token& stop);
+  void balance_peel(const std::stop_token& stop);
+  // One more than are held tells that there are more.
+  [[nodiscard]] bool has_enough() const { return contacts_.size() > kMostContacts; }
   void add_contact(const PlacedContact& contact);
 
   SupportSettings settings_;
@@ -109,7 +112,7 @@ class Sweep {
   std::vector<PlacedContact> contacts_;
 };
 
-const MaskRuns& Sweep::add_layer() {
+const MaskRuns& Sweep::add_layer(const std::stop_token& stop) {
   ++layer_;
   std::swap(lit_, beneath_);
   lit_.extract(engine_.mask_at(grid_.height_of(layer_)));
@@ -124,8 +127,8 @@ const MaskRuns& Sweep::add_layer() {
   for (const Underside::Sample& sample : underside_.samples())
     peel_.add_place({sample.at, layer_, sample.steep}, parts_.parts()[sample.part].body);
   hold_specks();
-  hold_overhangs();
-  balance_peel();
+  hold_overhangs(stop);
+  balance_peel(stop);
   return lit_;
 }
 
@@ -151,7 +154,7 @@ Need Sweep::need_of(const ReachingPixel& pixel) const {
   return reach > kSoon * cover_.radii().reach ? Need::Soon : Need::None;
 }
 
-void Sweep::hold_overhangs() {
+void Sweep::hold_overhangs(const std::stop_token& stop) {
   spots_.clear();
   for (const ReachingPixel& pixel : underside_.reaching()) {
     if (is_speck(parts_.parts()[pixel.part])) {
@@ -161,7 +164,9 @@ void Sweep::hold_overhangs() {
     }
   }
   cover_.set_spots(spots_);
-  while (const std::optional<OverhangCover::Choice> choice = cover_.choose()) {
+  while (!has_enough() && !stop.stop_requested()) {
+    const std::optional<OverhangCover::Choice> choice = cover_.choose();
+    if (!choice) break;
     const LayerPart& part = parts_.parts()[choice->part];
     const SweepPixel at = underside_.centered(choice->at, tip_pixels());
     const auto held = static_cast<double>(cover_.hold(at, *choice));
@@ -169,9 +174,9 @@ void Sweep::hold_overhangs() {
   }
 }
 
-void Sweep::balance_peel() {
+void Sweep::balance_peel(const std::stop_token& stop) {
   for (const LayerPart& part : parts_.parts()) {
-    while (peel_.overloaded(part.body)) {
+    while (!has_enough() && !stop.stop_requested() && peel_.overloaded(part.body)) {
       const std::optional<PeelBalance::Place> place = peel_.take_place(part.body);
       if (!place) break;
       add_contact({place->at, place->layer, part.body, ContactCause::Peel, 0});
@@ -226,14 +231,16 @@ std::optional<HeldPlaces> find_overhangs(const SupportRequest& request, LayerObs
       request.display.pixel_pitch > Micrometers{} &&
           std::ranges::all_of(request.models, [](const PlateModel& each) { return each.model != nullptr; }),
       "every model is there, and a pixel has a size");
+  const Millimeters top = top_of(request.models);
+  expects(top <= kHighestSweep, "the models are no higher than can be swept");
   Sweep sweep(request);
   observer.begin(sweep.grid().display, sweep.grid().step);
-  const Millimeters top = top_of(request.models);
   for (std::int32_t layer = 1; to_millimeters(sweep.grid().height_of(layer)) < top; ++layer) {
     if (stop.stop_requested()) return std::nullopt;
-    const MaskRuns& lit = sweep.add_layer();
+    const MaskRuns& lit = sweep.add_layer(stop);
     observer.layer(sweep.grid().height_of(layer), lit);
   }
+  if (stop.stop_requested()) return std::nullopt;
   return sweep.held();
 }
 

@@ -31,12 +31,16 @@ class LayerObserver {
   virtual void layer(Nanometers height, const MaskRuns& lit) = 0;
 };
 
+// The sweep's layers have numbers of 16 bits.
+inline constexpr Millimeters kHighestSweep{3000.0};
+
 struct HeldPlaces {
   std::vector<SupportContact> contacts;  // from the plate up
 };
 
 // Blocks, for a second for a million facets. Nothing when `stop` was asked for meanwhile; it is looked at
-// before every layer. REQUIRES: no null pointers, pixel_pitch > 0.
+// before every layer and every contact. REQUIRES: no null pointers, pixel_pitch > 0, nothing higher than
+// kHighestSweep.
 [[nodiscard]] std::optional<HeldPlaces> find_overhangs(const SupportRequest& request, LayerObserver& observer,
                                                        const std::stop_token& stop = {});
 

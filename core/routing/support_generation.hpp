@@ -11,7 +11,8 @@
 
 namespace contourd {
 
-// Blocks, for a second for a million facets. Nothing when `stop` was asked for meanwhile.
+// Blocks, for a second for a million facets. Nothing when `stop` was asked for meanwhile. find_overhangs()
+// says how high the models may be.
 [[nodiscard]] std::optional<Supports> make_supports(const SupportRequest& request,
                                                     const std::stop_token& stop = {});
 

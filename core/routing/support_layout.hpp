@@ -14,9 +14,6 @@
 
 namespace contourd {
 
-// So many places are held: a mesh of noise has a million.
-inline constexpr std::size_t kMostContacts = 4096;
-
 // `layers`: of all that stands on the plate, whole. Nothing when `stop` was asked for meanwhile.
 [[nodiscard]] std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts,
                                                        const LayerStack& layers,

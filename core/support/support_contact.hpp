@@ -1,6 +1,7 @@
 // Where a print has to be held, and why. Values; thread-safe as any value is.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -14,6 +15,9 @@ struct PlatePoint {
   double x = 0, y = 0, z = 0;
   bool operator==(const PlatePoint&) const = default;
 };
+
+// So many places are held at most: a mesh of noise has a million.
+inline constexpr std::size_t kMostContacts = 4096;
 
 enum class ContactCause : std::uint8_t {
   Island,    // begins with nothing under it

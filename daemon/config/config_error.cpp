@@ -30,14 +30,14 @@ std::string line(const Violation& violation, const char* severity) {
   return printable(text + violation.message);
 }
 
-std::string lines(const std::vector<Violation>& violations) {
+std::string lines(const std::vector<Violation>& violations, const std::string& divider = "\n") {
   std::string text;
   const std::size_t shown = std::min(violations.size(), kMaxLines);
   for (std::size_t i = 0; i < shown; ++i)
-    text += (text.empty() ? "" : "\n") + line(violations[i], "");
+    text += (text.empty() ? "" : divider) + line(violations[i], "");
   if (shown < violations.size()) {
-    const char* const counted = violations.size() < kMaxViolations ? "\nand " : "\nand at least ";
-    text += counted + std::to_string(violations.size() - shown) + " more";
+    const char* const counted = violations.size() < kMaxViolations ? "and " : "and at least ";
+    text += divider + counted + std::to_string(violations.size() - shown) + " more";
   }
   return text;
 }
@@ -47,6 +47,10 @@ std::string lines(const std::vector<Violation>& violations) {
 ConfigError::ConfigError(std::vector<Violation> violations)
     : std::runtime_error(lines(violations)), violations_(std::move(violations)) {
   expects(!violations_.empty(), "something is wrong");
+}
+
+std::string ConfigError::in_one_line() const {
+  return lines(violations_, "; ");
 }
 
 std::string warning_line(const Violation& warning) {

@@ -29,6 +29,8 @@ class ConfigError : public std::runtime_error {
   explicit ConfigError(std::vector<Violation> violations);
 
   [[nodiscard]] const std::vector<Violation>& violations() const noexcept { return violations_; }
+  // what() with semicolons for its line breaks.
+  [[nodiscard]] std::string in_one_line() const;
 
  private:
   std::vector<Violation> violations_;

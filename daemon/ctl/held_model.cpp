@@ -7,6 +7,7 @@
 
 #include "core/formats/model_format.hpp"
 #include "core/model/placement.hpp"
+#include "core/overhangs/overhang_sweep.hpp"
 #include "core/support/support_lift.hpp"
 #include "daemon/supports_text.hpp"
 
@@ -24,6 +25,10 @@ HeldModel hold_model(std::shared_ptr<const HeightIndex> model, const HoldingOpti
   const PixelMap map = PixelMap::true_scale(options.display, model->bounds().center());
   HeldModel held = lay_on_plate(std::move(model), map);
   held.model.elevation = Elevation(support_lift(*held.model.model, options.settings, options.layer));
+  if (held.model.top() > kHighestSweep) {
+    throw ModelError(fmt::format("the model is {:.0f} mm high: supports are looked for up to {:.0f} mm",
+                                 held.model.top().count(), kHighestSweep.count()));
+  }
   held.supports = make_supports({{held.model}, options.display, options.settings}).value();
   return held;
 }

@@ -59,6 +59,14 @@ TEST_CASE("A hole goes from half its diameter before its place to its depth alon
   CHECK(std::fabs(oblique[0].upper.z - 4) < 1e-3);
 }
 
+TEST_CASE("A hole's direction may be as short or as long as numbers are") {
+  for (const double length : {1e-300, 5e-324, 1e308}) {
+    const auto cylinders = drain_cylinders(ticket_with({1, 2, 3, {0, length, -length}, 2, 5}), {}, {});
+    REQUIRE(cylinders.size() == 1);
+    CHECK(near(cylinders[0].lower, {1, 2 + 5 * std::sqrt(0.5), 3 - 5 * std::sqrt(0.5)}));
+  }
+}
+
 TEST_CASE("A hole is turned and scaled as its model is") {
   ModelTicket ticket = ticket_with({1, 0, 0, {1, 0, 0}, 2, 3});
   ticket.rotation = {0, -90, 0};  // x comes to point up

@@ -100,3 +100,15 @@ TEST_CASE("What comes under the name of a file that the spool moved away has arr
   CHECK(times >= 2);
   CHECK(desk.withdrawn.empty());
 }
+
+TEST_CASE("What is looked at again arrives in the order in which it came, whatever the names") {
+  Desk desk;
+  desk.watch.open();
+  // Empty files may be written yet: they are whole when nothing has changed for a while.
+  const auto come = desk.loop.at(std::chrono::steady_clock::now(), "the test", [&desk] {
+    desk.spool.put("incoming/z.stl", "");
+    desk.spool.put("incoming/a.stl", "");
+  });
+  CHECK(desk.run_until_arrived("a.stl", [](const std::string&) {}));
+  CHECK(desk.arrived == Names{"z.stl", "a.stl"});
+}

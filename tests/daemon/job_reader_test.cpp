@@ -170,6 +170,19 @@ TEST_CASE("A check is given up for the job whose turn has come, and for one that
   CHECK(std::holds_alternative<ReadingGivenUp>(*found));
 }
 
+TEST_CASE("A check of the job whose turn is next gives up the others") {
+  Started desk;
+  models::write_binary_stl(desk.spool.folder(Spool::Folder::Incoming) / "large.stl", models::sphere(20, 100));
+  desk.put(Spool::Folder::Incoming, "next.stl");
+  std::optional<CheckedJob> large, next;
+  desk.reader->check("large.stl", JobReader::Keep::Nothing, [&](const CheckedJob& said) { large = said; });
+  desk.reader->check("next.stl", JobReader::Keep::Prepared, [&](const CheckedJob& said) { next = said; });
+  REQUIRE(desk.run_until([&] { return next.has_value(); }));
+  REQUIRE(large);
+  CHECK(std::holds_alternative<ReadingGivenUp>(*large));
+  CHECK(std::holds_alternative<JobOutlook>(*next));
+}
+
 TEST_CASE("A job that is read for its turn is given up in its search for supports") {
   Started desk;
   desk.config.supports = SupportPolicy::Auto;

@@ -302,7 +302,7 @@ TEST_CASE("No job begins while the printer is controlled by hand, and the reason
   desk.by_hand = true;
   desk.arrive("part.stl");
   CHECK(desk.begun().empty());
-  CHECK(desk.scheduler.waiting_for() == "the printer is controlled by hand");
+  CHECK(desk.scheduler.waiting_for() == "the printer is controlled by hand; \"contourctl stop\" ends that");
   desk.by_hand = false;
   desk.scheduler.run();
   CHECK(desk.scheduler.waiting_for().empty());

@@ -136,7 +136,7 @@ TEST_CASE("A ticket's exposure counts within the profile's limits, which are rea
   };
   const std::string file = (desk.folder.path() / "part.json").string(),
                     profile = (desk.folder.path() / "resins/tough.json").string();
-  CHECK(refusal() == "the job ticket is wrong:\n" + file +
+  CHECK(refusal() == "the job ticket is wrong: " + file +
                          ": /exposure_ms: 5000 is asked for, but the resin's profile names no ticket_limits "
                          "for it: " +
                          profile);
@@ -145,7 +145,7 @@ TEST_CASE("A ticket's exposure counts within the profile's limits, which are rea
   CHECK(desk.read(kLonger).overridden == OverriddenSettings{{"exposure_ms", 5000, 4000}});
   desk.write_resin("tough", 4000, {{"exposure_ms", {3000, 4500}}});
   CHECK(refusal() ==
-        "the job ticket is wrong:\n" + file +
+        "the job ticket is wrong: " + file +
             ": /exposure_ms: 5000 is asked for, but the resin's profile allows tickets 3000 to 4500: " +
             profile);
 }

@@ -67,7 +67,7 @@ TEST_CASE("What cannot be read can be refused, and says why") {
 TEST_CASE("A plate whose ticket is wrong can be refused") {
   Desk desk;
   desk.put("incoming/plate/plate.json", "no ticket");
-  CHECK(desk.copies.copy("plate").unreadable.starts_with("the job ticket is wrong:\n"));
+  CHECK(desk.copies.copy("plate").unreadable.starts_with("the job ticket is wrong: "));
 }
 
 TEST_CASE("What the disk does not take is tried again, and leaves nothing in printing/") {

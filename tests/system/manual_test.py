@@ -408,7 +408,7 @@ class WithJobs(ManualTest):
         wait_until(lambda: self.manual(daemon)["state"] == "homing", "homing")
         daemon.drop("part.stl", SMALL)
         wait_until(lambda: daemon.status()["waiting_for"], "the reason")
-        self.assertEqual(daemon.status()["waiting_for"], "the printer is controlled by hand")
+        self.assertEqual(daemon.status()["waiting_for"], 'the printer is controlled by hand; "contourctl stop" ends that')
         process.kill()
         daemon.wait_state("homing")
         daemon.stop()

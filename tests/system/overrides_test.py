@@ -25,10 +25,11 @@ def overrides(asked, profile):
 
 class OverridesTest(FolderTest):
     def refusal(self, daemon, job, *words):
-        """One sentence behind the heading, which names the ticket's file and these words."""
-        reason = daemon.wait_refused(job)
-        heading, sentence = reason.rstrip("\n").split("\n")
-        self.assertEqual(heading, "the job ticket is wrong:")
+        """One sentence, which names the ticket's file and these words."""
+        reason = daemon.wait_refused(job).rstrip("\n")
+        self.assertNotIn("\n", reason)
+        self.assertTrue(reason.startswith("the job ticket is wrong: "), reason)
+        sentence = reason.removeprefix("the job ticket is wrong: ")
         for word in words:
             self.assertIn(word, sentence)
         return sentence

@@ -335,7 +335,8 @@ class Report(PrintTest):
         daemon.wait_done("whole")
         whole = read_png(daemon.file("done", "whole.preview.png")).lit_box(BRIGHTER_THAN_FAINT)
         daemon.stop()
-        self.assertGreater(part[1], whole[1] + 100)  # its top is lower
+        # Its top is lower: a quarter of it was printed. On a slow computer the picture is smaller.
+        self.assertGreater(part[1], whole[1] + (whole[3] - whole[1]) // 4)
         self.assertLessEqual(abs(part[3] - whole[3]), 1)  # its bottom is the same
         for side, faint in zip(whole, all_of_it):
             self.assertLessEqual(abs(side - faint), 1)

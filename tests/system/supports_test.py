@@ -139,6 +139,9 @@ class Supports(FolderTest):
 
     def test_support_lists_what_holds_and_writes_it_as_a_model(self):
         model = self.write("ball.stl", BALL)
+        told = contourctl("support", model, "--scale", "1000")
+        self.assertEqual(told.returncode, BAD_DATA)
+        self.assert_one_line(told.stderr, "the model is 8005 mm high: supports are looked for up to 3000 mm")
         told = contourctl("support", model)
         self.assertEqual(told.returncode, OK, told.stderr)
         self.assertRegex(told.stdout.decode(), r"(?m)^supports   \d+ contacts?.*\nlift       5 mm$")

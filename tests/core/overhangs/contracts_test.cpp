@@ -25,6 +25,13 @@ TEST_CASE("A sweep needs models that are there, and pixels with a size") {
   CHECK(contract_broken_by([&] { SurfaceProbe(request.models, request.display); }) == "every model is there");
 }
 
+TEST_CASE("A sweep goes no higher than its layers can be numbered") {
+  const SupportRequest request = testing::held_request(models::box({0, 0, 0}, {1, 1, 3001}), 0);
+  testing::CountingObserver observer;
+  CHECK(contract_broken_by([&] { (void)find_overhangs(request, observer); }) ==
+        "the models are no higher than can be swept");
+}
+
 TEST_CASE("A sweep's grid needs a build area with a size") {
   CHECK(contract_broken_by([] { (void)sweep_grid(testing::kHeldDisplay); }).empty());
   CHECK(contract_broken_by([] {

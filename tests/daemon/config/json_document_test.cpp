@@ -193,6 +193,7 @@ TEST_CASE("an error's text is one line a violation, whatever is in the names") {
   const ConfigError error(
       {{"a\nb.json", "/x\x1b", "one"}, {"c.json", "", "two\xc2\x9b"}, {"\xe2\x80\xae", "", "\r3"}});
   CHECK(std::string(error.what()) == "a?b.json: /x?: one\nc.json: two?\n?: ?3");
+  CHECK(error.in_one_line() == "a?b.json: /x?: one; c.json: two?; ?: ?3");
   CHECK(warning_line({"a\nb", "/\xe2\x81\xa6", "\x1b[2J"}) == "a?b: warning: /?: ?[2J");
 }
 
