@@ -114,6 +114,8 @@ def simulated_config(**changes):
     config["simulation"]["start_height_mm"] = 2.5
     config["wait_for_plate_cleared"] = False
     config["min_free_disk_mb"] = 0
+    # What is shown is compared with the model's own sections.
+    config["supports"] = "off"
     return {**config, **changes}
 
 
