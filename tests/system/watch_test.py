@@ -22,6 +22,8 @@ from harness import (
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
 ISLAND = binary_stl(box((0, 0, 0), (10, 5, 1)) + box((20, 0, 0.5), (25, 5, 1)))
 SEQUENCE = re.compile(r"\x1b\[(\??)([0-9;]*)([A-Za-z])")
+# A signal may come in the middle of one: with the next ESC a terminal begins anew.
+CUT_SEQUENCE = re.compile(r"\x1b(?:\[[?\d;]*)?(?=\x1b)")
 
 
 class Terminal:
@@ -67,6 +69,8 @@ class Terminal:
             if found:
                 self._obey(*found.groups())
                 self.received = self.received[found.end() :]
+            elif cut := CUT_SEQUENCE.match(self.received):
+                self.received = self.received[cut.end() :]
             elif self.received[0] == "\x1b" and len(self.received) < 12:
                 return  # half a sequence
             else:
