@@ -59,7 +59,8 @@ void append(SupportTree more, SupportTree& tree) {
   }
 }
 
-// Holds one contact after the other, by ways to the plate or, what these do not reach, to a model.
+// Holds one contact after the other, at its place or else beside it: by ways to the plate or, what these do
+// not reach, to a model.
 class SupportLayout {
  public:
   SupportLayout(const ClearanceField& field, const SupportSettings& settings, const std::stop_token& stop)
