@@ -11,6 +11,7 @@
 #include "core/routing/support_routing.hpp"
 #include "core/routing/support_solids.hpp"
 #include "core/routing/support_tips.hpp"
+#include "core/routing/support_volume.hpp"
 
 namespace contourd {
 namespace {
@@ -95,8 +96,6 @@ class SupportLayout {
     Supports supports;
     thicken_branches(tree_, field_, settings_);
     std::vector<SupportPrimitive> solids = solids_of(tree_, field_, settings_);
-    for (const SupportPrimitive& solid : solids)
-      supports.volume_mm3 += volume_mm3(solid);
     for (const SupportNode& node : tree_.nodes) {
       if (node.below != SupportNode::kNone) ++supports.branches;
       if (node.below == SupportNode::kNone) ++(node.place.z == 0 ? supports.feet : supports.feet_on_models);
@@ -127,8 +126,9 @@ std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, c
   SupportLayout layout(field, settings, stop);
   std::vector<SupportContact> unheld = layout.hold(contacts, PlateWays::End::Plate);
   if (!unheld.empty()) unheld = layout.hold(unheld, PlateWays::End::Model);
-  if (stop.stop_requested()) return std::nullopt;
   Supports supports = layout.supports();
+  if (supports.structure) supports.volume_mm3 = volume_beside_models_mm3(supports.structure, layers, stop);
+  if (stop.stop_requested()) return std::nullopt;
   for (const SupportContact& contact : unheld)
     supports.unheld.push_back({contact, "no way leads to the plate, nor to a place on the model"});
   supports.unheld.insert(supports.unheld.end(), beyond.begin(), beyond.end());

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numbers>
 
 #include "core/routing/support_feet.hpp"
 #include "core/routing/support_loads.hpp"
-#include "core/support/plate_segment.hpp"
 
 namespace contourd {
 namespace {
@@ -68,15 +66,6 @@ std::vector<SupportPrimitive> solids_of(const SupportTree& tree, const Clearance
     solids.push_back(Ball{node.place, radii[i]});
   }
   return solids;
-}
-
-double volume_mm3(const SupportPrimitive& primitive) {
-  if (const auto* ball = std::get_if<Ball>(&primitive))
-    return std::numbers::pi * 4 / 3 * ball->radius_mm * ball->radius_mm * ball->radius_mm;
-  const auto& frustum = std::get<Frustum>(primitive);
-  const double low = frustum.lower_radius_mm, high = frustum.upper_radius_mm;
-  return std::numbers::pi / 3 * PlateSegment{frustum.lower, frustum.upper}.length() *
-         (low * low + low * high + high * high);
 }
 
 }  // namespace contourd

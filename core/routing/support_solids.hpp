@@ -14,6 +14,4 @@ namespace contourd {
 [[nodiscard]] std::vector<SupportPrimitive> solids_of(const SupportTree& tree, const ClearanceField& field,
                                                       const SupportSettings& settings);
 
-[[nodiscard]] double volume_mm3(const SupportPrimitive& primitive);
-
 }  // namespace contourd

@@ -23,7 +23,7 @@ struct Supports {
   std::vector<SupportContact> contacts;               // that are held, from the plate up
   std::vector<UnheldPlace> unheld;                    // from the plate up
   std::uint32_t branches = 0, feet = 0, feet_on_models = 0;
-  double volume_mm3 = 0;  // of the primitives, each counted whole
+  double volume_mm3 = 0;  // beside the models
 };
 
 }  // namespace contourd
