@@ -9,7 +9,7 @@
 namespace contourd {
 
 struct LayerCracks {
-  // Ends that missed each other by more than nothing and less than the tolerance, and were joined.
+  // Ends that missed each other by more than kNoGap and less than the tolerance, and were joined.
   std::uint32_t gaps_closed = 0;
   // The widest distance bridged, a closed open chain's included.
   Millimeters widest_gap{};
@@ -23,6 +23,10 @@ struct LayerCracks {
 
   // Whether the contours are more than what the file says.
   [[nodiscard]] bool has_guesses() const { return open_chains > 0 || turned_chains > 0; }
+
+  // A vertex in the middle of another facet's side is beside it by a float's rounding, which a slope makes so
+  // wide at most: nothing that anybody could see, or would mend.
+  static constexpr Millimeters kNoGap{1e-4};
 
   bool operator==(const LayerCracks&) const = default;
 

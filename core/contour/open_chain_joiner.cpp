@@ -355,8 +355,10 @@ void OpenChainJoiner::report() {
     const double gap = gap_between(end, partner_[end]);
     if (gap > tolerance_mm_) {
       ++cracks.open_chains;
-    } else if (gap > 0.0) {
+    } else if (gap > LayerCracks::kNoGap.count()) {
       ++cracks.gaps_closed;
+    } else {
+      continue;
     }
     cracks.widest_gap = std::max(cracks.widest_gap, Millimeters{gap});
   }
