@@ -16,10 +16,6 @@ using Json = nlohmann::ordered_json;
 // How many islands, and stretches of layers, a sentence names.
 constexpr std::size_t kNamed = 3;
 
-std::string count_of(std::uint64_t count, std::string_view one, std::string_view many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 // Three digits, and all that stand before the point; where {:g} would take to exponents, something else.
 std::string area_text(double area_mm2) {
   if (area_mm2 < 0.0001) return "less than 0.0001 mm2";

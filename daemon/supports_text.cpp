@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <string_view>
 
 #include "daemon/config/support_figures.hpp"
+#include "daemon/readable.hpp"
 
 namespace contourd {
 namespace {
@@ -14,10 +14,6 @@ using Json = nlohmann::ordered_json;
 
 // How many places a sentence names.
 constexpr std::size_t kNamed = 3;
-
-std::string count_of(std::size_t count, std::string_view one, std::string_view many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
 
 Json contact_json(const SupportContact& contact) {
   return {{"cause", name_of(contact.cause)},

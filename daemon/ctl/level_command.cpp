@@ -96,7 +96,7 @@ class Level {
     if (!(std::abs(switch_height_ - configured()) <= kSame_mm)) {
       fmt::print(stderr,
                  "contourctl: contourd has the switch at {:.3f} mm, {} at {:.3f} mm: it runs with another "
-                 "configuration, or with one from before; systemctl reload contourd comes first\n",
+                 "configuration, or with one from before; sudo systemctl reload contourd comes first\n",
                  switch_height_, printable(file_.string()), configured());
       return kFailed;
     }
@@ -153,7 +153,7 @@ class Level {
     if (!ask(fmt::format("Enter: it is written into {}.", printable(file_.string())))) return give_up();
     set_config_number(file_, "z_axis", "switch_height_mm", height);
     if (const int code = move_to(std::min(kClearance_mm, travel())); code != kOk) return code;
-    fmt::print("Written. systemctl reload contourd has contourd take it; then the plate homes anew.\n");
+    fmt::print("Written. contourd takes it by: sudo systemctl reload contourd; then the plate homes anew.\n");
     return kOk;
   }
 

@@ -805,7 +805,7 @@ class CommandLine {
     by_hand(projector, "status", "What the projector says of itself", "projector");
     const auto power = [&, this](const char* word, const char* help) {
       add_client_options(add_command(projector, word, help, [this, word] {
-        return control_by_hand(client_, {"projector", {{"power", word}}}, WaitFor::Operation);
+        return power_projector(client_, word == std::string_view("on"));
       }));
     };
     power("on", "Power on, and wait until it is warm; the light stays off");

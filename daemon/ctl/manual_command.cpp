@@ -173,6 +173,13 @@ int control_by_hand(const ClientOptions& options, const Request& request, WaitFo
   return carry_out(connection, options, request, what);
 }
 
+int power_projector(const ClientOptions& options, bool on) {
+  const int code =
+      control_by_hand(options, {"projector", {{"power", on ? "on" : "off"}}}, WaitFor::Operation);
+  if (code == kOk && !options.json) fmt::print("projector {}\n", on ? "on" : "told to power off");
+  return code;
+}
+
 int show_by_hand(const ClientOptions& options, const ShowOptions& show) {
   Request request{"show"};
   if (show.seconds) request.parameters["seconds"] = *show.seconds;
@@ -203,7 +210,7 @@ int light_by_hand(const ClientOptions& options, const Request& request, bool con
     std::array<char, 16> answer{};
     const char* const line = std::fgets(answer.data(), answer.size(), stdin);
     if (line == nullptr || std::string_view(line) != "yes\n") {
-      fmt::print(stderr, "contourctl: the light stays off\n");
+      fmt::print(stderr, "contourctl: the light stays off: only \"yes\" turns it on\n");
       return kFailed;
     }
   }

@@ -18,6 +18,9 @@ enum class WaitFor {
 };
 int control_by_hand(const ClientOptions& options, const Request& request, WaitFor what);
 
+// Powers the projector on, until its lamp is warm, or off. Says which at the end.
+int power_projector(const ClientOptions& options, bool on);
+
 struct ShowOptions {
   std::string what;  // a pattern's name, a PNG file, or with `at_z_mm` a model's file
   std::optional<double> seconds;

@@ -47,16 +47,15 @@ std::string contacts_text(const OrientationFigures& figures) {
 
 void print_table(const ModelOrientation& orientation) {
   fmt::print("{}\n\n", describe(orientation));
-  fmt::print("{:<24}{:>7}{:>10}{:>13}{:>12}{:>14}{:>10}\n", "up", "score", "contacts", "supports ml",
-             "height mm", "largest mm2", "clean mm2");
+  fmt::print("{:<24}{:>7}{:>10}{:>13}{:>12}{:>14}\n", "up", "score", "contacts", "supports ml", "height mm",
+             "largest mm2");
   for (const OrientationFigures& each : told_of(orientation.choice)) {
     std::string notes;
     if (each.up == Direction{0, 0, 1}) notes += "  as drawn";
     if (each.stands) notes += "  stands";
     if (!each.fits) notes += "  does not fit";
-    fmt::print("{:<24}{:>7.2f}{:>10}{:>13.3f}{:>12.2f}{:>14.1f}{:>10.1f}{}\n", text_of(each.up), each.score,
-               contacts_text(each), each.support_mm3 / 1000, each.size_z_mm, each.largest_mm2,
-               each.touched_mm2, notes);
+    fmt::print("{:<24}{:>7.2f}{:>10}{:>13.3f}{:>12.2f}{:>14.1f}{}\n", text_of(each.up), each.score,
+               contacts_text(each), each.support_mm3 / 1000, each.size_z_mm, each.largest_mm2, notes);
   }
   const Direction& up = orientation.choice.chosen().up;
   fmt::print("\nticket  {}\n", Json{{"up", {{"x", up.x}, {"y", up.y}, {"z", up.z}}}}.dump());

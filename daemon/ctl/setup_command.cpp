@@ -86,7 +86,7 @@ class Setup {
   int run() {
     require_folder();
     read_configuration();
-    facts_ = {find_devices(), find_tables()};
+    facts_ = {find_devices(), find_tables(), given_name()};
     read_record();
     take_given();
     dialog_.say("What is here:");
@@ -107,6 +107,11 @@ class Setup {
   }
 
  private:
+  // Whoever runs a simulated printer has not named a real one yet.
+  [[nodiscard]] std::string given_name() const {
+    return base_.value("hardware", "") == "real" ? base_.value("name", "") : "";
+  }
+
   void require_folder() const {
     if (::access(file_.parent_path().c_str(), W_OK) != 0)
       throw OutputError(
@@ -188,7 +193,7 @@ class Setup {
   // In their order, with what is not known yet as it would be suggested. What is for another computer need
   // not be here.
   void check_given() const {
-    const SetupFacts elsewhere{{}, facts_.tables};
+    const SetupFacts elsewhere{.devices = {}, .tables = facts_.tables};
     Answers answers = record_.answers;
     for (const Question& question : questions()) {
       if (!question.is_asked(answers, facts_)) continue;
@@ -203,7 +208,7 @@ class Setup {
   }
 
   void take_suggestions() {
-    const SetupFacts elsewhere{{}, facts_.tables};
+    const SetupFacts elsewhere{.devices = {}, .tables = facts_.tables};
     std::vector<std::string> unknown;
     Answers& answers = record_.answers;
     for (const Question& question : questions()) {

@@ -130,7 +130,7 @@ void SetupDialog::answer_from(std::size_t again, Answers& answers, const SetupFa
                               const std::function<void()>& kept) {
   const auto all = questions();
   // What was answered before, or is for another computer, need not be plugged in now.
-  const SetupFacts elsewhere{{}, facts.tables};
+  const SetupFacts elsewhere{.devices = {}, .tables = facts.tables};
   std::vector<std::size_t> passed;
   for (std::size_t i = 0; i < all.size();) {
     const Question& question = all[i];

@@ -351,6 +351,11 @@ Suggestion suggest_hardware(const Answers& /*answers*/, const SetupFacts& facts)
   return {"real", "there are GPIO lines and a display output", true};
 }
 
+Suggestion suggest_name(const Answers& /*answers*/, const SetupFacts& facts) {
+  return facts.name.empty() ? Suggestion{"Resin printer", "any name will do"}
+                            : Suggestion{facts.name, "as it is called now"};
+}
+
 TakenAnswer take_name(const std::string& typed, const Answers& /*answers*/, const SetupFacts& /*facts*/) {
   if (typed.empty() || typed.size() > 100 || printable(typed) != typed)
     return refused("A name has 1 to 100 printable characters.");
@@ -460,8 +465,7 @@ std::vector<Question> light_questions() {
 std::vector<Question> all_questions() {
   std::vector<Question> all{{"hardware", "Is it a real printer, or a simulated one that needs no devices?",
                              always, suggest_hardware, one_of({"real", "simulated"})},
-                            {"name", "What is the printer to be called?", always,
-                             suggest("Resin printer", "any name will do"), take_name}};
+                            {"name", "What is the printer to be called?", always, suggest_name, take_name}};
   for (auto* part : {axis_questions, line_questions, light_questions})
     std::ranges::move(part(), std::back_inserter(all));
   return all;

@@ -16,7 +16,8 @@ namespace contourd::ctl {
 // What is known when a question is asked.
 struct SetupFacts {
   MachineDevices devices;
-  std::map<std::string, bool> tables;  // of projectors, by name: whether it switches the light
+  std::map<std::string, bool> tables = {};  // of projectors, by name: whether it switches the light
+  std::string name = {};                    // the printer's, where the configuration has one
 };
 
 struct Suggestion {

@@ -24,6 +24,7 @@
 #include "daemon/ctl/statistics_text.hpp"
 #include "daemon/ctl/turned_facets.hpp"
 #include "daemon/mesh_repair_text.hpp"
+#include "daemon/readable.hpp"
 #include "daemon/supports_text.hpp"
 #include "hw/png_file.hpp"
 
@@ -75,6 +76,13 @@ void warn_if_larger_than_display(const SliceOptions& options, const Bounds& boun
       bounds.size_x(), bounds.size_y(), width, height);
 }
 
+void warn_if_beside_model(Millimeters z, const Bounds& bounds) {
+  if (bounds.empty() || (z.count() >= bounds.min_z && z.count() <= bounds.max_z)) return;
+  fmt::print(stderr,
+             "contourctl: warning: z is {:.6g} mm, the model from {:.6g} to {:.6g} mm: nothing is cut\n",
+             z.count(), bounds.min_z, bounds.max_z);
+}
+
 Json cracks_json(const LayerCracks& cracks) {
   return {{"open_chains", cracks.open_chains},
           {"turned_chains", cracks.turned_chains},
@@ -93,6 +101,7 @@ void print_supports(const HeldModel& held) {
 int slice_at_height(const SliceOptions& options, const HeldModel& held) {
   const std::shared_ptr<const HeightIndex>& model = held.model.model;
   const Millimeters z = *options.z;
+  if (!held.supports) warn_if_beside_model(z, model->bounds());
   Section section;
   slice_at(*model, z, section);
   Contours contours;
@@ -241,6 +250,8 @@ int slice_layers(const SliceOptions& options, const HeldModel& held) {
   if (options.masks) {
     warn_if_larger_than_display(options, model->bounds());
     cracks = write_masks(*options.masks, layers, [&] { return held.engine(options.engine); });
+    if (!options.json)
+      fmt::print("{} in {}\n", count_of(layers.size(), "mask", "masks"), options.masks->string());
   }
   warn_if_cracked(cracks);
   return kOk;

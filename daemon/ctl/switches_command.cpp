@@ -85,7 +85,12 @@ int show_switches(const ClientOptions& options, bool once) {
       fmt::print(stderr, "contourctl: {}\n", printable_lines(reply["error"].value("message", "")));
       return kFailed;
     }
-    view.show(reply["result"]["inputs"]);
+    const Json& inputs = reply["result"]["inputs"];
+    if (inputs.empty() && !options.json) {
+      fmt::print(stderr, "contourctl: no input line is open; contourctl status says why\n");
+      return kFailed;
+    }
+    view.show(inputs);
     if (once) return kOk;
     // Nothing comes unasked: this waits, and tells when the daemon is gone.
     (void)connection.receive_until(next + kAskInterval);

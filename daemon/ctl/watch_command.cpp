@@ -53,7 +53,8 @@ int watch_by_line(const ClientOptions& options, WatchEnd& end) {
       if (options.json && !WatchEnd::is_repeated(*message)) print_line(*message);
       const std::optional<Json> ended = end.take(*message);
       const Json* const status = WatchEnd::status_in(*message);
-      if (status != nullptr && !ended && !options.json) lines.show(*status, end.job(), end.is_under_way());
+      if (status != nullptr && !ended && !options.json && end.is_known())
+        lines.show(*status, end.job(), end.is_under_way());
       if (ended) return print_end(*ended, options.json);
     }
     if (std::chrono::steady_clock::now() < ask_at) continue;

@@ -74,13 +74,17 @@ bool WatchEnd::is_repeated(const Json& message) {
   return message.value("id", 0) > kQueue;
 }
 
+void WatchEnd::note_seen() {
+  last_seen_ = std::chrono::steady_clock::now();
+  is_known_ = true;
+}
+
 bool WatchEnd::note_queue(const Json& result) {
-  const auto now = std::chrono::steady_clock::now();
   // Of a longer queue only its beginning is told.
   if (is_under_way_ || names(result["queue"], job_) || names(result["arriving"], job_) ||
       result.value("more", 0) > 0)
-    last_seen_ = now;
-  return now - last_seen_ < kLongestAbsence;
+    note_seen();
+  return std::chrono::steady_clock::now() - last_seen_ < kLongestAbsence;
 }
 
 std::optional<Json> WatchEnd::end_in(const Json& history) const {
@@ -106,7 +110,7 @@ std::optional<Json> WatchEnd::take(const Json& message) {
   const std::string name = (*status)["job"].is_object() ? (*status)["job"].value("name", "") : "";
   if (!any_ended && !name.empty()) under_way_ = name;
   is_under_way_ = !job_.empty() && name == job_;
-  if (is_under_way_) last_seen_ = std::chrono::steady_clock::now();
+  if (is_under_way_) note_seen();
   if (!any_ended) return std::nullopt;
   // A refusal in the queue is not the end of the print that is being watched.
   const Json& last = (*status)["last"];

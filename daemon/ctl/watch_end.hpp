@@ -39,6 +39,8 @@ class WatchEnd {
 
   // Empty: whichever is printed.
   [[nodiscard]] const std::string& job() const { return job_; }
+  // Whether there is such a job, as far as contourd has said by now.
+  [[nodiscard]] bool is_known() const { return job_.empty() || is_known_; }
   // Whether that is printed, by the last status.
   [[nodiscard]] bool is_under_way() const { return is_under_way_; }
 
@@ -46,13 +48,14 @@ class WatchEnd {
   void ask_queue(DaemonConnection& connection) const;
 
  private:
+  void note_seen();
   // False when it is not there any more, or never was.
   [[nodiscard]] bool note_queue(const Json& result);
   [[nodiscard]] std::optional<Json> end_in(const Json& history) const;
 
   std::string job_;
   std::string under_way_;  // the last job under way
-  bool is_under_way_ = false;
+  bool is_under_way_ = false, is_known_ = false;
   std::chrono::steady_clock::time_point last_seen_;
 };
 

@@ -208,11 +208,13 @@ class SliceAtOneHeight(FolderTest):
     def test_the_height_is_in_the_files_coordinates(self):
         facets = box((0, 0, -30), (10, 10, -20))
         self.assertAlmostEqual(self.slice(facets, -25)["area_mm2"], 100, delta=1e-9)
-        self.assertEqual(self.slice(facets, 5)["contours"], 0)
+        warning = b"contourctl: warning: z is 5 mm, the model from -30 to -20 mm: nothing is cut\n"
+        self.assertEqual(self.slice(facets, 5, warning=warning)["contours"], 0)
 
     def test_above_and_below_the_model_there_is_nothing(self):
         for z in (-1, 20.001, 1e9, -1e300):
-            found = self.slice(cube(20), z)
+            told = f"contourctl: warning: z is {z:.6g} mm, the model from 0 to 20 mm: nothing is cut\n"
+            found = self.slice(cube(20), z, warning=told.encode())
             self.assertEqual((found["segments"], found["contours"], found["area_mm2"]), (0, 0, 0))
 
     def test_a_height_in_a_flat_face_gives_its_solid_side_once(self):

@@ -634,6 +634,7 @@ class Contourctl(ControlTest):
             out, err = watcher.communicate(timeout=DEADLINE_S)
             self.assertEqual(watcher.returncode, FAILED)
             self.assertNotIn(b"%", out)  # no other job's bar
+            self.assertNotIn(b"waits", out)
             self.assert_one_line(err, "there is no job")
             self.assertNotIn(b"\x1b", err)
         daemon.stop()

@@ -88,15 +88,17 @@ class Commands(ManualTest):
             self.assertEqual(self.manual(daemon)["operations"], 0)
             os.write(mine, word.encode() + b"\n")
             self.assertEqual(process.wait(DEADLINE_S), code)
+            if word == "no":
+                self.assertIn(b'the light stays off: only "yes" turns it on', os.read(mine, 4096))
         self.assertEqual(self.manual(daemon)["operations"], 1)
         daemon.stop()
 
     def test_the_projector_is_asked_and_powered(self):
         daemon = self.daemon()
         self.well(self.by_hand(daemon, "projector", "status"), "projector off")
-        self.well(self.by_hand(daemon, "projector", "on"), "powering on")
+        self.well(self.by_hand(daemon, "projector", "on"), "powering on", "projector on")
         self.well(self.by_hand(daemon, "projector", "status"), "projector on")
-        self.well(self.by_hand(daemon, "projector", "off"))
+        self.well(self.by_hand(daemon, "projector", "off"), "projector told to power off")
         self.well(self.by_hand(daemon, "projector", "status"), "projector off")
         daemon.stop()
 

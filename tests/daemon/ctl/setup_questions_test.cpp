@@ -141,3 +141,10 @@ TEST_CASE("A word may be shortened where it stays the only one") {
   CHECK_FALSE(take("normally", {}, {}).complaint.empty());
   CHECK_FALSE(take("", {}, {}).complaint.empty());
 }
+
+TEST_CASE("A printer that has a name keeps it, unless told otherwise") {
+  SetupFacts facts;
+  CHECK(suggestion("name", {}, facts).answer == "Resin printer");
+  facts.name = "Left of the window";
+  CHECK(suggestion("name", {}, facts).answer == "Left of the window");
+}
