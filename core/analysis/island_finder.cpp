@@ -6,22 +6,46 @@
 
 namespace contourd {
 
-std::span<const MaskIsland> IslandFinder::find(const Layer& layer, const Layer& beneath,
-                                               std::int64_t contact_pixels) {
+namespace {
+
+constexpr std::uint32_t kNone = 0xFFFF'FFFF;
+
+// Calls visit(row, runs of that row, index of its first run) for each row that has any.
+template <typename Visit>
+void for_each_row(std::span<const PixelRun> runs, Visit&& visit) {
+  for (std::size_t first = 0; first < runs.size();) {
+    std::size_t end = first;
+    while (end < runs.size() && runs[end].row == runs[first].row)
+      ++end;
+    visit(runs[first].row, runs.subspan(first, end - first), first);
+    first = end;
+  }
+}
+
+std::int32_t shared_pixels(const PixelRun& a, const PixelRun& b) {
+  return std::min(a.end, b.end) - std::max(a.first, b.first);
+}
+
+}  // namespace
+
+IslandFinder::Islands IslandFinder::find(const Layer& layer, const Layer& beneath, const Limits& limits) {
   for (const MaskRuns* runs_of : {&layer.bright, &beneath.bright})
     expects(runs_of->rows() == layer.lit.rows(), "all masks have one size");
+  limits_ = limits;
   const auto runs = static_cast<std::uint32_t>(layer.lit.runs().size());
   groups_.clear();
   for (std::uint32_t run = 0; run < runs; ++run)
-    groups_.push_back({run, 0, 0});
+    groups_.push_back({run, 0, 0, 0});
   for (std::int32_t row = 0; row < layer.lit.rows(); ++row) {
     if (layer.lit.in_row(row).empty()) continue;
     if (row > 0) join_rows(layer.lit, row);
     count_row(layer.lit, layer.bright, row, &Group::bright);
     count_row(layer.lit, beneath.bright, row, &Group::contact);
   }
-  collect(layer.lit, contact_pixels);
-  return islands_;
+  settle_specks(layer.lit);
+  collect(layer.lit);
+  set_specks_aside(layer);
+  return {islands_, outlasting_};
 }
 
 std::uint32_t IslandFinder::root_of(std::uint32_t run) {
@@ -39,6 +63,7 @@ void IslandFinder::join(std::uint32_t a, std::uint32_t b) {
   const Group& other = groups_[std::max(root_a, root_b)];
   groups_[first].bright += other.bright;
   groups_[first].contact += other.contact;
+  groups_[first].specks += other.specks;
   groups_[std::max(root_a, root_b)].parent = first;
 }
 
@@ -56,19 +81,46 @@ void IslandFinder::count_row(const MaskRuns& layer, const MaskRuns& bright, std:
   const std::uint32_t here = layer.first_in_row(row);
   const std::span<const PixelRun> runs = layer.in_row(row), others = bright.in_row(row);
   for_each_meeting(runs, others, 0, [&](std::size_t i, std::size_t j) {
-    groups_[root_of(here + static_cast<std::uint32_t>(i))].*count +=
-        std::min(runs[i].end, others[j].end) - std::max(runs[i].first, others[j].first);
+    groups_[root_of(here + static_cast<std::uint32_t>(i))].*count += shared_pixels(runs[i], others[j]);
   });
 }
 
-void IslandFinder::collect(const MaskRuns& layer, std::int64_t contact_pixels) {
+bool IslandFinder::is_carried(const Group& group, std::int64_t contact) const {
+  return contact >= std::min(limits_.contact_pixels, std::max<std::int64_t>(1, (group.bright + 2) / 3));
+}
+
+// A speck outlasts its layer where it carries what would not be carried without specks. What is not carried
+// even so is an island of its own.
+void IslandFinder::settle_specks(const MaskRuns& layer) {
+  outlasting_.clear();
+  outlasts_.assign(specks_.islands.size(), false);
+  const auto group_of = [&](std::int32_t row, std::size_t run) -> Group& {
+    return groups_[root_of(layer.first_in_row(row) + static_cast<std::uint32_t>(run))];
+  };
+  for_each_row(specks_.bright, [&](std::int32_t row, std::span<const PixelRun> specks, std::size_t) {
+    const std::span<const PixelRun> runs = layer.in_row(row);
+    for_each_meeting(runs, specks, 0, [&](std::size_t i, std::size_t j) {
+      group_of(row, i).specks += shared_pixels(runs[i], specks[j]);
+    });
+  });
+  for_each_row(specks_.lit, [&](std::int32_t row, std::span<const PixelRun> specks, std::size_t first) {
+    for_each_meeting(layer.in_row(row), specks, 0, [&](std::size_t i, std::size_t j) {
+      const Group& group = group_of(row, i);
+      if (is_carried(group, group.contact) && !is_carried(group, group.contact - group.specks))
+        outlasts_[specks_.island_of[first + j]] = true;
+    });
+  });
+  for (std::size_t i = 0; i < outlasts_.size(); ++i)
+    if (outlasts_[i]) outlasting_.push_back(specks_.islands[i]);
+}
+
+void IslandFinder::collect(const MaskRuns& layer) {
   islands_.clear();
-  island_of_.resize(groups_.size());
+  island_of_.assign(groups_.size(), kNone);
   for (std::uint32_t i = 0; i < groups_.size(); ++i) {
     const std::uint32_t root = root_of(i);
     const Group& group = groups_[root];
-    if (group.contact >= std::min(contact_pixels, std::max<std::int64_t>(1, (group.bright + 1) / 2)))
-      continue;
+    if (is_carried(group, group.contact)) continue;
     const PixelRun& run = layer.runs()[i];
     if (root == i) {
       island_of_[i] = static_cast<std::uint32_t>(islands_.size());
@@ -89,6 +141,36 @@ void IslandFinder::collect(const MaskRuns& layer, std::int64_t contact_pixels) {
     island.center.x /= static_cast<double>(island.pixels);
     island.center.y /= static_cast<double>(island.pixels);
   }
+}
+
+// Specks leave islands_, which has only larger ones then.
+void IslandFinder::set_specks_aside(const Layer& layer) {
+  specks_.islands.clear();
+  specks_.lit.clear();
+  specks_.bright.clear();
+  specks_.island_of.clear();
+  const auto is_speck = [this](const MaskIsland& island) { return island.grey <= limits_.speck_grey; };
+  if (std::ranges::none_of(islands_, is_speck)) return;
+  // By island: its place among the specks.
+  speck_of_.assign(islands_.size(), kNone);
+  for (std::size_t i = 0; i < islands_.size(); ++i) {
+    if (!is_speck(islands_[i])) continue;
+    speck_of_[i] = static_cast<std::uint32_t>(specks_.islands.size());
+    specks_.islands.push_back(islands_[i]);
+  }
+  for (std::uint32_t i = 0; i < groups_.size(); ++i) {
+    const std::uint32_t island = island_of_[root_of(i)];
+    if (island == kNone || speck_of_[island] == kNone) continue;
+    specks_.lit.push_back(layer.lit.runs()[i]);
+    specks_.island_of.push_back(speck_of_[island]);
+  }
+  for_each_row(specks_.lit, [&](std::int32_t row, std::span<const PixelRun> specks, std::size_t) {
+    const std::span<const PixelRun> bright = layer.bright.in_row(row);
+    // Bright runs are parts of lit ones.
+    for_each_meeting(specks, bright, 0,
+                     [&](std::size_t, std::size_t j) { specks_.bright.push_back(bright[j]); });
+  });
+  std::erase_if(islands_, is_speck);
 }
 
 }  // namespace contourd

@@ -11,6 +11,9 @@
 namespace contourd {
 namespace {
 
+// A dot of an eighth of a millimetre, or one pixel.
+constexpr double kSpeckMm2 = 0.0125;
+
 // Keeps the largest kMaxVoids by a figure, as a heap whose front is the smallest of them.
 void keep(const PrintVoid& found, double PrintVoid::*figure, std::vector<PrintVoid>& largest) {
   const auto larger = [figure](const PrintVoid& a, const PrintVoid& b) { return a.*figure > b.*figure; };
@@ -46,6 +49,7 @@ void PrintAnalysis::add_layer(const Mask& mask, const Layer& layer) {
   layer_.bright.extract_bright(mask, layer_.lit, support_.least_grey);
   note_area(static_cast<double>(layer_.lit.grey_sum()) / 255.0 * pixel_area_mm2_, layer);
   if (beneath_.lit.rows() > 0) note_islands();  // else it stands on the plate, as far as is known
+  beneath_layer_ = findings_.layers() - 1;
   note_voids(void_finder_.add_layer(layer_.bright, {findings_.layers() - 1, layer.thickness}));
   if (layer.cracks != LayerCracks{}) {
     findings_.cracks += layer.cracks;
@@ -80,12 +84,21 @@ void PrintAnalysis::note_area(double area_mm2, const Layer& layer) {
 
 void PrintAnalysis::note_islands() {
   const auto contact = static_cast<std::int64_t>(std::ceil(support_.contact_area_mm2 / pixel_area_mm2_));
-  for (const MaskIsland& island : finder_.find(layer_, beneath_, std::max<std::int64_t>(contact, 1))) {
-    ++findings_.island_count;
-    if (findings_.islands.size() == PrintFindings::kMaxIslands) continue;
-    findings_.islands.push_back({findings_.layers() - 1, island.center, on_plate(display_, island.center),
-                                 static_cast<double>(island.grey) / 255.0 * pixel_area_mm2_});
-  }
+  const double speck_pixels = std::max(kSpeckMm2 / pixel_area_mm2_, 1.0);
+  const IslandFinder::Islands found = finder_.find(
+      layer_, beneath_, {std::max<std::int64_t>(contact, 1), static_cast<std::uint64_t>(speck_pixels * 255)});
+  const std::int32_t layer = findings_.layers() - 1;
+  for (const MaskIsland& island : found.beneath)
+    note_island(island, beneath_layer_);
+  for (const MaskIsland& island : found.here)
+    note_island(island, layer);
+}
+
+void PrintAnalysis::note_island(const MaskIsland& island, std::int32_t layer) {
+  ++findings_.island_count;
+  if (findings_.islands.size() == PrintFindings::kMaxIslands) return;
+  findings_.islands.push_back({layer, island.center, on_plate(display_, island.center),
+                               static_cast<double>(island.grey) / 255.0 * pixel_area_mm2_});
 }
 
 void PrintAnalysis::note_voids(std::span<const MaskVoid> ended) {

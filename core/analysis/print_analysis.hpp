@@ -24,7 +24,7 @@ namespace contourd {
 // What it takes to carry a part of a layer (see IslandFinder).
 struct CarryingSupport {
   std::uint8_t least_grey = 64;    // of a pixel beneath that counts: a quarter of the light
-  double contact_area_mm2 = 0.01;  // that many of them, or half of what is as bright in the part itself
+  double contact_area_mm2 = 0.01;  // that many of them, or a third of what is as bright in the part itself
 
   bool operator==(const CarryingSupport&) const = default;
 };
@@ -126,6 +126,7 @@ class PrintAnalysis {
  private:
   void note_area(double area_mm2, const Layer& layer);
   void note_islands();
+  void note_island(const MaskIsland& island, std::int32_t layer);
   void note_voids(std::span<const MaskVoid> ended);
 
   DisplayGeometry display_;
@@ -133,6 +134,7 @@ class PrintAnalysis {
   CarryingSupport support_;
   VoidLimits limits_;
   IslandFinder::Layer layer_, beneath_;
+  std::int32_t beneath_layer_ = 0;
   IslandFinder finder_;
   VoidFinder void_finder_;
   std::int32_t dark_since_ = 0;  // the first of the dark layers on top that are not counted, if there are any

@@ -25,8 +25,8 @@ TEST_CASE("IslandFinder takes the runs of masks of one size alone") {
     each->bright.extract_bright(mask, each->lit, 1);
   }
   IslandFinder finder;
-  CHECK(contract_broken_by([&] { (void)finder.find(layer, layer, 1); }).empty());
-  CHECK(contract_broken_by([&] { (void)finder.find(layer, taller, 1); }) == "all masks have one size");
+  CHECK(contract_broken_by([&] { (void)finder.find(layer, layer, {1, 0}); }).empty());
+  CHECK(contract_broken_by([&] { (void)finder.find(layer, taller, {1, 0}); }) == "all masks have one size");
 }
 
 TEST_CASE("VoidFinder takes the runs of masks of one size alone") {

@@ -38,7 +38,8 @@ IslandFinder::Layer runs_of(const Mask& mask, std::uint8_t least_grey) {
 std::vector<MaskIsland> islands_of(const Mask& layer, const Mask& beneath, std::uint8_t least_grey,
                                    std::int64_t contact_pixels) {
   IslandFinder finder;
-  const auto found = finder.find(runs_of(layer, least_grey), runs_of(beneath, least_grey), contact_pixels);
+  const auto found =
+      finder.find(runs_of(layer, least_grey), runs_of(beneath, least_grey), {contact_pixels, 0}).here;
   return {found.begin(), found.end()};
 }
 
@@ -181,4 +182,127 @@ TEST_CASE("A thin pin stands on itself") {
     const Mask pin = mask_of({"........", row, "........"});
     CHECK(islands_of(pin, pin, 64, 4).empty());
   }
+}
+
+namespace {
+
+// How many islands there are of each layer but the first; up to two full pixels are a speck.
+std::vector<std::size_t> islands_in(const std::vector<std::vector<std::string>>& layers) {
+  IslandFinder finder;
+  std::vector<std::size_t> counts(layers.size(), 0);
+  for (std::size_t i = 1; i < layers.size(); ++i) {
+    const auto found =
+        finder.find(runs_of(mask_of(layers[i]), 64), runs_of(mask_of(layers[i - 1]), 64), {4, 2 * 255});
+    counts[i] += found.here.size();
+    counts[i - 1] += found.beneath.size();
+  }
+  return counts;
+}
+
+using Counts = std::vector<std::size_t>;
+
+}  // namespace
+
+TEST_CASE("A speck that is gone in the next layer is no island") {
+  CHECK(islands_in({{"####...."}, {"####..#."}, {"####...."}}) == Counts{0, 0, 0});
+  CHECK(islands_in({{"####...."}, {"####..#."}}) == Counts{0, 0});
+}
+
+TEST_CASE("A speck that something else carries in the next layer is no island") {
+  CHECK(islands_in({{"####...."}, {"####..#."}, {"#######."}}) == Counts{0, 0, 0});
+}
+
+TEST_CASE("A speck that goes on by itself is an island of its first layer") {
+  CHECK(islands_in({{"####...."}, {"####..#."}, {"####..#."}, {"#######."}}) == Counts{0, 1, 0, 0});
+  CHECK(islands_in({{"####...."}, {"####..#."}, {"####.###"}, {"####.###"}}) == Counts{0, 1, 0, 0});
+}
+
+TEST_CASE("Specks that grow together with nothing else are islands") {
+  CHECK(islands_in({{"####......"}, {"####..#.#."}, {"####..###."}}) == Counts{0, 2, 0});
+  CHECK(islands_in({{"####......"}, {"####..#.#."}, {"#########."}}) == Counts{0, 0, 0});
+}
+
+TEST_CASE("What begins faintly is an island where it becomes bright") {
+  CHECK(islands_in({{"####....."}, {"####..0.."}, {"####..##."}, {"####..##."}}) == Counts{0, 0, 1, 0});
+}
+
+TEST_CASE("What is larger than a speck is an island at once") {
+  CHECK(islands_in({{"####....."}, {"####..###"}, {"#########"}}) == Counts{0, 1, 0});
+}
+
+namespace {
+
+// By pixel, from the top row down: the number of its group; -1 where it is dark.
+class Labels {
+ public:
+  explicit Labels(const Mask& mask) : mask_(mask), of_(mask.pixels().size(), -1) {
+    for (std::int32_t y = 0; y < mask.height().count(); ++y) {
+      for (std::int32_t x = 0; x < mask.width().count(); ++x)
+        groups_ += flood(x, y) ? 1 : 0;
+    }
+  }
+
+  [[nodiscard]] const std::vector<int>& by_pixel() const { return of_; }
+  [[nodiscard]] std::size_t groups() const { return static_cast<std::size_t>(groups_); }
+
+ private:
+  bool flood(std::int32_t x, std::int32_t y) {
+    if (x < 0 || y < 0 || x >= mask_.width().count() || y >= mask_.height().count()) return false;
+    int& label = of_[static_cast<std::size_t>(y * mask_.width().count() + x)];
+    if (label >= 0 || mask_.row(y)[static_cast<std::size_t>(x)] == 0) return false;
+    label = groups_;
+    for (std::int32_t dy = -1; dy <= 1; ++dy) {
+      for (std::int32_t dx = -1; dx <= 1; ++dx)
+        (void)flood(x + dx, y + dy);
+    }
+    return true;
+  }
+
+  const Mask& mask_;
+  std::vector<int> of_;
+  int groups_ = 0;
+};
+
+// The second layer's specks that are islands, by the definition, pixel by pixel. All that is lit carries.
+std::size_t outlasting(const Mask& first, const Mask& second, const Mask& third, std::uint64_t speck_grey) {
+  const Labels here(second), above(third);
+  std::vector<std::uint64_t> grey(here.groups());
+  std::vector<bool> carried(here.groups()), outlasts(here.groups()), carried_by_others(above.groups());
+  const std::size_t pixels = second.pixels().size();
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (here.by_pixel()[i] < 0) continue;
+    const auto group = static_cast<std::size_t>(here.by_pixel()[i]);
+    grey[group] += second.pixels()[i];
+    if (first.pixels()[i] > 0) carried[group] = true;
+  }
+  const auto is_speck = [&](std::size_t group) { return !carried[group] && grey[group] <= speck_grey; };
+  const auto for_each_shared = [&](auto&& visit) {
+    for (std::size_t i = 0; i < pixels; ++i)
+      if (here.by_pixel()[i] >= 0 && above.by_pixel()[i] >= 0)
+        visit(static_cast<std::size_t>(here.by_pixel()[i]), static_cast<std::size_t>(above.by_pixel()[i]));
+  };
+  for_each_shared([&](std::size_t under, std::size_t over) {
+    if (!is_speck(under)) carried_by_others[over] = true;
+  });
+  for_each_shared([&](std::size_t under, std::size_t over) {
+    if (is_speck(under) && !carried_by_others[over]) outlasts[under] = true;
+  });
+  return static_cast<std::size_t>(std::ranges::count(outlasts, true));
+}
+
+}  // namespace
+
+TEST_CASE("Specks are islands by the definition") {
+  CHECK(rc::check([] {
+    const Pixels width{static_cast<std::int32_t>(draw(1, 30))},
+        height{static_cast<std::int32_t>(draw(1, 12))};
+    const std::int64_t lit = draw(0, 6);
+    const Mask first = draw_mask(width, height, draw(0, 3)), second = draw_mask(width, height, lit),
+               third = draw_mask(width, height, draw(0, 9));
+    const auto speck_grey = static_cast<std::uint64_t>(draw(0, 900));
+    IslandFinder finder;
+    (void)finder.find(runs_of(second, 1), runs_of(first, 1), {1, speck_grey});
+    const auto found = finder.find(runs_of(third, 1), runs_of(second, 1), {1, speck_grey});
+    RC_ASSERT(found.beneath.size() == outlasting(first, second, third, speck_grey));
+  }));
 }

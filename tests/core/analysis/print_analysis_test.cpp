@@ -398,7 +398,9 @@ TEST_CASE("Islands beyond the most that are kept are still counted") {
       mask.row(y)[x] = 255;
   }
   analysis.add_layer(mask, {kLayer, 0s, {}});
+  analysis.add_layer(mask, {kLayer, 0s, {}});  // so that they are no specks of one layer
   CHECK(analysis.findings().island_count == 10'000);
+  CHECK(analysis.findings().islands.front().layer == 1);
   CHECK(analysis.findings().islands.size() == PrintFindings::kMaxIslands);
 }
 

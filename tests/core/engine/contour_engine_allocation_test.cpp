@@ -98,7 +98,7 @@ TEST_CASE("Finding islands allocates nothing when warm") {
       const Mask& mask = engine.mask_at(height);
       layer.lit.extract(mask);
       layer.bright.extract_bright(mask, layer.lit, 64);
-      (void)finder.find(layer, beneath, 4);
+      (void)finder.find(layer, beneath, {4, 5 * 255});
     }
     during_last = testing::allocations() - before;
   }
