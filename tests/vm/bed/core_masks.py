@@ -21,11 +21,22 @@ def mask_at(model, height_nm, *options):
     """The mask of a model file at a height, as rows of grey values (numpy, height x width)."""
     with tempfile.TemporaryDirectory() as folder:
         png = Path(folder, "mask.png")
-        subprocess.run(
-            [AMD64.program("contourctl"), "slice", str(model), "--z", f"{height_nm / 1e6:.6f}", "--mask", str(png), *options],
-            check=True, capture_output=True,
-        )  # fmt: skip
-        picture = harness.read_png(str(png))
+        _slice(model, "--z", f"{height_nm / 1e6:.6f}", "--mask", png, *options)
+        return _grey(png)
+
+
+def layers_of(model, layer_nm, folder, *options):
+    """The masks of a model file's layers, from the plate up, by way of files in the folder."""
+    _slice(model, "--layer-height-um", f"{layer_nm / 1000:g}", "--masks", folder, *options)
+    return [_grey(png) for png in sorted(folder.glob("*.png"))]
+
+
+def _slice(model, *options):
+    subprocess.run([AMD64.program("contourctl"), "slice", model, *options], check=True, capture_output=True)
+
+
+def _grey(png):
+    picture = harness.read_png(str(png))
     return numpy.frombuffer(b"".join(picture.rows), numpy.uint8).reshape(picture.height, picture.width)
 
 

@@ -18,8 +18,8 @@ _SCREEN_MODULES = ("drm_kms_helper", "drm_shmem_helper")
 _VIRTIO_MODULES = ("virtio_pci", "virtio_blk", "virtio_console")
 
 
-def printer_guest(arch, config, model_height_mm=0.2, resin=None):
-    """contourd with its configuration, a model to print and our devices' modules."""
+def printer_guest(arch, config, model_height_mm=0.2, resin=None, model=models.twisted_star):
+    """contourd with its configuration, a model to print (of that height) and our devices' modules."""
     guest = Initramfs(arch)
     guest.add_kernel_modules(*_SCREEN_MODULES, *_VIRTIO_MODULES)
     guest.add_our_modules()
@@ -28,7 +28,7 @@ def printer_guest(arch, config, model_height_mm=0.2, resin=None):
     guest.add_text("/etc/contourd/contourd.json", json.dumps(config, indent=1))
     guest.add_folder("/etc/contourd/projectors", SOURCE / "config" / "projectors")
     guest.add_text("/etc/contourd/resins/standard.json", resin_profile(resin))
-    guest.add_bytes("/model.stl", models.binary_stl(models.twisted_star(model_height_mm)))
+    guest.add_bytes("/model.stl", models.binary_stl(model(model_height_mm)))
     guest.add_file("/lib.sh", VM / "guest" / "lib.sh")
     return guest
 

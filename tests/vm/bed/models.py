@@ -1,5 +1,5 @@
-"""The model that the guests print: a star that turns and tapers as it rises, so that no two layers
-are alike and an error of one step in height changes the mask."""
+"""The models that the guests print: a star that turns and tapers as it rises, so that no two layers are alike and an error
+of one step in height changes the mask; and a table, whose top has to be held."""
 
 import math
 import struct
@@ -29,8 +29,29 @@ def _ring(part, height_mm, points):
     return corners
 
 
+def table(height_mm):
+    """Facets of a slab of 20 by 16 mm, a millimetre thick, on a post of 6 by 6 mm: all around it hangs in the air."""
+    under = height_mm - 1
+    post, slab = _box((-3, -3, 0), (3, 3, under + 0.5)), _box((-10, -8, under), (10, 8, height_mm))
+    return post + slab  # they overlap, as parts that a person puts together do
+
+
+def _box(low, high):
+    facets = []
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for at, order in ((low, (0, 2, 1, 0, 3, 2)), (high, (0, 1, 2, 0, 2, 3))):
+            corners = []
+            for a, b in ((low[u], low[v]), (high[u], low[v]), (high[u], high[v]), (low[u], high[v])):
+                corner = [0.0, 0.0, 0.0]
+                corner[axis], corner[u], corner[v] = float(at[axis]), float(a), float(b)
+                corners.append(tuple(corner))
+            facets += [tuple(corners[i] for i in order[:3]), tuple(corners[i] for i in order[3:])]
+    return facets
+
+
 def binary_stl(facets):
-    data = [b"twisted star".ljust(80, b"\0"), struct.pack("<I", len(facets))]
+    data = [b"printed by a guest".ljust(80, b"\0"), struct.pack("<I", len(facets))]
     for facet in facets:
         data.append(struct.pack("<12fH", 0, 0, 0, *(x for vertex in facet for x in vertex), 0))
     return b"".join(data)

@@ -35,8 +35,9 @@ stop_daemon || fail "the daemon ended with $?"
 """
 
 
-def _print(arch, layers, config=None, devices="load_devices", **options):
-    guest = guests.printer_guest(arch, config or guests.real_config(), model_height_mm=layers * _LAYER_NM / 1e6, resin=_RESIN)
+def _print(arch, layers, config=None, devices="load_devices", layer_nm=_LAYER_NM, model=models.twisted_star, **options):
+    resin = {**_RESIN, "layer_height_um": layer_nm / 1000}
+    guest = guests.printer_guest(arch, config or guests.real_config(), layers * layer_nm / 1e6, resin, model)
     guest.add_text("/scenario", _SCENARIO.format(devices=devices))
     with guests.written(guest) as initramfs:
         results = run_scenario(arch, initramfs, **options)
@@ -80,6 +81,31 @@ def exact_print():
     """Five layers: every picture is the core's mask for where the plate was, nothing is lit beside exposures, exposures
     last what was asked, steps keep to the motor's rules, homing is exact with a switch that bounces."""
     return _verify(_print(ARM64, 5), 5)
+
+
+@vm_test("full")
+def exact_print_with_supports():
+    """Forty layers of a table that the daemon holds by itself: every picture is model and supports as contourctl slice has
+    them for where the plate was, and nothing else differs from a print without."""
+    layers, layer_nm = 40, 100_000
+    config = {**guests.real_config(), "supports": "auto"}
+    results = _print(ARM64, layers, config, layer_nm=layer_nm, model=models.table)
+    edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
+    report = json.loads(results.text("spool/done/part.report.json"))
+    with tempfile.TemporaryDirectory() as folder:
+        model = Path(folder, "model.stl")
+        model.write_bytes(models.binary_stl(models.table(layers * layer_nm / 1e6)))
+        masks = core_masks.layers_of(model, layer_nm, Path(folder, "masks"), "--supports", "auto")
+        bare = core_masks.layers_of(model, layer_nm, Path(folder, "bare"))
+    held = sum(not numpy.array_equal(with_supports, without) for with_supports, without in zip(masks, bare, strict=True))
+    assert held > layers / 2, f"only {held} of {layers} layers have supports"
+    expected = [
+        ExpectedLayer(number, number * layer_nm // _STEP_NM, core_masks.xrgb_crc(mask), round(layer["exposure_asked_ms"] * 1e6))
+        for number, (layer, mask) in enumerate(zip(report["layer_records"], masks, strict=True), 1)
+    ]
+    check(exposure_checks.all_checks(frames, edges, expected))
+    check(motion_checks.all_checks(edges, MotionLimits()))
+    return f"{held} of {layers} masks with supports"
 
 
 @vm_test("full")
