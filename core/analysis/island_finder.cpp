@@ -28,22 +28,20 @@ std::int32_t shared_pixels(const PixelRun& a, const PixelRun& b) {
 
 }  // namespace
 
-IslandFinder::Islands IslandFinder::find(const Layer& layer, const Layer& beneath, const Limits& limits) {
-  for (const MaskRuns* runs_of : {&layer.bright, &beneath.bright})
-    expects(runs_of->rows() == layer.lit.rows(), "all masks have one size");
+IslandFinder::Islands IslandFinder::find(const MaskRuns& layer, const MaskRuns& beneath,
+                                         const Limits& limits) {
+  expects(beneath.rows() == layer.rows(), "all masks have one size");
   limits_ = limits;
-  const auto runs = static_cast<std::uint32_t>(layer.lit.runs().size());
   groups_.clear();
-  for (std::uint32_t run = 0; run < runs; ++run)
-    groups_.push_back({run, 0, 0, 0});
-  for (std::int32_t row = 0; row < layer.lit.rows(); ++row) {
-    if (layer.lit.in_row(row).empty()) continue;
-    if (row > 0) join_rows(layer.lit, row);
-    count_row(layer.lit, layer.bright, row, &Group::bright);
-    count_row(layer.lit, beneath.bright, row, &Group::contact);
+  for (const PixelRun& run : layer.runs())
+    groups_.push_back({static_cast<std::uint32_t>(groups_.size()), run.end - run.first, 0, 0});
+  for (std::int32_t row = 0; row < layer.rows(); ++row) {
+    if (layer.in_row(row).empty()) continue;
+    if (row > 0) join_rows(layer, row);
+    count_contact(layer, beneath, row);
   }
-  settle_specks(layer.lit);
-  collect(layer.lit);
+  settle_specks(layer);
+  collect(layer);
   set_specks_aside(layer);
   return {islands_, outlasting_};
 }
@@ -61,7 +59,7 @@ void IslandFinder::join(std::uint32_t a, std::uint32_t b) {
   const std::uint32_t first = std::min(root_a, root_b);
   if (root_a == root_b) return;
   const Group& other = groups_[std::max(root_a, root_b)];
-  groups_[first].bright += other.bright;
+  groups_[first].pixels += other.pixels;
   groups_[first].contact += other.contact;
   groups_[first].specks += other.specks;
   groups_[std::max(root_a, root_b)].parent = first;
@@ -75,18 +73,17 @@ void IslandFinder::join_rows(const MaskRuns& layer, std::int32_t row) {
   });
 }
 
-// Adds the pixels that the layer's runs share with the bright ones.
-void IslandFinder::count_row(const MaskRuns& layer, const MaskRuns& bright, std::int32_t row,
-                             std::int64_t Group::*count) {
+// Adds the pixels that the layer's runs share with those beneath.
+void IslandFinder::count_contact(const MaskRuns& layer, const MaskRuns& beneath, std::int32_t row) {
   const std::uint32_t here = layer.first_in_row(row);
-  const std::span<const PixelRun> runs = layer.in_row(row), others = bright.in_row(row);
+  const std::span<const PixelRun> runs = layer.in_row(row), others = beneath.in_row(row);
   for_each_meeting(runs, others, 0, [&](std::size_t i, std::size_t j) {
-    groups_[root_of(here + static_cast<std::uint32_t>(i))].*count += shared_pixels(runs[i], others[j]);
+    groups_[root_of(here + static_cast<std::uint32_t>(i))].contact += shared_pixels(runs[i], others[j]);
   });
 }
 
 bool IslandFinder::is_carried(const Group& group, std::int64_t contact) const {
-  return contact >= std::min(limits_.contact_pixels, std::max<std::int64_t>(1, (group.bright + 2) / 3));
+  return contact >= std::min(limits_.contact_pixels, std::max<std::int64_t>(1, (group.pixels + 2) / 3));
 }
 
 // A speck outlasts its layer where it carries what would not be carried without specks. What is not carried
@@ -97,13 +94,13 @@ void IslandFinder::settle_specks(const MaskRuns& layer) {
   const auto group_of = [&](std::int32_t row, std::size_t run) -> Group& {
     return groups_[root_of(layer.first_in_row(row) + static_cast<std::uint32_t>(run))];
   };
-  for_each_row(specks_.bright, [&](std::int32_t row, std::span<const PixelRun> specks, std::size_t) {
+  for_each_row(specks_.runs, [&](std::int32_t row, std::span<const PixelRun> specks, std::size_t) {
     const std::span<const PixelRun> runs = layer.in_row(row);
     for_each_meeting(runs, specks, 0, [&](std::size_t i, std::size_t j) {
       group_of(row, i).specks += shared_pixels(runs[i], specks[j]);
     });
   });
-  for_each_row(specks_.lit, [&](std::int32_t row, std::span<const PixelRun> specks, std::size_t first) {
+  for_each_row(specks_.runs, [&](std::int32_t row, std::span<const PixelRun> specks, std::size_t first) {
     for_each_meeting(layer.in_row(row), specks, 0, [&](std::size_t i, std::size_t j) {
       const Group& group = group_of(row, i);
       if (is_carried(group, group.contact) && !is_carried(group, group.contact - group.specks))
@@ -144,10 +141,9 @@ void IslandFinder::collect(const MaskRuns& layer) {
 }
 
 // Specks leave islands_, which has only larger ones then.
-void IslandFinder::set_specks_aside(const Layer& layer) {
+void IslandFinder::set_specks_aside(const MaskRuns& layer) {
   specks_.islands.clear();
-  specks_.lit.clear();
-  specks_.bright.clear();
+  specks_.runs.clear();
   specks_.island_of.clear();
   const auto is_speck = [this](const MaskIsland& island) { return island.grey <= limits_.speck_grey; };
   if (std::ranges::none_of(islands_, is_speck)) return;
@@ -161,15 +157,9 @@ void IslandFinder::set_specks_aside(const Layer& layer) {
   for (std::uint32_t i = 0; i < groups_.size(); ++i) {
     const std::uint32_t island = island_of_[root_of(i)];
     if (island == kNone || speck_of_[island] == kNone) continue;
-    specks_.lit.push_back(layer.lit.runs()[i]);
+    specks_.runs.push_back(layer.runs()[i]);
     specks_.island_of.push_back(speck_of_[island]);
   }
-  for_each_row(specks_.lit, [&](std::int32_t row, std::span<const PixelRun> specks, std::size_t) {
-    const std::span<const PixelRun> bright = layer.bright.in_row(row);
-    // Bright runs are parts of lit ones.
-    for_each_meeting(specks, bright, 0,
-                     [&](std::size_t, std::size_t j) { specks_.bright.push_back(bright[j]); });
-  });
   std::erase_if(islands_, is_speck);
 }
 

@@ -44,13 +44,13 @@ PrintAnalysis::PrintAnalysis(const DisplayGeometry& display, const CarryingSuppo
 void PrintAnalysis::add_layer(const Mask& mask, const Layer& layer) {
   expects(mask.width() == display_.width && mask.height() == display_.height,
           "the mask has the display's size");
-  std::swap(layer_, beneath_);
-  layer_.lit.extract(mask);
-  layer_.bright.extract_bright(mask, layer_.lit, support_.least_grey);
-  note_area(static_cast<double>(layer_.lit.grey_sum()) / 255.0 * pixel_area_mm2_, layer);
-  if (beneath_.lit.rows() > 0) note_islands();  // else it stands on the plate, as far as is known
+  std::swap(bright_, beneath_);
+  lit_.extract(mask);
+  bright_.extract_bright(mask, lit_, support_.least_grey);
+  note_area(static_cast<double>(lit_.grey_sum()) / 255.0 * pixel_area_mm2_, layer);
+  if (beneath_.rows() > 0) note_islands();  // else it stands on the plate, as far as is known
   beneath_layer_ = findings_.layers() - 1;
-  note_voids(void_finder_.add_layer(layer_.bright, {findings_.layers() - 1, layer.thickness}));
+  note_voids(void_finder_.add_layer(bright_, {findings_.layers() - 1, layer.thickness}));
   if (layer.cracks != LayerCracks{}) {
     findings_.cracks += layer.cracks;
     findings_.cracked_layers.push_back({findings_.layers() - 1, layer.cracks});
@@ -84,9 +84,10 @@ void PrintAnalysis::note_area(double area_mm2, const Layer& layer) {
 
 void PrintAnalysis::note_islands() {
   const auto contact = static_cast<std::int64_t>(std::ceil(support_.contact_area_mm2 / pixel_area_mm2_));
-  const double speck_pixels = std::max(kSpeckMm2 / pixel_area_mm2_, 1.0);
+  // Some thousandths of a grey value more: a pitch's square is rounded.
+  const double speck_grey = 255 * std::max(kSpeckMm2 / pixel_area_mm2_, 1.0) + 1e-3;
   const IslandFinder::Islands found = finder_.find(
-      layer_, beneath_, {std::max<std::int64_t>(contact, 1), static_cast<std::uint64_t>(speck_pixels * 255)});
+      bright_, beneath_, {std::max<std::int64_t>(contact, 1), static_cast<std::uint64_t>(speck_grey)});
   const std::int32_t layer = findings_.layers() - 1;
   for (const MaskIsland& island : found.beneath)
     note_island(island, beneath_layer_);

@@ -45,7 +45,7 @@ struct Island {
   std::int32_t layer = 0;  // from 0
   PixelPoint pixel{};      // its middle in the mask
   Point plate_mm{};        // the same on the plate, from the plate's centre; seen from above, mirrors undone
-  double area_mm2 = 0;     // exposed
+  double area_mm2 = 0;     // exposed, of what is bright enough to carry
 };
 
 // A void: a suction cup while it is open towards the film alone, a resin trap once it is closed all around.
@@ -133,7 +133,8 @@ class PrintAnalysis {
   double pixel_area_mm2_;
   CarryingSupport support_;
   VoidLimits limits_;
-  IslandFinder::Layer layer_, beneath_;
+  MaskRuns lit_;               // of the last layer
+  MaskRuns bright_, beneath_;  // the same, of what carries; and of the layer before it
   std::int32_t beneath_layer_ = 0;
   IslandFinder finder_;
   VoidFinder void_finder_;

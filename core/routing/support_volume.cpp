@@ -30,11 +30,11 @@ double volume_beside_models_mm3(const std::shared_ptr<const SupportStructure>& s
   MaskRuns lit;
   const std::int32_t stride = std::max(1, static_cast<std::int32_t>(kApart_mm / layers.step_mm() + 1e-9));
   std::int64_t pixels = 0;
-  for (std::int32_t layer = stride / 2; layer < layers.layers() && !stop.stop_requested(); layer += stride) {
-    const Millimeters middle{(layer + 0.5) * layers.step_mm()};
+  for (std::int32_t first = 0; first < layers.layers() && !stop.stop_requested(); first += stride) {
+    const Millimeters middle{(first + stride / 2.0) * layers.step_mm()};
     lit.extract(engine.mask_at(to_nanometers(middle).value()));
     for (const PixelRun& run : lit.runs())
-      pixels += pixels_beside(run, layers.runs_in(layer, run.row));
+      pixels += pixels_beside(run, layers.runs_in(first + stride / 2, run.row));
   }
   return static_cast<double>(pixels) * layers.pitch_mm() * layers.pitch_mm() * layers.step_mm() * stride;
 }

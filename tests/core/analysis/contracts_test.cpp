@@ -18,12 +18,9 @@ TEST_CASE("PrintAnalysis takes masks of the display's size alone") {
 }
 
 TEST_CASE("IslandFinder takes the runs of masks of one size alone") {
-  IslandFinder::Layer layer, taller;
-  for (auto [each, rows] : {std::pair(&layer, 4), std::pair(&taller, 5)}) {
-    const Mask mask(Pixels{4}, Pixels{rows});
-    each->lit.extract(mask);
-    each->bright.extract_bright(mask, each->lit, 1);
-  }
+  MaskRuns layer, taller;
+  layer.extract(Mask(Pixels{4}, Pixels{4}));
+  taller.extract(Mask(Pixels{4}, Pixels{5}));
   IslandFinder finder;
   CHECK(contract_broken_by([&] { (void)finder.find(layer, layer, {1, 0}); }).empty());
   CHECK(contract_broken_by([&] { (void)finder.find(layer, taller, {1, 0}); }) == "all masks have one size");

@@ -28,11 +28,11 @@ Mask mask_of(const std::vector<std::string>& rows) {
   return mask;
 }
 
-IslandFinder::Layer runs_of(const Mask& mask, std::uint8_t least_grey) {
-  IslandFinder::Layer layer;
-  layer.lit.extract(mask);
-  layer.bright.extract_bright(mask, layer.lit, least_grey);
-  return layer;
+MaskRuns runs_of(const Mask& mask, std::uint8_t least_grey) {
+  MaskRuns lit, bright;
+  lit.extract(mask);
+  bright.extract_bright(mask, lit, least_grey);
+  return bright;
 }
 
 std::vector<MaskIsland> islands_of(const Mask& layer, const Mask& beneath, std::uint8_t least_grey,
@@ -220,6 +220,12 @@ TEST_CASE("A speck that goes on by itself is an island of its first layer") {
 TEST_CASE("Specks that grow together with nothing else are islands") {
   CHECK(islands_in({{"####......"}, {"####..#.#."}, {"####..###."}}) == Counts{0, 2, 0});
   CHECK(islands_in({{"####......"}, {"####..#.#."}, {"#########."}}) == Counts{0, 0, 0});
+}
+
+TEST_CASE("What is faint connects nothing") {
+  const Mask standing = mask_of({".###......"}), both = mask_of({".###0####."});
+  CHECK(islands_of(both, standing, 64, 4).size() == 1);
+  CHECK(islands_of(both, standing, 30, 4).empty());
 }
 
 TEST_CASE("What begins faintly is an island where it becomes bright") {

@@ -86,19 +86,19 @@ TEST_CASE("Finding islands allocates nothing when warm") {
   ContourEngine engine(HeightIndex(models::gyroid_sphere(10, 6, 24)),
                        EngineSettings{display, AntiAliasing::On}, {PixelMap::true_scale(display, {0, 0})});
   // Runs alternate between two layers, as in an analysis: both must have seen the largest.
-  IslandFinder::Layer layer, beneath;
-  layer.lit.extract(engine.coverage());
-  layer.bright.extract_bright(engine.coverage(), layer.lit, 64);
+  MaskRuns lit, bright, beneath;
+  lit.extract(engine.coverage());
+  bright.extract_bright(engine.coverage(), lit, 64);
   IslandFinder finder;
   long during_last = 0;
   for (int pass = 0; pass < 3; ++pass) {
     const long before = testing::allocations();
     for (Nanometers height{0}; height < Nanometers{20'250'000}; height += kLayer) {
-      std::swap(layer, beneath);
+      std::swap(bright, beneath);
       const Mask& mask = engine.mask_at(height);
-      layer.lit.extract(mask);
-      layer.bright.extract_bright(mask, layer.lit, 64);
-      (void)finder.find(layer, beneath, {4, 5 * 255});
+      lit.extract(mask);
+      bright.extract_bright(mask, lit, 64);
+      (void)finder.find(bright, beneath, {4, 5 * 255});
     }
     during_last = testing::allocations() - before;
   }
