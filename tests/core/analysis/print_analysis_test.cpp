@@ -164,6 +164,7 @@ TEST_CASE("A dark layer at the very bottom leaves all above it hanging") {
   analysis.add_layer(mask, {kLayer, 0s, {}});
   mask.row(10)[10] = 255;
   analysis.add_layer(mask, {kLayer, 0s, {}});
+  analysis.add_layer(mask, {kLayer, 0s, {}});
   CHECK(analysis.findings().empty_layers == std::vector<std::int32_t>{0});
   CHECK(analysis.findings().island_count == 1);
 }
