@@ -24,8 +24,8 @@ struct LayerCracks {
   // Whether the contours are more than what the file says.
   [[nodiscard]] bool has_guesses() const { return open_chains > 0 || turned_chains > 0; }
 
-  // A vertex in the middle of another facet's side is beside it by a float's rounding, which a slope makes so
-  // wide at most: nothing that anybody could see, or would mend.
+  // A vertex in the middle of another facet's side lies beside it by a float's rounding, some nanometres,
+  // which a flat slope makes wider. Of 0.1 um nobody would see anything.
   static constexpr Millimeters kNoGap{1e-4};
 
   bool operator==(const LayerCracks&) const = default;

@@ -86,7 +86,7 @@ def exact_print():
 @vm_test("full")
 def exact_print_with_supports():
     """Forty layers of a table that the daemon holds by itself: every picture is model and supports as contourctl slice has
-    them for where the plate was, and nothing else differs from a print without."""
+    them for where the plate was; and the other checks of a print without."""
     layers, layer_nm = 40, 100_000
     config = {**guests.real_config(), "supports": "auto"}
     results = _print(ARM64, layers, config, layer_nm=layer_nm, model=models.table)
