@@ -208,6 +208,15 @@ TEST_CASE("A speck that is gone in the next layer is no island") {
   CHECK(islands_in({{"####...."}, {"####..#."}}) == Counts{0, 0});
 }
 
+TEST_CASE("A speck may be as bright as its limit and no brighter") {
+  CHECK(islands_in({{"####...."}, {"####..##"}, {"####...."}}) == Counts{0, 0, 0});
+  CHECK(islands_in({{"####....."}, {"####..##4"}, {"####....."}}) == Counts{0, 1, 0});
+}
+
+TEST_CASE("A speck under an island is not told beside it") {
+  CHECK(islands_in({{"####......"}, {"####....#."}, {"####..####"}}) == Counts{0, 0, 1});
+}
+
 TEST_CASE("A speck that something else carries in the next layer is no island") {
   CHECK(islands_in({{"####...."}, {"####..#."}, {"#######."}}) == Counts{0, 0, 0});
 }

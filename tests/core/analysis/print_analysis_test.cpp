@@ -405,6 +405,22 @@ TEST_CASE("Islands beyond the most that are kept are still counted") {
   CHECK(analysis.findings().islands.size() == PrintFindings::kMaxIslands);
 }
 
+TEST_CASE("A speck of just 0.0125 mm2 is one whatever the pitch is rounded to") {
+  for (const auto& [pitch_um, pixels] : {std::pair(50.0, 5U), std::pair(25.0, 20U), std::pair(100.0, 1U)}) {
+    CAPTURE(pitch_um);
+    const DisplayGeometry display{Pixels{40}, Pixels{8}, Micrometers{pitch_um}};
+    for (const std::size_t more : {0U, 1U}) {
+      PrintAnalysis analysis(display);
+      Mask mask(display.width, display.height);
+      mask.row(1)[1] = 255;
+      analysis.add_layer(mask, {kLayer, 0s, {}});
+      std::ranges::fill_n(mask.row(5).begin() + 4, static_cast<std::ptrdiff_t>(pixels + more), 255);
+      analysis.add_layer(mask, {kLayer, 0s, {}});
+      CHECK(analysis.findings().island_count == more);
+    }
+  }
+}
+
 TEST_CASE("An analysis that is told to stop gives nothing") {
   ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
   std::stop_source source;
