@@ -59,27 +59,36 @@ class Desk : public testing::PrinterFixture {
     return spool.files_of(Spool::Folder::Incoming, file);
   }
 
-  // Checks `file`, changes something, claims it as the scheduler does, and prepares it.
+  // Checks `file`, changes something, checks another job behind it to its end where one is named, claims
+  // `file` as the scheduler does, and prepares it.
+  struct Behind {
+    std::string file;
+    JobReader::Keep keep;
+  };
   Turn take_turn(
-      const std::string& file, const std::function<void()>& change = [] {}) {
-    reader.emplace(config, spool, loop);
+      const std::string& file, const std::function<void()>& change = [] {},
+      const std::optional<Behind>& behind = std::nullopt) {
     std::optional<Turn> turn;
-    reader->check(file, JobReader::Keep::Prepared, [&, file](const CheckedJob& found) {
-      CHECK(std::holds_alternative<JobOutlook>(found));
-      change();
+    const auto claim = [&] {
       const JobSettings settings = read_settings(incoming(file), config);
-      reader->read(spool.begin(file), settings, [&](ReadJob read) {
+      reader.read(spool.begin(file), settings, [&](ReadJob read) {
         const auto* const job = std::get_if<PreparedJob>(&read);
         turn = job != nullptr ? Turn{job->summary.prepared_before, job->plan.job, job->summary.height_mm}
                               : Turn{};
       });
+    };
+    reader.check(file, JobReader::Keep::Prepared, [&](const CheckedJob& found) {
+      CHECK(std::holds_alternative<JobOutlook>(found));
+      change();
+      if (!behind) return claim();
+      reader.check(behind->file, behind->keep, [&](const CheckedJob&) { claim(); });
     });
     CHECK(run_until([&] { return turn.has_value(); }));
     return turn.value_or(Turn{});
   }
 
   const fs::path resins = folder.path() / "resins";
-  std::optional<JobReader> reader;
+  JobReader reader{config, spool, loop};
 };
 
 void replace_in(const fs::path& file, std::string_view from, std::string_view to) {
@@ -218,18 +227,16 @@ TEST_CASE("A plate is prepared again when one of its models or its ticket has ch
 TEST_CASE("A job that is forgotten is prepared again") {
   Desk desk;
   desk.put(Spool::Folder::Incoming, "part.stl");
-  CHECK_FALSE(desk.take_turn("part.stl", [&] { desk.reader->forget("part.stl"); }).prepared_before);
+  CHECK_FALSE(desk.take_turn("part.stl", [&] { desk.reader.forget("part.stl"); }).prepared_before);
 }
 
 TEST_CASE("What is kept of one job stays when another is forgotten or checked behind it") {
   Desk desk;
   desk.put(Spool::Folder::Incoming, "part.stl");
   desk.put(Spool::Folder::Incoming, "other.stl");
-  CHECK(desk.take_turn("part.stl",
-                       [&] {
-                         desk.reader->forget("other.stl");
-                         desk.reader->check("other.stl", JobReader::Keep::Nothing, [](const auto&) {});
-                       })
+  CHECK(desk.take_turn(
+                "part.stl", [&] { desk.reader.forget("other.stl"); },
+                Desk::Behind{"other.stl", JobReader::Keep::Nothing})
             .prepared_before);
 }
 
@@ -237,10 +244,9 @@ TEST_CASE("Only the last of several checked jobs is kept") {
   Desk desk;
   desk.put(Spool::Folder::Incoming, "part.stl");
   desk.put(Spool::Folder::Incoming, "other.stl");
-  CHECK_FALSE(
-      desk.take_turn("part.stl",
-                     [&] { desk.reader->check("other.stl", JobReader::Keep::Prepared, [](const auto&) {}); })
-          .prepared_before);
+  CHECK_FALSE(desk.take_turn(
+                      "part.stl", [] {}, Desk::Behind{"other.stl", JobReader::Keep::Prepared})
+                  .prepared_before);
 }
 
 TEST_CASE("What is kept gives way when a check needs its memory") {
@@ -249,12 +255,13 @@ TEST_CASE("What is kept gives way when a check needs its memory") {
   desk.put(Spool::Folder::Incoming, "other.stl");
   // The other would find room in a process that held nothing else.
   const std::vector<char> held(200'000'000, 1);
-  CHECK_FALSE(desk.take_turn("part.stl",
-                             [&] {
-                               constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
-                               desk.config.memory_limit_bytes = memory_room(kMost).held + 1'000'000;
-                               desk.reader->check("other.stl", JobReader::Keep::Nothing, [](const auto&) {});
-                             })
+  CHECK_FALSE(desk.take_turn(
+                      "part.stl",
+                      [&] {
+                        constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+                        desk.config.memory_limit_bytes = memory_room(kMost).held + 1'000'000;
+                      },
+                      Desk::Behind{"other.stl", JobReader::Keep::Nothing})
                   .prepared_before);
   CHECK(held.back() == 1);
 }
