@@ -46,9 +46,8 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   const Spool::Folder folder = folder_for(report.outcome);
   attempt("no picture", filed, [&] {
     const auto deadline = MaskBudget::Clock::now() + kLongestPartPicture;
-    const std::optional<Mask> part = draw_printed_part(report, *print.engine, deadline);
-    if (!part) throw std::runtime_error("its masks take too long");
-    report.preview_png = encode_printed_part(report, *part);
+    report.preview = draw_printed_part(report, *print.engine, deadline);
+    if (!report.preview) throw std::runtime_error("its masks take too long");
   });
   attempt("no pictures of layers", filed, [&] {
     report.layer_pictures =
@@ -56,8 +55,8 @@ void write_page_and_picture(const Spool& spool, EndedPrint& print, FiledPrint& f
   });
   attempt("no report.html", filed,
           [&] { spool.write_beside(folder, report.job, "report.html", report_as_html(report)); });
-  if (report.preview_png.empty()) return;
-  const std::string picture(report.preview_png.begin(), report.preview_png.end());
+  if (!report.preview) return;
+  const std::string picture(report.preview->png.begin(), report.preview->png.end());
   attempt("no preview.png", filed, [&] { spool.write_beside(folder, report.job, "preview.png", picture); });
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/analysis/print_analysis.hpp"
+#include "core/support/support_contact.hpp"
 #include "daemon/event_loop.hpp"
 #include "daemon/print_job.hpp"
 #include "daemon/state_times.hpp"
@@ -33,6 +34,17 @@ struct LayerPicture {
   std::vector<std::uint8_t> png;
   std::vector<LayerMark> islands;  // that begin there
   std::vector<LayerMark> voids;    // suction cups and resin traps that are widest there
+};
+
+// The part as far as it was printed.
+struct PartPreview {
+  Pixels side;
+  std::vector<std::uint8_t> png;
+  struct Contact {
+    PixelPoint at{};  // in the picture's pixels
+    ContactCause cause = ContactCause::Island;
+  };
+  std::vector<Contact> contacts;  // of supports
 };
 
 // Why a print was interrupted. Times are from its start, by the machine's clock.
@@ -74,7 +86,7 @@ struct PrintReport {
   EventLoop::Turn busiest_lit;                 // of those while there was or may have been light
   Duration first_mask_after{};                 // from the file's arrival, or from the end of its wait
   std::optional<std::filesystem::path> masks;  // where the simulated display kept them
-  std::vector<std::uint8_t> preview_png;
+  std::optional<PartPreview> preview;
   std::vector<LayerPicture> layer_pictures;  // in rising order of their layers
 };
 

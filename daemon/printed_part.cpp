@@ -95,7 +95,7 @@ class PrintedPart {
   [[nodiscard]] bool has_height() const { return height_mm_ > 0; }
 
   struct Drawing {
-    Mask picture;
+    PartPicture::Drawing part;         // a mark for each contact of the supports
     Steady::duration masks{}, took{};  // of that, to compute masks
   };
   // Nothing when the time is over before.
@@ -132,7 +132,7 @@ class PrintedPart {
       if (mask == nullptr || (supports && beside == nullptr)) return std::nullopt;
       picture.add(*mask, beside);
     }
-    Mask drawn = picture.draw();
+    PartPicture::Drawing drawn = picture.draw(contacts());
     return Drawing{std::move(drawn), masks.took(), Steady::now() - start};
   }
 
@@ -142,6 +142,18 @@ class PrintedPart {
     const PixelPoint origin = map.to_pixels({0, 0}), beside = map.to_pixels({1, 1});
     return {Pixels{box_.right - box_.left}, Pixels{box_.bottom - box_.top}, height_mm_ * map.pixels_per_mm(),
             beside.x<origin.x, beside.y> origin.y};
+  }
+
+  [[nodiscard]] std::vector<PartPicture::Place> contacts() const {
+    std::vector<PartPicture::Place> places;
+    if (!report_.summary.supports) return places;
+    const PixelMap map = PixelMap::true_scale(display_of(engine_), {0, 0});
+    for (const SupportContact& contact : report_.summary.supports->contacts) {
+      const PixelPoint at = map.to_pixels({contact.place.x, contact.place.y});
+      places.push_back({(at.x - box_.left) / (box_.right - box_.left),
+                        (at.y - box_.top) / (box_.bottom - box_.top), contact.place.z / height_mm_});
+    }
+    return places;
   }
 
   const PrintReport& report_;
@@ -159,11 +171,9 @@ Steady::duration enlarged(const PrintedPart::Drawing& drawing, double factor) {
                                                       rest * factor * factor * factor);
 }
 
-}  // namespace
-
-std::vector<std::uint8_t> encode_printed_part(const PrintReport& report, const Mask& part) {
+// As PNG, with supports in a colour of their own: odd values are those.
+std::vector<std::uint8_t> encode(const PrintReport& report, const Mask& part) {
   if (supports_of(report.summary).empty()) return encode_png(part);
-  // Odd values are supports.
   Palette palette;
   for (std::size_t grey = 0; grey < palette.size(); ++grey) {
     const auto value = static_cast<std::uint8_t>(grey);
@@ -173,20 +183,29 @@ std::vector<std::uint8_t> encode_printed_part(const PrintReport& report, const M
   return encode_png(part, &palette);
 }
 
-std::optional<Mask> draw_printed_part(const PrintReport& report, ContourEngine& engine,
-                                      Steady::time_point deadline) {
+PartPreview preview_of(const PrintReport& report, const PartPicture::Drawing& part) {
+  PartPreview preview{part.picture.width(), encode(report, part.picture), {}};
+  for (std::size_t i = 0; i < part.marks.size(); ++i)
+    preview.contacts.push_back({part.marks[i], report.summary.supports->contacts[i].cause});
+  return preview;
+}
+
+}  // namespace
+
+std::optional<PartPreview> draw_printed_part(const PrintReport& report, ContourEngine& engine,
+                                             Steady::time_point deadline) {
   PrintedPart part(report, engine);
-  if (!part.has_height()) return Mask(kPrintedPartSide, kPrintedPartSide);
+  if (!part.has_height()) return preview_of(report, {Mask(kPrintedPartSide, kPrintedPartSide), {}});
   constexpr int kSmallest = 4;  // times as small, for what time there is is seen by that
   std::optional<PrintedPart::Drawing> drawing = part.draw(kPrintedPartSide / kSmallest, deadline);
   if (!drawing) return std::nullopt;
   for (const double factor : {4.0, 3.0, 2.0}) {
     if (Steady::now() + enlarged(*drawing, factor) > deadline) continue;
     const auto side = static_cast<std::int32_t>(kPrintedPartSide.count() * factor / kSmallest);
-    if (auto larger = part.draw(Pixels{side}, deadline)) return std::move(larger->picture);
+    if (const auto larger = part.draw(Pixels{side}, deadline)) return preview_of(report, larger->part);
     break;
   }
-  return std::move(drawing->picture);
+  return preview_of(report, drawing->part);
 }
 
 }  // namespace contourd

@@ -15,14 +15,11 @@ namespace contourd {
 // As wide and as high, at most.
 inline constexpr Pixels kPrintedPartSide{720};
 
-// As PNG, with supports in a colour of their own.
-[[nodiscard]] std::vector<std::uint8_t> encode_printed_part(const PrintReport& report, const Mask& part);
-
 // The layers that had all their light; what the print was still to make of the models is drawn faint over
 // them. Computes the masks once more, as many as the picture can show: the same height and engine make the
 // same mask. As large as there is time for by the deadline; nothing when there is not even that for a quarter
-// of the side. Of a print with supports, the lowest bit of each grey value says what is one.
-[[nodiscard]] std::optional<Mask> draw_printed_part(const PrintReport& report, ContourEngine& engine,
-                                                    MaskBudget::Clock::time_point deadline);
+// of the side. Supports have a colour of their own.
+[[nodiscard]] std::optional<PartPreview> draw_printed_part(const PrintReport& report, ContourEngine& engine,
+                                                           MaskBudget::Clock::time_point deadline);
 
 }  // namespace contourd

@@ -20,6 +20,9 @@ figure:target { outline: 3px solid var(--accent); }
 .shot svg { position: absolute; inset: 0; width: 100%; height: 100%; }
 .shot .voids circle { stroke: #4db8ff; }
 .shot circle { fill: none; stroke: #ff5a4d; stroke-width: 2; vector-effect: non-scaling-stroke; }
+.part { padding: 0; width: 22rem; max-width: 100%; } .part img { image-rendering: auto; }
+.part .contacts circle { stroke: #000; stroke-width: 1; } .contacts .island, .swatch.island { fill: #ff4d8d; background: #ff4d8d; }
+.contacts .overhang, .swatch.overhang { fill: #ffd166; background: #ffd166; } .contacts .peel, .swatch.peel { fill: #5ad1ff; background: #5ad1ff; }
 figcaption { font-size: .87rem; line-height: 1.35; margin-top: .3rem; }
 .exposing { fill: var(--exposing); background: var(--exposing); } .moving { fill: var(--moving); background: var(--moving); }
 .waiting { fill: var(--waiting); background: var(--waiting); } .preparing { fill: var(--preparing); background: var(--preparing); }
@@ -32,7 +35,7 @@ svg .tick { stroke: var(--ink); stroke-width: 1; } svg .most { fill: var(--accen
 @media (max-width: 40rem) { .layers { grid-template-columns: repeat(2, minmax(0, 1fr)); gap: .5rem; } body { margin: 1rem auto; } }
 @media print {
   body { max-width: none; margin: 0; font-size: 10pt; } svg, .swatch, .shot { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
-  h2 { break-after: avoid; } svg, tr { break-inside: avoid; } .layers { grid-template-columns: repeat(4, 1fr); } .top img { width: 14rem; }
+  h2 { break-after: avoid; } svg, tr { break-inside: avoid; } .layers { grid-template-columns: repeat(4, 1fr); } .part { width: 14rem; }
 }
 )";
 

@@ -102,8 +102,12 @@ std::uint8_t shade(const Slope& slope) {
   return static_cast<std::uint8_t>(kAmbient + kDiffuse * std::clamp(lit, 0.0, 1.0));
 }
 
-// A square around all that is lit, with the margin around it.
-Mask cut_out(const Mask& picture) {
+struct Square {
+  std::int32_t left = 0, top = 0, side = 0;
+};
+
+// Around all that is lit, with the margin around it.
+Square square_around(const Mask& picture) {
   const std::int32_t side = picture.width().count();
   std::int32_t left = side, right = 0, top = side, bottom = 0;
   for (std::int32_t row = 0; row < side; ++row) {
@@ -115,18 +119,20 @@ Mask cut_out(const Mask& picture) {
       bottom = std::max(bottom, row + 1);
     }
   }
-  if (left >= right) return picture;
+  if (left >= right) return {0, 0, side};
   const auto margin = static_cast<std::int32_t>(std::ceil(std::max(right - left, bottom - top) * kMargin));
   const std::int32_t wanted = std::min(std::max(right - left, bottom - top) + 2 * margin, side);
   const auto begin = [&](std::int32_t first, std::int32_t end) {
     return std::clamp((first + end - wanted) / 2, 0, side - wanted);
   };
-  const std::int32_t from = begin(left, right), from_row = begin(top, bottom);
-  Mask cut(Pixels{wanted}, Pixels{wanted});
-  for (std::int32_t row = 0; row < wanted; ++row)
-    std::ranges::copy(
-        picture.row(from_row + row).subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(wanted)),
-        cut.row(row).begin());
+  return {begin(left, right), begin(top, bottom), wanted};
+}
+
+Mask cut_out(const Mask& picture, const Square& square) {
+  Mask cut(Pixels{square.side}, Pixels{square.side});
+  const auto left = static_cast<std::size_t>(square.left), side = static_cast<std::size_t>(square.side);
+  for (std::int32_t row = 0; row < square.side; ++row)
+    std::ranges::copy(picture.row(square.top + row).subspan(left, side), cut.row(row).begin());
   return cut;
 }
 
@@ -303,10 +309,24 @@ void PartPicture::mark_beside(Mask& picture) const {
   }
 }
 
-Mask PartPicture::draw() const {
+PixelPoint PartPicture::project(const Place& place) const {
+  const double x = (place.columns - 0.5) * box_.columns.count() * (box_.mirror_x ? -1 : 1);
+  const double y = (place.rows - 0.5) * box_.rows.count() * (box_.mirror_y ? 1 : -1);
+  const double across = x * kCosTurn + y * kSinTurn, back = y * kCosTurn - x * kSinTurn;
+  const double up = place.height * box_.height * kCosRise + back * kSinRise;
+  return {side_ / 2.0 + across * scale_, side_ / 2.0 - (up - middle_up_) * scale_};
+}
+
+PartPicture::Drawing PartPicture::draw(std::span<const Place> places) const {
   Mask picture = whole_picture();
   mark_beside(picture);
-  return cut_out(picture);
+  const Square square = square_around(picture);
+  std::vector<PixelPoint> marks;
+  for (const Place& place : places) {
+    const PixelPoint at = project(place);
+    marks.push_back({at.x - square.left, at.y - square.top});
+  }
+  return {cut_out(picture, square), std::move(marks)};
 }
 
 Mask PartPicture::whole_picture() const {

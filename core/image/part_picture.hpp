@@ -7,9 +7,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/mask/mask.hpp"
+#include "core/mask/pixel_map.hpp"
 
 namespace contourd {
 
@@ -44,9 +46,19 @@ class PartPicture {
   // What is added from here on is not there: it is drawn faint.
   void add_faintly_from_here();
 
+  // A place in the box: which shares of its columns, rows and height lie before it, from the masks' first
+  // column and row and from below.
+  struct Place {
+    double columns, rows, height;
+  };
+  struct Drawing {
+    Mask picture;
+    std::vector<PixelPoint> marks;  // in its pixels; a place that lies beside it is beside it
+  };
   // What was added, on black, cut to a square around it; the highest mask is its top. Where there is
-  // something beside the models, the lowest bit of each grey value says whether it is that.
-  [[nodiscard]] Mask draw() const;
+  // something beside the models, the lowest bit of each grey value says whether it is that. With it, where
+  // `places` lie, in front or hidden.
+  [[nodiscard]] Drawing draw(std::span<const Place> places = {}) const;
 
  private:
   // A mask with a dark pixel around it. Pixel (0, 0) is the mask's, and its middle is at (0.5, 0.5).
@@ -67,6 +79,8 @@ class PartPicture {
   using Surface = std::vector<float>;
 
   [[nodiscard]] Sight sight_of(std::int32_t row, double height) const;
+  // In the whole picture.
+  [[nodiscard]] PixelPoint project(const Place& place) const;
   void look_along(std::int32_t row);
   [[nodiscard]] float leaves_at(double x, double y) const;
   // Towards the eye, in the picture's pixels.

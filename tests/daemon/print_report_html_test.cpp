@@ -110,7 +110,9 @@ TEST_CASE("The page of a print with everything that can be wrong is as large as 
   report.stops.interruptions.assign(PrintStops::kMost, {7, 1s, std::string(5000, '<')});
   report.stops.pauses.assign(PrintStops::kMost, {7, 1s, 1s});
   report.stops.more_pauses = 4000;
-  report.preview_png = encode_png(noise(Pixels{720}));
+  report.preview = PartPreview{
+      Pixels{720}, encode_png(noise(Pixels{720})),
+      std::vector<PartPreview::Contact>(kMostContacts, {{719.99, 719.99}, ContactCause::Overhang})};
   for (std::size_t i = 0; i < kMaxLayerPictures; ++i)
     report.layer_pictures.push_back(picture_of(static_cast<std::int32_t>(i), noise(kLayerPictureSide)));
   const std::string page = report_as_html(report);
@@ -118,6 +120,21 @@ TEST_CASE("The page of a print with everything that can be wrong is as large as 
   CHECK(page.size() > kLargestPage / 2);
   CHECK(count(page, "<li>and 4950 more</li>") == 2);  // warnings, and pauses with those that are not kept
   CHECK(count(page, "<li>and 950 more</li>") == 1);   // interruptions
+}
+
+TEST_CASE("The picture of a part shows the contacts of its supports by their cause") {
+  PrintReport report = report_of(3);
+  report.preview = PartPreview{Pixels{720}, encode_png(noise(Pixels{720})), {}};
+  CHECK(count(report_as_html(report), "class=\"contacts\"") == 0);
+  report.preview->contacts = {{{100.26, 200}, ContactCause::Island},
+                              {{300, 400}, ContactCause::Peel},
+                              {{300, 410}, ContactCause::Peel}};
+  const std::string page = report_as_html(report);
+  CHECK(count(page, "<circle class=\"island\" cx=\"100.3\" cy=\"200.0\"") == 1);
+  CHECK(count(page, "<circle class=\"peel\"") == 2);
+  CHECK(count(page, "</span>island 1 <") == 1);
+  CHECK(count(page, "</span>peel 2<") == 1);
+  CHECK(count(page, "</span>overhang") == 0);
 }
 
 TEST_CASE("A print that ended before its first layer has a page without pictures and plots") {

@@ -1,9 +1,11 @@
 #include "daemon/printed_part.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
+#include "hw/png_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/models/models.hpp"
 
@@ -38,7 +40,8 @@ PrintReport printed(int layers, PrintOutcome outcome) {
 }
 
 Mask picture_of(const PrintReport& report, ContourEngine engine = engine_of_a_box()) {
-  return draw_printed_part(report, engine, MaskBudget::Clock::now() + 1h).value();
+  const auto preview = draw_printed_part(report, engine, MaskBudget::Clock::now() + 1h).value();
+  return decode_png(preview.png, preview.side, preview.side);
 }
 
 int brightest(const Mask& picture) {
@@ -100,5 +103,38 @@ TEST_CASE("Where there is no time left, there is no picture of the part") {
   PrintReport nothing = printed(0, PrintOutcome::Failed);
   nothing.summary.height_mm = 0;
   REQUIRE(draw_printed_part(nothing, engine, past));
-  CHECK(draw_printed_part(nothing, engine, past)->lit_pixels() == 0);
+  const PartPreview dark = *draw_printed_part(nothing, engine, past);
+  CHECK(decode_png(dark.png, dark.side, dark.side).lit_pixels() == 0);
+}
+
+TEST_CASE("The contacts of supports are marked in the picture where they are, by their cause") {
+  for (const bool mirrored : {false, true}) {
+    PrintReport report = printed(10, PrintOutcome::Done);
+    Supports& supports = report.summary.supports.emplace();
+    // At the box's lower front corners, left and right, and at its upper right one behind.
+    for (const PlatePoint& corner : {PlatePoint{-1.5, -1, 0}, {1.5, -1, 0}, {1.5, 1, 1}})
+      supports.contacts.push_back({corner, {0, 0, -1}, ContactCause::Peel, 1});
+    supports.contacts[1].cause = ContactCause::Overhang;
+    ContourEngine engine = engine_of_a_box(mirrored);
+    const PartPreview preview = draw_printed_part(report, engine, MaskBudget::Clock::now() + 1h).value();
+    const Mask picture = decode_png(preview.png, preview.side, preview.side);
+    REQUIRE(preview.contacts.size() == 3);
+    CHECK(preview.contacts[0].cause == ContactCause::Peel);
+    CHECK(preview.contacts[1].cause == ContactCause::Overhang);
+    // The outline's leftmost, lowest and rightmost point: as far as two pixels of the display, of which a
+    // corner is drawn round.
+    int left = 1000, right = 0, bottom = 0;
+    for (int row = 0; row < preview.side.count(); ++row) {
+      for (int column = 0; column < preview.side.count(); ++column) {
+        if (picture.row(row)[static_cast<std::size_t>(column)] == 0) continue;
+        left = std::min(left, column);
+        right = std::max(right, column);
+        bottom = std::max(bottom, row);
+      }
+    }
+    const double pixel = (right - left) / (30 * 0.819 + 20 * 0.574);
+    CHECK(std::abs(preview.contacts[0].at.x - left) < 2 * pixel);
+    CHECK(std::abs(preview.contacts[1].at.y - bottom) < 2 * pixel);
+    CHECK(std::abs(preview.contacts[2].at.x - right) < 2 * pixel);
+  }
 }

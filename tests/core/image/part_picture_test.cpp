@@ -13,6 +13,8 @@ using namespace contourd;
 namespace {
 
 constexpr Pixels kSide{200};
+// Of the eye's turn to the right.
+constexpr double kSinTurn = 0.573576436, kCosTurn = 0.819152044;
 
 // Lit where `is_there` says so of a pixel's column and row.
 Mask mask_of(const PartPicture::Box& box, const std::function<bool(int, int)>& is_there) {
@@ -25,13 +27,23 @@ Mask mask_of(const PartPicture::Box& box, const std::function<bool(int, int)>& i
 }
 
 // `is_there` is asked of a column, a row and a share of the height.
-Mask drawn(const PartPicture::Box& box, const std::function<bool(int, int, double)>& is_there) {
+PartPicture picture_of(const PartPicture::Box& box, const std::function<bool(int, int, double)>& is_there) {
   PartPicture picture(box, kSide);
   for (int i = 0; i < picture.masks(); ++i) {
     const double height = picture.next_height();
     picture.add(mask_of(box, [&](int column, int row) { return is_there(column, row, height); }));
   }
-  return picture.draw();
+  return picture;
+}
+
+Mask drawn(const PartPicture::Box& box, const std::function<bool(int, int, double)>& is_there) {
+  return picture_of(box, is_there).draw().picture;
+}
+
+bool is_lit(const Mask& picture, double x, double y) {
+  const auto side = static_cast<double>(picture.width().count());
+  if (!(0 <= x && x < side && 0 <= y && y < side)) return false;
+  return picture.row(static_cast<std::int32_t>(y))[static_cast<std::size_t>(x)] > 0;
 }
 
 bool everywhere(int, int, double) {
@@ -132,6 +144,40 @@ TEST_CASE("Mirrors of the masks are undone") {
               drawn(kBlock, [&](int column, int row, double at) { return stair(59 - column, row, at); }));
 }
 
+TEST_CASE("A place is marked where what is there is drawn") {
+  // Two cubes in opposite corners of the box. One's outline is as wide on both sides of its middle.
+  constexpr double kSize = 12;
+  for (const bool mirror_x : {false, true}) {
+    for (const bool mirror_y : {false, true}) {
+      const PartPicture::Box box{Pixels{80}, Pixels{60}, 70, mirror_x, mirror_y};
+      for (const bool left_first : {false, true}) {
+        const auto is_in = [](double at, double from) { return from <= at && at < from + kSize; };
+        const auto is_first = [&](double x, double y, double z) {
+          return is_in(x, left_first ? 0 : 80 - kSize) && is_in(y, 0) && is_in(z, 0);
+        };
+        const auto is_second = [&](double x, double y, double z) {
+          return is_in(x, left_first ? 80 - kSize : 0) && is_in(y, 60 - kSize) && is_in(z, 70 - kSize);
+        };
+        const PartPicture picture = picture_of(box, [&](int column, int row, double height) {
+          return is_first(column, row, 70 * height) || is_second(column, row, 70 * height);
+        });
+        const double half = kSize / 2, near_x = half / 80, near_y = half / 60, near_z = half / 70;
+        const PartPicture::Drawing drawing = picture.draw(
+            std::vector<PartPicture::Place>{{left_first ? near_x : 1 - near_x, near_y, near_z},
+                                            {left_first ? 1 - near_x : near_x, 1 - near_y, 1 - near_z}});
+        REQUIRE(drawing.marks.size() == 2);
+        for (const PixelPoint& mark : drawing.marks) {
+          const double wide = kSize * (kSinTurn + kCosTurn) / 2 * PartPicture::scale_of(box, kSide);
+          for (const double within : {-0.8, 0.0, 0.8})
+            CHECK(is_lit(drawing.picture, mark.x + within * wide, mark.y));
+          for (const double beyond : {-1.2, 1.2})
+            CHECK_FALSE(is_lit(drawing.picture, mark.x + beyond * wide, mark.y));
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE("What is not there is drawn faint") {
   const auto printed_to = [](double share) {
     PartPicture picture(kBlock, kSide);
@@ -142,7 +188,7 @@ TEST_CASE("What is not there is drawn faint") {
     picture.add_faintly_from_here();
     while (picture.next_height() < 1)
       picture.add(mask_of(kBlock, [](int, int) { return true; }));
-    return picture.draw();
+    return picture.draw().picture;
   };
   const Mask whole = drawn(kBlock, everywhere), half = printed_to(0.5), none = printed_to(0);
   CHECK(half.lit_pixels() == whole.lit_pixels());
@@ -157,6 +203,6 @@ TEST_CASE("What is not there is drawn faint") {
 }
 
 TEST_CASE("Of nothing, and of masks that are dark, the picture is black") {
-  CHECK(PartPicture(kBlock, kSide).draw() == Mask(kSide, kSide));
+  CHECK(PartPicture(kBlock, kSide).draw().picture == Mask(kSide, kSide));
   CHECK(drawn(kBlock, [](int, int, double) { return false; }) == Mask(kSide, kSide));
 }
