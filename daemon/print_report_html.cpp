@@ -316,7 +316,9 @@ std::string preview_figure(const PrintReport& report) {
   html += "</svg></div><figcaption>The supports' contacts, in front and hidden:";
   for (const ContactCause cause : {ContactCause::Island, ContactCause::Overhang, ContactCause::Peel}) {
     const auto count = std::ranges::count(preview.contacts, cause, &PartPreview::Contact::cause);
-    if (count > 0) html += fmt::format(" <span class=\"swatch {0}\"></span>{0} {1}", name_of(cause), count);
+    if (count > 0)
+      html += fmt::format(" <span class=\"cause\"><span class=\"swatch {0}\"></span>{0} {1}</span>",
+                          name_of(cause), count);
   }
   return html + "</figcaption></figure>\n";
 }

@@ -21,7 +21,7 @@ figure:target { outline: 3px solid var(--accent); }
 .shot .voids circle { stroke: #4db8ff; }
 .shot circle { fill: none; stroke: #ff5a4d; stroke-width: 2; vector-effect: non-scaling-stroke; }
 .part { padding: 0; width: 22rem; max-width: 100%; } .part img { image-rendering: auto; }
-.part .contacts circle { stroke: #000; stroke-width: 1; } .contacts .island, .swatch.island { fill: #ff4d8d; background: #ff4d8d; }
+.part .contacts circle { stroke: #000; stroke-width: 1; } .cause { white-space: nowrap; } .contacts .island, .swatch.island { fill: #ff4d8d; background: #ff4d8d; }
 .contacts .overhang, .swatch.overhang { fill: #ffd166; background: #ffd166; } .contacts .peel, .swatch.peel { fill: #5ad1ff; background: #5ad1ff; }
 figcaption { font-size: .87rem; line-height: 1.35; margin-top: .3rem; }
 .exposing { fill: var(--exposing); background: var(--exposing); } .moving { fill: var(--moving); background: var(--moving); }

@@ -34,7 +34,7 @@ class Page(html.parser.HTMLParser):
         self.references += [value for name, value in attributes if name in ("src", "href", "srcset", "data", "action")]
         self.ids += [values["id"]] if "id" in values else []
         if tag == "figure":
-            self.figure = values["id"]
+            self.figure = values.get("id")  # the part has none
         if tag == "img":
             assert values["alt"], "a picture without a text in its place"
             self.images[self.figure] = values["src"]
