@@ -256,7 +256,8 @@
       context.lineTo(...q);
       context.stroke();
       if (label && Math.hypot(p[0] - q[0], p[1] - q[1]) > 60 * dot) {
-        context.fillText(label, (p[0] + q[0]) / 2 + 8 * dot, (p[1] + q[1]) / 2 + 16 * dot);
+        const room = marks.width - context.measureText(label).width - 4 * dot;
+        context.fillText(label, Math.min((p[0] + q[0]) / 2 + 8 * dot, room), (p[1] + q[1]) / 2 + 16 * dot);
       }
     };
     line([-w, -d, -h], [w, -d, -h], `x ${(2 * w).toFixed(1)} mm`);
