@@ -116,10 +116,25 @@ void IncomingWatch::take_event(const inotify_event& event) {
   if (!folder_.is_watched_by(event.wd)) return;
   if ((event.mask & (IN_IGNORED | IN_MOVE_SELF)) != 0) return folder_.watch_anew();
   const std::string file = event.len > 0 ? event.name : "";
+  // One that is created is not written yet.
+  if (event.mask != IN_CREATE) consider_models_of(file);
   if ((event.mask & (IN_DELETE | IN_MOVED_FROM)) == 0) return consider(file, Look::Event);
   looks_.erase(file);
   passed_over_.forget(file);
   seen_to_be_gone(file);
+}
+
+// A model whose ticket has changed arrives again: it is another job.
+void IncomingWatch::consider_models_of(const std::string& ticket) {
+  const fs::path name(ticket);
+  if (name.extension() != ".json") return;
+  std::vector<std::string> models;
+  const std::string begin = name.stem().string() + '.';
+  for (auto file = arrived_.lower_bound(begin); file != arrived_.end() && file->starts_with(begin); ++file) {
+    if (fs::path(*file).replace_extension(".json") == name) models.push_back(*file);
+  }
+  for (const std::string& model : models)
+    consider(model, Look::Event);
 }
 
 // --- files

@@ -36,7 +36,7 @@ class SpoolObserver {
   virtual ~SpoolObserver() = default;
 
   // incoming/`file` is whole: closed by its writer, or moved in; a plate with all its files. May come again
-  // for the same file when it was written again.
+  // for the same file when it was written again, or its ticket was, or is gone.
   virtual void model_arrived(const std::string& file) = 0;
   // The owner took incoming/`file` away, or a plate's file.
   virtual void model_withdrawn(const std::string& file) = 0;
@@ -106,6 +106,7 @@ class IncomingWatch {
   void stop_watching_plates();
   void read_events();
   void take_event(const inotify_event& event);
+  void consider_models_of(const std::string& ticket);
 
   // All that is there, or was when it was looked at last.
   void consider_all();

@@ -89,6 +89,7 @@ class Sweep {
   }
   [[nodiscard]] Need need_of(const ReachingPixel& pixel) const;
   [[nodiscard]] bool is_speck(const LayerPart& part) const;
+  [[nodiscard]] SweepPixel place_for(const OverhangCover::Choice& choice) const;
   [[nodiscard]] SupportContact contact_of(const PlacedContact& placed, const SurfaceProbe& probe) const;
   void hold_specks();
   void hold_overhangs(const std::stop_token& stop);
@@ -154,6 +155,17 @@ Need Sweep::need_of(const ReachingPixel& pixel) const {
   return reach > kSoon * cover_.radii().reach ? Need::Soon : Need::None;
 }
 
+// In the middle of what is no wider than the tip, once: a tip that holds less than it is wide would get the
+// same place for all around it.
+SweepPixel Sweep::place_for(const OverhangCover::Choice& choice) const {
+  const SweepPixel centered = underside_.centered(choice.at, tip_pixels());
+  const std::int32_t layer = underside_.begins_at(centered);
+  const bool is_taken = std::ranges::any_of(contacts_, [&](const PlacedContact& contact) {
+    return contact.at == centered && contact.layer == layer;
+  });
+  return is_taken ? choice.at : centered;
+}
+
 void Sweep::hold_overhangs(const std::stop_token& stop) {
   spots_.clear();
   for (const ReachingPixel& pixel : underside_.reaching()) {
@@ -168,7 +180,7 @@ void Sweep::hold_overhangs(const std::stop_token& stop) {
     const std::optional<OverhangCover::Choice> choice = cover_.choose();
     if (!choice) break;
     const LayerPart& part = parts_.parts()[choice->part];
-    const SweepPixel at = underside_.centered(choice->at, tip_pixels());
+    const SweepPixel at = place_for(*choice);
     const auto held = static_cast<double>(cover_.hold(at, *choice));
     add_contact({at, 0, part.body, part.carried == 0 ? ContactCause::Island : ContactCause::Overhang, held});
   }

@@ -43,7 +43,8 @@ void from_the_plate_up(std::vector<SupportContact>& contacts) {
 std::vector<UnheldPlace> set_aside(std::vector<SupportContact>& contacts) {
   std::vector<UnheldPlace> beyond;
   for (std::size_t i = kMostContacts; i < contacts.size(); ++i)
-    beyond.push_back({contacts[i], "4096 places beneath it have to be held already"});
+    beyond.push_back(
+        {contacts[i], "4096 places beneath it have to be held already, and nothing above it is held either"});
   contacts.resize(std::min(contacts.size(), kMostContacts));
   return beyond;
 }

@@ -1,6 +1,7 @@
 #include "core/routing/support_solids.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "core/routing/support_feet.hpp"
@@ -9,20 +10,28 @@
 namespace contourd {
 namespace {
 
+// Ends as near as that are one place: what is between them has neither a direction nor a volume.
+constexpr double kShortestMm = 1e-6;
+
+void add_frustum(const Frustum& frustum, std::vector<SupportPrimitive>& solids) {
+  const double length = std::hypot(frustum.upper.x - frustum.lower.x, frustum.upper.y - frustum.lower.y,
+                                   frustum.upper.z - frustum.lower.z);
+  if (length >= kShortestMm) solids.push_back(frustum);
+}
+
 // What stands on a model reaches into it.
 void sink(const PlatePoint& on_model, double radius, double depth, std::vector<SupportPrimitive>& solids) {
-  if (depth > 0)
-    solids.push_back(Frustum{{on_model.x, on_model.y, on_model.z - depth}, on_model, radius, radius});
+  add_frustum({{on_model.x, on_model.y, on_model.z - depth}, on_model, radius, radius}, solids);
 }
 
 void add_tip(const SupportTree::HeldTip& held, const ClearanceField& field, const SupportSettings& settings,
              std::vector<SupportPrimitive>& solids) {
   const SupportTip& tip = held.tip;
   const double radius = settings.tip_diameter.count() / 2, depth = settings.tip_depth.count();
-  solids.push_back(Frustum{tip.joint, tip.at, tip.radius_mm, radius});
+  add_frustum({tip.joint, tip.at, tip.radius_mm, radius}, solids);
   const PlatePoint inside{tip.at.x - tip.outward.x * depth, tip.at.y - tip.outward.y * depth,
                           tip.at.z - tip.outward.z * depth};
-  if (depth > 0) solids.push_back(Frustum{tip.at, field.moved_inside(inside, radius), radius, radius});
+  add_frustum({tip.at, field.moved_inside(inside, radius), radius, radius}, solids);
   if (tip.way.stretches.empty() && tip.joint.z > 0) sink(tip.joint, tip.radius_mm, depth, solids);
 }
 
@@ -30,7 +39,7 @@ void add_tip(const SupportTree::HeldTip& held, const ClearanceField& field, cons
 void add_landing(const SupportNode& node, const PlatePoint& on_model, const SupportSettings& settings,
                  std::vector<SupportPrimitive>& solids) {
   const double radius = landing_radius(node.load_mm2, settings);
-  solids.push_back(Frustum{on_model, node.place, radius, node.radius_mm});
+  add_frustum({on_model, node.place, radius, node.radius_mm}, solids);
   sink(on_model, radius, settings.tip_depth.count(), solids);
 }
 
@@ -61,7 +70,7 @@ std::vector<SupportPrimitive> solids_of(const SupportTree& tree, const Clearance
     if (below.foot == SupportFoot::OnModel) {
       add_landing(node, below.place, settings, solids);
     } else {
-      solids.push_back(Frustum{below.place, node.place, node.radius_mm, node.radius_mm});
+      add_frustum({below.place, node.place, node.radius_mm, node.radius_mm}, solids);
     }
     solids.push_back(Ball{node.place, radii[i]});
   }

@@ -1,5 +1,6 @@
 #include "daemon/incoming_watch.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -111,4 +112,37 @@ TEST_CASE("What is looked at again arrives in the order in which it came, whatev
   });
   CHECK(desk.run_until_arrived("a.stl", [](const std::string&) {}));
   CHECK(desk.arrived == Names{"z.stl", "a.stl"});
+}
+
+TEST_CASE("A model arrives again when its ticket comes, changes or goes, and no other does") {
+  Desk desk;
+  desk.spool.put("incoming/part.stl");
+  desk.spool.put("incoming/part.2.stl");
+  desk.spool.put("incoming/part2.stl");
+  desk.watch.open();
+  const std::filesystem::path ticket = desk.spool.folder.path() / "incoming/part.json";
+  int times = 0;
+  const bool last_arrived = desk.run_until_arrived("next.stl", [&](const std::string& file) {
+    // All three have arrived when the last of them has.
+    if (times == 0 ? desk.arrived.size() < 3 : file != "part.stl") return;
+    switch (++times) {
+      case 1:
+        return desk.spool.put("incoming/part.json", "{}");
+      case 2: {
+        const std::filesystem::path other = desk.spool.folder.path() / "other.json";
+        desk.spool.put("other.json", "{ }");
+        return std::filesystem::rename(other, ticket);
+      }
+      case 3:
+        std::filesystem::remove(ticket);
+        return;
+      default:
+        desk.spool.put("incoming/next.stl");
+    }
+  });
+  CHECK(last_arrived);
+  CHECK(times == 4);
+  CHECK(std::ranges::count(desk.arrived, "part.stl") == 4);
+  CHECK(desk.arrived.size() == 3 + 3 + 1);
+  CHECK(desk.withdrawn.empty());
 }

@@ -135,6 +135,29 @@ class Supports(FolderTest):
         self.assertTrue(any("cannot be held" in warning for warning in report["model"]["warnings"]))
         daemon.stop()
 
+    def test_a_job_that_waits_for_a_word_is_looked_at_again_when_its_ticket_is_mended_or_broken(self):
+        daemon = self.daemon()
+
+        def waits():
+            return next((job for job in daemon.rpc("queue")["result"]["jobs"] if job["state"] == "unaccepted"), None)
+
+        daemon.drop("caged.stl", CAGED)
+        wait_until(waits, "caged to ask")
+        self.write("spool/incoming/caged.json", json.dumps({"supports": "off"}))
+        self.assertIsNone(daemon.wait_done("caged")["supports"])
+        daemon.drop("again.stl", CAGED)
+        wait_until(waits, "again to ask")
+        self.write("spool/incoming/again.json", '{"supports": ')
+        self.assertIn("again.json", daemon.wait_refused("again"))
+        daemon.stop()
+
+    def test_a_tip_that_reaches_nowhere_is_printed_as_one_that_does_not_reach_into_the_model(self):
+        daemon = self.daemon()
+        for name, depth in (("none", 0), ("hardly", 1e-170)):
+            self.printed(daemon, name, BALL, {"supports": {"tip_depth_mm": depth}})
+        self.assertEqual(self.masks(self.path("masks", "hardly")), self.masks(self.path("masks", "none")))
+        daemon.stop()
+
     # --- contourctl
 
     def test_support_lists_what_holds_and_writes_it_as_a_model(self):

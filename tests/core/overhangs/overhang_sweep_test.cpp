@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <limits>
 #include <stop_token>
+#include <tuple>
+#include <vector>
 
 #include "core/formats/model_reader.hpp"
 #include "tests/catch.hpp"
@@ -196,6 +198,22 @@ TEST_CASE("An underside that rises gently is held again and again, a steep one n
   for (double x = 6.5; x < 13.9; x += 0.5)
     CHECK(nearest_mm(gentler, x, 0) < 5);
   CHECK(none_overloaded(gentle));
+}
+
+TEST_CASE("No place gets two contacts, however wide the tips are") {
+  for (const double tip_mm : {0.4, 2.0, 5.0, 10.0}) {
+    const SupportSettings settings{.tip_diameter = Millimeters{tip_mm},
+                                   .pillar_diameter = Millimeters{20},
+                                   .foot_diameter = Millimeters{30}};
+    std::vector<PlatePoint> places;
+    for (const SupportContact& contact : contacts_of(models::globe(10, 24, 48), 5, settings))
+      places.push_back(contact.place);
+    CHECK_FALSE(places.empty());
+    CHECK(places.size() < kMostContacts);
+    const auto key = [](const PlatePoint& place) { return std::tuple(place.x, place.y, place.z); };
+    std::ranges::sort(places, {}, key);
+    CHECK(std::ranges::adjacent_find(places) == places.end());
+  }
 }
 
 TEST_CASE("Contacts lie on the surface, between the sweep's layers") {

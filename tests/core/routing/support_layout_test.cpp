@@ -73,6 +73,20 @@ TEST_CASE("What needs nothing gets nothing") {
   CHECK(supports.volume_mm3 == 0);
 }
 
+TEST_CASE("Tips that reach no farther into a model than a nanometre do not reach into it") {
+  const auto primitives = [](double depth_mm) {
+    SupportSettings settings;
+    settings.tip_depth = Millimeters{depth_mm};
+    const Supports supports = supports_for(table(), under_table(), settings);
+    check_all(supports, table(), settings);
+    return supports.structure->primitives().size();
+  };
+  const std::size_t none = primitives(0);
+  CHECK(primitives(0.2) == none + under_table().size());
+  for (const double depth_mm : {1e-7, 1e-12, 1e-100, 1e-170, 5e-324})
+    CHECK(primitives(depth_mm) == none);
+}
+
 TEST_CASE("A ball above the plate stands on branches that meet") {
   models::Facets ball = models::globe(6, 24, 48);
   models::translate(ball, 0, 0, 11);
@@ -246,7 +260,8 @@ TEST_CASE("Of a million places the lowest are held, and the others told") {
   const Supports supports = supports_for(table(), contacts);
   CHECK(supports.contacts.size() + supports.unheld.size() == contacts.size());
   CHECK(supports.contacts.size() <= kMostContacts);
-  CHECK(supports.unheld.back().why == "4096 places beneath it have to be held already");
+  CHECK(supports.unheld.back().why ==
+        "4096 places beneath it have to be held already, and nothing above it is held either");
 }
 
 TEST_CASE("The same places give the same supports, in whatever order they come") {
