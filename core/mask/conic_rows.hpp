@@ -1,7 +1,7 @@
 // The pixels whose centres lie in a conic cut, row by row: for an ellipse straight from its equation, a
 // square root a row; of what is cut off at an end, the polygon's (see ConvexRows).
 //
-// Not thread-safe; allocates only while polygons and the number of ellipses grow.
+// Not thread-safe; allocates only while polygons grow.
 #pragma once
 
 #include <cstdint>
@@ -18,26 +18,20 @@ class ConicRows {
  public:
   ConicRows(Pixels width, Pixels height);
 
-  // Calls `visit(row, first, end)` for the pixels [first, end) of each row that has any, cut by cut.
+  // Calls `visit(row, first, end)` for the pixels [first, end) of each row that has any, from the top.
   template <typename Visit>
-  void visit(std::span<const ConicCut> cuts, const PixelMap& map, Visit&& visit) {
-    ellipses_.clear();
-    for (const ConicCut& cut : cuts) {
-      if (cut.whole) {
-        ellipses_.push_back(ellipse_of(cut, map));
-        continue;
-      }
+  void visit(const ConicCut& cut, const PixelMap& map, Visit&& visit) {
+    if (!cut.whole) {
       polygon_.points.clear();
       polygon_.loops.clear();
       append_outline(cut, polygon_);
       if (!polygon_.loops.empty()) polygons_.visit(polygon_.points, map, visit);
+      return;
     }
-    for (const PixelEllipse& ellipse : ellipses_) {
-      const RowRange rows = find_ends(ellipse);
-      for (std::int32_t row = rows.first; row < rows.end; ++row) {
-        const auto at = static_cast<std::size_t>(row - rows.first);
-        if (first_[at] < end_[at]) visit(row, first_[at], end_[at]);
-      }
+    const RowRange rows = find_ends(cut, map);
+    for (std::int32_t row = rows.first; row < rows.end; ++row) {
+      const auto at = static_cast<std::size_t>(row - rows.first);
+      if (first_[at] < end_[at]) visit(row, first_[at], end_[at]);
     }
   }
   // The same for a convex polygon.
@@ -47,21 +41,13 @@ class ConicRows {
   }
 
  private:
-  // In pixels: at the height Y below its middle a row's centre line is inside from lean Y - sqrt(flat -
-  // bend Y^2) to lean Y + the same, right of the middle. It reaches as far above its middle as below.
-  struct PixelEllipse {
-    PixelPoint middle;
-    double lean, flat, bend, reach;
-  };
   struct RowRange {
     std::int32_t first, end;
   };
-  [[nodiscard]] static PixelEllipse ellipse_of(const ConicCut& cut, const PixelMap& map);
-  [[nodiscard]] RowRange find_ends(const PixelEllipse& ellipse);
+  [[nodiscard]] RowRange find_ends(const ConicCut& cut, const PixelMap& map);
 
   double width_, height_;
   std::vector<std::int32_t> first_, end_;  // of each row of an ellipse
-  std::vector<PixelEllipse> ellipses_;     // all before the first one's rows: each waits for no other's
   ConvexRows polygons_;
   Contours polygon_;
 };

@@ -291,7 +291,8 @@ void Rasterizer::light(std::span<const ConicCut> cuts, const PixelMap& map) {
   const auto light = [this, pixels](std::int32_t row, std::int32_t first, std::int32_t end) {
     light_run(pixels + static_cast<std::ptrdiff_t>(row) * width_, row, first, end);
   };
-  lit_rows_.visit(cuts, map, light);
+  for (const ConicCut& cut : cuts)
+    lit_rows_.visit(cut, map, light);
 }
 
 Rasterizer::Painted Rasterizer::paint_bands(MaskBudget& budget, Overlaps overlaps) {
