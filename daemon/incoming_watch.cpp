@@ -126,15 +126,14 @@ void IncomingWatch::take_event(const inotify_event& event) {
 
 // A model whose ticket has changed arrives again: it is another job.
 void IncomingWatch::consider_models_of(const std::string& ticket) {
-  const fs::path name(ticket);
-  if (name.extension() != ".json") return;
-  std::vector<std::string> models;
-  const std::string begin = name.stem().string() + '.';
-  for (auto file = arrived_.lower_bound(begin); file != arrived_.end() && file->starts_with(begin); ++file) {
-    if (fs::path(*file).replace_extension(".json") == name) models.push_back(*file);
-  }
-  for (const std::string& model : models)
-    consider(model, Look::Event);
+  if (!ticket.ends_with(".json")) return;
+  disk_.run([this, ticket] { return folders_.models_of_ticket(ticket); },
+            [this](const std::vector<fs::path>& models) {
+              for (const fs::path& model : models) {
+                const std::string file = model.filename().string();
+                if (arrived_.contains(file)) consider(file, Look::Event);
+              }
+            });
 }
 
 // --- files

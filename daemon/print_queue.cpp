@@ -17,6 +17,9 @@
 namespace contourd {
 namespace {
 
+// So often a job may be written again while it is looked at, and keep its place.
+constexpr int kMostInterruptions = 3;
+
 void tell_question(const Log& log, const WaitingJob& job) {
   const std::string file = printable(job.file);
   const LogFields fields = file_fields(job.file);
@@ -63,8 +66,11 @@ void PrintQueue::arrived(const std::string& file) {
   WaitingJob job{.file = file, .arrived = std::chrono::steady_clock::now()};
   if (queued != jobs_.end()) {
     job.trouble = std::move(queued->trouble);  // told already
+    const bool interrupted = queued->is_looked_at();
+    job.interruptions = queued->interruptions + (interrupted ? 1 : 0);
     *queued = std::move(job);
     calls_.forget(file);
+    if (interrupted && queued->interruptions > kMostInterruptions) move_behind_others(queued);
   } else {
     const std::size_t place =
         order_.place_of(file, jobs_, [](const WaitingJob& each) { return std::string_view(each.file); });
@@ -73,6 +79,19 @@ void PrintQueue::arrived(const std::string& file) {
               file_fields(file));
   }
   calls_.changed();
+}
+
+// The others would wait for it for ever.
+void PrintQueue::move_behind_others(const Position& queued) {
+  WaitingJob job = std::move(*queued);
+  jobs_.erase(queued);
+  if (job.interruptions == kMostInterruptions + 1 && !jobs_.empty())
+    log_.warning("moved",
+                 fmt::format("{}: is written again and again while it is read; the others go first",
+                             printable(job.file)),
+                 file_fields(job.file));
+  order_.remove(job.file);
+  jobs_.push_back(std::move(job));
 }
 
 void PrintQueue::withdrawn(const std::string& file) {

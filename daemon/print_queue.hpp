@@ -52,7 +52,12 @@ struct WaitingJob {
   std::string trouble{};                // why it could not be claimed, already told
   std::optional<JobOutlook> outlook{};  // what its check found; nothing before, and when that found a mistake
   std::size_t taken_from = 0;           // its place when take_first() gave it
+  int interruptions = 0;                // of a look at it, since it was written again
 
+  // For its check, or through its layers.
+  [[nodiscard]] bool is_looked_at() const {
+    return check == Check::Running || screening == Screening::Running;
+  }
   // What was found is about other files or settings.
   void screen_again();
   // What its check has found, too.
@@ -89,7 +94,8 @@ class PrintQueue {
   // The order that the last process has left. Before anything arrives.
   void load_order(std::vector<std::string> files) { order_.load(std::move(files)); }
 
-  // incoming/`file` is whole. Written again, it keeps its place and is checked again.
+  // incoming/`file` is whole. Written again, it keeps its place and is checked again; behind all others when
+  // that interrupts look after look at it.
   void arrived(const std::string& file);
   // incoming/`file` is gone.
   void withdrawn(const std::string& file);
@@ -163,6 +169,7 @@ class PrintQueue {
   void rejected(const Reject& job, Spool::Rejection rejection, const std::string& trouble);
   void not_rejected(const Position& job);
   void tell_rejected(const Reject& job, Spool::Rejection rejection, const std::string& trouble) const;
+  void move_behind_others(const Position& queued);
   void remove_withdrawn(const Position& job);
 
   const Log& log_;

@@ -194,6 +194,33 @@ TEST_CASE("A job that is written again keeps its place, and is checked again") {
   CHECK(desk.log.count("a.stl: arrived") == 1);
 }
 
+TEST_CASE("A job that is written again and again while it is read lets the others go first") {
+  Desk desk;
+  desk.arrive({"a.stl", "b.stl", "c.stl"});
+  const auto interrupt = [&](int times) {
+    for (int i = 0; i < times; ++i) {
+      desk.queue.check_next();
+      REQUIRE(desk.checks.back().file == "a.stl");
+      desk.queue.arrived("a.stl");
+      // What was written while nobody read it has kept nobody waiting.
+      desk.queue.arrived("a.stl");
+    }
+  };
+  interrupt(3);
+  CHECK(desk.order() == Names{"a.stl", "b.stl", "c.stl"});
+  interrupt(1);
+  CHECK(desk.order() == Names{"b.stl", "c.stl", "a.stl"});
+  CHECK(desk.log.count("a.stl: is written again and again while it is read; the others go first") == 1);
+  desk.queue.check_next();
+  CHECK(desk.checks.back().file == "b.stl");
+  // Nor does it wait in vain, once they are through.
+  CHECK(desk.queue.take_first().file == "b.stl");
+  CHECK(desk.queue.take_first().file == "c.stl");
+  interrupt(2);
+  CHECK(desk.order() == Names{"a.stl"});
+  CHECK(desk.log.count("the others go first") == 1);
+}
+
 TEST_CASE("A job that is written again waits anew, and what was told of it is not told again") {
   Desk desk;
   desk.arrive({"a.stl"});

@@ -121,8 +121,8 @@ TEST_CASE("The contacts of supports are marked in the picture where they are, by
     REQUIRE(preview.contacts.size() == 3);
     CHECK(preview.contacts[0].cause == ContactCause::Peel);
     CHECK(preview.contacts[1].cause == ContactCause::Overhang);
-    // The outline's leftmost, lowest and rightmost point: as far as two pixels of the display, of which a
-    // corner is drawn round.
+    // They are the outline's leftmost, lowest and rightmost points; anti-aliasing rounds its corners by up to
+    // two pixels of the display.
     int left = 1000, right = 0, bottom = 0;
     for (int row = 0; row < preview.side.count(); ++row) {
       for (int column = 0; column < preview.side.count(); ++column) {
