@@ -10,29 +10,33 @@
 
 #include "core/contour/conic_cut.hpp"
 #include "core/mask/convex_rows.hpp"
+#include "core/mask/pixel_ellipse.hpp"
 #include "core/mask/pixel_map.hpp"
 
 namespace contourd {
+
+// An ellipse's pixels: of the row `top + i` those from first[i] until end[i], none where that is no more.
+// All of them lie from `left` until `right`.
+struct EllipseRows {
+  std::int32_t top;
+  std::span<const std::int32_t> first, end;
+  std::int32_t left, right;
+};
 
 class ConicRows {
  public:
   ConicRows(Pixels width, Pixels height);
 
-  // Calls `visit(row, first, end)` for the pixels [first, end) of each row that has any, from the top.
+  // REQUIRES: a whole one. Valid until the next call.
+  [[nodiscard]] EllipseRows ellipse(const ConicCut& cut, const PixelMap& map);
+  // Calls `visit(row, first, end)` for the pixels [first, end) of each row that has any, from the top, of a
+  // cut that is not whole.
   template <typename Visit>
   void visit(const ConicCut& cut, const PixelMap& map, Visit&& visit) {
-    if (!cut.whole) {
-      polygon_.points.clear();
-      polygon_.loops.clear();
-      append_outline(cut, polygon_);
-      if (!polygon_.loops.empty()) polygons_.visit(polygon_.points, map, visit);
-      return;
-    }
-    const RowRange rows = find_ends(cut, map);
-    for (std::int32_t row = rows.first; row < rows.end; ++row) {
-      const auto at = static_cast<std::size_t>(row - rows.first);
-      if (first_[at] < end_[at]) visit(row, first_[at], end_[at]);
-    }
+    polygon_.points.clear();
+    polygon_.loops.clear();
+    append_outline(cut, polygon_);
+    if (!polygon_.loops.empty()) polygons_.visit(polygon_.points, map, visit);
   }
   // The same for a convex polygon.
   template <typename Visit>
@@ -41,12 +45,7 @@ class ConicRows {
   }
 
  private:
-  struct RowRange {
-    std::int32_t first, end;
-  };
-  [[nodiscard]] RowRange find_ends(const ConicCut& cut, const PixelMap& map);
-
-  double width_, height_;
+  std::int32_t width_, height_;
   std::vector<std::int32_t> first_, end_;  // of each row of an ellipse
   ConvexRows polygons_;
   Contours polygon_;

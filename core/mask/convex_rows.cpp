@@ -1,5 +1,6 @@
 #include "core/mask/convex_rows.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace contourd {

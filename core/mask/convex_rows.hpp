@@ -4,7 +4,6 @@
 // Not thread-safe; allocates in its constructor only.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -13,6 +12,7 @@
 
 #include "core/contract/expects.hpp"
 #include "core/geometry/facet.hpp"
+#include "core/mask/pixel_centers.hpp"
 #include "core/mask/pixel_map.hpp"
 
 namespace contourd {
@@ -44,16 +44,10 @@ class ConvexRows {
     double right = -std::numeric_limits<double>::infinity();
   };
 
-  // How many of 0.5, 1.5, 2.5... lie before a number, up to a limit.
-  [[nodiscard]] static std::int32_t centers_before(double number, double limit) {
-    const double held = std::min(std::max(number - 0.5, 0.0), limit);
-    const auto whole = static_cast<std::int32_t>(held);
-    return whole + static_cast<std::int32_t>(whole < held);
-  }
   [[nodiscard]] RowRange find_ends(std::span<const Point> corners, const PixelMap& map);
   void add_side(PixelPoint from, PixelPoint to);
 
-  double width_, height_;
+  std::int32_t width_, height_;
   std::vector<Ends> ends_;  // by row
 };
 

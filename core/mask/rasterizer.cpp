@@ -11,6 +11,7 @@
 #include "core/contract/expects.hpp"
 #include "core/geometry/double_pair.hpp"
 #include "core/mask/exact_side.hpp"
+#include "core/mask/pixel_centers.hpp"
 
 namespace contourd {
 namespace {
@@ -106,6 +107,18 @@ void add_piece(const CoverageBand::Row& row, const Piece& piece) {
   row.add(static_cast<std::size_t>(column), first, both - first, piece.cover - both);
 }
 
+// Lights a run of pixels among so many, by vectors of them.
+template <std::size_t kPixels>
+inline void light_among(std::uint8_t* pixels, std::int32_t first, std::int32_t count) {
+  static_assert(kPixels < 256);
+  std::array<std::uint8_t, kPixels> lit;
+  std::memcpy(lit.data(), pixels, lit.size());
+  const auto begin = static_cast<std::uint8_t>(first), length = static_cast<std::uint8_t>(count);
+  for (std::uint8_t i = 0; i < kPixels; ++i)
+    lit[i] |= static_cast<std::uint8_t>(i - begin) < length ? 255 : 0;
+  std::memcpy(pixels, lit.data(), lit.size());
+}
+
 }  // namespace
 
 Rasterizer::Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing)
@@ -189,17 +202,16 @@ void Rasterizer::add_level(std::int32_t y, double from_x, double to_x) {
   level_sides_.push_back({y, from_x, to_x});
 }
 
-void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
+inline void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
+  // Rows whose centre line y lies between the ends', the upper one's counted. Most sides cross none.
+  const std::int32_t first_row = centers_before(std::min(from.y, to.y), height_);
+  const std::int32_t end_row = centers_before(std::max(from.y, to.y), height_);
+  if (first_row == end_row) return;
   std::int32_t sign = 1;
   if (to.y < from.y) {
     sign = -1;
     std::swap(from, to);
   }
-  // Rows whose centre line y lies in [from.y, to.y).
-  const double height = height_;
-  const auto first_row = static_cast<std::int32_t>(std::ceil(std::clamp(from.y - 0.5, 0.0, height)));
-  const auto end_row = static_cast<std::int32_t>(std::ceil(std::clamp(to.y - 0.5, 0.0, height)));
-  if (first_row == end_row) return;
   std::uint32_t& first = first_side_at(first_row);
   center_sides_.push_back({from, to, (to.x - from.x) / (to.y - from.y), first_row, end_row, sign, first});
   first = static_cast<std::uint32_t>(center_sides_.size() - 1);
@@ -265,34 +277,67 @@ bool Rasterizer::paint(MaskBudget& budget) {
   return painted == Painted::All;
 }
 
-// The next picture finds the run's blocks neither dark nor, by this, full: it writes them anew.
-inline void Rasterizer::light_run(std::uint8_t* pixels, std::int32_t row, std::int32_t first,
-                                  std::int32_t end) {
-  constexpr std::size_t kBlock = CoverageBand::kBlock, kChunkBlocks = 64;
-  std::memset(pixels + first, 255, static_cast<std::size_t>(end - first));
-  std::uint64_t* const dark = dark_.data() + static_cast<std::size_t>(row) * band_.chunks();
-  const std::size_t last = static_cast<std::size_t>(end - 1) / kBlock;
-  for (std::size_t block = static_cast<std::size_t>(first) / kBlock; block <= last; ++block)
-    dark[block / kChunkBlocks] &= ~(std::uint64_t{1} << block % kChunkBlocks);
-  band_lit_[static_cast<std::size_t>(row >> band_bits_)] = 1;
+// The next picture finds these columns' blocks neither dark nor, by this, full: it writes them anew.
+void Rasterizer::mark_lit(PixelArea area) {
+  constexpr std::int32_t kBlock = CoverageBand::kBlock, kChunkBlocks = 64;
+  const std::int32_t first = area.left / kBlock, last = (area.right - 1) / kBlock;
+  const std::size_t chunks = band_.chunks();
+  for (std::int32_t chunk = first / kChunkBlocks; chunk <= last / kChunkBlocks; ++chunk) {
+    const std::int32_t from = std::max(first - chunk * kChunkBlocks, 0);
+    const std::int32_t to = std::min(last - chunk * kChunkBlocks, kChunkBlocks - 1);
+    const std::uint64_t kept = ~((~std::uint64_t{0} >> (kChunkBlocks - 1 - to + from)) << from);
+    std::uint64_t* dark =
+        dark_.data() + static_cast<std::size_t>(area.top) * chunks + static_cast<std::size_t>(chunk);
+    for (std::int32_t row = area.top; row < area.bottom; ++row, dark += chunks)
+      *dark &= kept;
+  }
+  for (std::int32_t band = area.top >> band_bits_; band <= (area.bottom - 1) >> band_bits_; ++band)
+    band_lit_[static_cast<std::size_t>(band)] = 1;
+}
+
+void Rasterizer::light_run(std::int32_t row, std::int32_t first, std::int32_t end) {
+  std::memset(mask_.row(row).data() + first, 255, static_cast<std::size_t>(end - first));
+  mark_lit({first, end, row, row + 1});
+}
+
+// A support's rows are short, and hardly two of a length: these are lit without a branch.
+void Rasterizer::light_ellipse(const EllipseRows& ellipse) {
+  constexpr std::int32_t kShort = 32;
+  const std::int32_t rows = static_cast<std::int32_t>(ellipse.first.size()), width = width_;
+  if (rows == 0 || ellipse.left >= ellipse.right) return;
+  std::uint8_t* pixels = mask_.row(ellipse.top).data();
+  const std::int32_t* first = ellipse.first.data();
+  const std::int32_t* end = ellipse.end.data();
+  if (const std::int32_t left = ellipse.left; ellipse.right - left <= kShort && left + kShort <= width) {
+    pixels += left;
+    for (std::int32_t i = 0; i < rows; ++i, pixels += width)
+      light_among<kShort>(pixels, first[i] - left, end[i] - first[i]);
+  } else {
+    for (std::int32_t i = 0; i < rows; ++i, pixels += width)
+      std::memset(pixels + first[i], 255, static_cast<std::size_t>(end[i] - first[i]));
+  }
+  mark_lit({ellipse.left, ellipse.right, ellipse.top, ellipse.top + rows});
 }
 
 void Rasterizer::light(const Contours& convex, const PixelMap& map) {
-  std::uint8_t* const pixels = mask_.row(0).data();
-  const auto light = [this, pixels](std::int32_t row, std::int32_t first, std::int32_t end) {
-    light_run(pixels + static_cast<std::ptrdiff_t>(row) * width_, row, first, end);
+  const auto light = [this](std::int32_t row, std::int32_t first, std::int32_t end) {
+    light_run(row, first, end);
   };
   for (const ContourLoop& loop : convex.loops)
     lit_rows_.visit(convex.points_of(loop), map, light);
 }
 
 void Rasterizer::light(std::span<const ConicCut> cuts, const PixelMap& map) {
-  std::uint8_t* const pixels = mask_.row(0).data();
-  const auto light = [this, pixels](std::int32_t row, std::int32_t first, std::int32_t end) {
-    light_run(pixels + static_cast<std::ptrdiff_t>(row) * width_, row, first, end);
+  const auto light = [this](std::int32_t row, std::int32_t first, std::int32_t end) {
+    light_run(row, first, end);
   };
-  for (const ConicCut& cut : cuts)
-    lit_rows_.visit(cut, map, light);
+  for (const ConicCut& cut : cuts) {
+    if (cut.whole) {
+      light_ellipse(lit_rows_.ellipse(cut, map));
+    } else {
+      lit_rows_.visit(cut, map, light);
+    }
+  }
 }
 
 Rasterizer::Painted Rasterizer::paint_bands(MaskBudget& budget, Overlaps overlaps) {

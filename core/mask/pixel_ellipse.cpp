@@ -1,0 +1,78 @@
+#include "core/mask/pixel_ellipse.hpp"
+
+#include <cmath>
+#include <cstddef>
+
+namespace contourd {
+namespace {
+
+// As centers_before(), up to a whole limit: those from the number on are counted, since that takes no
+// comparison, and so several rows at once.
+[[gnu::always_inline]] inline std::int32_t centers_left_of(double number, double limit) {
+  double beyond = limit - number;
+  beyond = beyond > 0 ? beyond : 0;
+  beyond = beyond < limit ? beyond : limit;
+  return static_cast<std::int32_t>(limit) - static_cast<std::int32_t>(beyond + 0.5);
+}
+
+// Vectorized as it is; the instructions are those of whom it is inlined into.
+[[gnu::always_inline]] inline void find_ends(const PixelEllipse& ellipse, std::int32_t top,
+                                             std::int32_t width, RowEnds ends) {
+  const double limit = width, middle = ellipse.middle.x, down = 0.5 - ellipse.middle.y + top;
+  const double lean = ellipse.lean, flat = ellipse.flat, bend = ellipse.bend;
+  std::int32_t* __restrict first = ends.first.data();
+  std::int32_t* __restrict end = ends.end.data();
+  const auto rows = static_cast<std::int32_t>(ends.first.size());
+  for (std::int32_t i = 0; i < rows; ++i) {
+    const double y = i + down, center = middle + lean * y;
+    // At the ellipse's ends a rounding may make it less than 0.
+    const double half = std::sqrt(std::fabs(flat - bend * (y * y)));
+    first[i] = centers_left_of(center - half, limit);
+    end[i] = centers_left_of(center + half, limit);
+  }
+}
+
+#if defined(__x86_64__)
+// Not FMA: it rounds once where all others round twice.
+[[gnu::target("avx2")]] void find_row_ends_avx2(const PixelEllipse& ellipse, std::int32_t top,
+                                                std::int32_t width, RowEnds ends) {
+  find_ends(ellipse, top, width, ends);
+}
+#endif
+
+}  // namespace
+
+// Half of it along is (x, y), S its square and k S that of half across. A place (X, Y) from the middle is
+// inside where k (X x + Y y)^2 + (X y - Y x)^2 <= k S^2: with n = k x^2 + y^2 a quadratic in X, solved for
+// it. No quotient waits for another, since most ellipses have few rows.
+PixelEllipse pixel_ellipse(const ConicCut& cut, const PixelMap& map) {
+  const double u = (cut.low + cut.high) / 2, scale = map.pixels_per_mm();
+  const PixelPoint middle = map.to_pixels({cut.origin.x + u * cut.along.x, cut.origin.y + u * cut.along.y});
+  const PixelPoint end =
+      map.to_pixels({cut.origin.x + cut.high * cut.along.x, cut.origin.y + cut.high * cut.along.y});
+  const double x = end.x - middle.x, y = end.y - middle.y, x2 = x * x, y2 = y * y;
+  const double squared = x2 + y2, across2 = cut.first.at(u) * cut.second.at(u) * (scale * scale);
+  const double sn = across2 * x2 + squared * y2;  // S n
+  const double per_s = 1 / squared, per_sn = 1 / sn;
+  const double flat = squared * squared * across2 * per_sn;
+  return {middle,
+          (squared - across2) * (x * y) * per_sn,
+          flat,
+          flat * squared * per_sn,
+          std::sqrt((squared * x2 + across2 * y2) * per_s),
+          std::sqrt(sn * per_s)};
+}
+
+void find_row_ends_baseline(const PixelEllipse& ellipse, std::int32_t top, std::int32_t width, RowEnds ends) {
+  find_ends(ellipse, top, width, ends);
+}
+
+void find_row_ends(const PixelEllipse& ellipse, std::int32_t top, std::int32_t width, RowEnds ends) {
+#if defined(__x86_64__)
+  static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
+  if (has_avx2) return find_row_ends_avx2(ellipse, top, width, ends);
+#endif
+  find_row_ends_baseline(ellipse, top, width, ends);
+}
+
+}  // namespace contourd

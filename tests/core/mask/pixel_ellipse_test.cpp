@@ -1,0 +1,61 @@
+#include "core/mask/pixel_ellipse.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/random_shapes.hpp"
+
+using namespace contourd;
+using namespace contourd::testing;
+
+namespace {
+
+constexpr std::int32_t kWidth = 64;
+
+PixelEllipse draw_ellipse() {
+  const DisplayGeometry display{Pixels{kWidth}, Pixels{48}, Micrometers{1000.0}};
+  const double turn = draw_real(0, 2 * std::numbers::pi);
+  const double half_length = draw_real(0.3, 30), half_width = draw_real(0.3, 30);
+  const double narrow = half_width / half_length;
+  const ConicCut cut{{draw_real(-40, 40), draw_real(-30, 30)},
+                     {std::cos(turn), std::sin(turn)},
+                     -half_length,
+                     half_length,
+                     {half_width, narrow},
+                     {half_width, -narrow},
+                     true};
+  return pixel_ellipse(cut, PixelMap::true_scale(display, {0, 0}));
+}
+
+}  // namespace
+
+TEST_CASE("Rows' ends are the same by wide vectors and by what every processor has") {
+  CHECK(rc::check([] {
+    const PixelEllipse ellipse = draw_ellipse();
+    const auto top = static_cast<std::int32_t>(std::floor(ellipse.middle.y - ellipse.reach_y));
+    const auto rows = static_cast<std::size_t>(2 * ellipse.reach_y + 2);
+    std::vector<std::int32_t> first(rows), end(rows), baseline_first(rows), baseline_end(rows);
+    find_row_ends(ellipse, top, kWidth, {first, end});
+    find_row_ends_baseline(ellipse, top, kWidth, {baseline_first, baseline_end});
+    RC_ASSERT(first == baseline_first);
+    RC_ASSERT(end == baseline_end);
+  }));
+}
+
+TEST_CASE("An ellipse reaches as far as its rows do") {
+  CHECK(rc::check([] {
+    const PixelEllipse ellipse = draw_ellipse();
+    double farthest = 0;
+    for (int i = -1000; i <= 1000; ++i) {
+      const double y = ellipse.reach_y * i / 1000;
+      const double half = std::sqrt(std::max(0.0, ellipse.flat - ellipse.bend * y * y));
+      farthest = std::max({farthest, ellipse.lean * y + half, half - ellipse.lean * y});
+    }
+    // A step's way along the outline, where that is nearly upright.
+    RC_ASSERT(farthest <= ellipse.reach_x * (1 + 1e-9));
+    RC_ASSERT(farthest > ellipse.reach_x * 0.99);
+  }));
+}
