@@ -281,15 +281,29 @@ bool ClearanceField::has_room(const PlatePoint& center, double radius_mm) const 
   return layers_.is_clear(center, radius_mm + clearance_mm_);
 }
 
+// The layers are asked where there is the least room first: most ways that do not fit end at once.
 bool ClearanceField::has_room(const PlateSegment& segment, double radius_mm) const {
-  if (!has_room(segment.from, radius_mm) || !has_room(segment.to, radius_mm)) return false;
+  if (edge_distance(segment.from) < radius_mm || edge_distance(segment.to) < radius_mm) return false;
+  struct Look {
+    double slack_mm;
+    PlatePoint point;
+  };
+  std::vector<Look> unsure;
+  const auto look_at = [&](const PlatePoint& point) {
+    const Slack slack = slack_at(point, radius_mm);
+    if (slack.least_mm < 0) unsure.push_back({slack.least_mm, point});
+    return slack;
+  };
+  if (look_at(segment.from).greatest_mm < 0 || look_at(segment.to).greatest_mm < 0) return false;
   const double length = segment.length();
   for (double at = kLook_mm; at < length;) {
-    const PlatePoint point = segment.at(at / length);
-    if (!has_room(point, radius_mm)) return false;
-    at += std::max(slack_at(point, radius_mm).least_mm, kLook_mm);
+    const Slack slack = look_at(segment.at(at / length));
+    if (slack.greatest_mm < 0) return false;
+    at += std::max(slack.least_mm, kLook_mm);
   }
-  return true;
+  std::ranges::sort(unsure, {}, &Look::slack_mm);
+  return std::ranges::all_of(
+      unsure, [&](const Look& look) { return layers_.is_clear(look.point, radius_mm + clearance_mm_); });
 }
 
 }  // namespace contourd

@@ -69,6 +69,8 @@ bool LayerStack::is_disc_clear(std::int32_t layer, double row, double column, do
   const double across = std::sqrt(disc_mm2) / pitch_mm_ + 1;
   const double last = std::min(std::floor(row + across), in.end_row - 1.0);
   const auto first = static_cast<std::int32_t>(std::max<double>(std::ceil(row - across), in.first_row));
+  // The rows' runs are much alike: those near the disc have about the same numbers.
+  std::size_t near = 0;
   for (std::int32_t at = first; at <= last; ++at) {
     const std::span<const Run> runs = runs_in(layer, at);
     if (runs.empty()) continue;
@@ -76,9 +78,14 @@ bool LayerStack::is_disc_clear(std::int32_t layer, double row, double column, do
     const double left = disc_mm2 - aside * aside;
     if (left <= 0) continue;
     const double reach = std::sqrt(left) / pitch_mm_ + 1;
-    const double low = std::ceil(column - reach), high = std::floor(column + reach);
-    const auto run = std::ranges::partition_point(runs, [low](const Run& each) { return each.end <= low; });
-    if (run != runs.end() && run->first <= high) return false;
+    const auto low = static_cast<std::int32_t>(std::clamp<double>(std::ceil(column - reach), 0, columns_));
+    const auto high = static_cast<std::int32_t>(std::clamp<double>(std::floor(column + reach), -1, columns_));
+    near = std::min(near, runs.size());
+    while (near > 0 && runs[near - 1].end > low)
+      --near;
+    while (near < runs.size() && runs[near].end <= low)
+      ++near;
+    if (near < runs.size() && runs[near].first <= high) return false;
   }
   return true;
 }

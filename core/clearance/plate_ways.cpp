@@ -161,7 +161,7 @@ std::optional<PlateWays::Step> PlateWays::first_step(const PlatePoint& point) co
     for (std::int32_t column = here.column - reach; column <= here.column + reach; ++column) {
       const ClearanceField::Cell cell{column, row, level};
       const Cost cost = cost_at(cell);
-      if (cost == kNoWay) continue;
+      if (cost == kNoWay || (best && cost * kUnit_mm + drop >= best->cost_mm)) continue;
       const PlateSegment segment{point, field_.middle_of(column, row, level)};
       if (!segment.leads_down()) continue;
       const double all = cost * kUnit_mm + segment.length();

@@ -41,10 +41,11 @@ std::uint32_t sum_of(std::uint64_t word) {
 std::size_t skip_dark(const std::uint8_t* pixels, std::size_t at, std::size_t width) {
   constexpr std::size_t kBlock = 8 * kWord;
   for (; at + kBlock <= width; at += kBlock) {
-    std::uint64_t any = 0;
-    for (std::size_t i = 0; i < kBlock; i += kWord)
-      any |= word_at(pixels + at + i);
-    if (any != 0) break;
+    // Pairs, so that no word waits for all before it.
+    const auto pair_at = [from = pixels + at](std::size_t words) {
+      return word_at(from + words * kWord) | word_at(from + (words + 1) * kWord);
+    };
+    if (((pair_at(0) | pair_at(2)) | (pair_at(4) | pair_at(6))) != 0) break;
   }
   for (; at + kWord <= width; at += kWord) {
     const std::uint64_t word = word_at(pixels + at);

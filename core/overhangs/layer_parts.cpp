@@ -1,6 +1,7 @@
 #include "core/overhangs/layer_parts.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "core/contract/expects.hpp"
@@ -9,6 +10,9 @@ namespace contourd {
 namespace {
 
 constexpr std::uint32_t kNone = 0xFFFFFFFF;
+
+// Of pixels that touch by sides; a part of fewer hangs on by a corner.
+constexpr std::int64_t kFewestBesideCorner = 10;
 
 }  // namespace
 
@@ -22,8 +26,10 @@ void LayerParts::add_layer(const MaskRuns& lit, const MaskRuns& beneath) {
   run_parent_.resize(runs);
   for (std::uint32_t run = 0; run < runs; ++run)
     run_parent_[run] = run;
+  corners_.clear();
   for (std::int32_t row = 1; row < lit.rows(); ++row)
-    join_rows(lit, row);
+    join_by_sides(lit, row);
+  if (!corners_.empty()) join_by_corners(lit);
   number_parts(lit);
   for (std::int32_t row = 0; row < lit.rows(); ++row)
     take_over_bodies(lit, beneath, row);
@@ -61,15 +67,41 @@ std::uint32_t LayerParts::root_of(std::uint32_t run) {
   return run;
 }
 
-void LayerParts::join_rows(const MaskRuns& lit, std::int32_t row) {
+void LayerParts::join_runs(const RunPair& pair) {
+  const std::uint32_t a = root_of(pair.above), b = root_of(pair.here);
+  run_parent_[std::max(a, b)] = std::min(a, b);
+}
+
+// Those that touch by a corner alone are noted.
+void LayerParts::join_by_sides(const MaskRuns& lit, std::int32_t row) {
   const std::span<const PixelRun> above = lit.in_row(row - 1), here = lit.in_row(row);
   const std::uint32_t first_above = lit.first_in_row(row - 1), first_here = lit.first_in_row(row);
   // One column's reach: pixels that touch by a corner.
   for_each_meeting(above, here, 1, [&](std::size_t i, std::size_t j) {
-    const std::uint32_t a = root_of(first_above + static_cast<std::uint32_t>(i));
-    const std::uint32_t b = root_of(first_here + static_cast<std::uint32_t>(j));
-    run_parent_[std::max(a, b)] = std::min(a, b);
+    const RunPair pair{first_above + static_cast<std::uint32_t>(i),
+                       first_here + static_cast<std::uint32_t>(j)};
+    if (above[i].first < here[j].end && here[j].first < above[i].end) {
+      join_runs(pair);
+    } else {
+      corners_.push_back(pair);
+    }
   });
+}
+
+void LayerParts::join_by_corners(const MaskRuns& lit) {
+  const auto runs = static_cast<std::uint32_t>(lit.runs().size());
+  // Of what touches by sides, by its root: the first of its runs.
+  side_pixels_.assign(runs, 0);
+  for (std::uint32_t run = 0; run < runs; ++run)
+    side_pixels_[root_of(run)] += lit.runs()[run].end - lit.runs()[run].first;
+  const auto hangs_on = [this](const RunPair& corner) {
+    return std::min(side_pixels_[root_of(corner.above)], side_pixels_[root_of(corner.here)]) <
+           kFewestBesideCorner;
+  };
+  // All are judged before any is joined: their order does not matter.
+  std::erase_if(corners_, [&](const RunPair& corner) { return !hangs_on(corner); });
+  for (const RunPair& corner : corners_)
+    join_runs(corner);
 }
 
 void LayerParts::number_parts(const MaskRuns& lit) {

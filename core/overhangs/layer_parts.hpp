@@ -12,7 +12,8 @@
 
 namespace contourd {
 
-// Its pixels touch by sides or corners.
+// Its pixels touch by sides. By a corner hangs only what has few pixels, since one more grey value may be the
+// gap: a pixel is lit here where its centre is, and cures from half the light on.
 struct LayerPart {
   std::uint32_t body = 0;
   std::int64_t pixels = 0;
@@ -45,12 +46,20 @@ class LayerParts {
  private:
   [[nodiscard]] std::uint32_t body_now(std::uint32_t body);
   [[nodiscard]] std::uint32_t root_of(std::uint32_t run);
-  void join_rows(const MaskRuns& lit, std::int32_t row);
+  // By their numbers; of rows that follow each other.
+  struct RunPair {
+    std::uint32_t above, here;
+  };
+  void join_runs(const RunPair& pair);
+  void join_by_sides(const MaskRuns& lit, std::int32_t row);
+  void join_by_corners(const MaskRuns& lit);
   void number_parts(const MaskRuns& lit);
   void take_over_bodies(const MaskRuns& lit, const MaskRuns& beneath, std::int32_t row);
   void join_bodies(std::uint32_t& body, std::uint32_t other);
 
   std::vector<std::uint32_t> run_parent_;
+  std::vector<RunPair> corners_;           // that touch by a corner alone
+  std::vector<std::int64_t> side_pixels_;  // by root, of what touches by sides
   std::vector<LayerPart> parts_;
   std::vector<LayerPart> parts_beneath_;
   std::vector<std::uint32_t> part_of_run_, part_of_run_beneath_;

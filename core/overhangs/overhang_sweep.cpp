@@ -12,7 +12,7 @@
 #include "core/overhangs/layer_parts.hpp"
 #include "core/overhangs/overhang_cover.hpp"
 #include "core/overhangs/peel_balance.hpp"
-#include "core/overhangs/surface_probe.hpp"
+#include "core/overhangs/surfaces_beneath.hpp"
 #include "core/overhangs/sweep_grid.hpp"
 #include "core/overhangs/underside.hpp"
 
@@ -90,7 +90,9 @@ class Sweep {
   [[nodiscard]] Need need_of(const ReachingPixel& pixel) const;
   [[nodiscard]] bool is_speck(const LayerPart& part) const;
   [[nodiscard]] SweepPixel place_for(const OverhangCover::Choice& choice) const;
-  [[nodiscard]] SupportContact contact_of(const PlacedContact& placed, const SurfaceProbe& probe) const;
+  [[nodiscard]] std::vector<SurfacePlace> places() const;
+  [[nodiscard]] SupportContact contact_of(const PlacedContact& placed,
+                                          const std::optional<Surface>& surface) const;
   void hold_specks();
   void hold_overhangs(const std::stop_token& stop);
   void balance_peel(const std::stop_token& stop);
@@ -208,11 +210,20 @@ void Sweep::add_contact(const PlacedContact& contact) {
     underside_.hold(placed.at, cover_.radii().reach * grid_.pixel_mm() + kGrowthMm);
 }
 
-SupportContact Sweep::contact_of(const PlacedContact& placed, const SurfaceProbe& probe) const {
+// Where contacts look for the surface that they hold.
+std::vector<SurfacePlace> Sweep::places() const {
+  std::vector<SurfacePlace> places;
+  for (const PlacedContact& placed : contacts_) {
+    const double high_mm = to_millimeters(grid_.height_of(placed.layer)).count();
+    places.push_back({grid_.place_of(placed.at), high_mm - 3 * grid_.step_mm(), high_mm,
+                      settings_.tip_diameter.count() / 2});
+  }
+  return places;
+}
+
+SupportContact Sweep::contact_of(const PlacedContact& placed, const std::optional<Surface>& surface) const {
   const Point place = grid_.place_of(placed.at);
   const double high_mm = to_millimeters(grid_.height_of(placed.layer)).count();
-  const auto surface =
-      probe.beneath(place, {high_mm - 3 * grid_.step_mm(), high_mm}, settings_.tip_diameter.count() / 2);
   SupportContact contact;
   contact.place = {place.x, place.y, surface ? surface->z_mm : high_mm - grid_.step_mm() / 2};
   contact.outward = surface ? surface->outward : Direction{0, 0, -1};
@@ -222,10 +233,10 @@ SupportContact Sweep::contact_of(const PlacedContact& placed, const SurfaceProbe
 }
 
 HeldPlaces Sweep::held() const {
-  const SurfaceProbe probe(models_, grid_.display);
+  const std::vector<std::optional<Surface>> surfaces = surfaces_beneath(models_, grid_.display, places());
   HeldPlaces held;
-  for (const PlacedContact& placed : contacts_) {
-    const SupportContact contact = contact_of(placed, probe);
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const SupportContact contact = contact_of(contacts_[i], surfaces[i]);
     // What begins lower than the first layer ends lies on the plate.
     if (contact.place.z >= grid_.step_mm()) held.contacts.push_back(contact);
   }

@@ -2,7 +2,7 @@
 #include "core/overhangs/layer_parts.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
 #include "core/overhangs/peel_balance.hpp"
-#include "core/overhangs/surface_probe.hpp"
+#include "core/overhangs/surfaces_beneath.hpp"
 #include "core/overhangs/sweep_grid.hpp"
 #include "core/overhangs/underside.hpp"
 #include "tests/broken_contract.hpp"
@@ -22,7 +22,8 @@ TEST_CASE("A sweep needs models that are there, and pixels with a size") {
   request.display.pixel_pitch = Micrometers{50.0};
   request.models.front().model = nullptr;
   CHECK(contract_broken_by(sweep) == "every model is there, and a pixel has a size");
-  CHECK(contract_broken_by([&] { SurfaceProbe(request.models, request.display); }) == "every model is there");
+  CHECK(contract_broken_by([&] { (void)surfaces_beneath(request.models, request.display, {}); }) ==
+        "every model is there");
 }
 
 TEST_CASE("A sweep goes no higher than its layers can be numbered") {

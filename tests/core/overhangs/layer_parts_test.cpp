@@ -37,6 +37,21 @@ TEST_CASE("Pixels that touch by a side or a corner are one part") {
   CHECK(parts.bodies() == 3);
 }
 
+TEST_CASE("Ten pixels and ten that touch by a corner alone are two parts, nine and ten are one") {
+  const MaskRuns dark = runs_of({"..........", "..........", "..........", ".........."});
+  const MaskRuns ten = runs_of({"#####.....", "#####.....", ".....#####", ".....#####"});
+  LayerParts parts;
+  parts.add_layer(ten, dark);
+  REQUIRE(parts.parts().size() == 2);
+  CHECK(parts.parts()[0].pixels == 10);
+  CHECK(parts.part_of_run()[2] == 1);
+  const MaskRuns nine = runs_of({".####.....", "#####.....", ".....#####", ".....#####"});
+  LayerParts one;
+  one.add_layer(nine, dark);
+  REQUIRE(one.parts().size() == 1);
+  CHECK(one.parts()[0].pixels == 19);
+}
+
 TEST_CASE("A part goes on as the body under it, and is a new one where nothing is") {
   const MaskRuns dark = runs_of({"......"}), first = runs_of({"##...."}), second = runs_of({".##..#"});
   LayerParts parts;
