@@ -13,6 +13,7 @@
 #include "core/contour/crack_survey.hpp"
 #include "core/model/placement.hpp"
 #include "daemon/config/printable.hpp"
+#include "daemon/dark_models.hpp"
 #include "daemon/drain_holes.hpp"
 #include "daemon/job_content.hpp"
 #include "daemon/job_supports.hpp"
@@ -21,6 +22,7 @@
 #include "daemon/mesh_repair_text.hpp"
 #include "daemon/model_orientation.hpp"
 #include "daemon/model_turn.hpp"
+#include "daemon/readable.hpp"
 #include "daemon/supports_text.hpp"
 
 namespace contourd {
@@ -232,6 +234,22 @@ void check_holes(const JobContent& content, const Cylinders& cylinders, const Pr
   }
 }
 
+void refuse_dark_models(const JobContent& content, const PrintPlan& plan, const EngineSettings& settings,
+                        const std::stop_token& stop) {
+  const std::vector<Nanometers> heights = middles_of(plan.expected_layers);
+  for (std::size_t i = 0; i < content.models().size(); ++i) {
+    const PlateModel& model = plan.engine->models()[i];
+    if (lights_a_pixel(model, settings, heights, plan.mask_budget, stop)) continue;
+    const Bounds& bounds = model.model->bounds();
+    throw JobRefused(
+        fmt::format("nothing of {} would be printed: in {}, no pixel of {:g} mm is lit by half; it is {:.3g} "
+                    "x {:.3g} x {:.3g} mm{}",
+                    content.models()[i].name, count_of(heights.size(), "layer", "layers"),
+                    to_millimeters(settings.display.pixel_pitch).count(), bounds.size_x(), bounds.size_y(),
+                    bounds.size_z(), model.holes ? " less its drain holes" : ""));
+  }
+}
+
 void check_layer_height(Nanometers thickness, const ResinProfile& resin, const PrinterConfig& printer) {
   const auto problems = layer_height_problems(resin, thickness, printer.irradiance_mw_cm2);
   if (problems.empty()) return;
@@ -398,7 +416,8 @@ class Preparation {
     summary_.indexing = indexed - start_ - summary_.reading - summary_.supporting;
     make_engines(*arrangement);
     summary_.first_mask = job_.first_mask_at - indexed;
-    look_at_layers();
+    look_at_layers(stop);
+    if (stop.stop_requested()) return std::nullopt;
     for (std::size_t i = 0; i < models_.size(); ++i)
       summary_.models[i].centers = (*arrangement)[i];
     look_at_models(content_, *job_.plan.engine, summary_);
@@ -437,10 +456,12 @@ class Preparation {
     job_.analysis_engine = std::make_unique<ContourEngine>(*plan.engine);
   }
 
-  void look_at_layers() {
+  void look_at_layers(const std::stop_token& stop) {
+    const EngineSettings settings = engine_settings(printer_, summary_.resin, volume_);
     count_layers(job_.plan, summary_);
     refuse_costly_masks(*job_.plan.engine, job_.plan.expected_layers, printer_.mask_budget);
-    check_holes(content_, cylinders_, job_.plan, engine_settings(printer_, summary_.resin, volume_));
+    check_holes(content_, cylinders_, job_.plan, settings);
+    refuse_dark_models(content_, job_.plan, settings, stop);
     if (settings_.ticket.cracks != CrackPolicy::Refuse) return;
     for (std::size_t i = 0; i < models_.size(); ++i)
       if (content_.models()[i].made_as == i) refuse_guesses(models_[i], job_.plan.layers, volume_);

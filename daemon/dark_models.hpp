@@ -1,0 +1,19 @@
+// Models of which nothing would be printed: smaller than a pixel, such as one drawn in metres, or taken away
+// by their drain holes. Thread-safe (no shared state).
+#pragma once
+
+#include <span>
+#include <stop_token>
+
+#include "core/engine/contour_engine.hpp"
+#include "hw/clock.hpp"
+
+namespace contourd {
+
+// Whether a pixel is lit by half at one of these heights, by a copy of the model alone; true where a mask
+// overruns its budget, or `stop` was asked for. Blocks: as a rule for one mask.
+[[nodiscard]] bool lights_a_pixel(const PlateModel& model, const EngineSettings& settings,
+                                  std::span<const Nanometers> heights, Duration mask_budget,
+                                  const std::stop_token& stop);
+
+}  // namespace contourd
