@@ -7,25 +7,22 @@
 namespace contourd {
 namespace {
 
-constexpr std::uint8_t kHalf = 128;
-
-bool is_lit_by_half(const Mask& mask) {
+bool has_bright_pixel(const Mask& mask, std::uint8_t least_grey) {
   for (std::int32_t row = 0; row < mask.height().count(); ++row)
-    if (std::ranges::max(mask.row(row)) >= kHalf) return true;
+    if (std::ranges::max(mask.row(row)) >= least_grey) return true;
   return false;
 }
 
 }  // namespace
 
-bool lights_a_pixel(const PlateModel& model, const EngineSettings& settings,
-                    std::span<const Nanometers> heights, Duration mask_budget, const std::stop_token& stop) {
+bool lights_a_pixel(const PlateModel& model, const LightSearch& search, const std::stop_token& stop) {
   PlateModel alone = model;
   alone.copies.resize(1, model.copies.front());
-  ContourEngine engine(std::vector{std::move(alone)}, settings);
-  return std::ranges::any_of(heights, [&](Nanometers height) {
-    MaskBudget budget(MaskBudget::Clock::now() + mask_budget);
+  ContourEngine engine(std::vector{std::move(alone)}, search.settings);
+  return std::ranges::any_of(search.heights, [&](Nanometers height) {
+    MaskBudget budget(MaskBudget::Clock::now() + search.mask_budget);
     return stop.stop_requested() || engine.mask_within(height, budget) == nullptr ||
-           is_lit_by_half(engine.coverage());
+           has_bright_pixel(engine.coverage(), search.least_grey);
   });
 }
 

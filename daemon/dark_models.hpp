@@ -2,6 +2,7 @@
 // by their drain holes. Thread-safe (no shared state).
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <stop_token>
 
@@ -10,10 +11,15 @@
 
 namespace contourd {
 
-// Whether a pixel is lit by half at one of these heights, by a copy of the model alone; true where a mask
+struct LightSearch {
+  EngineSettings settings;
+  std::span<const Nanometers> heights;
+  std::uint8_t least_grey;  // of a pixel that cures
+  Duration mask_budget;
+};
+// Whether a pixel is so bright at one of the heights, by a copy of the model alone; true where a mask
 // overruns its budget, or `stop` was asked for. Blocks: as a rule for one mask.
-[[nodiscard]] bool lights_a_pixel(const PlateModel& model, const EngineSettings& settings,
-                                  std::span<const Nanometers> heights, Duration mask_budget,
+[[nodiscard]] bool lights_a_pixel(const PlateModel& model, const LightSearch& search,
                                   const std::stop_token& stop);
 
 }  // namespace contourd

@@ -234,19 +234,17 @@ void check_holes(const JobContent& content, const Cylinders& cylinders, const Pr
   }
 }
 
-void refuse_dark_models(const JobContent& content, const PrintPlan& plan, const EngineSettings& settings,
-                        const std::stop_token& stop) {
-  const std::vector<Nanometers> heights = middles_of(plan.expected_layers);
-  for (std::size_t i = 0; i < content.models().size(); ++i) {
-    const PlateModel& model = plan.engine->models()[i];
-    if (lights_a_pixel(model, settings, heights, plan.mask_budget, stop)) continue;
-    const Bounds& bounds = model.model->bounds();
-    throw JobRefused(
-        fmt::format("nothing of {} would be printed: in {}, no pixel of {:g} mm is lit by half; it is {:.3g} "
-                    "x {:.3g} x {:.3g} mm{}",
-                    content.models()[i].name, count_of(heights.size(), "layer", "layers"),
-                    to_millimeters(settings.display.pixel_pitch).count(), bounds.size_x(), bounds.size_y(),
-                    bounds.size_z(), model.holes ? " less its drain holes" : ""));
+void refuse_dark_models(const JobContent& content, std::span<const PlateModel> models,
+                        const LightSearch& search, const std::stop_token& stop) {
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (lights_a_pixel(models[i], search, stop)) continue;
+    const Bounds& bounds = models[i].model->bounds();
+    throw JobRefused(fmt::format(
+        "nothing of {} would be printed: in {}, no pixel of {:g} mm gets {} of 255 of the light; it is "
+        "{:.3g} x {:.3g} x {:.3g} mm{}",
+        content.models()[i].name, count_of(search.heights.size(), "layer", "layers"),
+        to_millimeters(search.settings.display.pixel_pitch).count(), search.least_grey, bounds.size_x(),
+        bounds.size_y(), bounds.size_z(), models[i].holes ? " less its drain holes" : ""));
   }
 }
 
@@ -461,7 +459,9 @@ class Preparation {
     count_layers(job_.plan, summary_);
     refuse_costly_masks(*job_.plan.engine, job_.plan.expected_layers, printer_.mask_budget);
     check_holes(content_, cylinders_, job_.plan, settings);
-    refuse_dark_models(content_, job_.plan, settings, stop);
+    const std::vector<Nanometers> heights = middles_of(job_.plan.expected_layers);
+    refuse_dark_models(content_, job_.plan.engine->models(),
+                       {settings, heights, summary_.resin.support.least_grey, printer_.mask_budget}, stop);
     if (settings_.ticket.cracks != CrackPolicy::Refuse) return;
     for (std::size_t i = 0; i < models_.size(); ++i)
       if (content_.models()[i].made_as == i) refuse_guesses(models_[i], job_.plan.layers, volume_);

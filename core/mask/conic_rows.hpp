@@ -27,7 +27,7 @@ class ConicRows {
  public:
   ConicRows(Pixels width, Pixels height);
 
-  // REQUIRES: a whole one. Valid until the next call.
+  // Of a whole cut (see pixel_ellipse()). Valid until the next call.
   [[nodiscard]] EllipseRows ellipse(const ConicCut& cut, const PixelMap& map);
   // Calls `visit(row, first, end)` for the pixels [first, end) of each row that has any, from the top, of a
   // cut that is not whole.

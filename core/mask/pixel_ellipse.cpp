@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/contract/expects.hpp"
+
 namespace contourd {
 namespace {
 
@@ -46,6 +48,7 @@ namespace {
 // inside where k (X x + Y y)^2 + (X y - Y x)^2 <= k S^2: with n = k x^2 + y^2 a quadratic in X, solved for
 // it. No quotient waits for another, since most ellipses have few rows.
 PixelEllipse pixel_ellipse(const ConicCut& cut, const PixelMap& map) {
+  expects(cut.whole, "the cut is a whole ellipse");
   const double u = (cut.low + cut.high) / 2, scale = map.pixels_per_mm();
   const PixelPoint middle = map.to_pixels({cut.origin.x + u * cut.along.x, cut.origin.y + u * cut.along.y});
   const PixelPoint end =
@@ -68,6 +71,7 @@ void find_row_ends_baseline(const PixelEllipse& ellipse, std::int32_t top, std::
 }
 
 void find_row_ends(const PixelEllipse& ellipse, std::int32_t top, std::int32_t width, RowEnds ends) {
+  expects(ends.first.size() == ends.end.size(), "a row has two ends");
 #if defined(__x86_64__)
   static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
   if (has_avx2) return find_row_ends_avx2(ellipse, top, width, ends);

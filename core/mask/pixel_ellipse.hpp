@@ -18,7 +18,7 @@ struct PixelEllipse {
   double reach_x, reach_y;  // at most, to both sides
 };
 
-// REQUIRES: a whole cut. flat and bend are not greater than 0 where it has no size.
+// REQUIRES: cut.whole. Neither flat nor bend is above 0 where it has no size.
 [[nodiscard]] PixelEllipse pixel_ellipse(const ConicCut& cut, const PixelMap& map);
 
 // Of rows that the ellipse reaches: the first column whose centre is inside, and the one after the last; the
@@ -26,7 +26,7 @@ struct PixelEllipse {
 struct RowEnds {
   std::span<std::int32_t> first, end;
 };
-// `width`: the display's, in pixels. REQUIRES: first and end are as long as each other and do not overlap.
+// `width`: the display's, in pixels. REQUIRES: first and end are as long as each other.
 void find_row_ends(const PixelEllipse& ellipse, std::int32_t top, std::int32_t width, RowEnds ends);
 // The same by what every processor has.
 void find_row_ends_baseline(const PixelEllipse& ellipse, std::int32_t top, std::int32_t width, RowEnds ends);

@@ -119,6 +119,71 @@ inline void light_among(std::uint8_t* pixels, std::int32_t first, std::int32_t c
   std::memcpy(pixels, lit.data(), lit.size());
 }
 
+// Lights pixels fully in a picture that is painted.
+class FullLight {
+ public:
+  FullLight(Mask& mask, std::span<std::uint64_t> dark, std::span<std::uint8_t> band_lit, int band_bits)
+      : mask_(mask),
+        dark_(dark),
+        chunks_(dark.size() / static_cast<std::size_t>(mask.height().count())),
+        band_lit_(band_lit),
+        band_bits_(band_bits) {}
+
+  void light_run(std::int32_t row, std::int32_t first, std::int32_t end) const {
+    std::memset(mask_.row(row).data() + first, 255, static_cast<std::size_t>(end - first));
+    mark_lit({first, end, row, row + 1});
+  }
+
+  // A support's rows are short, and hardly two of a length: these are lit without a branch.
+  void light_ellipse(const EllipseRows& ellipse) const {
+    constexpr std::int32_t kShort = 32;
+    const std::int32_t rows = static_cast<std::int32_t>(ellipse.first.size()), width = mask_.width().count();
+    if (rows == 0 || ellipse.left >= ellipse.right) return;
+    std::uint8_t* pixels = mask_.row(ellipse.top).data();
+    const std::int32_t* first = ellipse.first.data();
+    const std::int32_t* end = ellipse.end.data();
+    if (const std::int32_t left = ellipse.left; ellipse.right - left <= kShort && left + kShort <= width) {
+      pixels += left;
+      for (std::int32_t i = 0; i < rows; ++i, pixels += width)
+        light_among<kShort>(pixels, first[i] - left, end[i] - first[i]);
+    } else {
+      for (std::int32_t i = 0; i < rows; ++i, pixels += width)
+        std::memset(pixels + first[i], 255, static_cast<std::size_t>(end[i] - first[i]));
+    }
+    mark_lit({ellipse.left, ellipse.right, ellipse.top, ellipse.top + rows});
+  }
+
+ private:
+  // Up to right and bottom, which are not in it.
+  struct PixelArea {
+    std::int32_t left, right, top, bottom;
+  };
+
+  // The next picture finds these columns' blocks neither dark nor, by this, full: it writes them anew.
+  void mark_lit(const PixelArea& area) const {
+    constexpr std::int32_t kBlock = CoverageBand::kBlock, kChunkBlocks = 64;
+    const std::int32_t first = area.left / kBlock, last = (area.right - 1) / kBlock;
+    const std::size_t chunks = chunks_;
+    for (std::int32_t chunk = first / kChunkBlocks; chunk <= last / kChunkBlocks; ++chunk) {
+      const std::int32_t from = std::max(first - chunk * kChunkBlocks, 0);
+      const std::int32_t to = std::min(last - chunk * kChunkBlocks, kChunkBlocks - 1);
+      const std::uint64_t kept = ~((~std::uint64_t{0} >> (kChunkBlocks - 1 - to + from)) << from);
+      std::uint64_t* dark =
+          dark_.data() + static_cast<std::size_t>(area.top) * chunks + static_cast<std::size_t>(chunk);
+      for (std::int32_t row = area.top; row < area.bottom; ++row, dark += chunks)
+        *dark &= kept;
+    }
+    for (std::int32_t band = area.top >> band_bits_; band <= (area.bottom - 1) >> band_bits_; ++band)
+      band_lit_[static_cast<std::size_t>(band)] = 1;
+  }
+
+  Mask& mask_;
+  std::span<std::uint64_t> dark_;
+  std::size_t chunks_;  // words a row
+  std::span<std::uint8_t> band_lit_;
+  int band_bits_;
+};
+
 }  // namespace
 
 Rasterizer::Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing)
@@ -277,65 +342,24 @@ bool Rasterizer::paint(MaskBudget& budget) {
   return painted == Painted::All;
 }
 
-// The next picture finds these columns' blocks neither dark nor, by this, full: it writes them anew.
-void Rasterizer::mark_lit(PixelArea area) {
-  constexpr std::int32_t kBlock = CoverageBand::kBlock, kChunkBlocks = 64;
-  const std::int32_t first = area.left / kBlock, last = (area.right - 1) / kBlock;
-  const std::size_t chunks = band_.chunks();
-  for (std::int32_t chunk = first / kChunkBlocks; chunk <= last / kChunkBlocks; ++chunk) {
-    const std::int32_t from = std::max(first - chunk * kChunkBlocks, 0);
-    const std::int32_t to = std::min(last - chunk * kChunkBlocks, kChunkBlocks - 1);
-    const std::uint64_t kept = ~((~std::uint64_t{0} >> (kChunkBlocks - 1 - to + from)) << from);
-    std::uint64_t* dark =
-        dark_.data() + static_cast<std::size_t>(area.top) * chunks + static_cast<std::size_t>(chunk);
-    for (std::int32_t row = area.top; row < area.bottom; ++row, dark += chunks)
-      *dark &= kept;
-  }
-  for (std::int32_t band = area.top >> band_bits_; band <= (area.bottom - 1) >> band_bits_; ++band)
-    band_lit_[static_cast<std::size_t>(band)] = 1;
-}
-
-void Rasterizer::light_run(std::int32_t row, std::int32_t first, std::int32_t end) {
-  std::memset(mask_.row(row).data() + first, 255, static_cast<std::size_t>(end - first));
-  mark_lit({first, end, row, row + 1});
-}
-
-// A support's rows are short, and hardly two of a length: these are lit without a branch.
-void Rasterizer::light_ellipse(const EllipseRows& ellipse) {
-  constexpr std::int32_t kShort = 32;
-  const std::int32_t rows = static_cast<std::int32_t>(ellipse.first.size()), width = width_;
-  if (rows == 0 || ellipse.left >= ellipse.right) return;
-  std::uint8_t* pixels = mask_.row(ellipse.top).data();
-  const std::int32_t* first = ellipse.first.data();
-  const std::int32_t* end = ellipse.end.data();
-  if (const std::int32_t left = ellipse.left; ellipse.right - left <= kShort && left + kShort <= width) {
-    pixels += left;
-    for (std::int32_t i = 0; i < rows; ++i, pixels += width)
-      light_among<kShort>(pixels, first[i] - left, end[i] - first[i]);
-  } else {
-    for (std::int32_t i = 0; i < rows; ++i, pixels += width)
-      std::memset(pixels + first[i], 255, static_cast<std::size_t>(end[i] - first[i]));
-  }
-  mark_lit({ellipse.left, ellipse.right, ellipse.top, ellipse.top + rows});
-}
-
 void Rasterizer::light(const Contours& convex, const PixelMap& map) {
-  const auto light = [this](std::int32_t row, std::int32_t first, std::int32_t end) {
-    light_run(row, first, end);
-  };
+  const FullLight light(mask_, dark_, band_lit_, band_bits_);
   for (const ContourLoop& loop : convex.loops)
-    lit_rows_.visit(convex.points_of(loop), map, light);
+    lit_rows_.visit(convex.points_of(loop), map,
+                    [&light](std::int32_t row, std::int32_t first, std::int32_t end) {
+                      light.light_run(row, first, end);
+                    });
 }
 
 void Rasterizer::light(std::span<const ConicCut> cuts, const PixelMap& map) {
-  const auto light = [this](std::int32_t row, std::int32_t first, std::int32_t end) {
-    light_run(row, first, end);
-  };
+  const FullLight light(mask_, dark_, band_lit_, band_bits_);
   for (const ConicCut& cut : cuts) {
     if (cut.whole) {
-      light_ellipse(lit_rows_.ellipse(cut, map));
+      light.light_ellipse(lit_rows_.ellipse(cut, map));
     } else {
-      lit_rows_.visit(cut, map, light);
+      lit_rows_.visit(cut, map, [&light](std::int32_t row, std::int32_t first, std::int32_t end) {
+        light.light_run(row, first, end);
+      });
     }
   }
 }

@@ -102,13 +102,6 @@ class Rasterizer {
   [[nodiscard]] bool unite_sides(MaskBudget& budget);
   void arrange(const CoveredSide& side);
   [[nodiscard]] RowBlocks blocks_of(std::int32_t row);
-  void light_run(std::int32_t row, std::int32_t first, std::int32_t end);
-  void light_ellipse(const EllipseRows& ellipse);
-  // Columns and rows up to right and bottom, which are not in it.
-  struct PixelArea {
-    std::int32_t left, right, top, bottom;
-  };
-  void mark_lit(PixelArea area);
   void work_off_covered_sides(std::int32_t first_row, std::int32_t end_row);
   void work_off_center_sides(std::int32_t first_row, std::int32_t end_row);
   [[nodiscard]] std::uint32_t& first_side_at(std::int32_t row) {

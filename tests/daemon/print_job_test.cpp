@@ -216,17 +216,19 @@ TEST_CASE("What cannot be printed is refused with one sentence that has the figu
 TEST_CASE("A model of which nothing would be printed is refused with its size") {
   Desk desk;
   CHECK(desk.refusal_of(models::box({0, 0, 0}, {0.02F, 0.03F, 0.5F})) ==
-        "nothing of the model would be printed: in 10 layers, no pixel of 0.05 mm is lit by half; it is "
+        "nothing of the model would be printed: in 10 layers, no pixel of 0.05 mm gets 64 of 255 of the "
+        "light; it is "
         "0.02 x 0.03 x 0.5 mm");
   // Its one layer is cut above it.
-  CHECK(
-      desk.refusal_of(models::box({0, 0, 0}, {5, 5, 0.01F})) ==
-      "nothing of the model would be printed: in 1 layer, no pixel of 0.05 mm is lit by half; it is 5 x 5 x "
-      "0.01 mm");
+  CHECK(desk.refusal_of(models::box({0, 0, 0}, {5, 5, 0.01F})) ==
+        "nothing of the model would be printed: in 1 layer, no pixel of 0.05 mm gets 64 of 255 of the light; "
+        "it is 5 x 5 x "
+        "0.01 mm");
   const std::string drill = R"({"drain": [
     {"position_mm": {"x": 1, "y": 1}, "direction": {"z": 1}, "diameter_mm": 4}]})";
   CHECK(desk.refusal_of(models::box({0, 0, 0}, {2, 2, 2}), drill) ==
-        "nothing of the model would be printed: in 40 layers, no pixel of 0.05 mm is lit by half; it is 2 x "
+        "nothing of the model would be printed: in 40 layers, no pixel of 0.05 mm gets 64 of 255 of the "
+        "light; it is 2 x "
         "2 x "
         "2 mm less its drain holes");
   // Two pixels by two, and only above what is too thin.
