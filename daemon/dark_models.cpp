@@ -19,10 +19,11 @@ bool lights_a_pixel(const PlateModel& model, const LightSearch& search, const st
   PlateModel alone = model;
   alone.copies.resize(1, model.copies.front());
   ContourEngine engine(std::vector{std::move(alone)}, search.settings);
+  const std::uint8_t least_grey = std::max(search.least_grey, engine.threshold());
   return std::ranges::any_of(search.heights, [&](Nanometers height) {
     MaskBudget budget(MaskBudget::Clock::now() + search.mask_budget);
     return stop.stop_requested() || engine.mask_within(height, budget) == nullptr ||
-           has_bright_pixel(engine.coverage(), search.least_grey);
+           has_bright_pixel(engine.coverage(), least_grey);
   });
 }
 

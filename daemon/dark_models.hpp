@@ -14,7 +14,7 @@ namespace contourd {
 struct LightSearch {
   EngineSettings settings;
   std::span<const Nanometers> heights;
-  std::uint8_t least_grey;  // of a pixel that cures
+  std::uint8_t least_grey;  // of a pixel that cures; what the settings leave dark does not
   Duration mask_budget;
 };
 // Whether a pixel is so bright at one of the heights, by a copy of the model alone; true where a mask

@@ -243,8 +243,9 @@ void refuse_dark_models(const JobContent& content, std::span<const PlateModel> m
         "nothing of {} would be printed: in {}, no pixel of {:g} mm gets {} of 255 of the light; it is "
         "{:.3g} x {:.3g} x {:.3g} mm{}",
         content.models()[i].name, count_of(search.heights.size(), "layer", "layers"),
-        to_millimeters(search.settings.display.pixel_pitch).count(), search.least_grey, bounds.size_x(),
-        bounds.size_y(), bounds.size_z(), models[i].holes ? " less its drain holes" : ""));
+        to_millimeters(search.settings.display.pixel_pitch).count(),
+        std::max(search.least_grey, search.settings.tone.threshold), bounds.size_x(), bounds.size_y(),
+        bounds.size_z(), models[i].holes ? " less its drain holes" : ""));
   }
 }
 

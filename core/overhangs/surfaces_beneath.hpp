@@ -23,8 +23,9 @@ struct Surface {
 };
 
 // For each place the undermost surface over or beside it that looks down, within its heights and its reach;
-// right over it where there is one. Nothing where there is none. Passes over a model's facets once for each of
-// its copies, whatever the number of places. REQUIRES: no null pointers; `display` is what the copies map to.
+// right over it where there is one. Nothing where there is none. Passes over a model's facets once for each
+// of its copies, whatever the number of places. REQUIRES: no null pointers; `display` is what the copies map
+// to.
 [[nodiscard]] std::vector<std::optional<Surface>> surfaces_beneath(std::span<const PlateModel> models,
                                                                    const DisplayGeometry& display,
                                                                    std::span<const SurfacePlace> places);

@@ -236,6 +236,14 @@ TEST_CASE("A model of which nothing would be printed is refused with its size") 
   const models::Facets head = models::box({-0.05F, -0.05F, 0.3F}, {0.05F, 0.05F, 0.5F});
   needle.insert(needle.end(), head.begin(), head.end());
   CHECK(desk.refusal_of(needle).empty());
+  // Seven tenths of a pixel, half in each of two: 89 of 255.
+  const models::Facets sheet = models::box({-5, -0.0175F, 0}, {5, 0.0175F, 5});
+  CHECK(desk.refusal_of(sheet).empty());
+  desk.printer.tone.threshold = 100;
+  CHECK(desk.refusal_of(sheet) ==
+        "nothing of the model would be printed: in 100 layers, no pixel of 0.05 mm gets 100 of 255 of the "
+        "light; "
+        "it is 10 x 0.035 x 5 mm");
 }
 
 TEST_CASE("A model beyond the plate only by its position is refused") {
