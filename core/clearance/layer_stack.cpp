@@ -11,6 +11,18 @@ namespace {
 // Of layers that are thinner, only some are looked at, so far apart at most.
 constexpr double kLookedAt_mm = 0.1;
 
+// How many whole pixels lie between a place in a row and the run, at least: a pixel's middle counts.
+double gap(const LayerStack::Run& run, double column) {
+  return std::max({run.first - column, column - (run.end - 1), 1.0}) - 1;
+}
+
+// Whether one of a row's runs has the pixel.
+bool is_in(std::span<const LayerStack::Run> runs, double column) {
+  const auto reaching =
+      std::ranges::find_if(runs, [column](const LayerStack::Run& run) { return run.end > column; });
+  return reaching != runs.end() && reaching->first <= column;
+}
+
 }  // namespace
 
 void LayerStack::begin(const DisplayGeometry& sweep_display, Nanometers step) {
@@ -58,43 +70,39 @@ bool LayerStack::is_clear(const PlatePoint& point, double distance_mm) const {
   for (std::int32_t layer = first; layer <= last; layer += stride_) {
     const double off = std::max(std::fabs(layer - level) - stride_, 0.0) * step_mm_;
     const double disc = distance_mm * distance_mm - off * off;
-    if (disc > 0 && !is_disc_clear(layer, row, column, disc)) return false;
+    if (disc > 0 && !is_disc_clear(layer, row, column, disc / (pitch_mm_ * pitch_mm_))) return false;
   }
   return true;
 }
 
-// `disc_mm2`: its radius' square. Row and column from the first pixel's middle.
-bool LayerStack::is_disc_clear(std::int32_t layer, double row, double column, double disc_mm2) const {
+// `disc`: its radius' square, in pixels. Row and column from the first pixel's middle.
+bool LayerStack::is_disc_clear(std::int32_t layer, double row, double column, double disc) const {
   const Layer& in = layers_[static_cast<std::size_t>(layer)];
-  const double across = std::sqrt(disc_mm2) / pitch_mm_ + 1;
+  const double across = std::sqrt(disc) + 1;
   const double last = std::min(std::floor(row + across), in.end_row - 1.0);
   const auto first = static_cast<std::int32_t>(std::max<double>(std::ceil(row - across), in.first_row));
   // The rows' runs are much alike: those near the disc have about the same numbers.
-  std::size_t near = 0;
+  std::size_t next = 0;
   for (std::int32_t at = first; at <= last; ++at) {
     const std::span<const Run> runs = runs_in(layer, at);
     if (runs.empty()) continue;
-    const double aside = std::max(std::fabs(at - row) - 1, 0.0) * pitch_mm_;
-    const double left = disc_mm2 - aside * aside;
-    if (left <= 0) continue;
-    const double reach = std::sqrt(left) / pitch_mm_ + 1;
-    const auto low = static_cast<std::int32_t>(std::clamp<double>(std::ceil(column - reach), 0, columns_));
-    const auto high = static_cast<std::int32_t>(std::clamp<double>(std::floor(column + reach), -1, columns_));
-    near = std::min(near, runs.size());
-    while (near > 0 && runs[near - 1].end > low)
-      --near;
-    while (near < runs.size() && runs[near].end <= low)
-      ++near;
-    if (near < runs.size() && runs[near].first <= high) return false;
+    const double aside = std::max(std::fabs(at - row), 1.0) - 1;
+    const double left = disc - aside * aside;
+    next = std::min(next, runs.size());
+    while (next > 0 && runs[next - 1].end > column)
+      --next;
+    while (next < runs.size() && runs[next].end <= column)
+      ++next;
+    const auto reaches = [&](const Run& run) { return gap(run, column) * gap(run, column) < left; };
+    if (next < runs.size() && reaches(runs[next])) return false;
+    if (next > 0 && reaches(runs[next - 1])) return false;
   }
   return true;
 }
 
 bool LayerStack::is_pixel_lit(double layer, double row, double column) const {
   if (!(layer >= 0 && layer < layers() && row >= 0 && row < rows_)) return false;
-  const std::span<const Run> runs = runs_in(static_cast<std::int32_t>(layer), static_cast<std::int32_t>(row));
-  return std::ranges::any_of(runs,
-                             [column](const Run& run) { return run.first <= column && column < run.end; });
+  return is_in(runs_in(static_cast<std::int32_t>(layer), static_cast<std::int32_t>(row)), column);
 }
 
 bool LayerStack::is_lit(const PlatePoint& point) const {
@@ -117,10 +125,12 @@ std::optional<double> LayerStack::underside_above(const PlatePoint& point, doubl
 
 std::optional<double> LayerStack::top_below(const PlatePoint& point, double down_mm) const {
   const double column = column_of(point.x), row = row_of(point.y);
-  const double level = std::min(std::floor(point.z / step_mm_ - 0.5), layers() - 1.0);
-  const double last = std::max(std::floor((point.z - down_mm) / step_mm_), 0.0);
-  for (double layer = level; layer >= last; --layer) {
-    if (is_pixel_lit(layer, row, column)) return (layer + 1) * step_mm_;
+  if (row < 0 || row >= rows_ || point.z < 0) return std::nullopt;
+  const auto level =
+      static_cast<std::int32_t>(std::min(std::floor(point.z / step_mm_ - 0.5), layers() - 1.0));
+  const auto last = static_cast<std::int32_t>(std::max(std::floor((point.z - down_mm) / step_mm_), 0.0));
+  for (std::int32_t layer = level; layer >= last; --layer) {
+    if (is_in(runs_in(layer, static_cast<std::int32_t>(row)), column)) return (layer + 1) * step_mm_;
   }
   return std::nullopt;
 }

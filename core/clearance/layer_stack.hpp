@@ -53,7 +53,7 @@ class LayerStack final : public LayerObserver {
   [[nodiscard]] bool is_pixel_lit(double layer, double row, double column) const;
   [[nodiscard]] double column_of(double x_mm) const { return std::floor(x_mm / pitch_mm_ + columns_ / 2.0); }
   [[nodiscard]] double row_of(double y_mm) const { return std::floor(rows_ / 2.0 - y_mm / pitch_mm_); }
-  [[nodiscard]] bool is_disc_clear(std::int32_t layer, double row, double column, double disc_mm2) const;
+  [[nodiscard]] bool is_disc_clear(std::int32_t layer, double row, double column, double disc) const;
 
   std::int32_t columns_ = 0, rows_ = 0;
   double pitch_mm_ = 1, step_mm_ = 1;

@@ -26,7 +26,10 @@ struct PlateSegment {
             from.z + part * (to.z - from.z)};
   }
   // Whether it leads down at 45 degrees or more, within a nanometre.
-  [[nodiscard]] bool leads_down() const { return level_distance(from, to) <= from.z - to.z + 1e-6; }
+  [[nodiscard]] bool leads_down() const {
+    const double x = to.x - from.x, y = to.y - from.y, down = from.z - to.z + 1e-6;
+    return down >= 0 && x * x + y * y <= down * down;
+  }
 };
 
 }  // namespace contourd
