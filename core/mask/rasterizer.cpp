@@ -108,9 +108,8 @@ void add_piece(const CoverageBand::Row& row, const Piece& piece) {
 }
 
 // Lights a run of pixels among so many, by vectors of them.
-template <std::size_t kPixels>
+template <std::uint8_t kPixels>
 inline void light_among(std::uint8_t* pixels, std::int32_t first, std::int32_t count) {
-  static_assert(kPixels < 256);
   std::array<std::uint8_t, kPixels> lit;
   std::memcpy(lit.data(), pixels, lit.size());
   const auto begin = static_cast<std::uint8_t>(first), length = static_cast<std::uint8_t>(count);
