@@ -111,11 +111,13 @@ bool LayerStack::is_lit(const PlatePoint& point) const {
 
 std::optional<double> LayerStack::underside_above(const PlatePoint& point, double up_mm) const {
   const double column = column_of(point.x), row = row_of(point.y);
-  const double last = std::min(std::floor((point.z + up_mm) / step_mm_), layers() - 1.0);
+  const auto last =
+      static_cast<std::int32_t>(std::min(std::floor((point.z + up_mm) / step_mm_), layers() - 1.0));
   // On the plate nothing has to be held.
-  const double first = std::max(std::ceil(point.z / step_mm_), 1.0);
+  const auto first =
+      static_cast<std::int32_t>(std::clamp<double>(std::ceil(point.z / step_mm_), 1, std::max(layers(), 1)));
   bool dark = !is_pixel_lit(first - 1, row, column);
-  for (double layer = first; layer <= last; ++layer) {
+  for (std::int32_t layer = first; layer <= last; ++layer) {
     const bool lit = is_pixel_lit(layer, row, column);
     if (lit && dark) return layer * step_mm_;
     dark = !lit;
