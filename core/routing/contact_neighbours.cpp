@@ -27,8 +27,14 @@ bool is_one(const PlatePoint& from, const PlatePoint& to, double z, const LayerS
 
 }  // namespace
 
-std::vector<SupportContact> neighbours_of(const SupportContact& contact, const LayerStack& layers) {
-  const double up = contact.cause == ContactCause::Island ? 2 * layers.step_mm() : kAcross_mm;
+std::vector<SupportContact> neighbours_of(const SupportContact& contact, const LayerStack& layers,
+                                          IslandHold hold) {
+  const bool is_island = contact.cause == ContactCause::Island;
+  const bool in_first_layer = is_island && hold == IslandHold::FromItsFirstLayer;
+  // A layer is lit from its middle up: what begins within half a step of another is in the same one.
+  const double layers_up = in_first_layer ? 0.5 : 2;
+  const double up = is_island ? layers_up * layers.step_mm() : kAcross_mm;
+  const double joined = (in_first_layer ? 0.5 : 1.5) * layers.step_mm();
   std::vector<SupportContact> neighbours;
   for (const double distance : kDistances_mm) {
     for (const Point& way : kAround) {
@@ -37,7 +43,7 @@ std::vector<SupportContact> neighbours_of(const SupportContact& contact, const L
       const std::optional<double> underside = layers.underside_above(low, kAcross_mm + up);
       if (!underside) continue;
       const PlatePoint place{low.x, low.y, *underside};
-      const double inside = std::max(place.z, contact.place.z) + 1.5 * layers.step_mm();
+      const double inside = std::max(place.z, contact.place.z) + joined;
       if (!is_one(contact.place, place, inside, layers)) continue;
       SupportContact& neighbour = neighbours.emplace_back(contact);
       neighbour.place = place;

@@ -8,10 +8,13 @@
 
 namespace contourd {
 
+// Whether what holds an island may begin higher than it: by no more than two layers of the sweep, which hang
+// free until then.
+enum class IslandHold { FromItsFirstLayer, Higher };
+
 // Contacts up to a millimetre beside this one, from near to far: on the model's underside, where the material
-// is one with that of the contact. What an island begins with is held no more than two layers of the sweep
-// higher than it begins.
+// is one with that of the contact. What begins an island is so in its first layer.
 [[nodiscard]] std::vector<SupportContact> neighbours_of(const SupportContact& contact,
-                                                        const LayerStack& layers);
+                                                        const LayerStack& layers, IslandHold hold);
 
 }  // namespace contourd

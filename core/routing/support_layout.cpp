@@ -1,6 +1,7 @@
 #include "core/routing/support_layout.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -68,12 +69,10 @@ class SupportLayout {
   SupportLayout(const ClearanceField& field, const SupportSettings& settings, const std::stop_token& stop)
       : field_(field), settings_(settings), stop_(stop) {}
 
-  // Returns those that it cannot hold.
+  // Returns those that it cannot hold. Higher: of islands whose first layer could not be.
   [[nodiscard]] std::vector<SupportContact> hold(const std::vector<SupportContact>& contacts,
-                                                 PlateWays::End end) {
-    const double usual = settings_.pillar_diameter.count() / 2;
-    const WayWidths widths{usual, usual * kLeastWidth, settings_.tip_diameter.count() / 2};
-    const PlateWays ways(field_, {widths, end, contacts}, stop_);
+                                                 PlateWays::End end, IslandHold islands) {
+    const PlateWays& ways = ways_to(end, contacts);
     const SupportTips tips(field_, ways, settings_);
     SupportRouting routing(field_, ways, settings_);
     std::vector<SupportContact> unheld;
@@ -84,10 +83,15 @@ class SupportLayout {
       held_.push_back(contact);
       return true;
     };
+    const auto is_held_beside = [&](const SupportContact& contact) {
+      return std::ranges::any_of(neighbours_of(contact, field_.layers(), islands), is_held);
+    };
     for (const SupportContact& contact : contacts) {
       if (stop_.stop_requested()) return unheld;
-      if (!is_held(contact) && !std::ranges::any_of(neighbours_of(contact, field_.layers()), is_held))
-        unheld.push_back(contact);
+      const bool held = islands == IslandHold::FromItsFirstLayer
+                            ? is_held(contact) || is_held_beside(contact)
+                            : contact.cause == ContactCause::Island && is_held_beside(contact);
+      if (!held) unheld.push_back(contact);
     }
     append(routing.lead_down(stop_), tree_);
     return unheld;
@@ -108,9 +112,21 @@ class SupportLayout {
   }
 
  private:
+  // Made for the first contacts that want them: later ones are among these.
+  const PlateWays& ways_to(PlateWays::End end, const std::vector<SupportContact>& contacts) {
+    std::optional<PlateWays>& ways = end == PlateWays::End::Plate ? to_plate_ : to_models_;
+    if (!ways) {
+      const double usual = settings_.pillar_diameter.count() / 2;
+      const WayWidths widths{usual, usual * kLeastWidth, settings_.tip_diameter.count() / 2};
+      ways.emplace(field_, PlateWays::Settings{widths, end, contacts}, stop_);
+    }
+    return *ways;
+  }
+
   const ClearanceField& field_;
   SupportSettings settings_;
   std::stop_token stop_;
+  std::optional<PlateWays> to_plate_, to_models_;
   SupportTree tree_;
   std::vector<SupportContact> held_;
 };
@@ -125,8 +141,12 @@ std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, c
   const std::vector<UnheldPlace> beyond = set_aside(contacts);
   const ClearanceField field(layers, region_around(contacts), {build_area, settings.clearance.count()}, stop);
   SupportLayout layout(field, settings, stop);
-  std::vector<SupportContact> unheld = layout.hold(contacts, PlateWays::End::Plate);
-  if (!unheld.empty()) unheld = layout.hold(unheld, PlateWays::End::Model);
+  std::vector<SupportContact> unheld = std::move(contacts);
+  for (const IslandHold islands : {IslandHold::FromItsFirstLayer, IslandHold::Higher}) {
+    for (const PlateWays::End end : {PlateWays::End::Plate, PlateWays::End::Model}) {
+      if (!unheld.empty()) unheld = layout.hold(unheld, end, islands);
+    }
+  }
   Supports supports = layout.supports();
   if (supports.structure) supports.volume_mm3 = volume_beside_models_mm3(supports.structure, layers, stop);
   if (stop.stop_requested()) return std::nullopt;

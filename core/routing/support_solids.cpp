@@ -6,6 +6,7 @@
 
 #include "core/routing/support_feet.hpp"
 #include "core/routing/support_loads.hpp"
+#include "core/support/plate_segment.hpp"
 
 namespace contourd {
 namespace {
@@ -19,28 +20,40 @@ void add_frustum(const Frustum& frustum, std::vector<SupportPrimitive>& solids) 
   if (length >= kShortestMm) solids.push_back(frustum);
 }
 
+// As deep into the model as tips go, or as it is thick there: a step of the sweep at least.
+PlatePoint inside_from(const PlatePoint& surface, const Direction& inward, const LayerStack& layers,
+                       const SupportSettings& settings) {
+  double depth = settings.tip_depth.count();
+  const double least = std::min(depth, layers.step_mm());
+  while (depth > least && !layers.is_lit(moved(surface, inward, depth)))
+    depth = std::max(least, depth - layers.step_mm() / 2);
+  return moved(surface, inward, depth);
+}
+
 // What stands on a model reaches into it.
-void sink(const PlatePoint& on_model, double radius, double depth, std::vector<SupportPrimitive>& solids) {
-  add_frustum({{on_model.x, on_model.y, on_model.z - depth}, on_model, radius, radius}, solids);
+void sink(const PlatePoint& on_model, double radius, const LayerStack& layers,
+          const SupportSettings& settings, std::vector<SupportPrimitive>& solids) {
+  add_frustum({inside_from(on_model, {0, 0, -1}, layers, settings), on_model, radius, radius}, solids);
 }
 
 void add_tip(const SupportTree::HeldTip& held, const ClearanceField& field, const SupportSettings& settings,
              std::vector<SupportPrimitive>& solids) {
   const SupportTip& tip = held.tip;
-  const double radius = settings.tip_diameter.count() / 2, depth = settings.tip_depth.count();
+  const double radius = settings.tip_diameter.count() / 2;
   add_frustum({tip.joint, tip.at, tip.radius_mm, radius}, solids);
-  const PlatePoint inside{tip.at.x - tip.outward.x * depth, tip.at.y - tip.outward.y * depth,
-                          tip.at.z - tip.outward.z * depth};
+  const Direction inward{-tip.outward.x, -tip.outward.y, -tip.outward.z};
+  const PlatePoint inside = inside_from(tip.at, inward, field.layers(), settings);
   add_frustum({tip.at, field.moved_inside(inside, radius), radius, radius}, solids);
-  if (tip.way.stretches.empty() && tip.joint.z > 0) sink(tip.joint, tip.radius_mm, depth, solids);
+  if (tip.way.stretches.empty() && tip.joint.z > 0)
+    sink(tip.joint, tip.radius_mm, field.layers(), settings, solids);
 }
 
 // A foot on a model is a tip upside down.
-void add_landing(const SupportNode& node, const PlatePoint& on_model, const SupportSettings& settings,
-                 std::vector<SupportPrimitive>& solids) {
+void add_landing(const SupportNode& node, const PlatePoint& on_model, const LayerStack& layers,
+                 const SupportSettings& settings, std::vector<SupportPrimitive>& solids) {
   const double radius = landing_radius(node.load_mm2, settings);
   add_frustum({on_model, node.place, radius, node.radius_mm}, solids);
-  sink(on_model, radius, settings.tip_depth.count(), solids);
+  sink(on_model, radius, layers, settings, solids);
 }
 
 // By node: of the thickest branch that ends or begins there.
@@ -68,7 +81,7 @@ std::vector<SupportPrimitive> solids_of(const SupportTree& tree, const Clearance
     if (node.below == SupportNode::kNone) continue;
     const SupportNode& below = tree.nodes[node.below];
     if (below.foot == SupportFoot::OnModel) {
-      add_landing(node, below.place, settings, solids);
+      add_landing(node, below.place, field.layers(), settings, solids);
     } else {
       add_frustum({below.place, node.place, node.radius_mm, node.radius_mm}, solids);
     }

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/support/plate_segment.hpp"
+
 namespace contourd {
 namespace {
 
@@ -21,7 +23,7 @@ constexpr double kBelowSurface_mm = 0.2;
 constexpr double kShortestPin_mm = 0.3;
 
 // An island that is so near to other material is joined to it, if nothing else holds it.
-constexpr double kBeside_mm = 0.3;
+constexpr double kNear_mm = 0.3;
 
 constexpr double kHalf = 0.70710678118654757;  // sine and cosine of 45 degrees
 
@@ -57,10 +59,6 @@ std::vector<Direction> directions_for(const Direction& outward) {
   return all;
 }
 
-PlatePoint moved(const PlatePoint& at, const Direction& direction, double by) {
-  return {at.x + direction.x * by, at.y + direction.y * by, at.z + direction.z * by};
-}
-
 }  // namespace
 
 SupportTips::SupportTips(const ClearanceField& field, const PlateWays& ways, const SupportSettings& settings)
@@ -85,7 +83,7 @@ std::optional<SupportTip> SupportTips::tip_at(const SupportContact& contact) con
   }
   std::optional<SupportTip> stub = stub_at(at, directions);
   if (!stub && contact.cause == ContactCause::Island && ways_.end() == PlateWays::End::Model)
-    stub = strut_beside(at);
+    stub = strut_near(at);
   return stub;
 }
 
@@ -116,11 +114,14 @@ std::optional<SupportTip> SupportTips::stub_at(const PlatePoint& at,
   return std::nullopt;
 }
 
-// As thick as a tip, at 45 degrees into the material beside the first layer of an island.
-std::optional<SupportTip> SupportTips::strut_beside(const PlatePoint& at) const {
+// As thick as a tip, down to the material beneath the first layer of an island, or at 45 degrees into that
+// beside it.
+std::optional<SupportTip> SupportTips::strut_near(const PlatePoint& at) const {
   const LayerStack& layers = field_.layers();
   const double tip = settings_.tip_diameter.count() / 2;
-  for (double gap = layers.pitch_mm(); gap <= kBeside_mm; gap += layers.pitch_mm()) {
+  if (const std::optional<double> top = layers.top_below({at.x, at.y, at.z - layers.step_mm()}, kNear_mm))
+    return SupportTip{at, {at.x, at.y, *top}, {0, 0, -1}, tip, {}};
+  for (double gap = layers.pitch_mm(); gap <= kNear_mm; gap += layers.pitch_mm()) {
     for (const auto& [x, y] : kAround) {
       if (!layers.is_lit({at.x + x * gap, at.y + y * gap, at.z - layers.step_mm()})) continue;
       const Direction outward{x * kHalf, y * kHalf, -kHalf};

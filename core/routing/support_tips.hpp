@@ -40,7 +40,7 @@ class SupportTips {
   [[nodiscard]] std::optional<SupportTip> tip_with(const PlatePoint& at, const Cone& cone) const;
   [[nodiscard]] std::optional<SupportTip> stub_at(const PlatePoint& at,
                                                   std::span<const Direction> directions) const;
-  [[nodiscard]] std::optional<SupportTip> strut_beside(const PlatePoint& at) const;
+  [[nodiscard]] std::optional<SupportTip> strut_near(const PlatePoint& at) const;
   [[nodiscard]] std::optional<PlatePoint> foot_of_stub(const PlatePoint& at,
                                                        const Direction& direction) const;
   [[nodiscard]] bool is_free(const PlatePoint& at, const Cone& cone) const;

@@ -13,6 +13,10 @@ namespace contourd {
   return std::sqrt(x * x + y * y);
 }
 
+[[nodiscard]] inline PlatePoint moved(const PlatePoint& at, const Direction& direction, double by_mm) {
+  return {at.x + direction.x * by_mm, at.y + direction.y * by_mm, at.z + direction.z * by_mm};
+}
+
 struct PlateSegment {
   PlatePoint from, to;
 

@@ -251,6 +251,42 @@ TEST_CASE("An island close beside a wall, with room for no tip, is joined to the
   CHECK(leads_into_wall);
 }
 
+TEST_CASE("An island close above other material stands on it, rather than to be held higher, beside it") {
+  // A pin under a bar, whose own underside is a layer higher, and 0.2 mm beneath the pin a post.
+  const models::Facets bar = together(models::box({-0.1F, -0.1F, 10.2F}, {0.1F, 0.1F, 10.4F}),
+                                      models::box({-6, -2, 10.25F}, {6, 2, 12}));
+  const models::Facets post = models::box({-0.1F, -0.1F, 0}, {0.1F, 0.1F, 10});
+  SupportContact pin = contact(0, 0, 10.2);
+  pin.cause = ContactCause::Island;
+  const Supports on_post = supports_for(together(post, bar), {pin});
+  REQUIRE(on_post.contacts.size() == 1);
+  CHECK(on_post.contacts[0].place == pin.place);
+  // In a slot without a floor: a layer that hangs free is better than none that is held.
+  models::Facets slot = bar;
+  for (const float x : {-0.3F, 0.2F})
+    slot = together(std::move(slot), models::box({x, -1.8F, 9.4F}, {x + 0.1F, 1.8F, 10.25F}));
+  const Supports beside = supports_for(slot, {pin});
+  REQUIRE(beside.contacts.size() == 1);
+  CHECK(std::fabs(beside.contacts[0].place.z - 10.25) < 1e-9);
+}
+
+TEST_CASE("Tips and feet reach no deeper into a sheet than it is thick") {
+  // All of the build area lies under the lower sheet.
+  const models::Facets sheets =
+      together(models::box({-20, -15, 5}, {20, 15, 5.1F}), models::box({-2, -2, 9}, {2, 2, 9.1F}));
+  const Supports supports = supports_for(sheets, {contact(0, 0, 9)});
+  REQUIRE(supports.structure);
+  double lowest = 9, highest = 5;
+  for (const SupportPrimitive& each : supports.structure->primitives()) {
+    if (const auto* frustum = std::get_if<Frustum>(&each)) {
+      lowest = std::min(lowest, frustum->lower.z);
+      highest = std::max(highest, frustum->upper.z);
+    }
+  }
+  CHECK(std::fabs(lowest - 5) < 1e-6);
+  CHECK(std::fabs(highest - 9.1) < 1e-6);
+}
+
 TEST_CASE("Of a million places the lowest are held, and the others told") {
   std::vector<SupportContact> contacts;
   for (int i = 0; i < 70; ++i) {
