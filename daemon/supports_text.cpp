@@ -32,7 +32,9 @@ std::string supports_line(const SupportCounts& supports) {
                   count_of(supports.overhangs, "overhang", "overhangs"), supports.peel,
                   count_of(supports.branches, "branch", "branches"), count_of(supports.feet, "foot", "feet"));
   if (supports.feet_on_models > 0) text += fmt::format(", {} on the model", supports.feet_on_models);
-  return text + fmt::format(", {:.2f} ml", supports.volume_mm3 / 1000);
+  text += fmt::format(", {:.2f} ml", supports.volume_mm3 / 1000);
+  if (supports.unheld > 0) text += fmt::format("; {} not held", count_of(supports.unheld, "place", "places"));
+  return text;
 }
 
 std::string unheld_text(const UnheldPlace& place) {
@@ -68,6 +70,17 @@ Json supports_summary_json(const SupportCounts& supports) {
           {"feet_on_models", supports.feet_on_models},
           {"volume_mm3", supports.volume_mm3},
           {"unheld", supports.unheld}};
+}
+
+SupportCounts supports_in_summary(const Json& summary) {
+  return {.islands = summary.at("islands"),
+          .overhangs = summary.at("overhangs"),
+          .peel = summary.at("peel"),
+          .unheld = summary.at("unheld"),
+          .branches = summary.at("branches"),
+          .feet = summary.at("feet"),
+          .feet_on_models = summary.at("feet_on_models"),
+          .volume_mm3 = summary.at("volume_mm3")};
 }
 
 Json supports_json(const Supports& supports) {

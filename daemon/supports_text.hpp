@@ -25,6 +25,8 @@ namespace contourd {
 [[nodiscard]] nlohmann::ordered_json support_settings_json(const SupportSettings& settings);
 // The figures alone.
 [[nodiscard]] nlohmann::ordered_json supports_summary_json(const SupportCounts& supports);
+// The figures in what supports_summary_json() made. Throws nlohmann::json::exception where one is missing.
+[[nodiscard]] SupportCounts supports_in_summary(const nlohmann::ordered_json& summary);
 // With every contact and every place that is not held.
 [[nodiscard]] nlohmann::ordered_json supports_json(const Supports& supports);
 

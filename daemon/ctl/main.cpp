@@ -141,6 +141,14 @@ void set_if_given(std::optional<std::filesystem::path>& path, const std::string&
   if (!word.empty()) path = word;
 }
 
+// A slip must not cost the model: what is read is not written.
+void refuse_to_overwrite(const std::filesystem::path& model, const char* option,
+                         const std::optional<std::filesystem::path>& output) {
+  std::error_code code;  // of what is not there
+  if (output && std::filesystem::equivalent(*output, model, code))
+    throw UsageError(fmt::format("{} {}: that is the model", option, output->string()));
+}
+
 AntiAliasing parse_anti_aliasing(const std::string& word) {
   return word == "on" ? AntiAliasing::On : AntiAliasing::Off;
 }
@@ -188,6 +196,8 @@ SliceOptions parse_slice(SliceOptions options, const SliceWords& words) {
   set_if_given(options.masks, words.masks);
   set_if_given(options.csv, words.csv);
   set_if_given(options.contours, words.contours);
+  refuse_to_overwrite(options.model, "--mask", options.mask);
+  refuse_to_overwrite(options.model, "--csv", options.csv);
   if (int{words.z_mm.has_value()} + int{words.layer_height_um.has_value()} + int{words.cusp_um.has_value()} !=
       1)
     throw UsageError("slice needs either --z or --layer-height-um or --cusp-um");
@@ -219,6 +229,7 @@ SupportOptions parse_support(SupportOptions options, const SupportWords& words) 
   options.layer_height = parse_um("--layer-height-um", words.layer_height_um, 1);
   options.scale = parse_scale(words.scale);
   set_if_given(options.stl, words.stl);
+  refuse_to_overwrite(options.model, "--stl", options.stl);
   if (options.with_model && !options.stl) throw UsageError("--with-model goes with --stl");
   return options;
 }
@@ -236,6 +247,7 @@ AnalyzeOptions parse_analyze(AnalyzeOptions options, const AnalyzeWords& words) 
   if (words.supports) options.supports = *words.supports == "auto" ? SupportPolicy::Auto : SupportPolicy::Off;
   options.scale = parse_scale(words.scale);
   set_if_given(options.html, words.html);
+  refuse_to_overwrite(options.model, "--html", options.html);
   set_if_given(options.printer, words.printer);
   set_if_given(options.ticket, words.ticket);
   return options;
@@ -256,6 +268,7 @@ OrientOptions parse_orient(OrientOptions options, const OrientWords& words) {
   set_if_given(options.printer, words.printer);
   set_if_given(options.resin, words.resin);
   set_if_given(options.html, words.html);
+  refuse_to_overwrite(options.model, "--html", options.html);
   set_if_given(options.pictures, words.pictures);
   return options;
 }

@@ -12,6 +12,7 @@
 #include "daemon/ctl/exit_codes.hpp"
 #include "daemon/ctl/terminal.hpp"
 #include "daemon/readable.hpp"
+#include "daemon/supports_text.hpp"
 
 namespace contourd::ctl {
 namespace {
@@ -103,8 +104,10 @@ void print_waiting_job(const Json& waiting) {
              size_of(job), text_of(job, "resin"), job["parts"].get<std::int64_t>(), layers_of(job),
              job["height_mm"].get<double>(), time_of(job));
   if (const std::string set = overrides_of(job); !set.empty()) fmt::print("ticket    {}\n", set);
-  if (!job["resin_ml"].is_number()) return;
-  fmt::print("needs     {:.2f} ml of resin\n", job["resin_ml"].get<double>());
+  if (const Json& supports = job["supports"]; supports.is_object())
+    fmt::print("supports  {}\n", supports_line(supports_in_summary(supports)));
+  if (job["resin_ml"].is_number())
+    fmt::print("needs     {:.2f} ml of resin\n", job["resin_ml"].get<double>());
   for (const Json& warning : job["warnings"])
     fmt::print("warning   {}\n", printable(warning.get<std::string>()));
 }

@@ -29,6 +29,12 @@ TEST_CASE("Supports are told by cause, and by what holds") {
   supports.feet_on_models = 2;
   CHECK(supports_line(counts_of(supports)) ==
         "4 contacts (1 island, 2 overhangs, 1 peel), 3 branches, 1 foot, 2 on the model, 0.33 ml");
+  SupportCounts counts = counts_of(supports);
+  counts.unheld = 1;
+  CHECK(supports_line(counts) ==
+        "4 contacts (1 island, 2 overhangs, 1 peel), 3 branches, 1 foot, 2 on the model, 0.33 ml; 1 place "
+        "not held");
+  CHECK(supports_in_summary(supports_summary_json(counts)) == counts);
   CHECK(supports_line({}) == "nothing has to be held");
 }
 

@@ -32,8 +32,8 @@ def ball(radius, steps=24):
 
 BALL = binary_stl(ball(4))
 BOX = binary_stl(box((0, 0, 0), (10, 5, 1)))
-# A plate hangs in a closed room, a tenth of a millimetre above its floor: no support has room beneath it.
-CAGED = binary_stl([*box((0, 0, 0), (12, 12, 8)), *inside_out(box((1, 1, 2), (11, 11, 7))), *box((3, 3, 2.1), (9, 9, 4))])
+# A closed room, a tenth of a millimetre high and a centimetre wide: no support has room beneath its ceiling.
+CAGED = binary_stl([*box((0, 0, 0), (12, 12, 8)), *inside_out(box((1, 1, 2), (11, 11, 2.1)))])
 
 
 class Supports(FolderTest):
@@ -127,6 +127,9 @@ class Supports(FolderTest):
         self.assertGreaterEqual(job["supports"]["unheld"], 1)
         self.assertRegex(" ".join(job["warnings"]), r"places? cannot be held: at -?\d+\.\d\d, -?\d+\.\d\d mm from the plate's centre, \d+\.\d\d mm above the plate \(")
         self.assertIn('caged.stl waits: unheld places; "contourctl accept caged" has it printed as it is', daemon.log())
+        shown = daemon.ctl("queue", "show", "caged").stdout.decode()
+        self.assertRegex(shown, r"(?m)^supports  .*[1-9]\d* places? not held")
+        self.assertRegex(shown, r"(?m)^warning   .*places? cannot be held: at ")
         self.printed(daemon, "box", BOX)
         told = daemon.ctl("accept", "caged")
         self.assertEqual(told.returncode, OK, told.stderr)
@@ -209,18 +212,31 @@ class Supports(FolderTest):
         self.assertEqual(daemon.wait_done("ball")["layers"], 260)
         daemon.stop()
 
+    def link(self, model):
+        link = os.path.join(self.folder, "same.html")
+        os.link(model, link)
+        return link
+
     def test_what_makes_no_sense_is_refused_in_a_sentence(self):
         model = self.write("ball.stl", BALL)
+        name = os.fsdecode(model)
         for words, code, part in (
             (["slice", model, "--z", "1", "--supports", "on"], BAD_USAGE, "--supports"),
             (["slice", model, "--layer-height-um", "50", "--supports", "auto", "--fit"], BAD_USAGE, "--supports auto does not go with --fit"),
             (["slice", model, "--z", "1", "--scale", "0"], BAD_USAGE, "--scale 0: expected 0.001 to 1000"),
             (["support", model, "--with-model"], BAD_USAGE, "--with-model goes with --stl"),
             (["support", self.write("none.stl", b"no model")], BAD_DATA, "none.stl"),
+            (["support", model, "--stl", model], BAD_USAGE, f"--stl {name}: that is the model"),
+            (["analyze", model, "--html", model], BAD_USAGE, f"--html {name}: that is the model"),
+            (["orient", model, "--html", self.link(model)], BAD_USAGE, "same.html: that is the model"),
+            (["slice", model, "--z", "1", "--mask", model], BAD_USAGE, f"--mask {name}: that is the model"),
+            (["slice", model, "--layer-height-um", "50", "--csv", model], BAD_USAGE, f"--csv {name}: that is the model"),
         ):
             told = contourctl(*words)
             self.assertEqual(told.returncode, code, words)
             self.assertIn(part, told.stderr.decode())
+        with open(model, "rb") as file:
+            self.assertEqual(file.read(), BALL)
 
 
 if __name__ == "__main__":
