@@ -69,7 +69,8 @@ class SupportLayout {
   SupportLayout(const ClearanceField& field, const SupportSettings& settings, const std::stop_token& stop)
       : field_(field), settings_(settings), stop_(stop) {}
 
-  // Returns those that it cannot hold. Higher: of islands whose first layer could not be.
+  // Returns those that it cannot hold. With IslandHold::Higher it looks beside islands alone: all else was
+  // tried before.
   [[nodiscard]] std::vector<SupportContact> hold(const std::vector<SupportContact>& contacts,
                                                  PlateWays::End end, IslandHold islands) {
     const PlateWays& ways = ways_to(end, contacts);

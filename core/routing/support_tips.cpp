@@ -81,10 +81,10 @@ std::optional<SupportTip> SupportTips::tip_at(const SupportContact& contact) con
       }
     }
   }
-  std::optional<SupportTip> stub = stub_at(at, directions);
-  if (!stub && contact.cause == ContactCause::Island && ways_.end() == PlateWays::End::Model)
-    stub = strut_near(at);
-  return stub;
+  std::optional<SupportTip> pin = pin_at(at, directions);
+  if (!pin && contact.cause == ContactCause::Island && ways_.end() == PlateWays::End::Model)
+    pin = strut_near(at);
+  return pin;
 }
 
 std::optional<SupportTip> SupportTips::tip_with(const PlatePoint& at, const Cone& cone) const {
@@ -98,12 +98,12 @@ std::optional<SupportTip> SupportTips::tip_with(const PlatePoint& at, const Cone
 }
 
 // A cone down to what is so close below that a branch has no room.
-std::optional<SupportTip> SupportTips::stub_at(const PlatePoint& at,
-                                               std::span<const Direction> directions) const {
+std::optional<SupportTip> SupportTips::pin_at(const PlatePoint& at,
+                                              std::span<const Direction> directions) const {
   const double tip = settings_.tip_diameter.count() / 2, usual = settings_.pillar_diameter.count() / 2;
   for (const double widest : {usual, (usual + tip) / 2, tip}) {
     for (const Direction& direction : directions) {
-      const std::optional<PlatePoint> foot = foot_of_stub(at, direction);
+      const std::optional<PlatePoint> foot = foot_of_pin(at, direction);
       if (!foot) continue;
       const double length = PlateSegment{at, *foot}.length();
       const Cone cone{direction, length, foot->z > 0 ? tip : std::clamp(length, tip, widest)};
@@ -134,8 +134,8 @@ std::optional<SupportTip> SupportTips::strut_near(const PlatePoint& at) const {
   return std::nullopt;
 }
 
-// Where a stub in this direction ends: on the plate, or straight down on a model.
-std::optional<PlatePoint> SupportTips::foot_of_stub(const PlatePoint& at, const Direction& direction) const {
+// Where a pin in this direction ends: on the plate, or straight down on a model.
+std::optional<PlatePoint> SupportTips::foot_of_pin(const PlatePoint& at, const Direction& direction) const {
   const double longest = 2 * settings_.tip_length.count() + settings_.foot_height.count();
   if (ways_.end() == PlateWays::End::Plate) {
     const double length = at.z / -direction.z;

@@ -27,7 +27,7 @@ class SupportTips {
   SupportTips(const ClearanceField& field, const PlateWays& ways, const SupportSettings& settings);
 
   // The tip that holds this place: along the surface's normal if that leads anywhere, else aside of it,
-  // longer or thinner. An island so close beside other material that nothing else has room is joined to that.
+  // longer or thinner. An island so close to other material that nothing else has room is joined to that.
   // Nothing where none does.
   [[nodiscard]] std::optional<SupportTip> tip_at(const SupportContact& contact) const;
 
@@ -38,11 +38,10 @@ class SupportTips {
   };
 
   [[nodiscard]] std::optional<SupportTip> tip_with(const PlatePoint& at, const Cone& cone) const;
-  [[nodiscard]] std::optional<SupportTip> stub_at(const PlatePoint& at,
-                                                  std::span<const Direction> directions) const;
+  [[nodiscard]] std::optional<SupportTip> pin_at(const PlatePoint& at,
+                                                 std::span<const Direction> directions) const;
   [[nodiscard]] std::optional<SupportTip> strut_near(const PlatePoint& at) const;
-  [[nodiscard]] std::optional<PlatePoint> foot_of_stub(const PlatePoint& at,
-                                                       const Direction& direction) const;
+  [[nodiscard]] std::optional<PlatePoint> foot_of_pin(const PlatePoint& at, const Direction& direction) const;
   [[nodiscard]] bool is_free(const PlatePoint& at, const Cone& cone) const;
 
   const ClearanceField& field_;
