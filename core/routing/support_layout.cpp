@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/clearance/clearance_field.hpp"
-#include "core/clearance/plate_ways.hpp"
+#include "core/clearance/support_path_field.hpp"
 #include "core/routing/contact_neighbours.hpp"
 #include "core/routing/support_loads.hpp"
 #include "core/routing/support_routing.hpp"
@@ -72,8 +72,8 @@ class SupportLayout {
   // Returns those that it cannot hold. With IslandHold::Higher it looks beside islands alone: all else was
   // tried before.
   [[nodiscard]] std::vector<SupportContact> hold(const std::vector<SupportContact>& contacts,
-                                                 PlateWays::End end, IslandHold islands) {
-    const PlateWays& ways = ways_to(end, contacts);
+                                                 SupportPathField::End end, IslandHold islands) {
+    const SupportPathField& ways = ways_to(end, contacts);
     const SupportTips tips(field_, ways, settings_);
     SupportRouting routing(field_, ways, settings_);
     std::vector<SupportContact> unheld;
@@ -114,12 +114,12 @@ class SupportLayout {
 
  private:
   // Made for the first contacts that want them: later ones are among these.
-  const PlateWays& ways_to(PlateWays::End end, const std::vector<SupportContact>& contacts) {
-    std::optional<PlateWays>& ways = end == PlateWays::End::Plate ? to_plate_ : to_models_;
+  const SupportPathField& ways_to(SupportPathField::End end, const std::vector<SupportContact>& contacts) {
+    std::optional<SupportPathField>& ways = end == SupportPathField::End::Plate ? to_plate_ : to_models_;
     if (!ways) {
       const double usual = settings_.pillar_diameter.count() / 2;
-      const WayWidths widths{usual, usual * kLeastWidth, settings_.tip_diameter.count() / 2};
-      ways.emplace(field_, PlateWays::Settings{widths, end, contacts}, stop_);
+      const PathWidths widths{usual, usual * kLeastWidth, settings_.tip_diameter.count() / 2};
+      ways.emplace(field_, SupportPathField::Settings{widths, end, contacts}, stop_);
     }
     return *ways;
   }
@@ -127,7 +127,7 @@ class SupportLayout {
   const ClearanceField& field_;
   SupportSettings settings_;
   std::stop_token stop_;
-  std::optional<PlateWays> to_plate_, to_models_;
+  std::optional<SupportPathField> to_plate_, to_models_;
   SupportTree tree_;
   std::vector<SupportContact> held_;
 };
@@ -144,7 +144,7 @@ std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, c
   SupportLayout layout(field, settings, stop);
   std::vector<SupportContact> unheld = std::move(contacts);
   for (const IslandHold islands : {IslandHold::FromItsFirstLayer, IslandHold::Higher}) {
-    for (const PlateWays::End end : {PlateWays::End::Plate, PlateWays::End::Model}) {
+    for (const SupportPathField::End end : {SupportPathField::End::Plate, SupportPathField::End::Model}) {
       if (!unheld.empty()) unheld = layout.hold(unheld, end, islands);
     }
   }

@@ -34,7 +34,7 @@ bool SupportRouting::Pair::operator<(const Pair& pair) const {
   return std::tuple(saved_mm3, pair.one, pair.other) < std::tuple(pair.saved_mm3, one, other);
 }
 
-SupportRouting::SupportRouting(const ClearanceField& field, const PlateWays& ways,
+SupportRouting::SupportRouting(const ClearanceField& field, const SupportPathField& ways,
                                const SupportSettings& settings)
     : field_(field),
       ways_(ways),
@@ -57,7 +57,7 @@ void SupportRouting::add(SupportTip tip, std::uint32_t contact, double load_mm2)
   tree_.tips.push_back({std::move(tip), contact, node});
 }
 
-void SupportRouting::open(std::uint32_t node, PlateWay way) {
+void SupportRouting::open(std::uint32_t node, SupportPath way) {
   ends_.push_back({node, std::move(way)});
 }
 
@@ -153,7 +153,7 @@ bool SupportRouting::meet(const Pair& pair, const PlatePoint& place) {
       return true;
     }
   }
-  std::optional<PlateWay> way = ways_.way_from(place);
+  std::optional<SupportPath> way = ways_.path_from(place);
   if (!way) return false;
   const auto node = static_cast<std::uint32_t>(tree_.nodes.size());
   const double usual = settings_.pillar_diameter.count() / 2;
@@ -187,8 +187,8 @@ std::optional<std::uint32_t> SupportRouting::next_to_go_on() const {
 }
 
 void SupportRouting::go_on(std::uint32_t end) {
-  PlateWay way = std::move(ends_[end].way);
-  const PlateWay::Stretch first = way.stretches.front();
+  SupportPath way = std::move(ends_[end].way);
+  const SupportPath::Stretch first = way.stretches.front();
   way.length_mm -= PlateSegment{node_of(end).place, first.end}.length();
   way.stretches.erase(way.stretches.begin());
   add_below(ends_[end].node, first.end, first.radius_mm);
@@ -199,7 +199,7 @@ void SupportRouting::go_on(std::uint32_t end) {
 }
 
 void SupportRouting::end(OpenEnd& end) {
-  const PlateWay::Stretch last = end.way.stretches.front();
+  const SupportPath::Stretch last = end.way.stretches.front();
   add_below(end.node, last.end, last.radius_mm);
   if (end.way.landing) {
     add_below(static_cast<std::uint32_t>(tree_.nodes.size() - 1), *end.way.landing, last.radius_mm);

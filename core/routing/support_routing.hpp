@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/clearance/clearance_field.hpp"
-#include "core/clearance/plate_ways.hpp"
+#include "core/clearance/support_path_field.hpp"
 #include "core/routing/support_tree.hpp"
 #include "core/support/support_settings.hpp"
 
@@ -22,7 +22,7 @@ namespace contourd {
 class SupportRouting {
  public:
   // Both must outlive it.
-  SupportRouting(const ClearanceField& field, const PlateWays& ways, const SupportSettings& settings);
+  SupportRouting(const ClearanceField& field, const SupportPathField& ways, const SupportSettings& settings);
 
   // A tip that holds contact number `contact`.
   void add(SupportTip tip, std::uint32_t contact, double load_mm2);
@@ -36,7 +36,7 @@ class SupportRouting {
   // Where a branch is so far; it goes on from there.
   struct OpenEnd {
     std::uint32_t node;
-    PlateWay way;
+    SupportPath way;
     bool open = true;
   };
   // Two ends that might meet; of all places where they can, the one of this rank.
@@ -52,7 +52,7 @@ class SupportRouting {
   };
 
   [[nodiscard]] const SupportNode& node_of(std::uint32_t end) const;
-  void open(std::uint32_t node, PlateWay way);
+  void open(std::uint32_t node, SupportPath way);
   void look_for_partners(std::uint32_t end);
   void push_pair(std::uint32_t one, std::uint32_t other, std::uint32_t rank);
   [[nodiscard]] std::vector<Meeting> meetings_of(std::uint32_t one, std::uint32_t other) const;
@@ -67,7 +67,7 @@ class SupportRouting {
   void add_below(std::uint32_t node, const PlatePoint& place, double radius_mm);
 
   const ClearanceField& field_;
-  const PlateWays& ways_;
+  const SupportPathField& ways_;
   SupportSettings settings_;
   double foot_mm3_;
   SupportTree tree_;

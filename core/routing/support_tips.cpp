@@ -61,7 +61,8 @@ std::vector<Direction> directions_for(const Direction& outward) {
 
 }  // namespace
 
-SupportTips::SupportTips(const ClearanceField& field, const PlateWays& ways, const SupportSettings& settings)
+SupportTips::SupportTips(const ClearanceField& field, const SupportPathField& ways,
+                         const SupportSettings& settings)
     : field_(field), ways_(ways), settings_(settings) {}
 
 std::optional<SupportTip> SupportTips::tip_at(const SupportContact& contact) const {
@@ -82,7 +83,7 @@ std::optional<SupportTip> SupportTips::tip_at(const SupportContact& contact) con
     }
   }
   std::optional<SupportTip> pin = pin_at(at, directions);
-  if (!pin && contact.cause == ContactCause::Island && ways_.end() == PlateWays::End::Model)
+  if (!pin && contact.cause == ContactCause::Island && ways_.end() == SupportPathField::End::Model)
     pin = strut_near(at);
   return pin;
 }
@@ -92,7 +93,7 @@ std::optional<SupportTip> SupportTips::tip_with(const PlatePoint& at, const Cone
   // What is cheap to tell first.
   if (joint.z < settings_.foot_height.count() || !ways_.length_from(joint)) return std::nullopt;
   if (!field_.has_room(joint, cone.radius_mm) || !is_free(at, cone)) return std::nullopt;
-  std::optional<PlateWay> way = ways_.way_from(joint);
+  std::optional<SupportPath> way = ways_.path_from(joint);
   if (!way) return std::nullopt;
   return SupportTip{at, joint, cone.outward, cone.radius_mm, std::move(*way)};
 }
@@ -137,7 +138,7 @@ std::optional<SupportTip> SupportTips::strut_near(const PlatePoint& at) const {
 // Where a pin in this direction ends: on the plate, or straight down on a model.
 std::optional<PlatePoint> SupportTips::foot_of_pin(const PlatePoint& at, const Direction& direction) const {
   const double longest = 2 * settings_.tip_length.count() + settings_.foot_height.count();
-  if (ways_.end() == PlateWays::End::Plate) {
+  if (ways_.end() == SupportPathField::End::Plate) {
     const double length = at.z / -direction.z;
     if (!(at.z > 0) || length > longest) return std::nullopt;
     const PlatePoint foot = moved(at, direction, length);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/clearance/clearance_field.hpp"
-#include "core/clearance/plate_ways.hpp"
+#include "core/clearance/support_path_field.hpp"
 #include "core/support/support_contact.hpp"
 #include "core/support/support_settings.hpp"
 
@@ -18,13 +18,13 @@ struct SupportTip {
   PlatePoint joint;      // where the cone ends and the branch begins; on the plate: it has no branch
   Direction outward;     // from `at` to `joint`, of length 1
   double radius_mm = 0;  // at the joint
-  PlateWay way;          // from the joint on
+  SupportPath way;       // from the joint on
 };
 
 class SupportTips {
  public:
   // Both must outlive it.
-  SupportTips(const ClearanceField& field, const PlateWays& ways, const SupportSettings& settings);
+  SupportTips(const ClearanceField& field, const SupportPathField& ways, const SupportSettings& settings);
 
   // The tip that holds this place: along the surface's normal if that leads anywhere, else aside of it,
   // longer or thinner. An island so close to other material that nothing else has room is joined to that.
@@ -45,7 +45,7 @@ class SupportTips {
   [[nodiscard]] bool is_free(const PlatePoint& at, const Cone& cone) const;
 
   const ClearanceField& field_;
-  const PlateWays& ways_;
+  const SupportPathField& ways_;
   SupportSettings settings_;
 };
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/clearance/plate_ways.hpp"
+#include "core/clearance/support_path_field.hpp"
 #include "core/routing/support_routing.hpp"
 #include "tests/catch.hpp"
 #include "tests/core/routing/supports_fixture.hpp"
@@ -26,7 +26,7 @@ class Hanging {
 
   [[nodiscard]] SupportTree tree_for(const std::vector<SupportContact>& contacts) const {
     const ClearanceField field(layers_, {-20, 20, -15, 15, 17}, {kBuildArea, 0.5}, {});
-    const PlateWays ways(field, {{0.5, 0.25, 0.2}, PlateWays::End::Plate, {}}, {});
+    const SupportPathField ways(field, {{0.5, 0.25, 0.2}, SupportPathField::End::Plate, {}}, {});
     const SupportTips tips(field, ways, kSettings);
     SupportRouting routing(field, ways, kSettings);
     for (std::uint32_t i = 0; i < contacts.size(); ++i)

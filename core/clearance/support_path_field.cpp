@@ -1,4 +1,4 @@
-#include "core/clearance/plate_ways.hpp"
+#include "core/clearance/support_path_field.hpp"
 
 #include <algorithm>
 #include <array>
@@ -28,7 +28,8 @@ void lower_to(std::uint16_t* into, const std::uint16_t* from, std::uint16_t more
 
 }  // namespace
 
-PlateWays::PlateWays(const ClearanceField& field, const Settings& settings, const std::stop_token& stop)
+SupportPathField::SupportPathField(const ClearanceField& field, const Settings& settings,
+                                   const std::stop_token& stop)
     : field_(field), widths_(settings.widths), end_(settings.end) {
   const double h = field.cell_mm(), v = field.level_mm();
   const auto units_of = [](double mm) { return static_cast<Cost>(std::ceil(mm / kUnit_mm)); };
@@ -47,7 +48,7 @@ PlateWays::PlateWays(const ClearanceField& field, const Settings& settings, cons
 }
 
 // No way leads through what is too narrow; what is narrow counts twice.
-void PlateWays::keep_to_room(std::int32_t level) {
+void SupportPathField::keep_to_room(std::int32_t level) {
   const auto units = [](double mm) {
     return static_cast<std::uint8_t>(std::ceil((mm + kSpare_mm) / ClearanceField::kUnit_mm));
   };
@@ -61,13 +62,13 @@ void PlateWays::keep_to_room(std::int32_t level) {
   }
 }
 
-void PlateWays::begin_level(std::int32_t level) {
+void SupportPathField::begin_level(std::int32_t level) {
   if (level > 0 || end_ != End::Plate) return;
   const auto cells = static_cast<std::ptrdiff_t>(field_.level(0).size());
   std::fill(costs_.begin(), costs_.begin() + cells, static_cast<Cost>(straight_ / 2));
 }
 
-void PlateWays::reach_level(std::int32_t level) {
+void SupportPathField::reach_level(std::int32_t level) {
   const auto width = static_cast<std::size_t>(field_.columns());
   const std::size_t cells = field_.level(0).size();
   Cost* const here = costs_.data() + static_cast<std::size_t>(level) * cells;
@@ -86,7 +87,7 @@ void PlateWays::reach_level(std::int32_t level) {
 }
 
 // Where a model is so close below that a foot reaches it.
-void PlateWays::land_on_models(std::int32_t level, std::span<const SupportContact> from) {
+void SupportPathField::land_on_models(std::int32_t level, std::span<const SupportContact> from) {
   const std::span<const std::uint8_t> room = field_.level(level);
   std::vector<std::uint8_t> near(room.size(), 0);
   for (const SupportContact& contact : from)
@@ -104,8 +105,8 @@ void PlateWays::land_on_models(std::int32_t level, std::span<const SupportContac
 }
 
 // Cells that a way from there can come to within 45 degrees, and not too far aside.
-void PlateWays::mark_near(const PlatePoint& place, std::int32_t level,
-                          std::vector<std::uint8_t>& near) const {
+void SupportPathField::mark_near(const PlatePoint& place, std::int32_t level,
+                                 std::vector<std::uint8_t>& near) const {
   const ClearanceField::Cell at = field_.cell_of(place);
   const double below = place.z - level * field_.level_mm();
   if (below < 0) return;
@@ -119,7 +120,7 @@ void PlateWays::mark_near(const PlatePoint& place, std::int32_t level,
   }
 }
 
-std::optional<PlatePoint> PlateWays::landing_below(const PlatePoint& point) const {
+std::optional<PlatePoint> SupportPathField::landing_below(const PlatePoint& point) const {
   const LayerStack& layers = field_.layers();
   const std::optional<double> top = layers.top_below(point, kHighestLanding_mm);
   if (!top || point.z - *top < kLowestLanding_mm || point.z - *top > kHighestLanding_mm) return std::nullopt;
@@ -139,7 +140,7 @@ std::optional<PlatePoint> PlateWays::landing_below(const PlatePoint& point) cons
   return way.from;
 }
 
-PlateWays::Cost PlateWays::cost_at(const ClearanceField::Cell& cell) const {
+SupportPathField::Cost SupportPathField::cost_at(const ClearanceField::Cell& cell) const {
   if (cell.column < 0 || cell.column >= field_.columns() || cell.row < 0 || cell.row >= field_.rows() ||
       cell.level < 0 || cell.level >= field_.levels())
     return kNoWay;
@@ -150,7 +151,7 @@ PlateWays::Cost PlateWays::cost_at(const ClearanceField::Cell& cell) const {
 }
 
 // The best cell whose middle lies within 45 degrees below, half a level to one and a half further down.
-std::optional<PlateWays::Step> PlateWays::first_step(const PlatePoint& point) const {
+std::optional<SupportPathField::Step> SupportPathField::first_step(const PlatePoint& point) const {
   const auto level = static_cast<std::int32_t>(std::floor(std::min(point.z / field_.level_mm(), 1e6) - 1));
   if (level < 0) return std::nullopt;
   const ClearanceField::Cell here = field_.cell_of(point);
@@ -171,7 +172,7 @@ std::optional<PlateWays::Step> PlateWays::first_step(const PlatePoint& point) co
   return best;
 }
 
-std::optional<double> PlateWays::length_from(const PlatePoint& point) const {
+std::optional<double> SupportPathField::length_from(const PlatePoint& point) const {
   if (end_ == End::Plate && point.z < 1.5 * field_.level_mm()) {
     return point.z;
   }
@@ -180,7 +181,7 @@ std::optional<double> PlateWays::length_from(const PlatePoint& point) const {
   return step->cost_mm;
 }
 
-std::optional<ClearanceField::Cell> PlateWays::next_step(const ClearanceField::Cell& cell) const {
+std::optional<ClearanceField::Cell> SupportPathField::next_step(const ClearanceField::Cell& cell) const {
   constexpr std::array<std::array<std::int32_t, 2>, 9> kMoves{
       {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
   std::optional<ClearanceField::Cell> best;
@@ -199,7 +200,7 @@ std::optional<ClearanceField::Cell> PlateWays::next_step(const ClearanceField::C
 }
 
 // Whether a way ends there on a model: nothing below takes less than the foot there.
-bool PlateWays::ends_at(const ClearanceField::Cell& cell) const {
+bool SupportPathField::ends_at(const ClearanceField::Cell& cell) const {
   if (end_ == End::Plate) return cell.level == 0;
   const std::optional<ClearanceField::Cell> next = next_step(cell);
   if (!next) return true;
@@ -208,7 +209,7 @@ bool PlateWays::ends_at(const ClearanceField::Cell& cell) const {
   return landing && (middle.z - landing->z) / kUnit_mm <= cost_at(*next) + straight_;
 }
 
-std::optional<std::vector<PlatePoint>> PlateWays::steps_from(const PlatePoint& point) const {
+std::optional<std::vector<PlatePoint>> SupportPathField::steps_from(const PlatePoint& point) const {
   std::vector<PlatePoint> steps{point};
   const std::optional<Step> first = first_step(point);
   if (!first && (end_ == End::Model || !length_from(point))) return std::nullopt;
@@ -227,16 +228,16 @@ std::optional<std::vector<PlatePoint>> PlateWays::steps_from(const PlatePoint& p
 }
 
 // The radius that there is room for; 0 where there is too little.
-double PlateWays::room_along(const PlateSegment& segment) const {
+double SupportPathField::room_along(const PlateSegment& segment) const {
   if (field_.has_room(segment, widths_.usual_mm)) return widths_.usual_mm;
   const double between = (widths_.usual_mm + widths_.least_mm) / 2;
   if (!field_.has_room(segment, widths_.least_mm)) return 0;
   return field_.has_room(segment, between) ? between : widths_.least_mm;
 }
 
-std::optional<PlateWay> PlateWays::way_from(const PlatePoint& point) const {
+std::optional<SupportPath> SupportPathField::path_from(const PlatePoint& point) const {
   const PlatePoint below{point.x, point.y, 0};
-  PlateWay way;
+  SupportPath way;
   if (end_ == End::Plate && field_.has_room({point, below}, widths_.usual_mm)) {
     way.stretches.push_back({below, widths_.usual_mm});
     way.length_mm = point.z;
@@ -246,7 +247,7 @@ std::optional<PlateWay> PlateWays::way_from(const PlatePoint& point) const {
   if (!steps) return std::nullopt;
   for (std::size_t at = 0; at + 1 < steps->size();) {
     std::size_t reached = 0;
-    const PlateWay::Stretch stretch = longest_stretch(std::span(*steps).subspan(at), reached);
+    const SupportPath::Stretch stretch = longest_stretch(std::span(*steps).subspan(at), reached);
     if (stretch.radius_mm == 0) return std::nullopt;
     way.stretches.push_back(stretch);
     way.length_mm += PlateSegment{(*steps)[at], stretch.end}.length();
@@ -260,7 +261,8 @@ std::optional<PlateWay> PlateWays::way_from(const PlatePoint& point) const {
 }
 
 // As far straight on as there is room, looked for by halves; most ways are straight to their end.
-PlateWay::Stretch PlateWays::longest_stretch(std::span<const PlatePoint> steps, std::size_t& reached) const {
+SupportPath::Stretch SupportPathField::longest_stretch(std::span<const PlatePoint> steps,
+                                                       std::size_t& reached) const {
   const PlatePoint from = steps.front();
   reached = 1;
   double radius = room_along({from, steps[reached]});

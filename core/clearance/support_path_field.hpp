@@ -17,12 +17,12 @@ namespace contourd {
 
 // What a way is made of: the radius of a branch where there is room, and where there is little; that of a
 // foot on a model.
-struct WayWidths {
+struct PathWidths {
   double usual_mm = 0, least_mm = 0, landing_mm = 0;
 };
 
 // A way from a point down. Each stretch has room for its radius.
-struct PlateWay {
+struct SupportPath {
   struct Stretch {
     PlatePoint end;
     double radius_mm = 0;
@@ -32,18 +32,18 @@ struct PlateWay {
   double length_mm = 0;
 };
 
-class PlateWays {
+class SupportPathField {
  public:
   enum class End { Plate, Model };
 
   struct Settings {
-    WayWidths widths;
+    PathWidths widths;
     End end = End::Plate;
     std::span<const SupportContact> from;  // with feet on models: from near which ways are wanted
   };
 
   // `field` must outlive the ways. Once `stop` was asked for they are of no use.
-  PlateWays(const ClearanceField& field, const Settings& settings, const std::stop_token& stop);
+  SupportPathField(const ClearanceField& field, const Settings& settings, const std::stop_token& stop);
 
   [[nodiscard]] End end() const { return end_; }
 
@@ -54,7 +54,7 @@ class PlateWays {
   // How long a way from there is, about, narrow places counted more; nothing where there is none.
   [[nodiscard]] std::optional<double> length_from(const PlatePoint& point) const;
   // A way from there, each of its stretches looked at; nothing where there is none.
-  [[nodiscard]] std::optional<PlateWay> way_from(const PlatePoint& point) const;
+  [[nodiscard]] std::optional<SupportPath> path_from(const PlatePoint& point) const;
 
  private:
   using Cost = std::uint16_t;
@@ -77,12 +77,12 @@ class PlateWays {
   [[nodiscard]] std::optional<ClearanceField::Cell> next_step(const ClearanceField::Cell& cell) const;
   [[nodiscard]] std::optional<std::vector<PlatePoint>> steps_from(const PlatePoint& point) const;
   [[nodiscard]] bool ends_at(const ClearanceField::Cell& cell) const;
-  [[nodiscard]] PlateWay::Stretch longest_stretch(std::span<const PlatePoint> steps,
-                                                  std::size_t& reached) const;
+  [[nodiscard]] SupportPath::Stretch longest_stretch(std::span<const PlatePoint> steps,
+                                                     std::size_t& reached) const;
   [[nodiscard]] double room_along(const PlateSegment& segment) const;
 
   const ClearanceField& field_;
-  WayWidths widths_;
+  PathWidths widths_;
   End end_;
   Cost straight_, aside_, across_;  // to the level beneath: in the same column, in the next, over a corner
   std::vector<Cost> costs_;         // by cell
