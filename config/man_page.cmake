@@ -1,9 +1,9 @@
-# Writes the manual page of a file format from its schema, PLACE being where such files lie:
+# Writes the manual page of a file format from its schema. PLACE is the path of such files:
 #   cmake -D SCHEMA=FILE -D PAGE=NAME -D BRIEF=TEXT -D PLACE=TEXT -D OUTPUT=FILE -P man_page.cmake
-# It is a script of CMake so that a package for another architecture needs no program of this one.
+# This is a CMake script so that a package for another architecture needs no program of the building computer.
 cmake_minimum_required(VERSION 3.25)
 
-# As the page has it: no character of the text is roff's.
+# Escapes the text for roff.
 function(roff text result)
   string(REPLACE "\\" "\\e" text "${text}")
   string(REPLACE "-" "\\-" text "${text}")
@@ -11,7 +11,7 @@ function(roff text result)
   set(${result} "\\&${text}" PARENT_SCOPE)
 endfunction()
 
-# The member's value; empty when there is none.
+# Sets the result to the member's value, or to an empty string if there is none.
 function(member json name result)
   string(JSON value ERROR_VARIABLE error GET "${json}" "${name}")
   if(error)
@@ -20,7 +20,7 @@ function(member json name result)
   set(${result} "${value}" PARENT_SCOPE)
 endfunction()
 
-# "a, b or c" of a list in JSON, or the text itself.
+# Sets the result to "a, b or c" for a JSON list, or to the value itself.
 function(alternatives json name result)
   string(JSON kind ERROR_VARIABLE error TYPE "${json}" "${name}")
   member("${json}" "${name}" all)
@@ -46,13 +46,13 @@ function(alternatives json name result)
   set(${result} "${text}" PARENT_SCOPE)
 endfunction()
 
-# A number as a person writes it: CMake has 0.1 as 0.10000000000000001.
+# Rounds a number as a person would write it: CMake gives 0.1 as 0.10000000000000001.
 function(number text result)
   string(REGEX REPLACE "^(-?[0-9]+\\.[0-9]*[1-9])00000+[0-9]+$" "\\1" text "${text}")
   set(${result} "${text}" PARENT_SCOPE)
 endfunction()
 
-# What may stand there: "number, 0 to 100; default 1".
+# Describes the allowed values: "number, 0 to 100; default 1".
 function(limits value is_needed result)
   alternatives("${value}" type text)
   string(REPLACE "object" "section" text "${text}")
@@ -86,7 +86,7 @@ function(limits value is_needed result)
       string(APPEND text ", ${least} to ${most}${unit}")
     elseif(NOT most STREQUAL "")
       string(APPEND text ", at most ${most}${unit}")
-    elseif(NOT least STREQUAL "" AND NOT least_name STREQUAL minLength)  # no text is empty
+    elseif(NOT least STREQUAL "" AND NOT least_name STREQUAL minLength)  # texts are never empty
       string(APPEND text ", at least ${least}${unit}")
     endif()
   endforeach()
@@ -96,7 +96,7 @@ function(limits value is_needed result)
   string(JSON kind ERROR_VARIABLE error TYPE "${value}" default)
   member("${value}" default default)
   if(is_needed)
-    string(APPEND text "; needed")
+    string(APPEND text "; required")
   elseif(NOT error AND NOT kind STREQUAL OBJECT AND NOT kind STREQUAL ARRAY)
     if(kind STREQUAL BOOLEAN AND default)
       set(default true)
@@ -111,7 +111,7 @@ function(limits value is_needed result)
   set(${result} "${text}" PARENT_SCOPE)
 endfunction()
 
-# What a value refers to in "definitions", its own description before that of the definition.
+# Follows a value's reference to "definitions" and puts its own description before that of the definition.
 function(resolved value result)
   member("${value}" "$ref" reference)
   if(reference)
@@ -136,7 +136,7 @@ function(resolved value result)
   set(${result} "${value}" PARENT_SCOPE)
 endfunction()
 
-# The keys of a section, each with those in it, as entries of a list.
+# Lists the keys of a section and, recursively, the keys in them.
 function(entries section path result)
   set(text "")
   member("${section}" properties properties)
@@ -189,8 +189,8 @@ ${PAGE} \\- ${BRIEF}
 .SH DESCRIPTION
 ${description}
 .PP
-It is JSON; a section is an object.
-A key that is not listed here is refused, with its place.
+The file is JSON; a section is an object.
+Keys that are not listed here are refused, and the error names their place.
 .SH FILES
 ${place}
 .SH KEYS

@@ -1,7 +1,7 @@
-# Removes what the last installation from this build put there: `manifest` names the files. /etc/contourd and the spool
-# are the owner's, and stay.
+# Removes the files of the last installation from this build, which `manifest` lists. /etc/contourd and the spool belong to the
+# user and stay.
 if(NOT EXISTS "${manifest}")
-  message(FATAL_ERROR "There is nothing to remove: ${manifest} is not there, so nothing was installed from this build")
+  message(FATAL_ERROR "There is nothing to remove: ${manifest} does not exist, so nothing was installed from this build")
 endif()
 file(STRINGS "${manifest}" files)
 foreach(file ${files})
@@ -9,7 +9,7 @@ foreach(file ${files})
     message(STATUS "Removing: $ENV{DESTDIR}${file}")
     file(REMOVE "$ENV{DESTDIR}${file}")
   endif()
-  # With contourd's own folders, from the innermost on, unless something else is in them.
+  # Also removes contourd's own folders, the innermost first, unless they contain other files.
   cmake_path(GET file PARENT_PATH folder)
   while(folder MATCHES "/contourd[^/]*(/|$)" AND IS_DIRECTORY "$ENV{DESTDIR}${folder}")
     execute_process(COMMAND rmdir -- "$ENV{DESTDIR}${folder}" RESULT_VARIABLE stays OUTPUT_QUIET ERROR_QUIET)

@@ -1,4 +1,5 @@
-// What both programs do with a command line that asks for help or cannot be used.
+// Answers a command line that asks for help or cannot be used, for both programs. Only main.cpp includes this
+// header: CLI11 takes longer to compile than most sources.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,11 +10,9 @@
 #include <sstream>
 
 #include "daemon/config/printable.hpp"
+#include "daemon/standard_output.hpp"
 
 namespace contourd {
-
-// Of BSD's sysexits.h: EX_USAGE.
-inline constexpr int kBadUsage = 64;
 
 // Prints the help, or what is wrong. Returns the exit code.
 inline int end_of_command_line(const CLI::App& app, const CLI::ParseError& error) {

@@ -6,8 +6,9 @@
 
 namespace contourd {
 
-// Of BSD's sysexits.h: EX_CANTCREAT, an output cannot be written.
-inline constexpr int kCannotCreate = 73;
+// Exit codes of both programs, from BSD's sysexits.h.
+inline constexpr int kBadUsage = 64;      // EX_USAGE: the command line cannot be used
+inline constexpr int kCannotCreate = 73;  // EX_CANTCREAT: an output cannot be written
 
 struct OutputError : std::runtime_error {
   using std::runtime_error::runtime_error;

@@ -15,7 +15,7 @@ namespace contourd {
 // "25 contacts (3 islands, 20 overhangs, 2 peel), 14 branches, 9 feet, 0.33 ml"; "nothing has to be held".
 [[nodiscard]] std::string supports_line(const SupportCounts& supports);
 
-// "at 1.00, 2.00 mm from the plate's centre, 5.30 mm above the plate (island of 0.20 mm2): no way leads to
+// "at 1.00, 2.00 mm from the plate's centre, 5.30 mm above the plate (island of 0.20 mm2): no path leads to
 // the plate".
 [[nodiscard]] std::string unheld_text(const UnheldPlace& place);
 // A sentence about all of them, which names the first; empty when there are none.

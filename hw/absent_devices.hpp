@@ -1,5 +1,5 @@
-// What stands in for a device that is not there: it does nothing, and says so to whoever asks it for
-// something. So a machine has all its parts at any time. Event loop's thread only.
+// Stand-ins for missing devices: each does nothing and answers every command with a failure, so that a
+// machine has all its parts at any time. Event loop's thread only.
 #pragma once
 
 #include <memory>
@@ -96,7 +96,7 @@ class AbsentProjector final : public Projector {
         clock_.call_after(Duration{0}, [tell = std::move(tell)] { tell.done(ProjectorReply::Refused); });
   }
   void light_off() noexcept override { answer_.reset(); }
-  // A projector that is not there confirms nothing.
+  // A missing projector confirms nothing, so the callback is never called.
   void when_dark(std::function<void()>) override {}
   [[nodiscard]] std::optional<LightSpan> last_light() const override { return std::nullopt; }
   void power_off() noexcept override { answer_.reset(); }
@@ -124,10 +124,11 @@ class AbsentProjector final : public Projector {
   std::unique_ptr<Timer> answer_;
 };
 
-// A line that refused to go off before it was lost may still be on.
+// The stand-in for a light line. A line that refused to go off before it was lost may still be on, so its
+// last refusal is kept.
 class AbsentLightLine final : public LightLine {
  public:
-  // `refusal` is what the line said last; empty when it was off.
+  // Keeps the last refusal() of the line that was lost; empty if that line was off.
   void lose(const std::string& refusal) { refusal_ = refusal; }
 
   void on() override { throw HardwareError("there is no light line"); }

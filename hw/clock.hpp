@@ -1,6 +1,6 @@
-// Monotonic time and calls at a time. Everything that waits in contourd waits through a Clock, so that the
-// simulated printer can run faster than time and tests need not sleep.
-// Single-threaded: used from the event loop's thread only.
+// Monotonic time, and calls scheduled for a time. Everything that waits in contourd waits through a Clock, so
+// that the simulated printer can run faster than real time and tests need not sleep. Single-threaded: used
+// from the event loop's thread only.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
-// Calls from the event loop when a file descriptor has something to read: how the kernel, or a device's own
-// thread by an eventfd, reaches the thread that everything else runs on. Single-threaded.
+// Callbacks from the event loop when a file descriptor becomes readable. Through them the kernel, or a
+// device's own thread with an eventfd, reaches the thread that everything else runs on. Single-threaded.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@ namespace contourd {
 
 class DescriptorWatcher {
  public:
-  // Destroying it ends the watching. Safe to destroy from inside its own call.
+  // A watch on one descriptor; destroying the watch ends it. Safe to destroy from inside its own call.
   class Watch {
    public:
     Watch() = default;
@@ -23,9 +23,9 @@ class DescriptorWatcher {
   DescriptorWatcher& operator=(const DescriptorWatcher&) = delete;
   virtual ~DescriptorWatcher() = default;
 
-  // `call` runs from the event loop for as long as `fd` can be read, or has hung up or failed
-  // (level-triggered). The descriptor stays the caller's and must outlive the watch. Throws std::system_error
-  // when the kernel refuses.
+  // Runs `call` from the event loop for as long as `fd` can be read, or has hung up or failed
+  // (level-triggered). The caller keeps the descriptor, which must outlive the watch. Throws
+  // std::system_error if the kernel refuses.
   [[nodiscard]] virtual std::unique_ptr<Watch> when_readable(int fd, std::function<void()> call) = 0;
 };
 

@@ -1,4 +1,4 @@
-// What every device of a machine can be asked, whatever it is. Event loop's thread only.
+// The interface that all devices of a machine share. Event loop's thread only.
 #pragma once
 
 #include <functional>
@@ -16,15 +16,16 @@ class Device {
   Device& operator=(const Device&) = delete;
   virtual ~Device() = default;
 
-  // `call` runs from the event loop for every machine event from now on.
+  // Runs `call` from the event loop for every machine event from now on.
   virtual void on_event(std::function<void(const MachineEvent&)> call) = 0;
-  // Whether it is gone for good. It may be opened again after it was closed.
+  // True if this object has lost its device for good. Once this object is destroyed, the device may be opened
+  // again.
   [[nodiscard]] virtual bool lost() const = 0;
-  // What keeps the machine from printing at this moment, a sentence each.
+  // Returns what keeps the machine from printing at this moment, one sentence per reason.
   [[nodiscard]] virtual std::vector<std::string> why_not_ready() const = 0;
-  // As an owner knows it: "Optoma at /dev/ttyUSB0".
+  // Returns the device as a user knows it: "Optoma at /dev/ttyUSB0".
   [[nodiscard]] virtual std::string description() const = 0;
-  // Problems that do not keep it from working, a sentence each.
+  // Returns problems that do not keep the device from working, one sentence per problem.
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
 };
 

@@ -20,7 +20,7 @@ EventDescriptor::~EventDescriptor() {
 
 void EventDescriptor::signal() noexcept {
   const std::uint64_t one = 1;
-  (void)!write(fd_, &one, sizeof one);  // refused only when it is readable 2^64 times over
+  (void)!write(fd_, &one, sizeof one);  // fails only after 2^64 signals without a clear()
 }
 
 void EventDescriptor::clear() noexcept {

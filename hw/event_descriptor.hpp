@@ -1,5 +1,5 @@
-// An eventfd: how one thread wakes another, or the event loop. signal() from any thread, clear() and waiting
-// by one.
+// An eventfd, with which one thread wakes another, or the event loop. Any thread may call signal(); only one
+// thread may clear() and wait.
 #pragma once
 
 namespace contourd {
@@ -12,11 +12,11 @@ class EventDescriptor {
   ~EventDescriptor();
 
   [[nodiscard]] int descriptor() const noexcept { return fd_; }
-  // Makes it readable. One call of the kernel; does not block.
+  // Makes the descriptor readable. One system call; does not block.
   void signal() noexcept;
-  // Makes it unreadable again.
+  // Makes the descriptor unreadable again.
   void clear() noexcept;
-  // Blocks until it is readable.
+  // Blocks until the descriptor is readable.
   void wait() noexcept;
 
  private:

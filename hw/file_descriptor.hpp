@@ -1,4 +1,4 @@
-// A file descriptor, closed when it goes. -1 is none.
+// An owned file descriptor, closed by its destructor. -1 means none.
 #pragma once
 
 #include <unistd.h>

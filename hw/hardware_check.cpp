@@ -31,20 +31,20 @@ void HardwareCheck::run(Found found, std::function<void()> done) {
   end_ = clock_.call_after(Duration{0}, [this] { done_(); });
 }
 
-// Only asks the kernel about the line.
+// Asks the kernel about the line without requesting it.
 void HardwareCheck::check_line(const std::string& device, const GpioLineConfig& line) {
   try {
     const GpioLineReport report_of_line = report_line(line);
     const std::string what = describe(report_of_line);
     const auto [user, is_new] = users_.try_emplace({report_of_line.chip, report_of_line.offset}, device);
-    if (!is_new) return report(device, false, what + ": the " + user->second + " is on that line already");
+    if (!is_new) return report(device, false, what + ": the " + user->second + " already uses this line");
     report(device, !report_of_line.consumer, what);
   } catch (const std::exception& error) {
     report(device, false, error.what());
   }
 }
 
-// Takes the line for a moment, as an input, which it is.
+// Requests the line for a moment, as the input that it is, and reads its level.
 void HardwareCheck::check_input(const std::string& device, const GpioInputConfig& input, const char* active,
                                 const char* inactive) {
   try {
@@ -52,7 +52,7 @@ void HardwareCheck::check_input(const std::string& device, const GpioInputConfig
     if (line.consumer) return check_line(device, input.line);
     const auto [user, is_new] = users_.try_emplace({line.chip, line.offset}, device);
     if (!is_new)
-      return report(device, false, describe(line) + ": the " + user->second + " is on that line already");
+      return report(device, false, describe(line) + ": the " + user->second + " already uses this line");
     GpioInput taken(input.logical_line(), input.bias, device);
     const std::optional<bool> level = taken.level();
     if (!level) return report(device, false, describe(line) + ": it cannot be read");
@@ -81,7 +81,7 @@ void HardwareCheck::check_axis() {
   }
 }
 
-// Makes no steps: without the kernel's calls for them, a little faster than it is.
+// Measures without making steps, and so without the system calls for them: the result is a little optimistic.
 void HardwareCheck::check_speed() {
   const GpioAxisConfig& axis = config_.axis;
   if (contradiction(axis)) return;
@@ -89,16 +89,16 @@ void HardwareCheck::check_speed() {
   const WakeUpLatency wakes = measure_(rate, axis.realtime_priority);
   const double kept = wakes.sustainable_rate(kMaxStepsPerSecond);
   const auto us = [](Duration duration) { return static_cast<double>(duration.count()) / 1e3; };
-  char words[320];
+  char text[320];
   std::snprintf(
-      words, sizeof words,
-      "%.0f steps/s wanted, %g mm/s; a thread wakes %.0f us late at most 99 times of 100, %.0f us at "
-      "worst: this computer keeps %.0f steps/s, %.3g mm/s",
+      text, sizeof text,
+      "%.0f steps/s needed (%g mm/s); 99 %% of wake-ups are at most %.0f us late, the worst is %.0f us late: "
+      "this computer sustains %.0f steps/s (%.3g mm/s)",
       rate, axis.top_speed.count(), us(wakes.p99), us(wakes.worst), kept, kept / axis.microsteps_per_mm);
-  std::string what = words;
+  std::string what = text;
   for (const std::string& refusal : wakes.refusals)
     what += "; " + refusal;
-  // The daemon may be allowed what this call was not.
+  // The daemon may have privileges that this process lacks.
   const bool refused = !wakes.refusals.empty();
   report("step thread", kept >= rate || refused, what, refused);
 }
@@ -126,10 +126,10 @@ void HardwareCheck::check_projector() {
     std::string answer;
     if (status.powered) answer += *status.powered ? ", on" : ", off";
     if (status.lamp_hours) answer += ", lamp " + std::to_string(*status.lamp_hours) + " h";
-    if (answer.empty()) answer = ": the port is there, but this table has no question to ask";
+    if (answer.empty()) answer = ": the port opens, but the projector's table has no query to send";
     const bool good = status.reply == ProjectorReply::Ok;
     report("projector", good, good ? place + answer : status.problem);
-    // Not from inside the projector's callback: that may destroy it.
+    // Deferred, because done_ may destroy the projector, which must not happen inside its callback.
     end_ = clock_.call_after(Duration{0}, [this] { done_(); });
   });
 }

@@ -1,5 +1,5 @@
-// Looks at a real machine's devices and tells what it finds. Moves nothing, lights nothing, sets no mode; a
-// projector is asked how it is. Event loop's thread only.
+// Checks a real machine's devices and reports what it finds. Moves nothing, lights nothing, sets no display
+// mode; a projector is asked for its status. Event loop's thread only.
 #pragma once
 
 #include <functional>
@@ -19,24 +19,23 @@ struct HardwareFinding {
   std::string device;  // "limit switch"
   bool good = false;
   std::string what;      // one sentence
-  bool warning = false;  // good, but the owner should know
+  bool warning = false;  // good, but the user should know
 };
 
 class HardwareCheck {
  public:
   using Found = std::function<void(const HardwareFinding&)>;
 
-  // How late a thread of that priority wakes, so many times a second.
+  // Measures how late a thread of `priority` wakes when it sleeps `rate` times a second.
   using MeasureWakeUpLatency = std::function<WakeUpLatency(double rate, int priority)>;
 
-  // Clock and watcher must outlive it.
+  // The clock and the watcher must outlive the check.
   HardwareCheck(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config);
   HardwareCheck(Clock& clock, DescriptorWatcher& watcher, RealMachineConfig config,
                 MeasureWakeUpLatency measure);
 
-  // Calls `found` for every device, `done` after the last. Blocks for some milliseconds a device, and for a
-  // second and a half to measure how late threads wake; the projector's answer comes later, from the event
-  // loop.
+  // Calls `found` for every device, then `done`. Blocks for some milliseconds per device, and for 1.5 s to
+  // measure how late threads wake; the projector's result comes later, from the event loop.
   void run(Found found, std::function<void()> done);
 
  private:
@@ -57,7 +56,7 @@ class HardwareCheck {
   MeasureWakeUpLatency measure_;
   Found found_;
   std::function<void()> done_;
-  std::map<std::pair<std::string, unsigned>, std::string> users_;  // of lines: chip and number, device
+  std::map<std::pair<std::string, unsigned>, std::string> users_;  // a line's chip and number -> device
   std::unique_ptr<Projector> projector_;
   std::unique_ptr<Timer> end_;
 };

@@ -1,5 +1,5 @@
-// A device that is not there, is somebody else's or does not do what it must: one sentence that says what,
-// where, why, and where it helps what there is instead.
+// The error for a device that is missing, used by another program or not working: one sentence with the
+// device, its place, the reason and, where it helps, the alternatives that exist.
 #pragma once
 
 #include <stdexcept>

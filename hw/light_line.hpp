@@ -9,7 +9,7 @@
 
 namespace contourd {
 
-// The light was not turned on, and is off, because an interlock is open: no fault of the light's.
+// The error when an open interlock keeps the light from being turned on. The light is off and not at fault.
 class LightInterlocked : public HardwareError {
  public:
   using HardwareError::HardwareError;
@@ -22,14 +22,17 @@ class LightLine {
   LightLine& operator=(const LightLine&) = delete;
   virtual ~LightLine() = default;  // leaves the light off
 
-  // Throws LightInterlocked, and another HardwareError when the line cannot be set.
+  // Turns the light on. Throws LightInterlocked if an interlock is open, another HardwareError if the line
+  // cannot be set.
   virtual void on() = 0;
   virtual void off() noexcept = 0;
-  // Why the line is not off though it should be, in a sentence; empty when it is off, or is meant to be on.
+  // Returns, in a sentence, why the line is not off although it should be; empty if it is off, or is meant to
+  // be on.
   [[nodiscard]] virtual std::string refusal() const = 0;
-  // When it was put off for people's safety, not before, and is kept off; nothing when it is not.
+  // Returns the earliest time at which a safety cutoff turned the line off; nullopt unless it is being kept
+  // off.
   [[nodiscard]] virtual std::optional<TimePoint> cut_at() const = 0;
-  // By when it was off then; nothing when nobody knows.
+  // Returns the time by which that cutoff had certainly turned the line off; nullopt if unknown.
   [[nodiscard]] virtual std::optional<TimePoint> cut_by() const = 0;
 };
 

@@ -55,7 +55,7 @@ void LightOff::turn_line_off() {
   }
 }
 
-// Not from inside the projector's callback: whoever waits may destroy it.
+// Defers done_, because it may destroy the projector, which must not happen inside the projector's callback.
 void LightOff::end() {
   again_.reset();
   patience_.reset();

@@ -1,4 +1,4 @@
-// Turns the light off that a process which has died may have left on: by its line, and by the projector's
+// Turns off the light that a crashed process may have left on, by the light line and by the projector's
 // serial line. Event loop's thread only.
 #pragma once
 
@@ -17,14 +17,15 @@ namespace contourd {
 
 class LightOff {
  public:
-  // Why the light may still be on, a sentence for each device; empty when it is off.
+  // Receives why the light may still be on, a sentence for each device; empty if it is off.
   using Done = std::function<void(const std::vector<std::string>& problems)>;
 
-  // Clock and watcher must outlive it.
+  // The clock and the watcher must outlive this object.
   LightOff(Clock& clock, DescriptorWatcher& watcher, LightConfig config);
 
-  // Blocks for as long as the devices take to open. Calls `done` from the event loop: when the projector has
-  // confirmed that its light is off, or has not for kPatience: it may be warming up.
+  // Turns the light off. Blocks for as long as the devices take to open. Calls `done` from the event loop
+  // once the projector has confirmed that its light is off, or has failed to for kPatience (it may be warming
+  // up).
   void run(Done done);
 
   static constexpr Duration kPatience{std::chrono::seconds{20}};

@@ -1,4 +1,4 @@
-// One printer's devices behind their interfaces: what the daemon prints with, real or simulated.
+// One printer's devices, real or simulated, as the interfaces with which the daemon prints.
 #pragma once
 
 #include <filesystem>
@@ -26,20 +26,20 @@ class Machine {
   [[nodiscard]] virtual MaskDisplay& display() = 0;
   [[nodiscard]] virtual Projector& projector() = 0;
 
-  // `call` runs from the event loop for every machine event from now on. The machine has done what cannot
-  // wait by then (after an emergency stop the motor is still), the light is the caller's to turn off.
+  // Runs `call` from the event loop for every machine event from now on. By then the machine has done what
+  // cannot wait (after an emergency stop the motor is still); the caller has to turn the light off.
   virtual void on_event(std::function<void(const MachineEvent&)> call) = 0;
 
-  // Why it is not ready to print, a sentence each, joined by "; ": a device that is not there, an open lid, a
-  // pressed emergency stop. Empty when it can print.
+  // Returns why the machine is not ready to print, as sentences joined by "; ": a missing device, an open
+  // lid, a pressed emergency stop. Empty if it can print.
   [[nodiscard]] virtual std::string why_not_ready() const = 0;
 
-  // A print of this name begins. Returns the folder in which the machine keeps what it shows, where it keeps
-  // that. Throws std::filesystem::filesystem_error when that folder cannot be made.
+  // Begins a print of this name. Returns the folder in which the machine saves the masks that it shows, or
+  // nullopt if it saves none. Throws std::filesystem::filesystem_error if the folder cannot be made.
   virtual std::optional<std::filesystem::path> begin_job(std::string_view name) = 0;
 };
 
-// Light off, screen black, motor still: the state in which a machine may be left alone.
+// Turns the light off, blanks the screen and stops the motor, so that the machine may be left alone.
 inline void make_safe(Machine& machine) noexcept {
   machine.projector().light_off();
   machine.display().black_now();

@@ -1,4 +1,4 @@
-// An event that a machine, or one of its devices, reports by itself. A value type.
+// An event that a machine, or one of its devices, reports on its own. A value type.
 #pragma once
 
 #include <string>
@@ -6,19 +6,19 @@
 
 namespace contourd {
 
-// An event that is no answer to a command.
+// An event that is not the answer to a command.
 struct MachineEvent {
   enum class Kind {
-    Interlock,  // the lid was opened, the display unplugged: a print may go on when that has been seen to
+    Interlock,  // the lid was opened, the display unplugged: the print may continue once that is resolved
     Fault,      // the emergency stop was pressed, steps were lost: the print is over
-    Recovery,   // what was in the way no longer is: the lid is closed, the display plugged in again
-    Notice,     // lost steps were made good: nothing is in the way, but the owner should know
+    Recovery,   // the obstacle is gone: the lid is closed, the display plugged in again
+    Notice,     // lost steps were corrected: the print can go on, but the user should know
   };
   Kind kind = Kind::Fault;
   std::string what;  // one sentence, with the line, connector or port
-  // The emergency stop was pressed or released: nothing moves until the owner says so.
+  // True if the emergency stop was pressed or released: nothing moves until the user allows it.
   bool owner_decides = false;
-  // Problems of a device that has come back, though it works; a sentence each.
+  // Problems of a device that has come back and works in spite of them, one sentence each.
   std::vector<std::string> warnings{};
 };
 

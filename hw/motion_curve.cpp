@@ -12,14 +12,15 @@ bool jerks(const MotionLimits& limits) {
   return std::isfinite(limits.jerk);
 }
 
-// How long a ramp from rest to `speed` takes.
+// Returns how long a ramp from rest to `speed` takes.
 double ramp_s(double speed, const MotionLimits& limits) {
   const double rise_s = limits.acceleration / limits.jerk;
-  const double full = limits.acceleration * rise_s;  // speed from which the acceleration is reached
+  const double full =
+      limits.acceleration * rise_s;  // the speed from which on a ramp reaches the acceleration limit
   return speed >= full ? speed / limits.acceleration + rise_s : 2 * std::sqrt(speed / limits.jerk);
 }
 
-// The speed at which ramping up and down again takes the whole distance.
+// Returns the top speed at which ramping up and down again takes the whole distance.
 double peak_speed(double distance, const MotionLimits& limits) {
   const double a = limits.acceleration;
   if (!jerks(limits)) return std::sqrt(distance * a);
@@ -29,16 +30,16 @@ double peak_speed(double distance, const MotionLimits& limits) {
   return std::cbrt(distance * distance * limits.jerk / 4);
 }
 
-// When v t + a t^2/2 + j t^3/6 is `position`, for a position that is reached within `longest` without turning
-// back: Newton's steps, halving the bracket whenever one leaves it.
+// Returns the time t at which v t + a t^2/2 + j t^3/6 is `position`, for a position that is reached within
+// `longest` without turning back. Newton's method, which halves the bracket whenever a step leaves it.
 double cubic_time(double position, double speed, double acceleration, double jerk, double longest) {
   double low = 0, high = longest;
   const double root = std::max(speed * speed + 2 * acceleration * position, 0.0);
   const double slope = speed + std::sqrt(root);
   double t = slope > 0 ? 2 * position / slope
-                       : std::cbrt(6 * position / jerk);  // without the jerk; from a standstill
+                       : std::cbrt(6 * position / jerk);  // ignoring the jerk; from a standstill
   if (!(t > low && t < high)) t = high / 2;
-  constexpr int kEnough = 60;  // halvings alone would have come to the rounding
+  constexpr int kEnough = 60;  // halving alone would have converged to rounding by then
   for (int i = 0; i < kEnough; ++i) {
     const double excess = t * (speed + t * (acceleration / 2 + t * jerk / 6)) - position;
     (excess > 0 ? high : low) = t;
@@ -55,8 +56,8 @@ double cubic_time(double position, double speed, double acceleration, double jer
 }  // namespace
 
 MotionCurve::MotionCurve(double distance, const MotionLimits& limits) noexcept : limits_(limits) {
-  expects(distance >= 0, "a distance is no less than nothing");
-  expects(limits.speed > 0 && limits.acceleration > 0 && limits.jerk > 0, "every limit is more than nothing");
+  expects(distance >= 0, "the distance is not negative");
+  expects(limits.speed > 0 && limits.acceleration > 0 && limits.jerk > 0, "every limit is positive");
   if (!(distance > 0)) return;
   const double speed = std::min(limits.speed, peak_speed(distance, limits));
   add_ramp(speed, 1);
@@ -129,7 +130,7 @@ double MotionCurve::time_at(double position) const noexcept {
   if (piece.jerk != 0) {
     return piece.start_s + cubic_time(left, piece.speed, piece.acceleration, piece.jerk, longest);
   }
-  // The root of the parabola in the form that loses no digits; a straight line for no acceleration.
+  // The root of the parabola in the form that loses no digits; without acceleration, a straight line's.
   const double root = std::max(piece.speed * piece.speed + 2 * piece.acceleration * left, 0.0);
   return piece.start_s + std::min(2 * left / (piece.speed + std::sqrt(root)), longest);
 }

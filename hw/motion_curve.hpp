@@ -1,7 +1,6 @@
-// A straight move from rest to rest over time, within a speed, an acceleration and, where one is given, a
-// jerk: the mathematics that the profiles and the step planner share. Pure value, thread-safe; neither
-// allocates nor throws, so that real-time threads may use it. One unit of length throughout (millimetres,
-// steps).
+// A straight move from rest to rest over time, within limits of speed, acceleration and, optionally, jerk:
+// the mathematics that the profiles and the step planner share. Pure value, thread-safe; neither allocates
+// nor throws, so that real-time threads may use it. One unit of length throughout (millimetres, steps).
 //
 // A ramp to speed v takes T = v/A + A/J where v >= A^2/J (the acceleration rises for A/J, holds, falls for
 // A/J), else T = 2 sqrt(v/J) (rises, falls); without a jerk limit T = v/A. By symmetry its distance is v T /
@@ -23,22 +22,22 @@ struct MotionLimits {
 
 class MotionCurve {
  public:
-  MotionCurve() = default;  // goes nowhere, in no time
+  MotionCurve() = default;  // a move of no distance and no duration
   // REQUIRES: distance >= 0; every limit > 0.
   MotionCurve(double distance, const MotionLimits& limits) noexcept;
 
   [[nodiscard]] double duration_s() const noexcept { return end().start_s; }
   [[nodiscard]] double distance() const noexcept { return end().position; }
 
-  // Position and speed at a time: those of the start before it, those of the end after it.
+  // Return the position and the speed at a time; before the start and after the end, the curve is at rest.
   [[nodiscard]] double position_at(double seconds) const noexcept;
   [[nodiscard]] double speed_at(double seconds) const noexcept;
 
-  // When the curve passes `position`: 0 for its start, the end for one beyond it.
+  // Returns the time at which the curve passes `position`: 0 for the start, duration_s() beyond the end.
   [[nodiscard]] double time_at(double position) const noexcept;
 
-  // From `seconds` on, comes to rest as soon as the limits allow. Does nothing when it is slowing down
-  // already.
+  // Brings the curve to rest as soon as the limits allow, from `seconds` on. Does nothing if the curve is
+  // already slowing down by then.
   void stop_at(double seconds) noexcept;
 
  private:
@@ -46,9 +45,9 @@ class MotionCurve {
     double start_s = 0, position = 0, speed = 0, acceleration = 0;
   };
   struct Piece : State {
-    double jerk = 0;  // throughout
+    double jerk = 0;  // constant within the piece
   };
-  // Four before a stop, one to let the acceleration fall, three to slow down.
+  // Four pieces before a stop, one to let the acceleration fall, three to slow down.
   static constexpr std::size_t kMaxPieces = 8;
 
   [[nodiscard]] const State& end() const noexcept { return pieces_[count_]; }
@@ -60,7 +59,7 @@ class MotionCurve {
   MotionLimits limits_{};
   bool stopping_ = false;
   std::size_t count_ = 0;
-  std::array<Piece, kMaxPieces + 1> pieces_{};  // the one behind the last is the end
+  std::array<Piece, kMaxPieces + 1> pieces_{};  // the entry after the last piece is the end
 };
 
 }  // namespace contourd

@@ -1,5 +1,5 @@
-// A straight move's course over time: accelerate, cruise, decelerate; a trapezoid, or an S-curve where a jerk
-// limit is given, and without the cruise when it is too short to reach full speed. Pure value, thread-safe.
+// A straight move over time: accelerate, cruise, decelerate. The speed is a trapezoid, or an S-curve where a
+// jerk limit is given; a move too short to reach full speed has no cruise. Pure value, thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,17 +13,18 @@ namespace contourd {
 
 class MotionProfile {
  public:
-  // A move over `distance` (its sign is the direction). The limits are a MotionCurve's.
+  // Plans a move over `distance`, whose sign is the direction. The limits are those of a MotionCurve.
   MotionProfile(Nanometers distance, MillimetersPerSecond speed, MillimetersPerSecondSquared acceleration,
                 std::optional<double> jerk_mm_s3 = std::nullopt);
 
   [[nodiscard]] Duration duration() const;
 
-  // Displacement `elapsed` after the start: 0 before it, the whole distance after duration().
+  // Returns the displacement `elapsed` after the start: 0 before the start, the whole distance after
+  // duration().
   [[nodiscard]] Nanometers displacement(Duration elapsed) const;
 
-  // Decelerates to a standstill from `elapsed` after the start on: shortens the course that the others
-  // describe. Does nothing when it is decelerating already.
+  // Decelerates to a standstill from `elapsed` after the start on, which changes duration() and
+  // displacement(). Does nothing if the move is already decelerating by then.
   void stop_at(Duration elapsed);
 
  private:

@@ -1,4 +1,4 @@
-// The kinds of projectors that there are: the one place that knows which.
+// A factory of projectors, and the only place that knows which kinds exist.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,8 @@
 
 namespace contourd {
 
-// Sends nothing yet. Throws HardwareError when it is not there. Clock and watcher must outlive it.
+// Opens the projector without sending anything. Throws HardwareError if it is not there. The clock and the
+// watcher must outlive the projector.
 [[nodiscard]] std::unique_ptr<Projector> open_projector(const SerialProjectorConfig& config, Clock& clock,
                                                         DescriptorWatcher& watcher);
 

@@ -15,7 +15,7 @@
 namespace contourd {
 namespace {
 
-// A display's picture has some megabytes at most.
+// Upper limit for a file's size; a display's picture has a few megabytes at most.
 constexpr std::size_t kLargestFile = std::size_t{128} << 20U;
 
 struct DisplaySize {
@@ -34,7 +34,7 @@ std::string text_of(const DisplaySize& size) {
   return std::to_string(size.width.count()) + "x" + std::to_string(size.height.count());
 }
 
-// Throws std::runtime_error where a mask has no such size.
+// Returns a picture's size. Throws std::runtime_error if a mask cannot have that size.
 DisplaySize size_of(png_uint_32 width, png_uint_32 height) {
   constexpr png_uint_32 kLargestSide = 16384;
   if (width > kLargestSide || height > kLargestSide) {
@@ -57,7 +57,7 @@ std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    throw std::runtime_error("it is not a regular file");  // a pipe would be waited for
+    throw std::runtime_error("it is not a regular file");  // reading from a pipe would block
   }
   std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
   if (!file) throw cannot_read(errno);
@@ -86,10 +86,10 @@ class PngReader {
   PngReader& operator=(const PngReader&) = delete;
   ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
-  // Of this size, where one is given.
+  // Decodes the picture, which must have the size `wanted` if one is given.
   Mask decode(std::optional<DisplaySize> wanted = std::nullopt) {
     require_signature(left_);
-    // Texts, profiles and the like say nothing of the pixels, and one of some kilobytes may unpack to 8 MB.
+    // Texts, profiles and the like do not affect the pixels, and a few kilobytes of them may unpack to 8 MB.
     png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_set_read_fn(png_, this, take);
     png_read_info(png_, info_);
@@ -115,10 +115,10 @@ class PngReader {
   [[noreturn]] static void refuse(png_structp, png_const_charp why) {
     throw std::runtime_error(std::string("the picture cannot be read: ") + why);
   }
-  static void ignore(png_structp, png_const_charp) {}  // a warning: the pixels are there
+  static void ignore(png_structp, png_const_charp) {}  // a warning: the pixels can be read
   static void take(png_structp png, png_bytep data, std::size_t size) {
     std::span<const std::uint8_t>& left = static_cast<PngReader*>(png_get_io_ptr(png))->left_;
-    if (size > left.size()) png_error(png, "it ends too early");
+    if (size > left.size()) png_error(png, "the file ends too early");
     std::copy_n(left.begin(), size, data);
     left = left.subspan(size);
   }
@@ -135,7 +135,7 @@ Mask read_png(const std::filesystem::path& path) {
   return PngReader(bytes).decode();
 }
 
-// By libpng's simplified interface, which knows all kinds of pictures.
+// Uses libpng's simplified interface, which reads all kinds of pictures.
 Mask read_png_as_grey(const std::filesystem::path& path) {
   const std::vector<std::uint8_t> bytes = read_file(path);
   require_signature(bytes);
@@ -177,12 +177,12 @@ void write_png(const std::filesystem::path& path, const Mask& mask, MaskPngEncod
   };
   std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "wb"));
   if (!file) throw cannot_write();
-  std::setvbuf(file.get(), nullptr, _IONBF, 0);  // all bytes are there: one call of the kernel
+  std::setvbuf(file.get(), nullptr, _IONBF, 0);  // unbuffered, because all bytes go out in one system call
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
   if (std::fclose(file.release()) == 0 && written) return;
   const std::system_error error = cannot_write();
   std::error_code ignored;
-  // What was half written goes; a device or a pipe is not ours to remove.
+  // A half-written file is removed; a device or a pipe is not ours to remove.
   if (std::filesystem::is_regular_file(std::filesystem::symlink_status(path, ignored))) {
     std::filesystem::remove(path, ignored);
   }

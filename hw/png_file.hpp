@@ -1,4 +1,4 @@
-// Masks as PNG files (8-bit grey), written and read. Thread-safe (no shared state).
+// Writes and reads masks as PNG files (8-bit grey). Thread-safe (no shared state).
 #pragma once
 
 #include <cstdint>
@@ -11,26 +11,26 @@
 
 namespace contourd {
 
-// Blocks. Throws std::system_error when the file cannot be written; a regular file half written is
-// removed.
+// Writes a mask to a file. Blocks. Throws std::system_error if the file cannot be written; a half-written
+// regular file is removed.
 void write_png(const std::filesystem::path& path, const Mask& mask);
-// The same with an encoder whose memory serves for many files.
+// Writes a mask like the function above, with an encoder whose memory is reused for many files.
 void write_png(const std::filesystem::path& path, const Mask& mask, MaskPngEncoder& encoder);
 
-// Reads one. Blocks. Throws std::system_error when the file cannot be read, and std::runtime_error, whose
-// what() is one clause without the path, when it is no PNG of 8-bit grey without transparency, is damaged,
-// has a side longer than a mask's or more than 128 MiB.
+// Reads a mask from a file. Blocks. Throws std::system_error if the file cannot be read, and
+// std::runtime_error, whose what() is one clause without the path, if it is not a PNG of 8-bit grey without
+// transparency, is damaged, has a side longer than a mask's or more than 128 MiB.
 [[nodiscard]] Mask read_png(const std::filesystem::path& path);
 
-// Reads any PNG as 8-bit grey: colours by their lightness, what is transparent over black. The same
-// otherwise.
+// Reads any PNG as 8-bit grey: colours become their lightness, transparent pixels are drawn over black.
+// Otherwise like read_png().
 [[nodiscard]] Mask read_png_as_grey(const std::filesystem::path& path);
 
-// The picture of a file's bytes, by read_png()'s rules, where it must be of this size: else it is not read.
-// Does not block.
+// Decodes the bytes of a PNG file by read_png()'s rules. A picture that does not have this size is rejected
+// before its pixels are read. Does not block.
 [[nodiscard]] Mask decode_png(std::span<const std::uint8_t> bytes, Pixels width, Pixels height);
 
-// The same PNG in memory; coloured where there is a palette.
+// Returns the bytes that write_png() would write; with a palette, those of a colour picture.
 [[nodiscard]] std::vector<std::uint8_t> encode_png(const Mask& mask, const Palette* palette = nullptr);
 
 }  // namespace contourd

@@ -8,7 +8,7 @@
 namespace contourd {
 namespace {
 
-// A line that refuses to go off is told again by itself; this long until that is looked at.
+// Interval at which a line that refuses to go off is checked; the line retries by itself.
 constexpr Duration kLookAgain{std::chrono::milliseconds{20}};
 
 }  // namespace
@@ -79,7 +79,7 @@ std::optional<LightSpan> LightLineProjector::last_light() const {
 void LightLineProjector::note_whether_off() {
   if (!light_ || !light_->off_earliest || light_->off_latest || !line_.refusal().empty()) return;
   const TimePoint now = clock_.now();
-  // A line that was cut before it was known to be on went off again behind that.
+  // A line that was cut before it was known to be on may have gone on after the cut, and off only now.
   light_->off_latest = light_->on_latest ? std::min(line_.cut_by().value_or(now), now) : now;
 }
 
@@ -119,20 +119,20 @@ std::vector<std::string> LightLineProjector::why_not_ready() const {
 }
 
 ProjectorWithLightLine::ProjectorWithLightLine(Projector& projector, LightLine& line, Clock& clock)
-    : projector_(projector), behind_line_(line, clock, Duration{0}) {}
+    : projector_(projector), line_projector_(line, clock, Duration{0}) {}
 
-// The projector may outlive this: it is not to call back.
+// Withdraws the callback from the projector, which may outlive this object.
 ProjectorWithLightLine::~ProjectorWithLightLine() {
-  behind_line_.light_off();
+  line_projector_.light_off();
   projector_.when_dark(nullptr);
 }
 
 void ProjectorWithLightLine::power_on(Done done) {
-  behind_line_.light_off();
+  line_projector_.light_off();
   projector_.power_on([this, done = std::move(done)](ProjectorReply reply) {
     line_asked_ = reply == ProjectorReply::Ok;
     if (!line_asked_) return done(reply);
-    behind_line_.power_on(done);
+    line_projector_.power_on(done);
   });
 }
 
@@ -141,26 +141,26 @@ void ProjectorWithLightLine::light_on(Duration exposure, LightOn tell) {
   const auto answered = [this, exposure, tell = std::move(tell)](ProjectorReply reply) {
     if (reply != ProjectorReply::Ok) return tell.done(reply);
     line_asked_ = true;
-    behind_line_.light_on(exposure, {.sent = tell.sent, .done = [this, tell](ProjectorReply line_reply) {
-                                       if (line_reply != ProjectorReply::Ok) light_off();
-                                       tell.done(line_reply);
-                                     }});
+    line_projector_.light_on(exposure, {.sent = tell.sent, .done = [this, tell](ProjectorReply line_reply) {
+                                          if (line_reply != ProjectorReply::Ok) light_off();
+                                          tell.done(line_reply);
+                                        }});
   };
-  // Behind the line it gives no light yet.
+  // The projector's own light does not get past the line yet, so its `sent` is ignored.
   projector_.light_on(exposure, {.sent = [](TimePoint) {}, .done = answered});
 }
 
 void ProjectorWithLightLine::light_off() noexcept {
-  behind_line_.light_off();
+  line_projector_.light_off();
   projector_.light_off();
 }
 
 void ProjectorWithLightLine::when_dark(std::function<void()> call) {
-  projector_.when_dark([this, call = std::move(call)] { behind_line_.when_dark(call); });
+  projector_.when_dark([this, call = std::move(call)] { line_projector_.when_dark(call); });
 }
 
 void ProjectorWithLightLine::power_off() noexcept {
-  behind_line_.power_off();
+  line_projector_.power_off();
   projector_.power_off();
 }
 
@@ -169,24 +169,24 @@ void ProjectorWithLightLine::ask_status(StatusDone done) {
 }
 
 std::string ProjectorWithLightLine::last_problem() const {
-  return line_asked_ ? behind_line_.last_problem() : projector_.last_problem();
+  return line_asked_ ? line_projector_.last_problem() : projector_.last_problem();
 }
 
 std::string ProjectorWithLightLine::light_off_unconfirmed() const {
-  const std::string line = behind_line_.light_off_unconfirmed();
+  const std::string line = line_projector_.light_off_unconfirmed();
   return line.empty() ? projector_.light_off_unconfirmed() : line;
 }
 
 void ProjectorWithLightLine::confirm_dark(Done done) {
-  behind_line_.light_off();
-  const std::string line = behind_line_.light_off_unconfirmed();
+  line_projector_.light_off();
+  const std::string line = line_projector_.light_off_unconfirmed();
   projector_.confirm_dark([dark = line.empty(), done = std::move(done)](ProjectorReply reply) {
     done(reply == ProjectorReply::Ok && !dark ? ProjectorReply::Refused : reply);
   });
 }
 
 std::vector<std::string> ProjectorWithLightLine::why_not_ready() const {
-  std::vector<std::string> sentences = behind_line_.why_not_ready();
+  std::vector<std::string> sentences = line_projector_.why_not_ready();
   for (std::string& sentence : projector_.why_not_ready())
     sentences.push_back(std::move(sentence));
   return sentences;

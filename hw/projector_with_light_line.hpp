@@ -14,7 +14,7 @@
 
 namespace contourd {
 
-// Nothing but a line: a bare LED engine. Its power is somebody else's.
+// A projector that is only a light line: a bare LED engine, whose power is not ours to switch.
 class LightLineProjector final : public Projector {
  public:
   // The line and the clock must outlive the projector.
@@ -25,17 +25,18 @@ class LightLineProjector final : public Projector {
   void light_on(Duration exposure, LightOn tell) override;
   void light_off() noexcept override;
   void when_dark(std::function<void()> call) override;
-  // A light that the line has cut went off then.
+  // Returns when the light shone; a light that a cutoff ended went off at that time.
   [[nodiscard]] std::optional<LightSpan> last_light() const override;
   void power_off() noexcept override;
   void ask_status(StatusDone done) override;
   [[nodiscard]] std::string last_problem() const override { return problem_; }
   [[nodiscard]] std::string light_off_unconfirmed() const override { return line_.refusal(); }
-  // Nobody has to wait for a line, and it tells by itself what happens to it.
+  // A light line has no warm-up to allow for.
   void may_warm_up() override {}
   void confirm_dark(Done done) override;
   void power_off_if_on() override {}
   [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
+  // The line reports its events itself.
   void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override;
@@ -58,12 +59,13 @@ class LightLineProjector final : public Projector {
   std::unique_ptr<Timer> answer_, look_;
 };
 
-// A projector and a line before its light. The line lets light through only when the projector says that its
-// own is on, and is off before the projector is told anything. Its light's times are the line's; it is dark
-// when both are.
+// A projector with a light line in front of its light. The line lets light through only after the projector
+// says that its own light is on, and goes off before the projector gets any command. The light's times are
+// the line's; the whole is dark when both are.
 class ProjectorWithLightLine final : public Projector {
  public:
-  // All must outlive this. What waits for an answer is dropped by light_off(), before this goes.
+  // All arguments must outlive this object. Its owner calls light_off(), which drops pending answers, before
+  // destroying it.
   ProjectorWithLightLine(Projector& projector, LightLine& line, Clock& clock);
   ~ProjectorWithLightLine() override;
 
@@ -72,7 +74,7 @@ class ProjectorWithLightLine final : public Projector {
   void light_off() noexcept override;
   void when_dark(std::function<void()> call) override;
   [[nodiscard]] std::optional<LightSpan> last_light() const override {
-    return line_asked_ ? behind_line_.last_light() : std::nullopt;
+    return line_asked_ ? line_projector_.last_light() : std::nullopt;
   }
   void power_off() noexcept override;
   void ask_status(StatusDone done) override;
@@ -92,8 +94,8 @@ class ProjectorWithLightLine final : public Projector {
 
  private:
   Projector& projector_;
-  LightLineProjector behind_line_;
-  bool line_asked_ = false;  // by the last power_on() or light_on(), which had come so far
+  LightLineProjector line_projector_;
+  bool line_asked_ = false;  // the last power_on() or light_on() has got as far as the line
 };
 
 }  // namespace contourd

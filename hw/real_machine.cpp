@@ -12,7 +12,7 @@
 namespace contourd {
 namespace {
 
-// Opens a device that is not there; true when that makes one. Why not goes to `missing`.
+// Opens a device unless it is open already. True if it was opened now; if it cannot be, `missing` says why.
 template <typename Device, typename Open>
 bool open(std::unique_ptr<Device>& device, std::string& missing, Open open_device) {
   if (device) return false;
@@ -52,7 +52,7 @@ RealMachine::RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog
       [this](const std::string& what) { tell({.kind = MachineEvent::Kind::Interlock, .what = what}); });
   watchdog_.on_recovery([this](const std::string& problem) {
     tell({.kind = MachineEvent::Kind::Recovery,
-          .what = "there is a light watchdog again",
+          .what = "the light watchdog is running again",
           .warnings = {problem}});
   });
   if (missing_.any() || display_lost()) search_after(kSearchInterval);
@@ -71,28 +71,28 @@ void RealMachine::add_openers() {
 
 RealMachine::~RealMachine() {
   make_safe(*this);
-  if (axis_) axis_->set_light_cutoff(nullptr);  // the light goes before the axis
+  if (axis_) axis_->set_light_cutoff(nullptr);  // the light is destroyed before the axis
 }
 
-// In this order: nothing else may fail before the light is off.
+// Opens the devices in an order in which nothing else can fail before the light is off.
 std::vector<RealMachine::Found> RealMachine::open_missing() {
   std::vector<Found> found;
-  const auto tell_owner = [this](const MachineEvent& event) { tell(event); };
+  const auto forward = [this](const MachineEvent& event) { tell(event); };
   const bool light_came = config_.light && open_light();
-  if (light_came) found.push_back({light_words(), {}});
+  if (light_came) found.push_back({light_description(), {}});
   const bool projector_came = config_.projector && find_projector();
   if (projector_came) found.push_back({"projector: " + projector_->description(), projector_->warnings()});
   combine_projector();
   projector().light_off();
   if (projector_came) projector_->power_off_if_on();
   if (open(display_, missing_.display, openers_.display)) {
-    display_->on_event(tell_owner);
+    display_->on_event(forward);
     if (!display_lost()) found.push_back({"display: " + display_->description(), display_->warnings()});
   }
   if (axis_ && axis_->lost()) axis_.reset();
   const bool axis_came = open(axis_, missing_.axis, openers_.axis);
   if (axis_came) {
-    axis_->on_event(tell_owner);
+    axis_->on_event(forward);
     found.push_back({"axis: " + axis_->description(), axis_->warnings()});
   }
   if (axis_ && (light_came || axis_came)) axis_->set_light_cutoff(light_.get());
@@ -100,14 +100,15 @@ std::vector<RealMachine::Found> RealMachine::open_missing() {
   return found;
 }
 
-// One that is there but refuses to go off is taken anew: its chip may have been pulled and be back.
+// Opens the light line. A line that refuses to go off is opened again, because its chip may have been
+// unplugged and be back.
 bool RealMachine::open_light() {
   if (light_ && light_->refusal().empty()) {
     const bool was_lost = !std::exchange(missing_.light, "").empty();
     return was_lost;
   }
   const std::string refusal = light_ ? light_->refusal() : no_light_.refusal();
-  projector().light_off();  // and what waits for the combined one is dropped
+  projector().light_off();  // also drops callbacks that wait for combined_
   watched_.watch(no_projector_);
   combined_.reset();
   if (axis_) axis_->set_light_cutoff(nullptr);
@@ -134,8 +135,8 @@ bool RealMachine::find_projector() {
 }
 
 void RealMachine::combine_projector() {
-  // A line before a projector that is not there lets no light through; of one that is not there itself its
-  // projector does not know.
+  // While the projector is missing, its line stays off and unused. While the line is missing, its stand-in
+  // takes its place: the projector by itself knows of no line.
   if (!combined_ && config_.light && projector_) {
     LightLine& line = light_ ? static_cast<LightLine&>(*light_) : no_light_;
     combined_ = std::make_unique<ProjectorWithLightLine>(*projector_, line, clock_);
@@ -148,8 +149,8 @@ void RealMachine::combine_projector() {
     watched_.watch(*projector_);
 }
 
-// Every time before light on: the display may have another mode by then. What is lost is given back: it could
-// not be opened again.
+// Runs before every light on, because the display may have another mode by then. Withdraws lost devices from
+// the watchdog: as long as it held them, they could not be opened again.
 void RealMachine::offer_light_paths() {
   watchdog_.set_line(light_ && light_->refusal().empty() ? light_->descriptor() : -1);
   watchdog_.set_serial(projector_ ? projector_->light_off_path() : LightSerialPath{});
@@ -174,8 +175,8 @@ void RealMachine::tell(const MachineEvent& event) {
   if (on_event_) on_event_(event);
 }
 
-// A device that says that it is lost is missing from now on; it is closed when it is looked for, not from
-// within its own call.
+// Marks lost devices as missing. They are closed by the next search rather than here, inside their own
+// callback.
 void RealMachine::note_losses(const std::string& what) {
   const bool projector_lost = projector_ && projector_->lost() && missing_.projector.empty();
   const bool axis_lost = axis_ && axis_->lost() && missing_.axis.empty();
@@ -184,7 +185,8 @@ void RealMachine::note_losses(const std::string& what) {
   if (projector_lost) missing_.projector = what;
   offer_light_paths();
   if (axis_lost) missing_.axis = what;
-  // Soon: its light may be on, and a serial adapter that comes back gets its old name only once it is closed.
+  // Search soon: the light may be on, and a serial adapter that is plugged in again gets its old name only
+  // after its old descriptor was closed.
   if (projector_lost || light_lost) return search_after(kFirstSearch);
   if (axis_lost || display_lost()) search_after(kSearchInterval);
 }
@@ -216,13 +218,13 @@ std::string RealMachine::why_not_ready() const {
   return sentences;
 }
 
-std::string RealMachine::light_words() const {
+std::string RealMachine::light_description() const {
   return "light: line " + config_.light->line + " of " + config_.light->chip;
 }
 
 std::vector<std::string> RealMachine::description() const {
   std::vector<std::string> sentences;
-  if (light_) sentences.push_back(light_words());
+  if (light_) sentences.push_back(light_description());
   if (projector_) sentences.push_back("projector: " + projector_->description());
   if (display_ && !display_lost()) sentences.push_back("display: " + display_->description());
   if (axis_) sentences.push_back("axis: " + axis_->description());

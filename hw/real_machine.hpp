@@ -1,11 +1,12 @@
-// The machine of real devices: a stepped axis, a display output, and a projector of its own kind or behind a
-// light line. Opens what it can; what is not there is looked for every few seconds, and until then stands in
-// the way (why_not_ready()) without keeping the rest from being safe: the light comes first and goes last.
+// The machine of real devices: a stepped axis, a display output, and a projector, a light line or both. Opens
+// the devices that it finds and searches for the missing ones every few seconds. A missing device keeps the
+// machine from printing (why_not_ready()), but does not keep the others from being made safe: the light is
+// opened first, and is the first to be turned off at the end.
 //
-// Light off, black and motor still from the construction on and when it goes. A projector that is found on is
-// turned off. Event loop's thread only.
+// Light off, screen black and motor still from the construction on, and after the destruction. A projector
+// that is found switched on is turned off. Event loop's thread only.
 //
-// It has more members than most: each device, and what stands in for it.
+// It has more members than most classes: each device, and its stand-in.
 #pragma once
 
 #include <memory>
@@ -24,11 +25,12 @@ namespace contourd {
 
 class RealMachine final : public Machine {
  public:
-  // Clock (of CLOCK_MONOTONIC), watcher and light watchdog must outlive the machine. Blocks for as long as
-  // the devices take, a second as a rule. A device that is not there is no error: see why_not_ready().
+  // The clock (of CLOCK_MONOTONIC), the watcher and the light watchdog must outlive the machine. Blocks for
+  // as long as the devices take to open, usually a second. A missing device is not an error: see
+  // why_not_ready().
   RealMachine(Clock& clock, DescriptorWatcher& watcher, LightWatchdog& watchdog,
               const RealMachineConfig& config);
-  // Ways to open devices; without one, that of the configuration.
+  // Functions that open the devices; an empty one opens the device of the configuration.
   struct Openers {
     std::function<std::unique_ptr<ZAxis>()> axis = {};
     std::function<std::unique_ptr<GpioLightLine>()> light = {};
@@ -42,22 +44,23 @@ class RealMachine final : public Machine {
   [[nodiscard]] ZAxis& z_axis() override;
   [[nodiscard]] MaskDisplay& display() override;
   [[nodiscard]] Projector& projector() override;
-  // Also when a device that was missing has come (Recovery, with what was found).
+  // Also reports each missing device that is found (as a Recovery that names the device).
   void on_event(std::function<void(const MachineEvent&)> call) override { on_event_ = std::move(call); }
   [[nodiscard]] std::string why_not_ready() const override;
-  // Keeps nothing of what it shows.
+  // Saves no masks.
   std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
 
-  // A sentence for each device that is there, and for what an owner should know though it works.
+  // Return a sentence for each device that is present, and for each problem that a user should know of
+  // although the machine works.
   [[nodiscard]] std::vector<std::string> description() const;
   [[nodiscard]] std::vector<std::string> warnings() const;
 
   static constexpr Duration kSearchInterval{std::chrono::seconds{5}};
-  // After a serial line was lost, or a light line.
+  // The pause before the first search after a serial line or a light line was lost.
   static constexpr Duration kFirstSearch{std::chrono::milliseconds{500}};
 
  private:
-  // A sentence for each device that is not there; empty where it is, or is not wanted.
+  // A sentence for each missing device; empty if the device is present, or not configured.
   struct Missing {
     std::string light, projector, display, axis;
     [[nodiscard]] bool any() const {
@@ -71,11 +74,11 @@ class RealMachine final : public Machine {
   };
 
   void add_openers();
-  // What it has found now that was missing before.
+  // Opens the missing devices, and returns those that were found.
   std::vector<Found> open_missing();
   bool open_light();
   bool find_projector();
-  // To the light watchdog, what the light can be turned off by.
+  // Hands the light watchdog the descriptors with which the light can be turned off.
   void offer_light_paths();
   void combine_projector();
   [[nodiscard]] bool display_lost() const { return display_ && !display_->why_not_ready().empty(); }
@@ -83,7 +86,7 @@ class RealMachine final : public Machine {
   void search();
   void tell(const MachineEvent& event);
   void note_losses(const std::string& what);
-  [[nodiscard]] std::string light_words() const;
+  [[nodiscard]] std::string light_description() const;
 
   Clock& clock_;
   DescriptorWatcher& watcher_;
@@ -98,12 +101,12 @@ class RealMachine final : public Machine {
   AbsentProjector no_projector_;
   AbsentDisplay no_display_;
   AbsentAxis no_axis_;
-  // Destroyed from the last to the first: light, picture, motor.
+  // Destroyed in reverse order: light, picture, motor.
   std::unique_ptr<ZAxis> axis_;
   std::unique_ptr<MaskDisplay> display_;
   std::unique_ptr<GpioLightLine> light_;
   std::unique_ptr<Projector> projector_;
-  std::unique_ptr<Projector> combined_;  // of the light line, and of the projector where there is one
+  std::unique_ptr<Projector> combined_;  // the light line, with the projector if there is one
   WatchedProjector watched_;
 };
 

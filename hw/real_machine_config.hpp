@@ -1,4 +1,4 @@
-// What a real machine is made of, as its owner describes it. Value types.
+// The configuration of a real machine. Value types.
 #pragma once
 
 #include <cstdint>
@@ -20,17 +20,19 @@ struct SerialProjectorConfig {
 struct RealMachineConfig {
   GpioAxisConfig axis;
   DrmDisplayConfig display;
-  // One of these at least; the light is a line wherever the projector's table cannot switch it.
+  // At least one of these two. The light line is required if the projector's table cannot switch the light.
   std::optional<SerialProjectorConfig> projector;
   std::optional<GpioLineConfig> light;
-  Duration warm_up{};  // of the lamp, at least
+  Duration warm_up{};  // minimum for the lamp
 };
 
-// What of a machine turns its light off. Of the table, only that is looked at.
+// The part of a machine's configuration that turns its light off. Only the table's commands for that are
+// used.
 struct LightConfig {
   std::optional<GpioLineConfig> line;
   std::optional<SerialProjectorConfig> projector;
-  // A contourd that ended in order had the light confirmed off: a projector that says that it is off is so.
+  // True if the last contourd ended in order, with the light confirmed off: a projector's answer that it is
+  // off can then be believed.
   bool left_dark = false;
 };
 

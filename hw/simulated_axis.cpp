@@ -45,7 +45,8 @@ void SimulatedAxis::home(std::function<void(HomingResult)> done) {
   homing_shift_.reset();
   homing_done_ = std::move(done);
   const auto slow = MillimetersPerSecond{config_.homing_speed.count() / 2};
-  // First pass at full speed, then back off, then the second at half speed: the one that counts.
+  // The first pass runs at full speed. After backing off, the second runs at half speed and sets the
+  // position.
   seek_switch(config_.homing_speed, [this, slow, was_known] {
     run(kBackOff, config_.homing_speed, [this, slow, was_known](MoveResult result) {
       if (result != MoveResult::Reached) return end_homing(HomingResult::Stopped);

@@ -1,4 +1,4 @@
-// The simulated printer's Z axis. Behind simulated_printer.hpp; not for use outside hw. It has many
+// The simulated printer's Z axis, a part of simulated_printer.hpp that is not for use outside hw. It has many
 // functions, those of a ZAxis.
 #pragma once
 
@@ -33,7 +33,7 @@ class SimulatedAxis final : public ZAxis {
   [[nodiscard]] Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const override;
   [[nodiscard]] std::vector<AxisInputState> inputs() const override;
   [[nodiscard]] LateSteps late_steps() const override { return {}; }
-  // Nothing happens to it but what the printer tells.
+  // The printer reports the axis's events.
   void set_light_cutoff(LightCutoff*) noexcept override {}
   void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
@@ -44,7 +44,7 @@ class SimulatedAxis final : public ZAxis {
  private:
   struct Move {
     TimePoint start;
-    Nanometers from;  // true height, as all heights in here
+    Nanometers from;  // true height, like all heights in this class
     MotionProfile profile;
     std::function<void(MoveResult)> done;
   };

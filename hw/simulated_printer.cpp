@@ -10,10 +10,10 @@
 
 namespace contourd {
 
-// A screen that keeps what it showed as files 0001.png, 0002.png, ...
+// A screen that saves the masks it shows as 0001.png, 0002.png, ...
 class SimulatedPrinter::Screen final : public MaskDisplay {
  public:
-  // `unplugged` is called when its configuration says that it is unplugged now.
+  // Calls `unplugged` when the configuration says that the display is unplugged now.
   Screen(Clock& clock, const SimulatedDisplayConfig& config, std::function<void()> unplugged)
       : clock_(clock), config_(config), unplugged_(std::move(unplugged)) {}
 
@@ -46,7 +46,7 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
     refresh_.reset();
   }
 
-  // The printer tells what happens to it.
+  // The printer reports the screen's events.
   void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override {
@@ -89,7 +89,7 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
     refresh_ = clock_.call_after(Duration{0}, [this, done = std::move(done)] {
       black_ = true;
       if (connected_) unplugged_();
-      // black_now() in answer to that has dropped what waited.
+      // unplugged_() may have led to black_now(), which drops `done`.
       if (refresh_) done(std::nullopt);
     });
   }
@@ -98,7 +98,7 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
   SimulatedDisplayConfig config_;
   std::function<void()> unplugged_;
   bool connected_ = true;
-  int frames_ = 0;  // asked for, in all jobs
+  int frames_ = 0;  // requested so far, in all jobs
   std::optional<std::filesystem::path> folder_;
   int masks_shown_ = 0;
   bool black_ = true;
@@ -107,7 +107,7 @@ class SimulatedPrinter::Screen final : public MaskDisplay {
 
 class SimulatedPrinter::Lamp final : public Projector {
  public:
-  // `switched` is called when the light has gone on (true) or off.
+  // Calls `switched` when the light has gone on (true) or off (false).
   Lamp(Clock& clock, const SimulatedProjectorConfig& config, std::function<void(bool)> switched)
       : clock_(clock), config_(config), switched_(std::move(switched)) {}
 
@@ -127,7 +127,7 @@ class SimulatedPrinter::Lamp final : public Projector {
       });
       return;
     }
-    // It obeys as it answers: that is its latency.
+    // The lamp obeys at the moment when it answers, so its latency is the reply time.
     span_ = LightSpan{clock_.now() + config_.reply, {}, {}, {}};
     sent_ = clock_.call_after(
         Duration{0}, [sent = std::move(tell.sent), earliest = span_->on_earliest] { sent(earliest); });
@@ -178,7 +178,7 @@ class SimulatedPrinter::Lamp final : public Projector {
     return is_silent() && span_ ? "the projector has not confirmed that its light is off" : "";
   }
 
-  // It begins switched off.
+  // The lamp starts switched off.
   void may_warm_up() override {}
   void confirm_dark(Done done) override {
     light_off();
@@ -187,7 +187,7 @@ class SimulatedPrinter::Lamp final : public Projector {
   }
   void power_off_if_on() override {}
   [[nodiscard]] LightSerialPath light_off_path() const override { return {}; }
-  // The printer tells what happens to it.
+  // The printer reports the lamp's events.
   void on_event(std::function<void(const MachineEvent&)>) override {}
   [[nodiscard]] bool lost() const override { return false; }
   [[nodiscard]] std::vector<std::string> why_not_ready() const override { return {}; }
@@ -229,9 +229,9 @@ class SimulatedPrinter::Lamp final : public Projector {
   bool powered_ = false;
   bool light_ = false;
   int commands_ = 0;
-  ProjectorReply failed_ = ProjectorReply::Ok;  // the last that was not Ok
+  ProjectorReply failed_ = ProjectorReply::Ok;  // the last reply that was not Ok
   std::optional<LightSpan> span_;
-  std::function<void()> dark_;  // asked for by when_dark()
+  std::function<void()> dark_;  // set by when_dark()
   std::unique_ptr<Timer> reply_, sent_, tell_dark_;
 };
 

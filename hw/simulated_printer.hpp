@@ -1,6 +1,6 @@
-// A printer made of arithmetic: an axis with travel, a limit switch and steps, a display that writes its
-// masks as PNG files, a projector with warm-up and replies that may come late or never. The default machine,
-// so that the whole daemon runs anywhere. Not thread-safe.
+// A simulated printer: an axis with travel, a limit switch and steps, a display that saves its masks as PNG
+// files, a projector with a warm-up and with replies that may come late or never. The default machine, so
+// that the whole daemon runs anywhere. Not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -27,14 +27,14 @@ class SimulatedPrinter final : public Machine {
   [[nodiscard]] std::string why_not_ready() const override;
   std::optional<std::filesystem::path> begin_job(std::string_view name) override;
 
-  // What a person does to the machine. Each reports its machine event from within the call.
+  // Actions of a person at the machine. Each reports its machine event from within the call.
   void open_lid();
   void close_lid();
   void unplug_display();
   void plug_display();
-  void press_emergency_stop();  // it is let go again at once
+  void press_emergency_stop();  // and released again at once
 
-  // What a person looking at the machine would see.
+  // State that a person looking at the machine would see.
   [[nodiscard]] bool light_is_on() const;
   [[nodiscard]] bool screen_is_black() const;
   // Masks shown since begin_job().

@@ -1,4 +1,4 @@
-// What the simulated printer is made of, and what goes wrong with it.
+// The configuration of the simulated printer, and of the faults that it simulates.
 #pragma once
 
 #include <chrono>
@@ -24,24 +24,24 @@ struct SimulatedAxisConfig {
 struct SimulatedDisplayConfig {
   Pixels width{1920};
   Pixels height{1080};
-  Duration frame{16'666'667};  // one refresh: a mask is on the screen at the next multiple of it
-  std::optional<std::filesystem::path> masks;  // each job's masks go to a folder of its own in here
-  std::optional<int> lost_after_frames;        // it is unplugged, once, after that many masks
-  std::optional<Duration> back_after;          // and plugged in again this much later
+  Duration frame{16'666'667};  // one refresh: a mask is on the screen at the next multiple of this
+  std::optional<std::filesystem::path> masks;  // folder in which each job's masks get a folder of their own
+  std::optional<int> lost_after_frames;        // number of masks after which it is unplugged, once
+  std::optional<Duration> back_after;          // time after which it is plugged in again
 };
 
 struct SimulatedProjectorConfig {
   Duration warm_up{std::chrono::seconds{5}};
   Duration reply{std::chrono::milliseconds{20}};
-  Duration timeout{std::chrono::seconds{2}};  // after which a projector that does not answer is given up
-  std::optional<int> silent_after_commands;   // it answers that many commands, then never again
+  Duration timeout{std::chrono::seconds{2}};  // time after which the wait for an answer is given up
+  std::optional<int> silent_after_commands;   // number of commands that it answers before it falls silent
 };
 
 struct SimulatedPrinterConfig {
   SimulatedAxisConfig axis;
   SimulatedDisplayConfig display;
   SimulatedProjectorConfig projector;
-  std::optional<Duration> lid_opened_after_light;  // once, when the light has been on for that long in all
+  std::optional<Duration> lid_opened_after_light;  // once, when the light has been on for this long in total
   Duration lid_open_for{std::chrono::seconds{10}};
 };
 

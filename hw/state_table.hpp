@@ -1,4 +1,4 @@
-// A state machine as one table: in which state which event leads where, and what is done on the way. Pure
+// A state machine as one table: for each event in each state, the next state and the effects on the way. Pure
 // values.
 #pragma once
 
@@ -27,7 +27,7 @@ struct StateTransition {
   [[nodiscard]] std::span<const Effect> done() const { return std::span(effects).first(effect_count); }
 };
 
-// The row for an event in a state; null when the event means nothing there.
+// Returns the row for an event in a state; null if the event is ignored there.
 template <typename Row>
 [[nodiscard]] const Row* find_row(std::span<const Row> table, typename Row::State from,
                                   typename Row::Event on) {
@@ -36,7 +36,7 @@ template <typename Row>
   return found != table.end() ? &*found : nullptr;
 }
 
-// The table as a part of a Graphviz graph. `name` tells its states from those of other tables.
+// Draws the table as a part of a Graphviz graph. `name` keeps its states apart from those of other tables.
 template <typename Row>
 [[nodiscard]] std::string draw_table(const std::string& name, std::span<const Row> table) {
   std::set<typename Row::State> states;

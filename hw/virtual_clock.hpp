@@ -1,5 +1,5 @@
-// A clock whose time is that of the call being made: nothing waits. Drives the simulated printer as fast as
-// the processor goes, and the tests. Not thread-safe.
+// A clock whose time jumps to each pending call, so that nothing waits. Drives the simulated printer as fast
+// as the processor goes, and the tests. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,10 @@ class VirtualClock final : public Clock {
 
   [[nodiscard]] bool idle() const { return calls_.empty(); }
 
-  // Advances to the earliest pending call and makes it. False when there is none.
+  // Advances to the earliest pending call and makes it. False if there is none.
   bool run_next();
 
-  // Is called whenever a call is added to an idle clock: the event loop's cue to come back to run_next().
+  // Calls `wake` whenever a call is added to an idle clock: the event loop's cue to return to run_next().
   void on_work(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:

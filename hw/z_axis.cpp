@@ -11,7 +11,7 @@ std::string_view describe(HomingResult result) {
     case HomingResult::StillClosed:
       return "the limit switch is still closed after backing off";
     case HomingResult::WrongSwitch:
-      return "the switch at the other end closed: the motor may turn the wrong way round";
+      return "the switch at the other end closed: the motor may turn the wrong way";
     case HomingResult::NoMovement:
       return "the encoder does not follow the motor";
     case HomingResult::Fault:
@@ -31,7 +31,7 @@ std::string_view describe(MoveResult result) {
     case MoveResult::OutsideTravel:
       return "the target lies outside the travel";
     case MoveResult::NotHomed:
-      return "the position is unknown, home first";
+      return "the position is unknown; home first";
     case MoveResult::Fault:
       return "a fault ended the move";
     case MoveResult::AtSwitch:

@@ -32,23 +32,22 @@ enum class MoveResult {
   OutsideTravel,  // the target lies beyond the soft limits; nothing moved
   NotHomed,       // the position is unknown; nothing moved
   Fault,          // a machine event says why; the position is unknown
-  AtSwitch,       // of a nudge: the limit switch closed, or was closed on the way to it
+  AtSwitch,       // a nudge met the limit switch: it closed, or was closed already on the way towards it
 };
 [[nodiscard]] std::string_view describe(MoveResult result);
 
 // Steps that were made too late, because the computer was too busy or is too slow.
 struct LateSteps {
-  std::uint64_t count = 0;  // steps that shifted all that came behind them
-  Duration worst{};         // of any step
+  std::uint64_t count = 0;  // steps so late that all later steps had to be shifted
+  Duration worst{};         // the longest delay of any step
 };
 
-// An input as whoever wires it wants to see it.
+// The state of an input, for the person who wires it.
 struct AxisInputState {
-  std::string name;  // "limit switch"
-  std::string line;  // where it comes in: "line 23 of gpiochip0"
-  std::optional<bool>
-      active;               // switch reached, stop pressed, lid open, encoder high; none: it cannot be read
-  std::uint64_t edges = 0;  // since the axis was opened, those that were too fast for the kernel left out
+  std::string name;            // "limit switch"
+  std::string line;            // "line 23 of gpiochip0"
+  std::optional<bool> active;  // switch reached, stop pressed, lid open, encoder high; nullopt if unreadable
+  std::uint64_t edges = 0;     // since the axis was opened, without those too fast for the kernel
 };
 
 class LightCutoff;
@@ -64,49 +63,51 @@ class ZAxis : public Device {
   virtual void move_to(Nanometers target, MillimetersPerSecond speed,
                        std::function<void(MoveResult)> done) = 0;
 
-  // Goes so far up, below 0 down, whether or not the position is known: which is unknown from then on. For an
-  // axis that has yet to be wired rightly, so it ends where the limit switch closes, also when that is at the
-  // wrong end. Returns at once; `done` is called from the event loop. REQUIRES: not moving; no further than
-  // kLongestNudge.
+  // Moves by `distance`, up or (below 0) down, even if the position is unknown; it is unknown from then on.
+  // For an axis whose wiring is yet to be checked, so the move ends where the limit switch closes, even if
+  // that is at the wrong end. Returns at once; `done` is called from the event loop. REQUIRES: not moving; no
+  // further than kLongestNudge.
   virtual void nudge(Nanometers distance, MillimetersPerSecond speed,
                      std::function<void(MoveResult)> done) = 0;
 
-  // Decelerates to a standstill; the move's `done` gets Stopped. Does nothing when nothing moves.
+  // Decelerates to a standstill; the move's `done` gets Stopped. Does nothing if the axis does not move.
   virtual void stop() = 0;
 
-  // No further step from this instant; a waiting `done` is dropped. The position is unknown afterwards if a
-  // move was under way.
+  // Makes no further step from this instant, and drops a pending `done`. The position is unknown afterwards
+  // if a move was under way.
   virtual void abort() noexcept = 0;
 
-  // Takes the motor's current away: the plate can be turned by hand, may sink, and its position is unknown.
-  // The next motion has it back. False, and nothing changed, where there is no line for that. REQUIRES: not
-  // moving.
+  // Turns the motor's current off: the axis can be turned by hand, the plate may sink, and its position is
+  // unknown. The next motion turns the current on again. False, and nothing changed, if there is no line for
+  // that. REQUIRES: not moving.
   virtual bool release() = 0;
 
   [[nodiscard]] virtual bool moving() const = 0;
 
-  // Where the plate is: now, or at a time within the move under way. Nothing while the position is unknown.
+  // Return the plate's height now, or at a time within the move under way; nullopt while the position is
+  // unknown.
   [[nodiscard]] virtual std::optional<Nanometers> height() const = 0;
   [[nodiscard]] virtual std::optional<Nanometers> height_at(TimePoint time) const = 0;
 
-  // How much higher the last homing found the limit switch than the one before it did, by the steps made in
-  // between; nothing when it did not come to its end, or the position was unknown before it.
+  // Returns how much higher the last homing found the limit switch than the homing before it, by the steps
+  // made in between; nullopt if the last homing failed, or the position was unknown before it.
   [[nodiscard]] virtual std::optional<Nanometers> homing_shift() const = 0;
 
-  // The highest height that move_to accepts (soft limit); the lowest is 0.
+  // Returns the greatest height that move_to() accepts (soft limit); the least is 0.
   [[nodiscard]] virtual Nanometers travel() const = 0;
 
-  // How long a move over `distance` takes: for progress and for motion timeouts.
+  // Returns how long a move over `distance` takes, for progress and for motion timeouts.
   [[nodiscard]] virtual Duration move_duration(Nanometers distance, MillimetersPerSecond speed) const = 0;
 
-  // All inputs that are fitted, read now: some microseconds each.
+  // Reads all inputs that are fitted; takes some microseconds each.
   [[nodiscard]] virtual std::vector<AxisInputState> inputs() const = 0;
 
-  // Of all moves since the axis was opened; none where no motor has to be stepped.
+  // Returns the late steps of all moves since the axis was opened; none if no motor has to be stepped.
   [[nodiscard]] virtual LateSteps late_steps() const = 0;
 
-  // The light that the emergency stop, the lid and inputs that cannot be read turn off, without waiting for
-  // the event loop; null: none. It must outlive the axis, or be taken back before it goes.
+  // Sets the light that the emergency stop, the lid and unreadable inputs turn off without waiting for the
+  // event loop; null for none. The cutoff must outlive the axis, or be replaced by null before it is
+  // destroyed.
   virtual void set_light_cutoff(LightCutoff* cutoff) noexcept = 0;
 };
 

@@ -1,10 +1,10 @@
-// How often this program has taken memory: its operator new is replaced by one that counts. Link
+// Counts this program's memory allocations: replaces its operator new by one that counts. Link
 // allocation_counter. Thread-safe.
 #pragma once
 
 namespace contourd::testing {
 
-// Since the program's start, in all threads.
+// Returns the number of allocations since the program's start, in all threads.
 [[nodiscard]] long allocations();
 
 }  // namespace contourd::testing

@@ -1,5 +1,4 @@
-// What a call does to a process whose contracts are checked: it is made in a child, which must not come to
-// its end.
+// Runs a call in a child process with checked contracts and reports the contract that it breaks.
 #pragma once
 
 #include <sys/wait.h>
@@ -24,8 +23,8 @@ inline std::string read_all(int descriptor) {
   return all;
 }
 
-// What came of one child. Another thread's lock, held as the child was made, is never released in it: then it
-// ends by the alarm.
+// The result of one child process. If another thread held a lock when the child was forked, the lock is never
+// released in the child, and an alarm ends it.
 struct ContractTrial {
   std::string requirement;
   int status = 0;
@@ -54,7 +53,7 @@ template <typename Call>
   return trial;
 }
 
-// What the call requires and did not get; empty when it broke no contract.
+// Returns the requirement that the call breaks; empty if it breaks none.
 template <typename Call>
 [[nodiscard]] std::string contract_broken_by(const Call& call) {
   constexpr int kTrials = 3;
@@ -62,11 +61,11 @@ template <typename Call>
   for (int i = 1; i < kTrials && WIFSIGNALED(trial.status) && WTERMSIG(trial.status) == SIGALRM; ++i)
     trial = try_contract(call);
   if (trial.requirement.empty() && trial.status != 0)
-    return "it ended otherwise, with status " + std::to_string(trial.status);
+    return "it ended without a broken contract, with status " + std::to_string(trial.status);
   return trial.requirement;
 }
 
-// Said where costly checks are off, so that their case is shown as skipped.
+// True if costly checks are off; then also prints the line that marks the test case as skipped.
 [[nodiscard]] inline bool costly_checks_are_off() {
   if (!kCostlyChecks) std::printf("SKIPPED: this build makes no costly checks\n");
   return !kCostlyChecks;

@@ -1,4 +1,4 @@
-// Random numbers and shapes for the property tests. Only within rc::check.
+// Random numbers and shapes for property tests. Use only within rc::check.
 #pragma once
 
 #include <rapidcheck.h>
@@ -15,13 +15,13 @@
 
 namespace contourd::testing {
 
-// A whole number in [low, high], the whole range from the first test case on.
+// Draws a whole number in [low, high], from the whole range from the first test case on.
 inline std::int64_t draw(std::int64_t low, std::int64_t high) {
   return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange<std::int64_t>(low, high + 1));
 }
 
-// A number in [low, high], a multiple of 2^-22: fine enough that a side hardly ever meets a pixel's very
-// centre, coarse enough that products of differences are exact in 64 bits.
+// The step of the numbers of draw_real(), 2^-22: fine enough that a side hardly ever meets the exact centre
+// of a pixel, coarse enough that products of differences are exact in 64 bits.
 inline constexpr double kGrid = 1.0 / (1 << 22);
 
 inline double draw_real(double low, double high) {
@@ -42,7 +42,7 @@ inline Facet draw_facet(double reach) {
 
 using Polygon = std::vector<PixelPoint>;
 
-// Any polygon, self-crossing as a rule.
+// Draws any polygon; most of them cross themselves.
 inline Polygon draw_polygon(double low_x, double high_x, double low_y, double high_y) {
   Polygon polygon(static_cast<std::size_t>(draw(3, 9)));
   for (PixelPoint& point : polygon)
@@ -50,7 +50,7 @@ inline Polygon draw_polygon(double low_x, double high_x, double low_y, double hi
   return polygon;
 }
 
-// A polygon that does not cross itself: around its centre, at radii between `smallest` and `largest`.
+// Draws a polygon that does not cross itself: around its centre, at radii between `smallest` and `largest`.
 inline Polygon draw_star(PixelPoint center, double smallest, double largest) {
   const auto corners = draw(3, 24);
   Polygon polygon;
@@ -63,7 +63,7 @@ inline Polygon draw_star(PixelPoint center, double smallest, double largest) {
   return polygon;
 }
 
-// A closed mesh of one to four balls, melted together where they come near each other.
+// Draws a closed mesh of one to four balls, merged where they come near each other.
 inline models::Facets draw_blobs(int cells) {
   struct Ball {
     double x, y, z, radius;

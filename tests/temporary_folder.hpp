@@ -1,4 +1,4 @@
-// A new folder for a test's files, removed with everything in it at the end. Not thread-safe.
+// A new folder for a test's files, deleted with its contents at the end. Not thread-safe.
 #pragma once
 
 #include <stdlib.h>

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xFFFF'FFFF;
 
-// Calls visit(row, runs of that row, index of its first run) for each row that has any.
+// Calls visit(row, the row's runs, index of its first run) for each row that has runs.
 template <typename Visit>
 void for_each_row(std::span<const PixelRun> runs, Visit&& visit) {
   for (std::size_t first = 0; first < runs.size();) {
@@ -67,13 +67,13 @@ void IslandFinder::join(std::uint32_t a, std::uint32_t b) {
 
 void IslandFinder::join_rows(const MaskRuns& layer, std::int32_t row) {
   const std::uint32_t above = layer.first_in_row(row - 1), here = layer.first_in_row(row);
-  // One column's reach: pixels that touch by a corner.
+  // A reach of one column includes pixels that touch by a corner.
   for_each_meeting(layer.in_row(row - 1), layer.in_row(row), 1, [&](std::size_t i, std::size_t j) {
     join(above + static_cast<std::uint32_t>(i), here + static_cast<std::uint32_t>(j));
   });
 }
 
-// Adds the pixels that the layer's runs share with those beneath.
+// Adds the pixels that the layer's runs share with the runs beneath.
 void IslandFinder::count_contact(const MaskRuns& layer, const MaskRuns& beneath, std::int32_t row) {
   const std::uint32_t here = layer.first_in_row(row);
   const std::span<const PixelRun> runs = layer.in_row(row), others = beneath.in_row(row);
@@ -86,8 +86,8 @@ bool IslandFinder::is_carried(const Group& group, std::int64_t contact) const {
   return contact >= std::min(limits_.contact_pixels, std::max<std::int64_t>(1, (group.pixels + 2) / 3));
 }
 
-// A speck outlasts its layer where it carries what would not be carried without specks. What is not carried
-// even so is an island of its own.
+// Decides which specks of the layer before are islands: a speck is one if it carries a group that would not
+// be carried without specks. A group that is not carried even with them is an island of its own.
 void IslandFinder::settle_specks(const MaskRuns& layer) {
   outlasting_.clear();
   outlasts_.assign(specks_.islands.size(), false);
@@ -130,7 +130,7 @@ void IslandFinder::collect(const MaskRuns& layer) {
     const std::int64_t pixels = run.end - run.first;
     island.pixels += pixels;
     island.grey += run.grey;
-    // Sums for now; of halves of whole numbers, hence exact.
+    // Sums for now; exact, since they add halves of whole numbers.
     island.center.x += static_cast<double>(pixels * (run.first + run.end)) / 2;
     island.center.y += static_cast<double>(pixels * (2 * run.row + 1)) / 2;
   }
@@ -140,14 +140,14 @@ void IslandFinder::collect(const MaskRuns& layer) {
   }
 }
 
-// Specks leave islands_, which has only larger ones then.
+// Moves specks from islands_ to specks_.
 void IslandFinder::set_specks_aside(const MaskRuns& layer) {
   specks_.islands.clear();
   specks_.runs.clear();
   specks_.island_of.clear();
   const auto is_speck = [this](const MaskIsland& island) { return island.grey <= limits_.speck_grey; };
   if (std::ranges::none_of(islands_, is_speck)) return;
-  // By island: its place among the specks.
+  // By island: its index among the specks.
   speck_of_.assign(islands_.size(), kNone);
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     if (!is_speck(islands_[i])) continue;

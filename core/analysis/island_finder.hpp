@@ -1,12 +1,11 @@
 // Islands: connected groups of pixels that the layer beneath does not carry. Nothing holds them while they
-// cure; they sink, or stick to the vat's film.
+// cure, so they sink or stick to the vat's film.
 //
-// Only pixels that are bright enough to cure hard count: a faint one neither carries nor connects, nor is it
-// a part. A mere corner does not carry either; but a group that is small itself needs no more under it than a
-// third of itself: a thin pin stands on its own. What is a speck in its first layer, and is gone in the next
-// or part of what something else carries there, is no island: it is less than a layer's light lets cure to
-// anything, and held by then. Keeps its memory between calls: allocates only while masks grow. Not
-// thread-safe.
+// Only pixels bright enough to cure hard count: a faint pixel neither carries nor connects, nor is it part of
+// a group. A mere corner does not carry either, but a small group needs only a third of itself above bright
+// pixels: a thin pin stands on its own. A speck in its first layer that is gone in the next, or has joined a
+// carried part there, is no island: one layer's light is too little to cure it, and afterwards it is held.
+// Keeps its memory between calls: allocates only while masks grow. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -18,38 +17,38 @@
 
 namespace contourd {
 
-// In pixels of the mask; its pixels touch by sides or corners.
+// An island in pixels of the mask; its pixels touch by sides or corners.
 struct MaskIsland {
-  PixelPoint center;                      // mean of its pixels' centres
+  PixelPoint center;                      // mean of the pixels' centres
   std::int32_t left, top, right, bottom;  // [left, right) by [top, bottom)
   std::int64_t pixels;
-  std::uint64_t grey;  // sum of its grey values: 255 times its exposed area
+  std::uint64_t grey;  // sum of the grey values: 255 times the exposed area
 };
 
 class IslandFinder {
  public:
   struct Limits {
-    std::int64_t contact_pixels;  // under a group that carry it
-    std::uint64_t speck_grey;     // that an island has at most that is a speck
+    std::int64_t contact_pixels;  // pixels under a group that suffice to carry it
+    std::uint64_t speck_grey;     // most grey of an island that counts as a speck
   };
-  // In the order of their topmost runs.
+  // Islands in the order of their topmost runs.
   struct Islands {
-    std::span<const MaskIsland> here;     // in the layer; specks are told with the next one
-    std::span<const MaskIsland> beneath;  // those specks of the layer before that are islands
+    std::span<const MaskIsland> here;     // in the layer; its specks are decided on the next call
+    std::span<const MaskIsland> beneath;  // specks of the layer before that turned out to be islands
   };
 
-  // The islands of `layer` over `beneath`, each given by its bright pixels. Valid until the next call.
-  // REQUIRES: runs of masks of the same size; `beneath` is the last call's layer.
+  // Returns the islands of `layer` over `beneath`, each given by its bright pixels. Valid until the next
+  // call. REQUIRES: runs of masks of the same size; `beneath` is the last call's layer.
   [[nodiscard]] Islands find(const MaskRuns& layer, const MaskRuns& beneath, const Limits& limits);
 
  private:
   struct Group {
     std::uint32_t parent;  // a group's root is its own parent, and the first of its runs
-    std::int64_t pixels;   // of its own
-    std::int64_t contact;  // pixels beneath it
-    std::int64_t specks;   // of these, those of specks
+    std::int64_t pixels;   // pixels of the group
+    std::int64_t contact;  // bright pixels beneath the group
+    std::int64_t specks;   // pixels of `contact` that belong to specks
   };
-  // The last layer's specks, as runs from the top row down.
+  // The specks of the last layer; runs from the top row down.
   struct Specks {
     std::vector<MaskIsland> islands;
     std::vector<PixelRun> runs;
@@ -67,10 +66,10 @@ class IslandFinder {
 
   Limits limits_{};
   std::vector<Group> groups_;             // by run
-  std::vector<std::uint32_t> island_of_;  // by root: its place in islands_
+  std::vector<std::uint32_t> island_of_;  // by root: index in islands_
   std::vector<MaskIsland> islands_, outlasting_;
   Specks specks_;
-  std::vector<std::uint32_t> speck_of_;  // by island: its place in specks_
+  std::vector<std::uint32_t> speck_of_;  // by island: index in specks_
   std::vector<bool> outlasts_;           // by speck
 };
 

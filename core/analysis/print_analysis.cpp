@@ -11,10 +11,10 @@
 namespace contourd {
 namespace {
 
-// A dot of an eighth of a millimetre, or one pixel.
+// The area of a dot of an eighth of a millimetre; at least one pixel.
 constexpr double kSpeckMm2 = 0.0125;
 
-// Keeps the largest kMaxVoids by a figure, as a heap whose front is the smallest of them.
+// Keeps the kMaxVoids voids with the largest figure, as a heap whose front is the smallest of them.
 void keep(const PrintVoid& found, double PrintVoid::*figure, std::vector<PrintVoid>& largest) {
   const auto larger = [figure](const PrintVoid& a, const PrintVoid& b) { return a.*figure > b.*figure; };
   if (largest.size() == PrintFindings::kMaxVoids) {
@@ -48,7 +48,7 @@ void PrintAnalysis::add_layer(const Mask& mask, const Layer& layer) {
   lit_.extract(mask);
   bright_.extract_bright(mask, lit_, support_.least_grey);
   note_area(static_cast<double>(lit_.grey_sum()) / 255.0 * pixel_area_mm2_, layer);
-  if (beneath_.rows() > 0) note_islands();  // else it stands on the plate, as far as is known
+  if (beneath_.rows() > 0) note_islands();  // the first layer stands on the plate, as far as is known
   beneath_layer_ = findings_.layers() - 1;
   note_voids(void_finder_.add_layer(bright_, {findings_.layers() - 1, layer.thickness}));
   if (layer.cracks != LayerCracks{}) {
@@ -58,7 +58,8 @@ void PrintAnalysis::add_layer(const Mask& mask, const Layer& layer) {
   findings_.layer_time += layer.duration;
 }
 
-// What stands on it is told by the layer beneath, which it may well go on from; voids go on through it.
+// Islands above an abandoned layer are found against the layer beneath it, on which they may well continue;
+// voids continue through it.
 void PrintAnalysis::add_abandoned_layer(const Layer& layer) {
   findings_.abandoned_layers.push_back(findings_.layers());
   findings_.area_mm2.push_back(0);
@@ -75,7 +76,8 @@ void PrintAnalysis::note_area(double area_mm2, const Layer& layer) {
     findings_.largest_area_layer = number;
   }
   const bool dark = area_mm2 == 0;
-  // On a lit layer a dark one is put off until there is more above: it may be the rest of the model's height.
+  // The first dark layer on a lit one is not counted until another layer follows: it may lie above the
+  // model's top.
   if (dark && number > 0 && findings_.area_mm2[static_cast<std::size_t>(number) - 1] > 0) return;
   for (; dark_since_ < number + (dark ? 1 : 0); ++dark_since_)
     findings_.empty_layers.push_back(dark_since_);
@@ -84,7 +86,7 @@ void PrintAnalysis::note_area(double area_mm2, const Layer& layer) {
 
 void PrintAnalysis::note_islands() {
   const auto contact = static_cast<std::int64_t>(std::ceil(support_.contact_area_mm2 / pixel_area_mm2_));
-  // Some thousandths of a grey value more: a pitch's square is rounded.
+  // Slightly increased because the square of the pitch is rounded.
   const double speck_grey = 255 * std::max(kSpeckMm2 / pixel_area_mm2_, 1.0) + 1e-3;
   const IslandFinder::Islands found = finder_.find(
       bright_, beneath_, {std::max<std::int64_t>(contact, 1), static_cast<std::uint64_t>(speck_grey)});
@@ -103,7 +105,7 @@ void PrintAnalysis::note_island(const MaskIsland& island, std::int32_t layer) {
 }
 
 void PrintAnalysis::note_voids(std::span<const MaskVoid> ended) {
-  const double volume_unit_mm3 = pixel_area_mm2_ / 1e6;  // of a pixel and a nanometre
+  const double volume_unit_mm3 = pixel_area_mm2_ / 1e6;  // volume of one pixel, one nanometre thick
   for (const MaskVoid& each : ended) {
     const PrintVoid found{each.first_layer,
                           each.last_layer,

@@ -1,6 +1,6 @@
-// What a whole print will be, known before it is printed: resin, exposed areas, what hangs in the air, what
-// sucks on the film or keeps resin, what the model's cracks cost, and how long it takes. One pass over the
-// layers' masks, from the bottom up, a layer at a time.
+// Analyses a whole print before it is printed: resin, exposed areas, islands, suction cups and resin traps,
+// damage by cracks in the model, and duration. One pass over the layers' masks, from the bottom up, a layer
+// at a time.
 #pragma once
 
 #include <chrono>
@@ -21,17 +21,17 @@
 
 namespace contourd {
 
-// What it takes to carry a part of a layer (see IslandFinder).
+// The limits from which a part of a layer is carried (see IslandFinder).
 struct CarryingSupport {
-  std::uint8_t least_grey = 64;    // of a pixel beneath that counts: a quarter of the light
-  double contact_area_mm2 = 0.01;  // that many of them, or a third of what is as bright in the part itself
+  std::uint8_t least_grey = 64;    // grey of a pixel beneath from which it counts: a quarter of the light
+  double contact_area_mm2 = 0.01;  // needed area of such pixels, or a third of the part's own if that is less
 
   bool operator==(const CarryingSupport&) const = default;
 };
 
-// Which voids are worth telling (see VoidFinder). Air presses with 0.1 N on a mm2 at most: 5 mm2 suck with
-// half a newton, less than half of what a support's tip of 0.4 mm holds. A mm3 is a droplet: it stays on
-// walls anyway. Lattices and sponges have thousands of smaller ones.
+// The sizes from which voids are reported (see VoidFinder). Air presses with at most 0.1 N on a mm2: 5 mm2
+// suck with half a newton, less than half of what a support tip of 0.4 mm holds. A mm3 is a droplet, which
+// stays on the walls anyway. Lattices and sponges have thousands of smaller voids.
 struct VoidLimits {
   double cup_area_mm2 = 5;
   double cup_volume_mm3 = 1;
@@ -40,25 +40,25 @@ struct VoidLimits {
   bool operator==(const VoidLimits&) const = default;
 };
 
-// Part of a layer that begins with nothing under it that carries it.
+// A part of a layer that begins with nothing under it that carries it.
 struct Island {
   std::int32_t layer = 0;  // from 0
-  PixelPoint pixel{};      // its middle in the mask
-  Point plate_mm{};        // the same on the plate, from the plate's centre; seen from above, mirrors undone
-  double area_mm2 = 0;     // exposed, of what is bright enough to carry
+  PixelPoint pixel{};      // the part's middle in the mask
+  Point plate_mm{};     // the middle on the plate, from the plate's centre; seen from above, mirrors undone
+  double area_mm2 = 0;  // exposed area of the pixels bright enough to carry
 };
 
-// A void: a suction cup while it is open towards the film alone, a resin trap once it is closed all around.
+// A void: a suction cup while it is open only towards the film, a resin trap once it is closed all around.
 // Layers count from 0.
 struct PrintVoid {
   std::int32_t first_layer = 0;
-  std::int32_t last_layer = 0;    // the one above opens or closes it, or there is none
-  std::int32_t widest_layer = 0;  // where most of it was open towards the film
-  PixelPoint pixel{};             // its middle there, in the mask
-  Point plate_mm{};               // the same on the plate, as an island's
-  double area_mm2 = 0;            // open there: what sucks
-  double volume_mm3 = 0;          // of all its layers
-  bool on_plate = false;          // begins on the plate, which closes it there
+  std::int32_t last_layer = 0;    // the layer above opens or closes it, or it is the print's last
+  std::int32_t widest_layer = 0;  // the layer with the largest area open towards the film
+  PixelPoint pixel{};             // middle of that area, in the mask
+  Point plate_mm{};               // the middle on the plate, as in Island
+  double area_mm2 = 0;            // open area in the widest layer, which sucks
+  double volume_mm3 = 0;          // sum over all layers of the void
+  bool on_plate = false;          // true if the void begins on the plate, which closes it there
 };
 
 struct CrackedLayer {
@@ -66,33 +66,33 @@ struct CrackedLayer {
   LayerCracks cracks;
 };
 
-// A value; layers count from 0.
+// The results of an analysis. A value; layers count from 0.
 struct PrintFindings {
   std::vector<double> area_mm2;  // exposed, by layer
-  double volume_mm3 = 0;         // resin that is cured: area times thickness, summed
-  double largest_area_mm2 = 0;   // what the peel has to tear off
+  double volume_mm3 = 0;         // cured resin: area times thickness, summed
+  double largest_area_mm2 = 0;   // the area with the greatest peel force
   std::int32_t largest_area_layer = 0;
-  // Dark layers. Not one alone at the top: layers are as many as reach the model's top, so the last one may
-  // be cut above it.
+  // Dark layers, except for a single one at the top: the print has enough layers to reach the model's top, so
+  // the last one may be cut above it.
   std::vector<std::int32_t> empty_layers;
   std::uint64_t island_count = 0;
-  // From the bottom up, of the first kMaxIslands. The first layer has none: it stands on the plate.
+  // The first kMaxIslands islands from the bottom up. The first layer has none: it stands on the plate.
   std::vector<Island> islands;
-  // What sucks on the film when the plate is lifted: the kMaxVoids with the largest areas, from the bottom
-  // up.
+  // Voids that suck on the film when the plate is lifted: the kMaxVoids with the largest areas, from the
+  // bottom up.
   std::uint64_t suction_cup_count = 0;
   std::vector<PrintVoid> suction_cups;
-  // What resin finds no way out of: the kMaxVoids with the largest volumes, from the bottom up. None of them
-  // is on the plate: what the plate closes opens when the part is taken off.
+  // Voids that resin cannot leave: the kMaxVoids with the largest volumes, from the bottom up. None of them
+  // is on the plate, since those open when the part is taken off.
   std::uint64_t resin_trap_count = 0;
   std::vector<PrintVoid> resin_traps;
-  LayerCracks cracks;  // of all layers together
+  LayerCracks cracks;  // sum over all layers
   std::vector<CrackedLayer> cracked_layers;
-  // Whose masks did not keep their budget: they count as dark in all figures but this.
+  // Layers whose masks exceeded their time budget; all other figures count them as dark.
   std::vector<std::int32_t> abandoned_layers;
   std::chrono::nanoseconds layer_time{};  // all layers together
 
-  // A mesh of noise could have millions: enough of them is enough.
+  // Limits for the lists: a mesh of noise could have millions.
   static constexpr std::size_t kMaxIslands = 4096;
   static constexpr std::size_t kMaxVoids = 1024;
 
@@ -100,8 +100,8 @@ struct PrintFindings {
   [[nodiscard]] double resin_ml() const { return volume_mm3 / 1000; }
 };
 
-// Takes the layers one after the other. Keeps its working memory: once warm, a layer allocates only for what
-// is found in it. Not thread-safe.
+// Analyses the layers one after the other. Keeps its working memory: once warm, a layer allocates only for
+// its findings. Not thread-safe.
 class PrintAnalysis {
  public:
   explicit PrintAnalysis(const DisplayGeometry& display, const CarryingSupport& support = {},
@@ -112,15 +112,16 @@ class PrintAnalysis {
     std::chrono::nanoseconds duration{};  // exposure, peel, moves and waits
     LayerCracks cracks;
   };
-  // REQUIRES: a mask of the display's size.
+  // Adds a layer. REQUIRES: a mask of the display's size.
   void add_layer(const Mask& mask, const Layer& layer);
-  // A layer whose mask did not keep its budget.
+  // Adds a layer whose mask exceeded its time budget.
   void add_abandoned_layer(const Layer& layer);
 
-  // No more layers come: voids that are still open end here.
+  // Ends the print: voids that are still open end here.
   void end();
 
-  // What the layers added so far amount to. Of voids it has those that have ended, in no order before end().
+  // Returns the findings of the layers added so far. Voids are included once they have ended, in no
+  // particular order before end().
   [[nodiscard]] const PrintFindings& findings() const { return findings_; }
 
  private:
@@ -133,25 +134,25 @@ class PrintAnalysis {
   double pixel_area_mm2_;
   CarryingSupport support_;
   VoidLimits limits_;
-  MaskRuns lit_;               // of the last layer
-  MaskRuns bright_, beneath_;  // the same, of what carries; and of the layer before it
+  MaskRuns lit_;               // lit pixels of the last layer
+  MaskRuns bright_, beneath_;  // pixels of the last layer that carry, and of the layer before it
   std::int32_t beneath_layer_ = 0;
   IslandFinder finder_;
   VoidFinder void_finder_;
-  std::int32_t dark_since_ = 0;  // the first of the dark layers on top that are not counted, if there are any
+  std::int32_t dark_since_ = 0;  // the first dark layer on top that is not counted yet, if any
   PrintFindings findings_;
 };
 
 struct AnalysisOptions {
   CarryingSupport support{};
-  std::optional<std::chrono::nanoseconds> mask_budget{};  // none: as long as each takes
+  std::optional<std::chrono::nanoseconds> mask_budget{};  // nullopt: no limit
   VoidLimits void_limits{};
 };
 
-// All layers of a print, from the plate up by their thicknesses, computed by `engine` on `display`: what they
-// cover, less what the engine's threshold leaves dark; uniformity mask and gamma only make that coverage the
-// same light. `layer_duration` says how long a layer takes. Nothing when `stop` was asked for meanwhile; it
-// is looked at before every layer.
+// Analyses all layers of a print, from the plate up by their thicknesses, computed by `engine` on `display`.
+// Counts coverage, without pixels that the engine's threshold leaves dark; uniformity mask and gamma are
+// ignored, since they only correct how that coverage is exposed. `layer_duration` returns the duration of a
+// layer. Returns nullopt if `stop` is requested, which is checked before every layer.
 [[nodiscard]] std::optional<PrintFindings> analyze_print(
     ContourEngine& engine, const DisplayGeometry& display, std::span<const Nanometers> thicknesses,
     const std::function<std::chrono::nanoseconds(std::int32_t layer)>& layer_duration,

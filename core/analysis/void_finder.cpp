@@ -10,18 +10,19 @@ namespace {
 
 constexpr std::uint32_t kOutside = 0;
 
-// Whether a gap shares a column with what is outside in this row.
+// True if a gap shares a column with the outside in this row.
 template <typename Gap, typename Row>
 bool reaches_out(const Gap& gap, const Row& row) {
   return gap.first < row.first || gap.end > row.end;
 }
 
-// Calls meet(a, b) for every two that share a column. Both from left to right, so one pass.
+// Calls meet(a, b) for every two gaps that share a column. Both lists are sorted from left to right, so one
+// pass is enough.
 template <typename Gaps, typename Meet>
 void for_each_meeting(Gaps a, Gaps b, Meet&& meet) {
   for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
     if (i->first < j->end && j->first < i->end) meet(*i, *j);
-    // The one that ends first meets nothing further right.
+    // The gap that ends first meets no gap further right.
     if (i->end < j->end) {
       ++i;
     } else {
@@ -77,7 +78,7 @@ void VoidFinder::find_gaps(const MaskRuns& solid) {
     if (runs[i].row == runs[i - 1].row)
       layer_.gaps.push_back({runs[i].row, runs[i - 1].end, runs[i].first, kOutside});
   }
-  // They stay where they are from now on.
+  // The gaps no longer move from here on, so spans into them stay valid.
   const std::span<Gap> gaps(layer_.gaps);
   std::size_t at = 0;
   for (std::int32_t row = layer_.first_row; row < layer_.end_row; ++row) {
@@ -135,7 +136,7 @@ void VoidFinder::join_layers() {
   }
 }
 
-// Numbers the voids of this layer and sums their pixels up.
+// Numbers the voids of this layer and sums up their pixels.
 void VoidFinder::note_areas() {
   areas_.clear();
   void_of_.assign(parents_.size(), 0);

@@ -10,18 +10,21 @@
 namespace contourd {
 namespace {
 
-// A cell is no smaller, and its height allows a diagonal step to the level beneath at 45 degrees.
+// Lower bound for the side of a cell. A cell's height is its side times kSlant, so that a diagonal step to
+// the level beneath is no flatter than 45 degrees.
 constexpr double kLeastCell_mm = 0.3;
 constexpr double kSlant = 1.4143;
 constexpr double kUnit = ClearanceField::kUnit_mm;
-// Of a distance of kGreatest_mm, in units; the sum of two fits.
+// The squared distance that means kGreatest_mm or more, in squared units; the sum of two of them fits into 16
+// bits.
 constexpr std::uint16_t kFar = 22500;
 static_assert(kFar * kUnit * kUnit >= ClearanceField::kGreatest_mm * ClearanceField::kGreatest_mm - 1e-9);
-// Between two looks at a way: of a way that a look finds free, hardly a micrometre may be nearer between
-// them.
+// Distance between two samples along a segment. If both are clear, the segment between them can be hardly a
+// micrometre nearer.
 constexpr double kLook_mm = 0.2;
 
-// Squares of the gaps between a cell's middle and the box of one that many cells away.
+// Returns the squared gap between a cell's middle and the box of a cell, indexed by how many cells away that
+// is.
 std::vector<std::uint16_t> gap_squares(double cell_mm) {
   std::vector<std::uint16_t> squares{0};
   for (double away = 1;; ++away) {
@@ -31,7 +34,7 @@ std::vector<std::uint16_t> gap_squares(double cell_mm) {
   }
 }
 
-// Roots of all squares, rounded down.
+// Returns the square roots of all numbers up to kFar, rounded down.
 const std::vector<std::uint8_t>& roots() {
   static const std::vector<std::uint8_t> all = [] {
     std::vector<std::uint8_t> made(kFar + 1);
@@ -170,7 +173,8 @@ ClearanceField::Squares ClearanceField::spread_across_rows(const Squares& square
   return spread;
 }
 
-// A solid is somewhere in its cell, and up to half a pixel and half a layer beyond.
+// Converts the squared gaps around a level to distances. A solid is somewhere in its cell, and up to half a
+// pixel and half a layer beyond.
 void ClearanceField::measure(std::int32_t level, std::span<const Squares* const> near,
                              std::int32_t first_near) {
   const std::vector<std::uint16_t> gaps = gap_squares(level_mm_);
@@ -213,7 +217,7 @@ double ClearanceField::edge_distance(const PlatePoint& point) const {
   return std::min(half_area_mm_.x - std::fabs(point.x), half_area_mm_.y - std::fabs(point.y));
 }
 
-// To where the grid ends within the build area: beyond that there may be anything.
+// Returns the distance to the grid's edges that lie within the build area: beyond them there may be anything.
 double ClearanceField::region_distance(const PlatePoint& point) const {
   const PlatePoint first = middle_of(0, 0, 0), last = middle_of(columns_ - 1, rows_ - 1, 0);
   const double half = cell_mm_ / 2;
@@ -268,7 +272,7 @@ ClearanceField::Slack ClearanceField::slack_at(const PlatePoint& center, double 
   const double off = PlateSegment{center, middle_of(cell.column, cell.row, cell.level)}.length();
   const double least = units * kUnit - off - radius_mm;
   const double box = std::sqrt(2 * cell_mm_ * cell_mm_ + level_mm_ * level_mm_);
-  // Where the greatest distance is, there may be any.
+  // A cell with the greatest distance may be any distance away from the models.
   if (units * kUnit + beyond_mm_ > kGreatest_mm - 2 * kUnit) return {least, kGreatest_mm};
   return {least, (units + 1) * kUnit + beyond_mm_ - clearance_mm_ + off + box - radius_mm};
 }
@@ -281,7 +285,7 @@ bool ClearanceField::has_room(const PlatePoint& center, double radius_mm) const 
   return layers_.is_clear(center, radius_mm + clearance_mm_);
 }
 
-// The layers are asked where there is the least room first: most ways that do not fit end at once.
+// Checks the layers at the points with the least room first: most segments that do not fit fail at once.
 bool ClearanceField::has_room(const PlateSegment& segment, double radius_mm) const {
   if (edge_distance(segment.from) < radius_mm || edge_distance(segment.to) < radius_mm) return false;
   struct Look {

@@ -1,8 +1,8 @@
-// How much room there is around every point above the plate: a coarse grid of distances to the models, never
-// too great, that answers most questions at once; where it cannot tell, the sweep's layers do. The build
-// area's edges count, too. Immutable once built; thread-safe. Deterministic.
+// The room around every point above the plate: a coarse grid of distances to the models, never too great,
+// answers most questions at once; where it cannot, the sweep's layers are checked. The build area's edges
+// also count as obstacles. Immutable once built; thread-safe. Deterministic.
 //
-// Memory: a byte a cell, of which there are at most kMostCells: in a large region cells are larger.
+// Memory: one byte a cell, at most kMostCells cells; a large region has larger cells.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ namespace contourd {
 class ClearanceField {
  public:
   static constexpr std::size_t kMostCells = std::size_t{1} << 24;
-  // Distances are whole multiples of this, rounded down; none is more than the greatest.
+  // Distances are whole multiples of kUnit_mm, rounded down, and at most kGreatest_mm.
   static constexpr double kUnit_mm = 0.02;
   static constexpr double kGreatest_mm = 3;
 
@@ -29,55 +29,56 @@ class ClearanceField {
   };
   struct Settings {
     DisplayGeometry build_area;
-    double clearance_mm = 0;  // to the models; to the edges there is none
+    double clearance_mm = 0;  // to the models; none to the build area's edges
   };
 
-  // Everything that is asked for must lie in the region, kGreatest_mm below its top: beside it nothing is
-  // clear. `layers` must outlive
-  // the field. Once `stop` was asked for it is of no use.
+  // Every point that is asked about must lie in the region, kGreatest_mm below its top: outside it nothing is
+  // clear. `layers` must outlive the field. The field is unusable if `stop` was requested.
   ClearanceField(const LayerStack& layers, const Region& region, const Settings& settings,
                  const std::stop_token& stop);
 
-  // Whether a ball there keeps the clearance.
+  // True if a ball at that place keeps the clearance.
   [[nodiscard]] bool has_room(const PlatePoint& center, double radius_mm) const;
-  // Whether it does all the way.
+  // True if a ball keeps the clearance everywhere on the segment.
   [[nodiscard]] bool has_room(const PlateSegment& segment, double radius_mm) const;
-  // Whether a ball there does not touch the models: for tips, which have no clearance.
+  // True if a ball at that place does not touch the models: for tips, which have no clearance.
   [[nodiscard]] bool is_free(const PlatePoint& center, double radius_mm) const {
     return layers_.is_clear(center, radius_mm);
   }
 
-  // Whether it lies in the build area.
+  // True if a ball at that place lies in the build area.
   [[nodiscard]] bool is_inside(const PlatePoint& center, double radius_mm) const {
     return edge_distance(center) >= radius_mm;
   }
 
-  // The nearest place where it does.
+  // Returns the nearest place at which a ball of that radius lies in the build area.
   [[nodiscard]] PlatePoint moved_inside(const PlatePoint& center, double radius_mm) const;
 
-  // The grid. Cells of a level lie row by row, levels from the plate up; rows from the back to the front.
+  // The grid's dimensions. Cells of a level are stored row by row from the back to the front, levels from the
+  // plate up.
   [[nodiscard]] std::int32_t columns() const { return columns_; }
   [[nodiscard]] std::int32_t rows() const { return rows_; }
   [[nodiscard]] std::int32_t levels() const { return levels_; }
   [[nodiscard]] double cell_mm() const { return cell_mm_; }
   [[nodiscard]] double level_mm() const { return level_mm_; }
-  // Distances at the cells' middles, less the clearance, in units. REQUIRES: 0 <= level < levels().
+  // Returns the distances at the middles of a level's cells, less the clearance, in units. REQUIRES: 0 <=
+  // level < levels().
   [[nodiscard]] std::span<const std::uint8_t> level(std::int32_t level) const;
   [[nodiscard]] PlatePoint middle_of(std::int32_t column, std::int32_t row, std::int32_t level) const;
   struct Cell {
     std::int32_t column, row, level;
   };
-  // The cell of a point; it may lie outside the grid.
+  // Returns the cell of a point, which may lie outside the grid.
   [[nodiscard]] Cell cell_of(const PlatePoint& point) const;
   [[nodiscard]] const LayerStack& layers() const { return layers_; }
 
  private:
-  // How a ball fits: by the grid alone.
+  // Bounds for the room that a ball has to spare, from the grid alone; negative if it does not fit.
   struct Slack {
     double least_mm, greatest_mm;
   };
 
-  // Squares of distances in units, by cell.
+  // Squared distances in squared units, by cell.
   using Squares = std::vector<std::uint16_t>;
 
   void choose_cells(const Region& region);
@@ -94,14 +95,14 @@ class ClearanceField {
 
   const LayerStack& layers_;
   double clearance_mm_;
-  double beyond_mm_ = 0;                 // the clearance, and what may be solid beside a lit pixel
-  Point half_area_mm_;                   // of the build area
-  std::int32_t pixels_ = 1, steps_ = 1;  // of a cell's side, of its height
+  double beyond_mm_ = 0;  // the clearance plus the solid that may extend beyond a lit pixel's middle
+  Point half_area_mm_;    // half the width and depth of the build area
+  std::int32_t pixels_ = 1, steps_ = 1;  // pixels along a cell's side, layers in its height
   std::int32_t first_pixel_ = 0, first_pixel_row_ = 0;
   std::int32_t columns_ = 0, rows_ = 0, levels_ = 0;
   double cell_mm_ = 1, level_mm_ = 1;
   std::vector<std::uint8_t> distances_;
-  std::vector<std::uint8_t> edges_;  // distances of a level's cells to the build area's edges
+  std::vector<std::uint8_t> edges_;  // by cell of a level: distance to the build area's edges
 };
 
 }  // namespace contourd

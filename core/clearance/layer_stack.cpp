@@ -8,15 +8,16 @@
 namespace contourd {
 namespace {
 
-// Of layers that are thinner, only some are looked at, so far apart at most.
+// Distance between examined layers: if layers are thinner, only some of them are examined.
 constexpr double kLookedAt_mm = 0.1;
 
-// How many whole pixels lie between a place in a row and the run, at least: a pixel's middle counts.
+// Returns a lower bound for the whole pixels between a place in a row and the run; a pixel counts from its
+// middle.
 double gap(const LayerStack::Run& run, double column) {
   return std::max({run.first - column, column - (run.end - 1), 1.0}) - 1;
 }
 
-// Whether one of a row's runs has the pixel.
+// True if one of a row's runs contains the pixel.
 bool is_in(std::span<const LayerStack::Run> runs, double column) {
   const auto reaching =
       std::ranges::find_if(runs, [column](const LayerStack::Run& run) { return run.end > column; });
@@ -75,13 +76,13 @@ bool LayerStack::is_clear(const PlatePoint& point, double distance_mm) const {
   return true;
 }
 
-// `disc`: its radius' square, in pixels. Row and column from the first pixel's middle.
+// `disc` is the squared radius, in squared pixels; row and column count from the first pixel's middle.
 bool LayerStack::is_disc_clear(std::int32_t layer, double row, double column, double disc) const {
   const Layer& in = layers_[static_cast<std::size_t>(layer)];
   const double across = std::sqrt(disc) + 1;
   const double last = std::min(std::floor(row + across), in.end_row - 1.0);
   const auto first = static_cast<std::int32_t>(std::max<double>(std::ceil(row - across), in.first_row));
-  // The rows' runs are much alike: those near the disc have about the same numbers.
+  // Neighbouring rows have similar runs: the ones near the disc have about the same index.
   std::size_t next = 0;
   for (std::int32_t at = first; at <= last; ++at) {
     const std::span<const Run> runs = runs_in(layer, at);
@@ -113,7 +114,7 @@ std::optional<double> LayerStack::underside_above(const PlatePoint& point, doubl
   const double column = column_of(point.x), row = row_of(point.y);
   const auto last =
       static_cast<std::int32_t>(std::min(std::floor((point.z + up_mm) / step_mm_), layers() - 1.0));
-  // On the plate nothing has to be held.
+  // Material in the first layer lies on the plate and needs no support.
   const auto first =
       static_cast<std::int32_t>(std::clamp<double>(std::ceil(point.z / step_mm_), 1, std::max(layers(), 1)));
   bool dark = !is_pixel_lit(first - 1, row, column);

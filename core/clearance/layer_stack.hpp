@@ -1,8 +1,8 @@
-// All layers of a sweep as runs of lit pixels: what stands on the plate, to be asked how far away it is.
+// All layers of a sweep as runs of lit pixels: the models on the plate, for distance queries.
 //
-// A lit pixel stands for all that may be solid around its middle: a pixel to each side of it and a layer up
+// A lit pixel stands for everything that may be solid around its middle: a pixel to each side, and a layer up
 // and down, since a pixel is lit from half its area on and a layer is cut at its middle. Not thread-safe
-// while layers come; thread-safe after that. Memory: 4 bytes a run and a row.
+// while layers are added; thread-safe afterwards. Memory: 4 bytes per run and per row.
 #pragma once
 
 #include <cmath>
@@ -31,25 +31,26 @@ class LayerStack final : public LayerObserver {
   [[nodiscard]] std::int32_t layers() const { return static_cast<std::int32_t>(layers_.size()); }
   [[nodiscard]] double pitch_mm() const { return pitch_mm_; }
   [[nodiscard]] double step_mm() const { return step_mm_; }
-  // From left to right; none where the row or the layer is beyond all that is lit.
+  // Returns the row's runs from left to right; empty if the row or the layer is beyond all lit pixels.
   [[nodiscard]] std::span<const Run> runs_in(std::int32_t layer, std::int32_t row) const;
 
-  // Whether the pixel and the layer that the point lies in are lit.
+  // True if the pixel that contains the point is lit in the layer that contains it.
   [[nodiscard]] bool is_lit(const PlatePoint& point) const;
-  // Whether nothing of the models may be nearer to the point than the distance.
+  // True if no part of the models can be nearer to the point than the distance.
   [[nodiscard]] bool is_clear(const PlatePoint& point, double distance_mm) const;
-  // The height of the first solid straight below; nothing when there is none so far down.
+  // Returns the height of the first solid straight below; nullopt if there is none within `down_mm`.
   [[nodiscard]] std::optional<double> top_below(const PlatePoint& point, double down_mm) const;
-  // The height of the first solid straight above that begins there; nothing when there is none so far up.
+  // Returns the height of the first solid that begins straight above; nullopt if there is none within
+  // `up_mm`.
   [[nodiscard]] std::optional<double> underside_above(const PlatePoint& point, double up_mm) const;
 
  private:
   struct Layer {
     std::int32_t first_row, end_row;
-    std::size_t first_start;  // in row_starts_
+    std::size_t first_start;  // index in row_starts_
   };
 
-  // By numbers from 0, which may be beyond the display's and the layers'.
+  // Layer, row and column count from 0 and may be out of range.
   [[nodiscard]] bool is_pixel_lit(double layer, double row, double column) const;
   [[nodiscard]] double column_of(double x_mm) const { return std::floor(x_mm / pitch_mm_ + columns_ / 2.0); }
   [[nodiscard]] double row_of(double y_mm) const { return std::floor(rows_ / 2.0 - y_mm / pitch_mm_); }
@@ -57,9 +58,9 @@ class LayerStack final : public LayerObserver {
 
   std::int32_t columns_ = 0, rows_ = 0;
   double pitch_mm_ = 1, step_mm_ = 1;
-  std::int32_t stride_ = 1;  // between layers that are looked at
+  std::int32_t stride_ = 1;  // from one examined layer to the next
   std::vector<Layer> layers_;
-  std::vector<std::uint32_t> row_starts_;  // of each layer's rows, and the end of its last
+  std::vector<std::uint32_t> row_starts_;  // start of each of a layer's rows, and the end of its last one
   std::vector<Run> runs_;
 };
 

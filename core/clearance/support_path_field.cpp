@@ -7,17 +7,18 @@
 namespace contourd {
 namespace {
 
-// A cell's middle has so much more room than a branch needs, for the way from one middle to the next.
+// Extra clearance at a cell's middle, so that the segment between two middles is clear too.
 constexpr double kSpare_mm = 0.06;
-// A foot on a model is between so high; where it may stand there is no more room than this and the branch.
+// A foot on a model is between kLowestLanding_mm and kHighestLanding_mm high. Where it can stand, the room
+// exceeds the branch's radius by at most kNearModel_mm.
 constexpr double kLowestLanding_mm = 0.5, kHighestLanding_mm = 2.5, kNearModel_mm = 1;
-// A way to one leads no farther aside.
+// Greatest horizontal distance from a contact to its foot on a model.
 constexpr double kAside_mm = 8;
-// Its first part is where the surface is.
+// Length of the first part of a foot, which the surface it stands on may touch.
 constexpr double kAtSurface_mm = 0.4;
 constexpr double kLook_mm = 0.2;
 
-// As `into[i] = min(into[i], from[i] + more)`, where nothing stays nothing.
+// Does `into[i] = min(into[i], from[i] + more)`, where kNoPath stays kNoPath.
 void lower_to(std::uint16_t* into, const std::uint16_t* from, std::uint16_t more, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const auto sum = static_cast<std::uint16_t>(from[i] + more);
@@ -38,7 +39,7 @@ SupportPathField::SupportPathField(const ClearanceField& field, const Settings& 
   across_ = units_of(std::sqrt(v * v + 2 * h * h));
   costs_.assign(static_cast<std::size_t>(field.columns()) * static_cast<std::size_t>(field.rows()) *
                     static_cast<std::size_t>(field.levels()),
-                kNoWay);
+                kNoPath);
   for (std::int32_t level = 0; level < field.levels() && !stop.stop_requested(); ++level) {
     begin_level(level);
     if (level > 0) reach_level(level);
@@ -47,7 +48,8 @@ SupportPathField::SupportPathField(const ClearanceField& field, const Settings& 
   }
 }
 
-// No way leads through what is too narrow; what is narrow counts twice.
+// Blocks cells that are too narrow for a path and adds the cost of another level to cells that are merely
+// narrow.
 void SupportPathField::keep_to_room(std::int32_t level) {
   const auto units = [](double mm) {
     return static_cast<std::uint8_t>(std::ceil((mm + kSpare_mm) / ClearanceField::kUnit_mm));
@@ -57,8 +59,8 @@ void SupportPathField::keep_to_room(std::int32_t level) {
   Cost* const costs = costs_.data() + static_cast<std::size_t>(level) * room.size();
   for (std::size_t i = 0; i < room.size(); ++i) {
     const Cost cost = costs[i];
-    const Cost narrow = cost >= kNoWay - straight_ ? kNoWay : static_cast<Cost>(cost + straight_);
-    costs[i] = room[i] < least ? kNoWay : room[i] < usual ? narrow : cost;
+    const Cost narrow = cost >= kNoPath - straight_ ? kNoPath : static_cast<Cost>(cost + straight_);
+    costs[i] = room[i] < least ? kNoPath : room[i] < usual ? narrow : cost;
   }
 }
 
@@ -86,7 +88,7 @@ void SupportPathField::reach_level(std::int32_t level) {
   }
 }
 
-// Where a model is so close below that a foot reaches it.
+// Starts paths in the cells below which a foot reaches a model.
 void SupportPathField::land_on_models(std::int32_t level, std::span<const SupportContact> from) {
   const std::span<const std::uint8_t> room = field_.level(level);
   std::vector<std::uint8_t> near(room.size(), 0);
@@ -104,7 +106,7 @@ void SupportPathField::land_on_models(std::int32_t level, std::span<const Suppor
   }
 }
 
-// Cells that a way from there can come to within 45 degrees, and not too far aside.
+// Marks the level's cells that a path from the place can reach within 45 degrees, at most kAside_mm aside.
 void SupportPathField::mark_near(const PlatePoint& place, std::int32_t level,
                                  std::vector<std::uint8_t>& near) const {
   const ClearanceField::Cell at = field_.cell_of(place);
@@ -130,27 +132,28 @@ std::optional<PlatePoint> SupportPathField::landing_below(const PlatePoint& poin
     const std::optional<double> beside = layers.top_below(aside, 2 * kHighestLanding_mm);
     if (!beside || std::fabs(*beside - *top) > 1.5 * widths_.landing_mm) return std::nullopt;
   }
-  const PlateSegment way{{point.x, point.y, *top}, point};
-  for (double up = kAtSurface_mm; up < way.length(); up += kLook_mm) {
-    const double part = up / way.length();
+  const PlateSegment foot{{point.x, point.y, *top}, point};
+  for (double up = kAtSurface_mm; up < foot.length(); up += kLook_mm) {
+    const double part = up / foot.length();
     const double radius = widths_.landing_mm + (widths_.least_mm - widths_.landing_mm) * part;
-    // The surface may rise beside it.
-    if (!field_.is_free(way.at(part), std::min(radius, up / 2 - kAtSurface_mm / 4))) return std::nullopt;
+    // The surface may rise beside the foot.
+    if (!field_.is_free(foot.at(part), std::min(radius, up / 2 - kAtSurface_mm / 4))) return std::nullopt;
   }
-  return way.from;
+  return foot.from;
 }
 
 SupportPathField::Cost SupportPathField::cost_at(const ClearanceField::Cell& cell) const {
   if (cell.column < 0 || cell.column >= field_.columns() || cell.row < 0 || cell.row >= field_.rows() ||
       cell.level < 0 || cell.level >= field_.levels())
-    return kNoWay;
+    return kNoPath;
   return costs_[(static_cast<std::size_t>(cell.level) * static_cast<std::size_t>(field_.rows()) +
                  static_cast<std::size_t>(cell.row)) *
                     static_cast<std::size_t>(field_.columns()) +
                 static_cast<std::size_t>(cell.column)];
 }
 
-// The best cell whose middle lies within 45 degrees below, half a level to one and a half further down.
+// Returns the cheapest cell whose middle lies within 45 degrees below the point, half a level to one and a
+// half levels further down.
 std::optional<SupportPathField::Step> SupportPathField::first_step(const PlatePoint& point) const {
   const auto level = static_cast<std::int32_t>(std::floor(std::min(point.z / field_.level_mm(), 1e6) - 1));
   if (level < 0) return std::nullopt;
@@ -162,7 +165,7 @@ std::optional<SupportPathField::Step> SupportPathField::first_step(const PlatePo
     for (std::int32_t column = here.column - reach; column <= here.column + reach; ++column) {
       const ClearanceField::Cell cell{column, row, level};
       const Cost cost = cost_at(cell);
-      if (cost == kNoWay || (best && cost * kUnit_mm + drop >= best->cost_mm)) continue;
+      if (cost == kNoPath || (best && cost * kUnit_mm + drop >= best->cost_mm)) continue;
       const PlateSegment segment{point, field_.middle_of(column, row, level)};
       if (!segment.leads_down()) continue;
       const double all = cost * kUnit_mm + segment.length();
@@ -185,11 +188,11 @@ std::optional<ClearanceField::Cell> SupportPathField::next_step(const ClearanceF
   constexpr std::array<std::array<std::int32_t, 2>, 9> kMoves{
       {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
   std::optional<ClearanceField::Cell> best;
-  std::uint32_t best_cost = kNoWay;
+  std::uint32_t best_cost = kNoPath;
   for (const auto& [aside, along] : kMoves) {
     const ClearanceField::Cell next{cell.column + aside, cell.row + along, cell.level - 1};
     const Cost cost = cost_at(next);
-    if (cost == kNoWay) continue;
+    if (cost == kNoPath) continue;
     const Cost move = aside == 0 && along == 0 ? straight_ : aside == 0 || along == 0 ? aside_ : across_;
     if (std::uint32_t{cost} + move < best_cost) {
       best_cost = std::uint32_t{cost} + move;
@@ -199,7 +202,8 @@ std::optional<ClearanceField::Cell> SupportPathField::next_step(const ClearanceF
   return best;
 }
 
-// Whether a way ends there on a model: nothing below takes less than the foot there.
+// True if a path ends in the cell: on the plate, or on a model if no cell beneath costs less than a foot
+// here.
 bool SupportPathField::ends_at(const ClearanceField::Cell& cell) const {
   if (end_ == End::Plate) return cell.level == 0;
   const std::optional<ClearanceField::Cell> next = next_step(cell);
@@ -227,7 +231,7 @@ std::optional<std::vector<PlatePoint>> SupportPathField::steps_from(const PlateP
   return steps;
 }
 
-// The radius that there is room for; 0 where there is too little.
+// Returns the radius that has room along the segment; 0 if even the least one does not fit.
 double SupportPathField::room_along(const PlateSegment& segment) const {
   if (field_.has_room(segment, widths_.usual_mm)) return widths_.usual_mm;
   const double between = (widths_.usual_mm + widths_.least_mm) / 2;
@@ -237,11 +241,11 @@ double SupportPathField::room_along(const PlateSegment& segment) const {
 
 std::optional<SupportPath> SupportPathField::path_from(const PlatePoint& point) const {
   const PlatePoint below{point.x, point.y, 0};
-  SupportPath way;
+  SupportPath path;
   if (end_ == End::Plate && field_.has_room({point, below}, widths_.usual_mm)) {
-    way.stretches.push_back({below, widths_.usual_mm});
-    way.length_mm = point.z;
-    return way;
+    path.stretches.push_back({below, widths_.usual_mm});
+    path.length_mm = point.z;
+    return path;
   }
   const std::optional<std::vector<PlatePoint>> steps = steps_from(point);
   if (!steps) return std::nullopt;
@@ -249,18 +253,19 @@ std::optional<SupportPath> SupportPathField::path_from(const PlatePoint& point) 
     std::size_t reached = 0;
     const SupportPath::Stretch stretch = longest_stretch(std::span(*steps).subspan(at), reached);
     if (stretch.radius_mm == 0) return std::nullopt;
-    way.stretches.push_back(stretch);
-    way.length_mm += PlateSegment{(*steps)[at], stretch.end}.length();
+    path.stretches.push_back(stretch);
+    path.length_mm += PlateSegment{(*steps)[at], stretch.end}.length();
     at += reached;
   }
   if (end_ == End::Model) {
-    way.landing = landing_below(steps->back());
-    if (!way.landing) return std::nullopt;
+    path.landing = landing_below(steps->back());
+    if (!path.landing) return std::nullopt;
   }
-  return way;
+  return path;
 }
 
-// As far straight on as there is room, looked for by halves; most ways are straight to their end.
+// Returns the longest straight stretch that has room, found by bisection; most paths are straight to their
+// end.
 SupportPath::Stretch SupportPathField::longest_stretch(std::span<const PlatePoint> steps,
                                                        std::size_t& reached) const {
   const PlatePoint from = steps.front();

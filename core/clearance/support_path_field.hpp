@@ -1,8 +1,10 @@
-// Ways around the models, down to the plate or to a model's upper side, never flatter than 45 degrees. What
-// every way takes is worked out for all cells of a clearance field at once, level by level from the plate up;
-// a way then follows what takes least, and is drawn straight wherever there is room.
+// A cost field for support paths, solved level by level. A path leads around the models down to the plate or
+// to a model's upper side, never flatter than 45 degrees. The field holds the cost of the cheapest path from
+// each cell of a clearance field, computed from the plate up: a cell's cost is the least over the cells
+// beneath it plus the move. A path then follows the cheapest cells and is drawn straight wherever there is
+// room.
 //
-// Immutable once built; thread-safe. Deterministic. Memory: 2 bytes a cell of the field.
+// Immutable once built; thread-safe. Deterministic. Memory: 2 bytes per cell of the clearance field.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +17,13 @@
 
 namespace contourd {
 
-// What a way is made of: the radius of a branch where there is room, and where there is little; that of a
-// foot on a model.
+// Radii along a path: that of a branch where there is room, that of a branch where there is little, and that
+// of a foot on a model.
 struct PathWidths {
   double usual_mm = 0, least_mm = 0, landing_mm = 0;
 };
 
-// A way from a point down. Each stretch has room for its radius.
+// A path from a point down. Each stretch has room for its radius.
 struct SupportPath {
   struct Stretch {
     PlatePoint end;
@@ -39,27 +41,29 @@ class SupportPathField {
   struct Settings {
     PathWidths widths;
     End end = End::Plate;
-    std::span<const SupportContact> from;  // with feet on models: from near which ways are wanted
+    // The contacts from which paths may lead to a model; unused with End::Plate.
+    std::span<const SupportContact> from;
   };
 
-  // `field` must outlive the ways. Once `stop` was asked for they are of no use.
+  // `field` must outlive the path field, which is unusable if `stop` was requested.
   SupportPathField(const ClearanceField& field, const Settings& settings, const std::stop_token& stop);
 
   [[nodiscard]] End end() const { return end_; }
 
-  // Whether a foot may stand on the model there: a place on its surface that is flat enough, and near enough
-  // below.
+  // Returns the place on the model's surface below the point on which a foot can stand; nullopt if the
+  // surface is too far away or too steep.
   [[nodiscard]] std::optional<PlatePoint> landing_below(const PlatePoint& point) const;
 
-  // How long a way from there is, about, narrow places counted more; nothing where there is none.
+  // Returns the approximate length of the path from the point, with narrow places counted twice; nullopt if
+  // there is no path.
   [[nodiscard]] std::optional<double> length_from(const PlatePoint& point) const;
-  // A way from there, each of its stretches looked at; nothing where there is none.
+  // Returns the path from the point, with the room along each stretch checked; nullopt if there is no path.
   [[nodiscard]] std::optional<SupportPath> path_from(const PlatePoint& point) const;
 
  private:
   using Cost = std::uint16_t;
-  static constexpr Cost kNoWay = 0xFFFF;
-  // Of a cost.
+  static constexpr Cost kNoPath = 0xFFFF;
+  // Length of one unit of cost.
   static constexpr double kUnit_mm = 0.02;
 
   struct Step {
@@ -84,8 +88,9 @@ class SupportPathField {
   const ClearanceField& field_;
   PathWidths widths_;
   End end_;
-  Cost straight_, aside_, across_;  // to the level beneath: in the same column, in the next, over a corner
-  std::vector<Cost> costs_;         // by cell
+  Cost straight_, aside_, across_;  // cost of a move to the level beneath: straight down, to a side
+                                    // neighbour, to a corner neighbour
+  std::vector<Cost> costs_;         // cost of the cheapest path, by cell
 };
 
 }  // namespace contourd

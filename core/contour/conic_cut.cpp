@@ -13,12 +13,13 @@
 namespace contourd {
 namespace {
 
-// How far u has come from low (0) to high (1) at each corner of one side of an outline: as a point that runs
-// evenly around half a circle, seen from its side.
+// The position of u between low (0) and high (1) at each corner of one side of an outline: u moves like a
+// point that runs evenly around half a circle, seen from the side.
 //
 // A curve that is run through evenly is off its chords by an eighth of its second derivative times the square
-// of a step. For half an ellipse that is (pi / steps)^2 / 8 of its longer half axis, and of a piece of one it
-// is no more of the piece's longer half side, since its corners are closer around the ellipse.
+// of a step. For half an ellipse this is (pi / steps)^2 / 8 of its longer half axis. For a piece of an
+// ellipse it is no larger a part of the piece's longer half side, since the piece's corners are closer
+// together.
 class CornerShares {
  public:
   static constexpr int kMostSteps = 512;
@@ -34,7 +35,8 @@ class CornerShares {
     }
   }
 
-  // For a piece of that half width or half length. Not const, so many that the chords keep to their error.
+  // Returns the positions for a piece with this half width or half length, enough of them to keep the chord
+  // error.
   [[nodiscard]] std::span<const double> of(double half_size_mm) const {
     constexpr double kPi = 3.14159265358979323846;
     const double needed = kPi * std::sqrt(half_size_mm / (8 * kChordErrorMm));
@@ -62,7 +64,7 @@ class CornerShares {
   std::array<std::size_t, 20> rows_{};
 };
 
-// Where the sides of the cut are straight, its four corners do.
+// The positions for straight sides: only the four corners.
 constexpr std::array kEnds{0.0, 1.0};
 
 }  // namespace
@@ -92,7 +94,7 @@ void append_outline(const ConicCut& cut, Contours& contours) {
   const Point across{-cut.along.y, cut.along.x};
   const std::size_t count = corners.size();
   contours.points.resize(first_point + 2 * count);
-  // From the first on below, from the last back above.
+  // The lower side is filled from the front, the upper side backwards from the end.
   Point* const below = contours.points.data() + first_point;
   Point* const above = below + 2 * count - 1;
   for (std::size_t i = 0; i < count; ++i) {

@@ -1,5 +1,5 @@
-// A convex piece of a plane between two straight ends and a conic: an ellipse, or a piece of one, of a
-// parabola or a hyperbola; a rectangle. A value; thread-safe as any value is.
+// A convex piece of a plane between two straight ends and a conic: an ellipse, a piece of an ellipse,
+// parabola or hyperbola, or a rectangle. A value; thread-safe as any value is.
 #pragma once
 
 #include "core/contour/contour_loops.hpp"
@@ -7,7 +7,7 @@
 
 namespace contourd {
 
-// a + b u.
+// The term a + b u.
 struct LinearTerm {
   double a, b;
   [[nodiscard]] double at(double u) const { return a + b * u; }
@@ -20,19 +20,21 @@ struct ConicCut {
   Point origin, along;
   double low, high;
   LinearTerm first, second;
-  bool whole;  // an ellipse: both terms are 0 at an end each, and nothing is cut off
+  bool whole;  // a whole ellipse: each term is 0 at one end, and nothing is cut off
 
-  // How far it reaches to both sides at u.
+  // Returns how far the cut reaches to both sides at u.
   [[nodiscard]] double half_width_at(double u) const;
-  // At its widest.
+  // Returns the largest half width.
   [[nodiscard]] double half_width() const;
 };
 
-// Adds it as a loop, counter-clockwise and convex. Its corners are on the outline, at most kChordErrorMm
-// from which its sides run; of cuts more than 400 mm wide farther, since there are at most kMostCorners.
-// Nothing is added for a cut without width.
+// Limits on an outline's corners: the distance of its sides from the true outline in mm, and the number of
+// corners.
 inline constexpr double kChordErrorMm = 0.001;
 inline constexpr int kMostCorners = 1026;
+// Adds the cut as a loop, counter-clockwise and convex. The corners lie on the outline, and the sides are at
+// most kChordErrorMm from it; farther for cuts more than 400 mm wide, since a loop has at most kMostCorners.
+// A cut without width adds nothing.
 void append_outline(const ConicCut& cut, Contours& contours);
 
 }  // namespace contourd

@@ -10,9 +10,9 @@
 namespace contourd {
 namespace {
 
-// How far `leaving` turns to the left from `arriving`, in (-2, 2): 0 straight on, 1 a right angle to the
-// left. Straight back is -2, the last resort: walls of touching solids run back over each other. (Monotonic
-// in the angle, and without trigonometry, which differs between C libraries.)
+// Returns how far `leaving` turns to the left from `arriving`, in (-2, 2): 0 straight on, 1 a right angle to
+// the left. Straight back is -2, the last resort: walls of touching solids run back over each other.
+// (Monotonic in the angle, and without trigonometry, which differs between C libraries.)
 double left_turn(const Segment& arriving, const Segment& leaving) {
   const double ax = arriving.to.x - arriving.from.x, ay = arriving.to.y - arriving.from.y;
   const double bx = leaving.to.x - leaving.from.x, by = leaving.to.y - leaving.from.y;
@@ -22,9 +22,9 @@ double left_turn(const Segment& arriving, const Segment& leaving) {
   return cross > 0.0 || off_straight == 0.0 ? off_straight : -off_straight;
 }
 
-// Whether a chain that was closed on itself is a sheet within a solid, an internal wall of one side, instead
-// of what is left of a hole's contour: it runs clockwise, and more than half as far lies open. Closed, it
-// would cut a hole between itself and the straight line.
+// True if a chain that was closed on itself is a sheet within a solid (an internal wall of one side) and not
+// the rest of a hole's contour: it runs clockwise, and its open distance is more than half its length.
+// Closed, it would cut a hole between itself and the straight line.
 bool is_sheet(std::span<const Point> chain) {
   double twice_area = 0, length = 0;
   for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
@@ -38,7 +38,8 @@ bool is_sheet(std::span<const Point> chain) {
   return twice_area < 0 && std::hypot(last.x - first.x, last.y - first.y) > length / 2;
 }
 
-// At so many segments is looked in all for doubled ones: a soup of them must not take seconds.
+// Limit on segments looked at for doubled ones, per segment of the section: a soup of segments must not take
+// seconds.
 constexpr std::size_t kMaxLooksASegment = 64;
 
 }  // namespace
@@ -92,8 +93,8 @@ void ContourLinker::close_open_chains(std::vector<Segment>& segments, Millimeter
   }
 }
 
-// Most sections: at every point one segment starts and one ends. False when it is otherwise; `contours` then
-// holds nothing of use.
+// Links a section in which one segment starts and one ends at every point, as in most sections. False for
+// any other section; `contours` is then of no use.
 bool ContourLinker::link_simple(std::span<const Segment> segments, Contours& contours) {
   const auto count = static_cast<std::uint32_t>(segments.size());
   slots_.assign(std::bit_ceil(std::size_t{count} * 2 + 1), kNone);
@@ -115,13 +116,13 @@ bool ContourLinker::link_simple(std::span<const Segment> segments, Contours& con
       contours.points.push_back(segments[i].from);
       i = std::exchange(next_[i], kNone);
     } while (next_[i] != kNone);
-    if (i != first) return false;  // two segments end in one point
+    if (i != first) return false;  // two segments end at one point
     contours.loops.push_back({first_point, static_cast<std::uint32_t>(contours.points.size()) - first_point});
   }
   return true;
 }
 
-// The slot of a segment that starts in this point, or the free one where it would be.
+// Returns the slot of the segment that starts at this point, or the free slot where it would be.
 std::uint32_t& ContourLinker::slot_of(const Point& point, std::span<const Segment> segments) {
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = hash_of(point) & mask;
@@ -143,9 +144,9 @@ void ContourLinker::walk_chains(std::span<const Segment> segments, Contours& con
     walk_chains_from(*start, segments, contours);
 }
 
-// A facet that is in the file twice gives the same segment twice; neighbouring duplicates form a run. A run
-// is dropped once where it leaves both of its end points unbalanced. Where two solids share a wall the points
-// are balanced, and the run stays.
+// Drops runs of doubled segments. A facet that is in the file twice gives the same segment twice;
+// neighbouring duplicates form a run. A run is dropped once if it leaves both of its end points unbalanced.
+// Where two solids share a wall the points are balanced, and the run stays.
 void ContourLinker::drop_duplicates(std::span<const Segment> segments) {
   looks_left_ = kMaxLooksASegment * segments.size();
   for (UnbalancedPoint* const start : ends_.starts()) {
@@ -156,7 +157,7 @@ void ContourLinker::drop_duplicates(std::span<const Segment> segments) {
   }
 }
 
-// Whether another segment leads from the same point to the same point, neither of them used.
+// True if another segment leads from the same point to the same point and both are unused.
 bool ContourLinker::is_doubled(std::uint32_t segment, std::span<const Segment> segments) {
   if (used_[segment] != 0) return false;
   const Segment& s = segments[segment];
@@ -167,8 +168,8 @@ bool ContourLinker::is_doubled(std::uint32_t segment, std::span<const Segment> s
   return false;
 }
 
-// Follows doubled segments to a point that more segments reach than leave, and drops them: that balances both
-// points. Else drops nothing.
+// Follows doubled segments to a point that more segments reach than leave, and drops them, which balances
+// both points. Drops nothing if there is no such point.
 bool ContourLinker::drop_run(std::uint32_t first, std::span<const Segment> segments) {
   run_.clear();
   for (std::uint32_t i = first; i != kNone;) {
@@ -189,7 +190,7 @@ bool ContourLinker::drop_run(std::uint32_t first, std::span<const Segment> segme
   return false;
 }
 
-// A point that more segments leave than reach starts as many chains as it has too many.
+// Starts one chain for each segment that leaves the point in surplus.
 void ContourLinker::walk_chains_from(UnbalancedPoint& start, std::span<const Segment> segments,
                                      Contours& contours) {
   std::uint32_t i = ends_.first_leaving(start.point);
@@ -216,7 +217,7 @@ std::uint32_t ContourLinker::leftmost_leaving(std::uint32_t arrived_by, std::spa
   double best_turn = 0;
   for (std::uint32_t i = ends_.first_leaving(here); i != kNone; i = ends_.next_leaving(i)) {
     if (used_[i] != 0) continue;
-    // Where solids touch in a point or along an edge, the leftmost way stays with the same solid.
+    // Where solids touch at a point or along an edge, the leftmost turn stays on the same solid.
     const bool alone = best == kNone && ends_.next_leaving(i) == kNone;
     const double turn = alone ? 0.0 : left_turn(segments[arrived_by], segments[i]);
     if (best == kNone || turn > best_turn) {

@@ -11,18 +11,19 @@
 namespace contourd {
 namespace {
 
-// Corners nearer than this are one: short sides would be in the way of each other when they are moved.
+// Corners nearer than this are merged: short sides would get in each other's way when they are moved.
 constexpr double kNoLength = ContourOffset::kChordError.count();
 
-// Cosine of the turn up to which a corner is mitered: it moves by 2.6 times the distance there.
+// The cosine of the sharpest turn at which a corner is mitered: the corner moves by 2.6 times the distance
+// there.
 constexpr double kSharpest = -0.7;
 
 Point moved_by(Point point, double factor, Point vector) {
   return {point.x + factor * vector.x, point.y + factor * vector.y};
 }
 
-// Whether moving a loop inwards leaves nothing of what it encloses: each point has a chord through it along
-// any direction, and none is longer than the loop's extent that way. Fine loops smaller than the distance
+// True if nothing is left of the enclosed area when the loop is moved inwards: every chord along a direction
+// is at most as long as the loop's extent in that direction. Fine loops that are smaller than the distance
 // would cross themselves everywhere.
 bool vanishes(std::span<const Point> points, double distance) {
   constexpr double kCos = 0.92387953251128674, kSin = 0.38268343236508977, kHalf = 0.70710678118654752;
@@ -46,9 +47,9 @@ bool vanishes(std::span<const Point> points, double distance) {
   return false;
 }
 
-// Positive when it runs counter-clockwise.
+// Returns twice the enclosed area, positive if the loop runs counter-clockwise.
 double twice_the_area(std::span<const Point> points) {
-  // Around its first point, where large coordinates cost no digits.
+  // Calculated around the first point, where large coordinates cost no digits.
   const Point origin = points.front();
   double sum = 0;
   Point last = points.back();
@@ -59,15 +60,15 @@ double twice_the_area(std::span<const Point> points) {
   return sum;
 }
 
-// To the right of a direction: outwards, since solids lie on the left.
+// Returns the direction to the right: outwards, since solids lie on the left.
 Point outward(Point direction) {
   return {direction.y, -direction.x};
 }
 
-// Far from the origin a float's step is more than a file's decimals. One stray facet at the end of the world
-// must not close what is open.
+// Returns how far to grow before shrinking. Far from the origin a float's step is larger than a file's
+// decimals; the limit prevents a single stray facet very far away from closing real gaps.
 double closing_for(const Contours& contours) {
-  constexpr double kStep = 1.0 / (1 << 23);  // of a float, in parts of it
+  constexpr double kStep = 1.0 / (1 << 23);  // step of a float, relative to its value
   constexpr double kMost = 5 * ContourOffset::kClosing.count();
   double reach = 0;
   for (const Point& point : contours.points)
@@ -83,7 +84,7 @@ double length_of(Point vector) {
 
 bool ContourOffset::offset(const Contours& contours, Millimeters distance, Contours& moved,
                            MaskBudget& budget) {
-  expects(&contours != &moved, "the moved contours are an object of their own");
+  expects(&contours != &moved, "the moved contours are another object than the contours");
   const double by = distance.count();
   if (by < 0) {
     const double closing = closing_for(contours);
@@ -104,7 +105,7 @@ void ContourOffset::offset(const Contours& contours, Millimeters distance, Conto
 bool ContourOffset::close_gaps(const Contours& contours, double closing, MaskBudget& budget) {
   if (!move(contours, closing, Join::Mitered, closed_, budget)) return false;
   if (!union_.winds_negatively()) return true;
-  // Something is wound the wrong way. The outline has it turned.
+  // A loop runs the wrong way round; the outline has it turned.
   return union_.unite(contours, FillRule::NonZero, ContourUnion::kDoubleRounding, outline_, budget) &&
          move(outline_, closing, Join::Mitered, closed_, budget);
 }
@@ -166,8 +167,9 @@ void ContourOffset::move_corner(const Corner& corner) {
     add_arc(corner.at, {side * from.x, side * from.y}, {side * to.x, side * to.y}, a);
     return;
   }
-  // The moved sides cross after being shortened by distance * tan(angle / 2). What that leaves out had been
-  // passed over by both; no point is left out at all corners of a loop while each takes no more than half.
+  // The moved sides cross after being shortened by distance * tan(angle / 2). Both sides have swept over the
+  // area left out; while each corner takes at most half of a side, no point is left out at all corners of a
+  // loop.
   const double shortened = 2 * std::fabs(distance_ * turn);
   if (straight > -1 && shortened <= corner.into_length * (1 + straight) &&
       shortened <= corner.out_of_length * (1 + straight)) {
@@ -179,9 +181,10 @@ void ContourOffset::move_corner(const Corner& corner) {
   add(moved_by(corner.at, distance_, to));
 }
 
-// From one unit vector to another; `between` lies between them where they are opposite.
+// Adds an arc from one unit vector to another; `between` lies between them if they are opposite.
 void ContourOffset::add_arc(Point center, Point from, Point to, Point between) {
-  // Halved until the chord is near enough: each halving quarters its distance. A half turn at 1 mm takes six.
+  // The arc is halved until the chord is near enough: each halving quarters the distance. A half turn at 1 mm
+  // takes six.
   constexpr int kMaxHalvings = 10;
   struct Arc {
     Point to;
@@ -195,7 +198,7 @@ void ContourOffset::add_arc(Point center, Point from, Point to, Point between) {
   while (depth >= 0) {
     const Arc& arc = ahead[depth];
     const Point sum{from.x + arc.to.x, from.y + arc.to.y};
-    const double cosine = length_of(sum) / 2;  // of half the angle
+    const double cosine = length_of(sum) / 2;  // cosine of half the angle
     if (radius * (1 - cosine) <= kChordError.count() || arc.halvings == kMaxHalvings) {
       from = arc.to;
       add(moved_by(center, radius, from));

@@ -1,16 +1,17 @@
-// Moves contours outwards or inwards by a distance: the exact region of all points within it of the filled
-// area, or farther than it inside, but for corners rounded in chords.
+// Moves contours outwards or inwards by a distance. The result is the exact region of all points within the
+// distance of the filled area, or inside it by more than the distance, except that round corners are made of
+// chords.
 //
-// Every side moves along its normal; where that opens a corner an arc closes it, where it closes one the
-// moved sides are cut at their crossing, or run back to the corner itself when they are too short to have
-// one. What the raw curve winds around a positive number of times is the moved region: each moved side only
-// adds the strip that it passed over, or takes it away. So what grows may overlap before, but what shrinks
-// must be wound around once: a fault of the curve (a thin wall turned inside out) then winds 0 times or
-// fewer.
+// Every side moves along its normal. A corner that opens is closed by an arc; at a corner that closes, the
+// moved sides are cut at their crossing, or run back to the corner itself if they are too short to cross. The
+// moved region is the region that the raw curve winds around a positive number of times: each moved side only
+// adds or removes the strip that it swept over. So contours that grow may overlap beforehand, but contours
+// that shrink must wind around their area once: a fault of the curve (a thin wall turned inside out) then
+// winds 0 times or fewer.
 //
-// What is to shrink grows a little first. Solids that were drawn touching lie up to some rounding of the file
-// apart (a micrometre and a half where coordinates have three decimals, less from a float far from its
-// origin); moved as they are, the gap would open to twice the distance.
+// Contours that are to shrink grow a little first. Solids that were drawn touching are apart by some rounding
+// of the file (a micrometre and a half for coordinates with three decimals, less for a float far from the
+// origin); if they were moved as they are, the gap would open to twice the distance.
 //
 // Only + - * / and square roots: the same contours on every machine.
 #pragma once
@@ -28,37 +29,37 @@ namespace contourd {
 // Keeps its working memory between calls: allocates only while contours grow. Not thread-safe.
 class ContourOffset {
  public:
-  // How far the chord of an arc may lie from it: a hundredth of a pixel of 50 um.
+  // The largest distance of a chord from its arc: a hundredth of a pixel of 50 um.
   static constexpr Millimeters kChordError{0.0005};
 
-  // Gaps up to twice this are none to what shrinks (more than 4 m from the origin up to ten times this); a
-  // corner inwards is rounded by it.
+  // Gaps up to twice this width are closed before shrinking (more than 4 m from the origin, gaps up to ten
+  // times this width); an inward corner is rounded by it.
   static constexpr Millimeters kClosing{0.001};
 
-  // Solids that overlap or touch are one before they are moved, so that no gap opens between them when they
-  // shrink. Replaces `moved`; its loops do not cross, solids run counter-clockwise, holes clockwise.
-  // `distance`: outwards; negative is inwards. False when the budget was overrun: `moved` is of no use then.
-  // REQUIRES: two different objects.
+  // Moves the contours outwards by `distance`, or inwards if it is negative. Solids that overlap or touch are
+  // united first, so that no gap opens between them when they shrink. Replaces `moved`; its loops do not
+  // cross, solids run counter-clockwise, holes clockwise. False if the budget was overrun: `moved` is then of
+  // no use. REQUIRES: two different objects.
   [[nodiscard]] bool offset(const Contours& contours, Millimeters distance, Contours& moved,
                             MaskBudget& budget);
-  // The same with as much time as it takes. Throws std::length_error for more sides than a budget holds.
+  // Moves the contours without a limit on time. Throws std::length_error for more sides than a budget holds.
   void offset(const Contours& contours, Millimeters distance, Contours& moved);
 
  private:
-  // How a corner that opens is closed.
+  // The way to close a corner that opens.
   enum class Join { Round, Mitered };
 
   // A corner between two sides: directions and lengths.
   struct Corner {
     Point at;
-    Point into, out_of;  // unit vectors along the side that comes and the side that goes
+    Point into, out_of;  // unit vectors along the arriving and the leaving side
     double into_length, out_of_length;
   };
 
-  // The region of all points within the distance, or farther than it inside.
+  // Finds the region of all points within the distance, or inside by more than it.
   [[nodiscard]] bool move(const Contours& contours, double distance, Join join, Contours& moved,
                           MaskBudget& budget);
-  // What shrinks: solids that overlap or touch as one.
+  // Prepares contours for shrinking: unites solids that overlap or touch, and grows them.
   [[nodiscard]] bool close_gaps(const Contours& contours, double closing, MaskBudget& budget);
   void move_loop(std::span<const Point> points);
   void move_corner(const Corner& corner);

@@ -10,7 +10,8 @@
 namespace contourd {
 namespace {
 
-// In units: what is left of cut loops meets to the unit, but where bends could not be worked out to the end.
+// Join tolerance in grid units: pieces of cut loops meet to the unit, except where bends could not be
+// resolved completely.
 constexpr double kMeet = 32;
 
 bool filled(int winding, FillRule rule) {
@@ -21,7 +22,7 @@ bool filled(int winding, FillRule rule) {
 
 bool ContourUnion::unite(const Contours& contours, FillRule rule, Millimeters rounding, Contours& outline,
                          MaskBudget& budget) {
-  expects(&contours != &outline, "the outline is an object of its own");
+  expects(&contours != &outline, "the outline is another object than the contours");
   outline.points.clear();
   outline.loops.clear();
   outline.cracks = LayerCracks{};
@@ -52,7 +53,7 @@ void ContourUnion::unite(const Contours& contours, FillRule rule, Millimeters ro
     throw std::length_error("the contours cross each other too often");
 }
 
-// Around the middle, so that all points are within ArrangedSides' reach.
+// Chooses a grid around the middle of the contours, so that all points are within ArrangedSides' reach.
 void ContourUnion::choose_grid(const Contours& contours, Millimeters rounding) {
   Point low{0, 0}, high{0, 0};
   if (!contours.points.empty()) low = high = contours.points.front();

@@ -1,9 +1,9 @@
-// The outline of what contours fill: solids that overlap or share a wall become one, walls inside a solid go,
-// loops that run the wrong way are turned. After it no two loops cross and every side has the filled area on
-// its left, which an offset needs.
+// Finds the outline of the area that contours fill: solids that overlap or share a wall become one, walls
+// inside a solid disappear, loops that run the wrong way are turned. Afterwards no two loops cross and every
+// side has the filled area on its left, which an offset needs.
 //
-// A loop that nothing meets stays as it is. Of the others, the sides are cut where they meet (ArrangedSides);
-// those with the filled area on one side only are linked again.
+// A loop that meets no other stays as it is. The sides of all others are cut where they meet (ArrangedSides);
+// the pieces with the filled area on one side only are linked again.
 #pragma once
 
 #include <cstdint>
@@ -16,28 +16,28 @@
 
 namespace contourd {
 
-// Which winding numbers are inside.
+// The winding numbers that count as inside.
 enum class FillRule { NonZero, Positive };
 
 // Keeps its working memory between calls: allocates only while contours grow. Not thread-safe.
 class ContourUnion {
  public:
-  // How far points of a file's contours lie off: 2^-15 mm. Its coordinates are floats, up to 128 mm rounded
-  // to 2^-17 mm; where a vertex lies on another solid's wall it misses it by about as much.
+  // The error of the points of a file's contours: 2^-15 mm. The coordinates are floats, rounded to 2^-17 mm
+  // up to 128 mm; a vertex on another solid's wall misses the wall by about as much.
   static constexpr Millimeters kFileRounding{1.0 / (1 << 15)};
-  // The same for contours that were computed in doubles: a nanometre.
+  // The error of contours that were calculated in doubles: a nanometre.
   static constexpr Millimeters kDoubleRounding{1.0 / (1 << 20)};
 
-  // Replaces `outline` by the outline of `contours`; what contours say of gaps is not carried over. Where
-  // loops meet, points are rounded to multiples of `rounding`, or of more where the contours are wider than
-  // 2^30 of it. False when the budget was overrun: `outline` is of no use then.
-  // REQUIRES: two different objects.
+  // Replaces `outline` by the outline of `contours`; the cracks of `contours` are not carried over. Where
+  // loops meet, points are rounded to multiples of `rounding`, or of more if the contours are wider than 2^30
+  // times that. False if the budget was overrun: `outline` is then of no use. REQUIRES: two different
+  // objects.
   [[nodiscard]] bool unite(const Contours& contours, FillRule rule, Millimeters rounding, Contours& outline,
                            MaskBudget& budget);
-  // The same with as much time as it takes. Throws std::length_error for more sides than a budget holds.
+  // Unites without a limit on time. Throws std::length_error for more sides than a budget holds.
   void unite(const Contours& contours, FillRule rule, Millimeters rounding, Contours& outline);
 
-  // Whether the last contours wound around anything a negative number of times.
+  // True if the last contours wound around any point a negative number of times.
   [[nodiscard]] bool winds_negatively() const { return sides_.winds_negatively(); }
 
  private:
@@ -45,8 +45,8 @@ class ContourUnion {
 
   struct Loop {
     std::uint32_t first, count;  // in points_
-    std::uint32_t side;          // one of its own, in sides_
-    bool upwards;                // whether it runs up there
+    std::uint32_t side;          // one of the loop's sides, in sides_
+    bool upwards;                // the loop runs up at that side
   };
 
   void choose_grid(const Contours& contours, Millimeters rounding);

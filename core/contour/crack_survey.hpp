@@ -14,12 +14,13 @@
 namespace contourd {
 
 struct CrackSurvey {
-  std::int32_t open_layers = 0;            // with at least one open or turned chain
-  std::optional<std::int32_t> first_open;  // the first of them, counted from 0
-  LayerCracks cracks;                      // of all layers together
+  std::int32_t open_layers = 0;            // layers with at least one open or turned chain
+  std::optional<std::int32_t> first_open;  // the first such layer, counted from 0
+  LayerCracks cracks;                      // the sum over all layers
 };
 
-// `heights`: where the layers are cut, above the plate. Ends up to `tolerance` apart count as meeting.
+// Surveys the layers. `heights`: the heights above the plate at which the layers are cut. Ends up to
+// `tolerance` apart count as meeting.
 [[nodiscard]] CrackSurvey survey_cracks(const StandingModel& model, std::span<const Nanometers> heights,
                                         Millimeters tolerance);
 

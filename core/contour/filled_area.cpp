@@ -10,7 +10,8 @@
 namespace contourd {
 namespace {
 
-// A soup of facets, no solid, crosses itself more often: so many lines at equal distances tell what they can.
+// Limit on sides; only a soup of facets, no solid, crosses itself more often. Its area is estimated by this
+// many lines at equal distances.
 constexpr std::size_t kMaxSides = std::size_t{1} << 20;
 constexpr int kLines = 500;
 
@@ -18,7 +19,7 @@ double outline_area(const Contours& outline) {
   double sum = 0;
   for (const ContourLoop& loop : outline.loops) {
     const std::span<const Point> points = outline.points_of(loop);
-    // Around its first point, where large coordinates cost no digits.
+    // Calculated around the first point, where large coordinates cost no digits.
     const Point origin = points.front();
     double twice = 0;
     Point last = points.back();
@@ -31,7 +32,7 @@ double outline_area(const Contours& outline) {
   return sum;
 }
 
-// Along a line of this y.
+// Returns the filled length along the line at y.
 double filled_length(const Contours& contours, double y, std::vector<std::pair<double, int>>& hits) {
   hits.clear();
   for (const ContourLoop& loop : contours.loops) {
@@ -67,7 +68,7 @@ double area_by_few_lines(const Contours& contours) {
 }  // namespace
 
 double filled_area_mm2(const Contours& contours) {
-  // As fine as the contours' width allows.
+  // Rounds as finely as the contours' width allows.
   constexpr Millimeters kFinest{1.0 / (std::int64_t{1} << 40)};
   MaskBudget budget(std::nullopt, kMaxSides);
   Contours outline;

@@ -6,9 +6,9 @@
 
 namespace contourd {
 
-// In square millimetres; exact but for rounding: where loops meet, to 2^-30 of their width. The cost grows as
-// n log n in sides and the places where they cross; with a million of those (a soup of facets, no solid),
-// which take 150 MB, it is an estimate.
+// Returns the area in square millimetres, exact but for rounding: where loops meet, to 2^-30 of their width.
+// The cost grows as n log n in the number of sides and of their crossings. Beyond a million sides (a soup of
+// facets, no solid), which take 150 MB, the area is an estimate.
 [[nodiscard]] double filled_area_mm2(const Contours& contours);
 
 }  // namespace contourd

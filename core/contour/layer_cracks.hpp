@@ -1,4 +1,4 @@
-// What a cracked model cost a layer: the gaps that were bridged to close its contours. A value; thread-safe.
+// The gaps that were bridged to close a layer's contours where the model has cracks. A value; thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -14,18 +14,18 @@ struct LayerCracks {
   // The widest distance bridged, a closed open chain's included.
   Millimeters widest_gap{};
   // Chains that no join within the tolerance could close. They were closed all the same (each is part of a
-  // loop) or, an internal wall of one side, left out, so that nothing can spill; what they enclose is a
-  // guess.
+  // loop) or, if an internal wall of one side, left out, so that nothing can spill; the area that they
+  // enclose is a guess.
   std::uint32_t open_chains = 0;
 
   // Chains that were walked against their facets' winding, because nothing else closes them (turned facets).
   std::uint32_t turned_chains = 0;
 
-  // Whether the contours are more than what the file says.
+  // True if the contours go beyond what the file says.
   [[nodiscard]] bool has_guesses() const { return open_chains > 0 || turned_chains > 0; }
 
-  // A vertex in the middle of another facet's side lies beside it by a float's rounding, some nanometres,
-  // which a flat slope makes wider. Of 0.1 um nobody would see anything.
+  // The widest gap that is ignored. A vertex in the middle of another facet's side misses the side by a
+  // float's rounding, some nanometres, which a flat slope makes wider. No one would see 0.1 um.
   static constexpr Millimeters kNoGap{1e-4};
 
   bool operator==(const LayerCracks&) const = default;

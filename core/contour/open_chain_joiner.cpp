@@ -13,29 +13,30 @@ constexpr std::uint32_t kFree = 0xFFFFFFFF;
 // The last round reaches 2^12 times the tolerance: 20 cm at a pixel of 50 um.
 constexpr int kRounds = 13;
 
-// Beyond this many ends left over after that, each chain is closed on itself: weighing all pairs costs the
-// square of it.
+// If more ends than this are left over after that, each chain is closed on itself: the cost of weighing all
+// pairs grows with the square of their number.
 constexpr std::size_t kMaxEndsToPair = 1024;
 
-// Of the starts in a row of cells around an end so many are weighed; so many in one search, and so many in
-// all of a section's: a soup of facets must not take seconds.
+// Limits on the starts that are weighed: in a row of cells around an end, in one search, and for a whole
+// section: a soup of facets must not take seconds.
 constexpr int kMaxNeighbors = 400;
 constexpr int kMaxSearchLooks = 1'000'000;
 constexpr int kMaxLooks = 8'000'000;
 
-// Once ends see more starts than this on average, those with a partner look no farther for another; an end
-// finds the starts that are free at any distance, when there are no more than these.
+// Once ends look at more starts than this on average, ends with a partner look no farther for another one. If
+// no more starts than the second limit are free, an end finds them at any distance.
 constexpr int kMaxLooksAnEnd = 100;
 constexpr std::size_t kMaxFreeStarts = 64;
 
-// Joining two starts or two ends means that one of the chains runs against its facets' winding: only where
-// nothing four times as far fits in the right direction (up to eight times, as the rounds' reaches lie).
+// Joining two starts or two ends means that one of the chains runs against its facets' winding. It is only
+// done if nothing up to four times as far away fits in the right direction (up to eight times, because of the
+// rounds' reaches).
 constexpr double kTurnedFactor = 1.0 / 4;
 
-// A segment is alone when nothing eight times as far as its length is left to meet.
+// A single segment is closed on itself only if there is nothing to join it to within eight times its length.
 constexpr double kAloneFactor = 8;
 
-// What a search for the nearest free end counts as in a budget.
+// The steps that a search for the nearest free end counts as in a budget.
 constexpr std::size_t kStepsOfASearch = 16;
 
 bool is_start(std::uint32_t end) {
@@ -88,8 +89,8 @@ double OpenChainJoiner::gap_between(std::uint32_t a, std::uint32_t b) const {
   return std::sqrt(dx * dx + dy * dy);
 }
 
-// What a join is weighed by. A single segment closed on itself encloses nothing, and is missing elsewhere:
-// only when nothing else is near.
+// Returns the cost of a join. A single segment closed on itself encloses nothing and is missing elsewhere, so
+// this is a last resort.
 double OpenChainJoiner::cost_of(std::uint32_t end, std::uint32_t start) const {
   const bool single_segment = start == (end ^ 1U) && weights_[end / 2] <= 2;
   return gap_between(end, start) * (single_segment ? kAloneFactor : 1.0);
@@ -139,8 +140,8 @@ void OpenChainJoiner::assign_ends(double reach, MaskBudget& budget) {
   if (looks_ - looks_before < kMaxLooksAnEnd * relaxations) reassignment_reach_ = reach * 2;
 }
 
-// Augments the assignment by this end: along the shortest path to a free start, or to a start whose end is
-// left free, or not at all. The ends on the path change to other starts.
+// Adds this end to the assignment: along the shortest path to a free start, or to a start whose end is left
+// free, or not at all. The ends on the path change to other starts.
 void OpenChainJoiner::augment_from(std::uint32_t end, double reach) {
   ++searches_;
   queue_.clear();
@@ -187,7 +188,7 @@ void OpenChainJoiner::relax_from(std::uint32_t end, double path_cost, double lea
     relaxed_in_[start] = relaxation_;
     ++looks_;
     if (partner_[start] != kFree && is_start(partner_[start])) return;
-    // Not below zero by a rounding: Dijkstra's search needs reduced costs of at least 0.
+    // Rounding must not take the cost below zero: Dijkstra's search needs reduced costs of at least 0.
     const double more = cost_of(end, start) - potential_[end] - potential_[start];
     const double cost = path_cost + std::max(more, 0.0);
     if (cost >= least || (reached_in_[start] == searches_ && cost >= path_cost_[start])) return;
@@ -217,9 +218,10 @@ void OpenChainJoiner::flip_augmenting_path(std::uint32_t start) {
   }
 }
 
-// A run of chains whose start lies in the very same point as another start, and whose end in that of another
-// end, is turned, or what it meets is: joining both bridges nothing. Of a ring of turned and right chains,
-// join_turned_chains could leave two starts here and two ends on the other side of the part.
+// Joins runs of turned chains. A run whose start is at exactly the same point as another start, and whose end
+// is at that of another end, is turned, or its neighbours are: joining both ends bridges no gap. In a ring of
+// turned and correct chains, join_turned_chains could leave two starts here and two ends on the other side of
+// the part.
 void OpenChainJoiner::join_turned_runs(double reach, MaskBudget& budget) {
   end_grid_.sort(ends_, free_, reach);
   far_end_.resize(ends_.size());
@@ -232,7 +234,7 @@ void OpenChainJoiner::join_turned_runs(double reach, MaskBudget& budget) {
     if (other == kFree) continue;
     for (const std::uint32_t turned : {start, other}) {
       const std::uint32_t far = far_end_[turned];
-      // As many starts as ends, or some would find no partner.
+      // As many starts as ends are joined; otherwise some would find no partner.
       const std::uint32_t met = is_start(far) ? kFree : free_end_like(far, 0);
       if (met == kFree) continue;
       join_runs(start, other);
@@ -249,9 +251,9 @@ void OpenChainJoiner::join_runs(std::uint32_t a, std::uint32_t b) {
   far_end_[far_b] = far_a;
 }
 
-// A chain of turned facets has a start where a start is, and an end where an end is: both at once, or it is
-// not one. Chains that have been joined are not taken for one: the other ends that their two ends would take
-// may lie far from each other, and would be missing there.
+// Joins single chains of turned facets: such a chain has a start where a start is, and an end where an end
+// is, both at once. Chains that have been joined already are left alone: the ends that their two ends would
+// take may lie far from each other, and would be missing there.
 void OpenChainJoiner::join_turned_chains(double reach, MaskBudget& budget) {
   end_grid_.sort(ends_, free_, reach);
   for (const std::uint32_t start : free_) {
@@ -270,7 +272,7 @@ void OpenChainJoiner::join_turned_chains(double reach, MaskBudget& budget) {
   }
 }
 
-// The nearest other free end of the same kind within the reach.
+// Returns the nearest other free end of the same kind within the reach.
 std::uint32_t OpenChainJoiner::free_end_like(std::uint32_t end, double reach) const {
   std::uint32_t nearest = kFree;
   double least = reach;
@@ -287,7 +289,7 @@ std::uint32_t OpenChainJoiner::free_end_like(std::uint32_t end, double reach) co
   return nearest;
 }
 
-// The free end at the other side of the chain that joins have made.
+// Returns the free end at the other side of the joined chains.
 std::uint32_t OpenChainJoiner::far_end_of(std::uint32_t end) const {
   std::uint32_t far = end ^ 1U;
   while (partner_[far] != kFree)

@@ -1,12 +1,14 @@
-// Closes what a cracked model leaves open: joins the ends of open chains until every chain is part of a
-// closed loop. Ends within the tolerance meet; what is left after that is closed all the same, as a guess.
+// Closes the contours of a cracked model: joins the ends of open chains until every chain is part of a closed
+// loop. Ends within the tolerance are joined; chains that are still open after that are closed all the same,
+// as a guess.
 //
-// What turned facets leave apart, starts in one point and ends in another, is joined first: there is no gap.
+// Chains that turned facets leave apart, starts at one point and ends at another, are joined first: there is
+// no gap.
 //
 // The reach doubles from round to round, beginning with the tolerance. Each round solves the assignment
 // problem between ends and starts: the sum of all gaps is the least, where an end that stays free counts as a
-// gap of the reach. Greedy pairs of the nearest could shift along a whole contour, until two ends are left on
-// opposite sides of the part. Not thread-safe.
+// gap of the reach. Pairing the nearest ends greedily could shift the joins along a whole contour, until two
+// ends are left on opposite sides of the part. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +25,8 @@ namespace contourd {
 
 struct JoinedChains {
   struct Link {
-    std::uint32_t chain;  // in the order of OpenChainJoiner::add
-    bool reversed;        // to be walked from its end to its start (a turned facet)
+    std::uint32_t chain;  // number, in the order of OpenChainJoiner::add
+    bool reversed;        // walked from its end to its start (a turned facet)
   };
   struct Loop {
     std::uint32_t first, count;  // in `links`
@@ -36,18 +38,18 @@ struct JoinedChains {
 };
 
 // Keeps its working memory between calls: allocates only while the chains grow in number. It has more members
-// than most: that memory.
+// than most classes: that memory.
 class OpenChainJoiner {
  public:
-  // Forgets all chains.
+  // Removes all chains.
   void reset(Millimeters tolerance);
 
-  // `weight`: how many points the chain has; among chains that disagree about a loop's direction, the
-  // heaviest decides.
+  // Adds a chain. `weight`: the number of its points; among chains that disagree about a loop's direction,
+  // the heaviest decides.
   void add(Point start, Point end, std::uint32_t weight);
 
-  // Valid until the next reset().
-  // Once the budget is overrun, what is not joined yet is closed on itself.
+  // Joins all chains. The result is valid until the next reset(). Once the budget is overrun, chains that are
+  // not joined yet are closed on themselves.
   [[nodiscard]] const JoinedChains& join(MaskBudget& budget);
 
  private:
@@ -63,7 +65,7 @@ class OpenChainJoiner {
     std::uint32_t start;
   };
 
-  // For a heap whose first entry has the shortest path (std::push_heap keeps the greatest first).
+  // Order of a heap whose first entry has the shortest path (std::push_heap keeps the greatest first).
   [[nodiscard]] static bool heap_order(const Step& a, const Step& b) {
     return a.cost != b.cost ? a.cost > b.cost : a.start > b.start;
   }
@@ -91,22 +93,22 @@ class OpenChainJoiner {
   std::vector<std::uint32_t> weights_;
   std::vector<std::uint32_t> partner_;  // by end
   std::vector<std::uint32_t> free_;     // ends without a partner
-  std::vector<std::uint32_t> far_end_;  // by free end: the one at the other side of its joined chains
-  std::vector<std::uint32_t> starts_;   // of all chains
+  std::vector<std::uint32_t> far_end_;  // by free end: the free end at the other side of its joined chains
+  std::vector<std::uint32_t> starts_;   // starts of all chains
   PointGrid end_grid_;
   std::vector<Pair> pairs_;
-  std::vector<std::uint32_t> reached_in_;   // by start: the search that came to it last
+  std::vector<std::uint32_t> reached_in_;   // by start: the last search that reached it
   std::vector<std::uint32_t> predecessor_;  // by start: the end that it was reached from
-  std::vector<std::uint32_t> relaxed_in_;   // by start: the relaxation that came to it last
+  std::vector<std::uint32_t> relaxed_in_;   // by start: the last relaxation that reached it
   std::uint32_t relaxation_ = 0;
-  std::vector<double> path_cost_;       // by start: of the path to it
-  std::vector<double> potential_;       // by end: 0 or more of ends, 0 or less of starts
+  std::vector<double> path_cost_;       // by start: cost of the path to it
+  std::vector<double> potential_;       // by end: at least 0 for ends, at most 0 for starts
   std::vector<std::uint32_t> settled_;  // starts that a search has passed
   std::vector<std::uint32_t> free_starts_;
-  double reassignment_reach_ = 0;  // of ends that have a partner
+  double reassignment_reach_ = 0;  // reach within which ends that have a partner may change it
   std::vector<Step> queue_;        // a heap
   std::uint32_t searches_ = 0;
-  int looks_ = 0;                              // at ends, by all searches of a join()
+  int looks_ = 0;                              // starts looked at by all searches of a join()
   std::vector<std::uint32_t> heaviest_first_;  // chains
   std::vector<bool> done_;                     // by chain
   JoinedChains joined_;

@@ -11,7 +11,7 @@ PointGrid::Cell PointGrid::cell_of(const Point& point, std::uint32_t number) con
 }
 
 void PointGrid::sort(std::span<const Point> points, std::span<const std::uint32_t> chosen, double reach) {
-  expects(reach > 0, "the reach is more than nothing");
+  expects(reach > 0, "the reach is positive");
   cell_mm_ = reach;
   cells_.clear();
   for (const std::uint32_t number : chosen)

@@ -1,4 +1,4 @@
-// A uniform grid of points: finds those that may lie within a reach of a place. Not thread-safe.
+// A uniform grid of points: finds the points that may lie within a reach of a place. Not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,13 @@ namespace contourd {
 // Keeps its memory between calls: allocates only while the points grow in number.
 class PointGrid {
  public:
-  // Sorts the chosen ones of `points` into square cells of the reach's size, row by row: a cell's neighbours
+  // Sorts the chosen `points` into square cells of the reach's size, row by row: a cell and its neighbours
   // lie in three runs of three. REQUIRES: reach > 0.
   void sort(std::span<const Point> points, std::span<const std::uint32_t> chosen, double reach);
 
-  // Calls visit(number) for those that may lie within the reach of `place`, until it says false; at most
-  // `most_looks` of them in a row of cells: a soup of coinciding points must not cost the square of its size.
+  // Calls visit(number) for the points that may lie within the reach of `place`, until it returns false; at
+  // most `most_looks` times in a row of cells: the cost of a soup of coinciding points must not grow with the
+  // square of its size.
   template <typename Visit>
   void visit_near(const Point& place, int most_looks, Visit&& visit) const {
     const Cell middle = cell_of(place, 0);

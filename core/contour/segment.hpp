@@ -1,11 +1,11 @@
-// One facet's cut. A value.
+// The cut through one facet. A value.
 #pragma once
 
 #include "core/geometry/facet.hpp"
 
 namespace contourd {
 
-// Directed so that the model's inside is on the left (seen from above).
+// A segment, directed so that the model's inside is on the left (seen from above).
 struct Segment {
   Point from, to;
   bool operator==(const Segment&) const = default;

@@ -73,7 +73,7 @@ std::uint32_t SegmentEnds::next_leaving(std::uint32_t segment) const {
   return first_of(previous_[segment], segments_[segment].from);
 }
 
-// The first of a list, from this candidate on, that leaves this point.
+// Returns the first segment of a list, from this candidate on, that leaves this point.
 std::uint32_t SegmentEnds::first_of(std::uint32_t candidate, const Point& point) const {
   while (candidate != kNone && !(segments_[candidate].from == point))
     candidate = previous_[candidate];

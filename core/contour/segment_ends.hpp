@@ -1,5 +1,5 @@
-// Where a section's segments meet: which of them leave a point, and which points are unbalanced, that is,
-// more segments leave than arrive, or fewer. Open chains begin and end there.
+// The points where a section's segments meet: which segments leave a point, and which points are unbalanced,
+// that is, more segments leave than arrive, or fewer. Open chains begin and end at unbalanced points.
 #pragma once
 
 #include <array>
@@ -21,29 +21,29 @@ class SegmentEnds {
   struct UnbalancedPoint {
     std::uint64_t hash;
     Point point;
-    // The lowest of its ends: a segment's number, twice, and 1 more where the segment arrives.
+    // The lowest of the segment ends there: twice the segment's number, plus 1 if the segment arrives.
     std::uint32_t first_end;
     std::int32_t leaving_minus_arriving;
   };
 
-  // Takes up another section. `segments` must stay as they are until the next reset().
+  // Replaces the section. `segments` must stay unchanged until the next reset().
   void reset(std::span<const Segment> segments);
 
-  // The segments that leave a point, one after the other in falling order of their numbers; kNone after the
-  // last.
+  // Return the segments that leave a point, one after the other in falling order of their numbers; kNone
+  // after the last.
   [[nodiscard]] std::uint32_t first_leaving(const Point& point) const;
   [[nodiscard]] std::uint32_t next_leaving(std::uint32_t segment) const;
 
-  // The unbalanced points that more segments leave than reach, in the segments' order. The caller may
+  // Returns the unbalanced points that more segments leave than reach, in the segments' order. The caller may
   // decrement leaving_minus_arriving.
   [[nodiscard]] std::span<UnbalancedPoint* const> starts() const { return starts_; }
-  // Null where as many segments leave as arrive.
+  // Returns the unbalanced point here, or null if as many segments leave as arrive.
   [[nodiscard]] UnbalancedPoint* unbalanced_at(const Point& point);
 
  private:
-  // One of a segment's ends, to be counted.
+  // An end of a segment, to be counted.
   struct End {
-    std::uint64_t hash;  // of the point
+    std::uint64_t hash;  // hash of the point
     Point point;
     std::uint32_t number;  // as UnbalancedPoint::first_end
   };
@@ -52,11 +52,11 @@ class SegmentEnds {
   [[nodiscard]] std::uint32_t first_of(std::uint32_t candidate, const Point& point) const;
 
   std::span<const Segment> segments_;
-  // Lists of segments, by the hash of the point that they leave: the last one's number, and by segment the
-  // one before it.
+  // Linked lists of segments, by the hash of the point that they leave: the number of the last segment, and
+  // by segment the number of the previous one.
   std::vector<std::uint32_t> last_, previous_;
-  // Sums of the hashes of points that segments leave, less those that they reach: where a bucket's sum is 0,
-  // its points are even.
+  // Sums of the hashes of points that segments leave, minus those of points that they reach, by bucket: if a
+  // bucket's sum is 0, its points are balanced.
   std::array<std::uint64_t, 1024> imbalance_{};
   std::vector<std::uint16_t> from_bucket_, to_bucket_;  // by segment
   std::vector<End> ends_;

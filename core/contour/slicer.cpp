@@ -14,15 +14,15 @@
 namespace contourd {
 namespace {
 
-// Which vertices a crossed facet's segment comes from: it runs from the side (from_lower, from_upper) to the
-// side (to_lower, to_upper).
+// The vertices that a crossed facet's segment comes from: it runs from the side (from_lower, from_upper) to
+// the side (to_lower, to_upper).
 struct CrossedSides {
   std::uint8_t from_lower, from_upper, to_lower, to_upper;
 };
 
-// By which vertices are above: bit i for vertex i. Wound counter-clockwise seen from outside, a facet is
-// entered where its outline comes down through the plane and left where it goes up, so that the inside is on
-// the left.
+// Crossed sides by the vertices above the plane: bit i for vertex i. Wound counter-clockwise seen from
+// outside, a facet is entered where its outline comes down through the plane and left where it goes up, so
+// that the inside is on the left.
 constexpr std::array<CrossedSides, 8> kCrossedSides{{
     {},            // none above
     {1, 0, 2, 0},  // 0
@@ -34,20 +34,20 @@ constexpr std::array<CrossedSides, 8> kCrossedSides{{
     {},            // all
 }};
 
-// Facets are looked through this many at a time: first which are crossed, then their segments.
+// Facets are processed this many at a time: first the crossed ones are found, then their segments.
 constexpr std::size_t kBatch = 256;
 
-// Facets are fetched into the cache this many before their turn.
+// Facets are fetched into the cache this many turns ahead.
 constexpr std::size_t kAhead = 12;
 
-// The largest float that is not above z: a float is above one when it is above the other.
+// Returns the largest float that is not above z: a float is above this one exactly if it is above z.
 float rounded_down(double z) {
   const auto nearest = static_cast<float>(z);
   return nearest > z ? std::nextafter(nearest, -std::numeric_limits<float>::infinity()) : nearest;
 }
 
-// Gives how many of the candidates are crossed, and their facets. Without branches: which are cannot be
-// foreseen, and a wrong guess costs more than the whole test.
+// Returns the number of crossed candidates and fills in their facets. Without branches: which are crossed
+// cannot be predicted, and a wrong guess costs more than the whole test.
 std::size_t find_crossed(std::span<const HeightIndex::Candidate> candidates, float z,
                          std::span<std::uint32_t, kBatch> crossed) {
   std::size_t count = 0;
@@ -58,15 +58,16 @@ std::size_t find_crossed(std::span<const HeightIndex::Candidate> candidates, flo
   return count;
 }
 
-// A facet may lie on two lines of the cache.
+// Fetches a facet into the cache; it may lie on two cache lines.
 void fetch(const Facet& facet) {
   const auto* const bytes = reinterpret_cast<const char*>(&facet);
   __builtin_prefetch(bytes);
   __builtin_prefetch(bytes + sizeof facet - 1);
 }
 
-// REQUIRES: the facet is crossed. `float_z` is z rounded down. Both ends by intersect_side(), bit for bit,
-// but that a coordinate of -0 becomes 0: points that are equal have equal bits.
+// Returns a facet's segment. Both ends are as by intersect_side(), bit for bit, except that a coordinate of
+// -0 becomes 0: points that are equal have equal bits. `float_z` is z rounded down. REQUIRES: the facet is
+// crossed.
 Segment segment_of(const Facet& facet, double z, float float_z) {
   expects_costly([&] { return heights_of(facet).low <= float_z && float_z < heights_of(facet).high; },
                  "the plane crosses the facet");
@@ -104,7 +105,7 @@ void slice_at(const HeightIndex& model, Millimeters z, Section& section) {
       const std::size_t count = find_crossed(run.first(std::min(run.size(), kBatch)), float_z, crossed);
       section.intersecting_facets += static_cast<std::uint32_t>(count);
       for (std::size_t i = 0; i < count; ++i) {
-        // Facets lie in the file's order, far from each other.
+        // Facets are in the file's order, far from each other.
         if (i + kAhead < count) fetch(facets[crossed[i + kAhead]]);
         const Segment segment = segment_of(facets[crossed[i]], z_mm, float_z);
         const std::uint64_t from = hash_of_bits(segment.from), to = hash_of_bits(segment.to);

@@ -1,9 +1,9 @@
 // Cuts facets by the slicing plane: the thesis's algorithm 1, steps 2 to 12.
 //
-// The thesis tells six cases of facet and plane apart (table 3.1) and repairs the bad ones afterwards
-// (caseHandler). Here one rule, stated once, leaves two: a vertex is above the plane when its z > z_slice; a
+// The thesis distinguishes six cases of facet and plane (table 3.1) and repairs the bad ones afterwards
+// (caseHandler). Here a single rule leaves two cases: a vertex is above the plane if its z > z_slice; a
 // vertex at exactly z_slice is below. A facet with one or two vertices above is crossed through exactly two
-// sides; any other is not.
+// sides; any other is not crossed.
 //
 //   case  by the thesis                           here
 //   I     a side lies in the plane                crossed at its ends if the third vertex is above, else not
@@ -28,20 +28,20 @@ namespace contourd {
 
 struct Section {
   std::vector<Segment> segments;
-  // How many facets the plane crosses (the thesis's IF, table 4.3); zero-length cuts included.
+  // The number of facets that the plane crosses (the thesis's IF, table 4.3), including zero-length cuts.
   std::uint32_t intersecting_facets = 0;
-  // Whether as many segments start as end at every point, so that they form closed loops without any repair.
+  // True if as many segments start as end at every point, so that they form closed loops without any repair.
   bool balanced = true;
 };
 
-// The section at z in the model's own coordinates, replacing what `section` held. Allocates only while
-// section.segments grows.
+// Finds the section at z in the model's own coordinates, replacing the contents of `section`. Allocates only
+// while section.segments grows.
 void slice_at(const HeightIndex& model, Millimeters z, Section& section);
 
-// Where the side from `lower` to `upper` meets the plane: the thesis's equations 3.1 to 3.5 with n = (0, 0,
-// 1), which leave s = (z - lower.z) / (upper.z - lower.z). Always from the lower end to the upper, so that
-// both facets that share a side compute the same bits and their segments meet without a tolerance. REQUIRES:
-// lower.z <= z < upper.z.
+// Returns the point where the side from `lower` to `upper` meets the plane: the thesis's equations 3.1 to 3.5
+// with n = (0, 0, 1), which leave s = (z - lower.z) / (upper.z - lower.z). Always calculated from the lower
+// end to the upper, so that both facets that share a side compute the same bits and their segments meet
+// without a tolerance. REQUIRES: lower.z <= z < upper.z.
 [[nodiscard]] inline Point intersect_side(const Vertex& lower, const Vertex& upper, double z) {
   expects_costly([&] { return lower.z <= z && z < upper.z; }, "the side crosses the plane");
   const double lower_x = lower.x, lower_y = lower.y, lower_z = lower.z;

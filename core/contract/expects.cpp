@@ -8,13 +8,13 @@
 namespace contourd {
 namespace {
 
-void tell(const BrokenContract& broken) noexcept {
+void print_to_stderr(const BrokenContract& broken) noexcept {
   std::fprintf(stderr, "broken contract in %s, line %d: %s\n", broken.file(), broken.line,
                broken.requirement);
 }
 
-constinit std::atomic<ContractHandler> broken_contract_handler{tell};
-// What the handler calls may break one, too.
+constinit std::atomic<ContractHandler> broken_contract_handler{print_to_stderr};
+// True while this thread runs the handler: a function that the handler calls may break a contract too.
 constinit thread_local bool ending = false;
 
 }  // namespace
@@ -25,7 +25,7 @@ const char* BrokenContract::file() const noexcept {
 }
 
 void on_broken_contract(ContractHandler handler) noexcept {
-  broken_contract_handler = handler != nullptr ? handler : tell;
+  broken_contract_handler = handler != nullptr ? handler : print_to_stderr;
 }
 
 void end_by_contract(const BrokenContract& broken) noexcept {

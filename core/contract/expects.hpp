@@ -1,29 +1,31 @@
-// What a function requires of its caller, as its comment says, checked where its body begins. Who breaks a
-// contract has made a mistake that nobody can go on from: the program's handler makes safe what it drives,
-// and the process is aborted. Any thread, real-time ones too: a contract that is kept is a comparison, which
-// neither allocates, locks nor throws.
+// Preconditions, as the comments of functions state them, checked at the beginning of the function's body. A
+// caller that breaks one has a bug that no code can recover from: the program's handler puts the hardware
+// into a safe state, and the process is aborted. Any thread, including real-time threads: checking a
+// precondition that holds is one comparison, which neither allocates, locks nor throws.
 #pragma once
 
 namespace contourd {
 
 struct BrokenContract {
-  const char* requirement;  // what was to be so: "the row is one of the mask's"
-  const char* path;         // of the source
+  const char* requirement;  // the condition that does not hold: "the row is in the mask"
+  const char* path;         // path of the source file
   int line;
 
-  // The source's name, without its folders.
+  // Returns the source file's name without its folders.
   [[nodiscard]] const char* file() const noexcept;
 };
 
-// Runs on the thread that broke a contract, on several at once if several do. Neither allocates nor throws.
+// A handler for broken contracts. Called on the thread that broke one, on several threads at once if several
+// do. Neither allocates nor throws.
 using ContractHandler = void (*)(const BrokenContract& broken) noexcept;
-// Without one, the sentence goes to stderr. Any thread.
+// Sets the handler; with nullptr, as by default, the sentence is printed to stderr. Any thread.
 void on_broken_contract(ContractHandler handler) noexcept;
 
 // Calls the handler, then aborts.
 [[noreturn]] void end_by_contract(const BrokenContract& broken) noexcept;
 
-// In every build. Path and line are the caller's (as std::source_location's, which clang 14 does not have).
+// Checks a precondition in every build. Path and line are the caller's (like std::source_location's, which
+// clang 14 does not have).
 [[gnu::always_inline]] constexpr void expects(bool kept, const char* requirement,
                                               const char* path = __builtin_FILE(),
                                               int line = __builtin_LINE()) {
@@ -31,14 +33,15 @@ void on_broken_contract(ContractHandler handler) noexcept;
     end_by_contract({requirement, path, line});
 }
 
-// The build says so: debug, sanitizers, fuzzing (see CMakeLists.txt).
+// CMakeLists.txt defines CONTOURD_COSTLY_CHECKS for debug, sanitizer and fuzzing builds.
 #ifdef CONTOURD_COSTLY_CHECKS
 inline constexpr bool kCostlyChecks = true;
 #else
 inline constexpr bool kCostlyChecks = false;
 #endif
 
-// What takes a loop, or stands in one that runs for every pixel or facet: `kept()` is called only there.
+// Checks a precondition that takes a loop, or that is checked for every pixel or facet. `kept()` is called
+// only in builds with costly checks.
 template <typename Condition>
 [[gnu::always_inline]] constexpr void expects_costly(Condition kept, const char* requirement,
                                                      const char* path = __builtin_FILE(),

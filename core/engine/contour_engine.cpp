@@ -9,7 +9,7 @@
 namespace contourd {
 namespace {
 
-// Of a mask that may take as long as it likes.
+// Returns the mask of a call without a time limit; throws if it was abandoned.
 const Mask& sound(const Mask* mask) {
   if (mask == nullptr) throw std::length_error("the section crosses itself in too many places");
   return *mask;
@@ -37,11 +37,11 @@ ContourEngine::ContourEngine(std::vector<PlateModel> models, const EngineSetting
       holes_(models_.size()),
       rasterizer_(settings.display.width, settings.display.height, settings.anti_aliasing) {
   expects(std::ranges::all_of(models_, [](const PlateModel& each) { return each.model != nullptr; }),
-          "every model is there");
+          "no model is null");
   const Mask& mask = rasterizer_.mask();
   if (settings.uniformity &&
       (settings.uniformity->width() != mask.width() || settings.uniformity->height() != mask.height())) {
-    throw std::invalid_argument("the uniformity mask is not as large as the display");
+    throw std::invalid_argument("the uniformity mask does not have the display's size");
   }
   if (!correction_.is_none()) corrected_.emplace(mask.width(), mask.height());
 }
@@ -86,7 +86,7 @@ bool ContourEngine::add_to_mask(std::size_t model, Millimeters z, Millimeters of
     link(model, budget);
     return add_moved(models_[model], offset, budget);
   }
-  // Balanced segments close by themselves, in whatever order they come.
+  // Balanced segments form closed polygons, in any order.
   const bool open = !section.balanced;
   if (open) {
     linker_.close_open_chains(section.segments, join_tolerance_, contours_, budget);
@@ -117,8 +117,9 @@ bool ContourEngine::cut_beside(Nanometers height, MaskBudget& budget) {
   return budget.can_hold(sides) && budget.spend(sides);
 }
 
-// A pixel of what is beside the models is 255 or nothing, so the greater value of both is what was lit over
-// what was painted; and correcting it afterwards leaves it the greater one, since that keeps an order.
+// Paints the section. A pixel of the plane beside the models is 255 or 0, so lighting it over the painted
+// models gives the greater of both values. Correction keeps the order of values, so correcting afterwards
+// still gives the greater one.
 const Mask* ContourEngine::paint(MaskBudget& budget) {
   if (!rasterizer_.paint(budget)) return nullptr;
   for (std::size_t i = 0; i < models_.size(); ++i) {
@@ -179,7 +180,7 @@ const Contours& ContourEngine::contours_at(Nanometers height) {
 
 std::uint32_t ContourEngine::count_loops() {
   MaskBudget unlimited;
-  // What is left of a section closes by itself: it adds no cracks.
+  // The rest of a section closes without repair, so it adds no cracks.
   for (std::size_t i = 0; i < models_.size(); ++i)
     link(i, unlimited);
   return figures_.loops;

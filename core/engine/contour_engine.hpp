@@ -1,8 +1,8 @@
-// The contour core behind one call: the mask of what stands on the plate, one model or several, at a height.
+// The contour core in one class: makes the mask of one or several models on the plate at a height.
 //
 // Deterministic: the same models, height and settings give the same bytes on every machine. Allocates nothing
-// once it has seen its largest section. Not thread-safe; the masks and contours it returns belong to it. Any
-// number of engines, each on its own thread, may share a model.
+// once it has seen its largest section. Not thread-safe; the masks and contours that it returns belong to it.
+// Any number of engines, each on its own thread, may share a model.
 #pragma once
 
 #include <cstddef>
@@ -29,10 +29,10 @@
 
 namespace contourd {
 
-// A model on the plate: it stands there once for each of its copies' maps.
+// A model on the plate, which stands there once for each map in `copies`.
 struct PlateModel : StandingModel {
   std::vector<PixelMap> copies;
-  // What is taken out of it, in every copy: sections in its own millimetres at its own z. Null: nothing.
+  // Holes that are cut out of every copy: sections in the model's own millimetres at its own z. Null: none.
   std::shared_ptr<const SectionSource> holes{};
 };
 
@@ -46,86 +46,88 @@ struct EngineSettings {
 
 class ContourEngine {
  public:
-  // REQUIRES: no null pointers.
-  // `beside` is exposed too, by pixel centres and fully, whatever the anti-aliasing: a pixel has the greater
-  // value of the two. Compensation and threshold are the models' alone, as all that contours and cracks tell;
-  // the lamp's mask makes its white what it makes of theirs. Throws std::invalid_argument unless the display
-  // is 1 to 16384 pixels wide and high, and the lamp's mask, if there is one, as large as it.
+  // Makes an engine. The sections of `beside` are exposed too, fully and by pixel centres, whatever the
+  // anti-aliasing: a pixel has the greater value of the two. Compensation, threshold, contours and cracks
+  // concern the models only; the uniformity mask corrects both. Throws std::invalid_argument unless the
+  // display is 1 to 16384 pixels wide and high, and the uniformity mask, if there is one, has the display's
+  // size. REQUIRES: no null pointers.
   ContourEngine(std::vector<PlateModel> models, const EngineSettings& settings,
                 std::shared_ptr<const SectionSource> beside = nullptr);
-  // The same for one model that nobody shares.
+  // Makes an engine for one model that is not shared.
   ContourEngine(HeightIndex model, const EngineSettings& settings, std::vector<PixelMap> copies);
 
   [[nodiscard]] std::span<const PlateModel> models() const { return models_; }
-  // REQUIRES: one model.
+  // Returns the only model. REQUIRES: one model.
   [[nodiscard]] const HeightIndex& model() const {
     expects(models_.size() == 1, "there is one model");
     return *models_.front().model;
   }
 
-  // The mask at a height above the plate: the union of the sections there, less the models' holes. Valid
-  // until the next call. Throws std::length_error where a section crosses itself in more places than
+  // Returns the mask at a height above the plate: the union of the sections there, less the models' holes.
+  // Valid until the next call. Throws std::length_error if a section crosses itself in more places than
   // MaskBudget::kMaxSidesEver.
   [[nodiscard]] const Mask& mask_at(Nanometers height);
-  // The same within a budget. Null when that was overrun: the mask was abandoned, coverage() and cracks() are
-  // of no use until the next one, which is computed as if nothing had happened.
+  // Returns the mask at a height, within a budget. Null if the budget was overrun: the mask was abandoned,
+  // and coverage() and cracks() are of no use until the next mask, which is not affected.
   [[nodiscard]] const Mask* mask_within(Nanometers height, MaskBudget& budget);
-  // The same at a z of the model's own coordinates. REQUIRES: one model.
+  // Returns the mask at a z of the model's own coordinates. REQUIRES: one model.
   [[nodiscard]] const Mask& mask_at_z(Millimeters z);
 
-  // What the last mask covers, what is beside the models included, before threshold, uniformity mask and
-  // gamma. Valid until the next one.
+  // Returns the coverage of the last mask, including what is beside the models, before threshold, uniformity
+  // mask and gamma. Valid until the next mask.
   [[nodiscard]] const Mask& coverage() const { return rasterizer_.mask(); }
 
-  // The contour loops at a height above the plate, without compensation and holes: those of the first model,
-  // then of the second..., each in its model's own coordinates and once, however many copies there are. Valid
-  // until the next call.
+  // Returns the contour loops at a height above the plate, without compensation and holes: those of the first
+  // model, then of the second..., each in its model's own coordinates and once, however many copies there
+  // are. Valid until the next call.
   [[nodiscard]] const Contours& contours_at(Nanometers height);
 
-  // How many contour loops the last mask or the last contours have, in all models; copies count once. What a
-  // mask did not need linked is linked now, from the cut that made it. Of an abandoned mask it says nothing.
+  // Returns the number of contour loops of the last mask or the last contours, in all models; copies count
+  // once. Segments that the mask did not need linked are linked now, from the cut that made it. Meaningless
+  // after an abandoned mask.
   [[nodiscard]] std::uint32_t count_loops();
 
-  // Facets crossed in the last call of any of these, in all models; copies count once.
+  // Returns the facets crossed in the last call of any of these, in all models; copies count once.
   [[nodiscard]] std::uint32_t intersecting_facets() const { return figures_.intersecting_facets; }
-  // What was bridged in the last call of any of these, in all models; copies count once.
+  // Returns the gaps bridged in the last call of any of these, in all models; copies count once.
   [[nodiscard]] const LayerCracks& cracks() const { return figures_.cracks; }
 
-  // Coverage below this is left dark in masks.
+  // Returns the coverage below which masks are left dark.
   [[nodiscard]] std::uint8_t threshold() const { return correction_.threshold(); }
 
-  // Ends of a section's segments that miss each other by up to a pixel are joined.
+  // Returns the distance up to which ends of a section's segments are joined: a pixel.
   [[nodiscard]] Millimeters join_tolerance() const { return join_tolerance_; }
 
  private:
-  // Of the last call.
+  // The figures of the last call.
   struct Figures {
     std::uint32_t intersecting_facets = 0;
-    std::uint32_t loops = 0;  // that are linked
+    std::uint32_t loops = 0;  // loops linked so far
     LayerCracks cracks;
   };
-  // What is exposed beside the models.
+  // The sections exposed beside the models.
   struct Beside {
-    std::shared_ptr<const SectionSource> source;  // null: nothing
-    PixelMap map;                                 // of the plate
-    std::vector<ConicCut> conics{};               // or contours, of a source that has none
+    std::shared_ptr<const SectionSource> source;  // null: none
+    PixelMap map;                                 // map of the plate
+    std::vector<ConicCut> conics{};               // if the source has none, its contours are used
     Contours contours{};
   };
 
   void begin_section();
-  // Of a model, for paint().
+  // Cuts a model's holes, for paint(). False if the budget was overrun.
   [[nodiscard]] bool cut_holes(std::size_t model, Millimeters z, MaskBudget& budget);
-  // These for a model, by its number.
+  // Slice or link a model, by its number.
   void slice(std::size_t model, Millimeters z);
   void link(std::size_t model, MaskBudget& budget);
-  // Cuts it at its z and moves the contours outwards. False when the budget was overrun.
+  // Cuts a model at its z, moves the contours outwards and adds them to the mask. False if the budget was
+  // overrun.
   [[nodiscard]] bool add_to_mask(std::size_t model, Millimeters z, Millimeters offset, MaskBudget& budget);
   [[nodiscard]] bool add_moved(const PlateModel& model, Millimeters offset, MaskBudget& budget);
-  // What is beside the models, for paint(). False when the budget was overrun.
+  // Cuts the sections beside the models, for paint(). False if the budget was overrun.
   [[nodiscard]] bool cut_beside(Nanometers height, MaskBudget& budget);
-  // Null when the budget was overrun.
+  // Paints the mask. Null if the budget was overrun.
   [[nodiscard]] const Mask* paint(MaskBudget& budget);
-  // Forgets what was added. Null.
+  // Removes everything that was added. Returns null.
   [[nodiscard]] const Mask* abandon();
 
   std::vector<PlateModel> models_;
@@ -134,15 +136,15 @@ class ContourEngine {
   Compensation compensation_;
   ExposureCorrection correction_;
   Figures figures_;
-  std::vector<Section> sections_;  // by model: what of its cut is not linked
+  std::vector<Section> sections_;  // by model: segments of its cut that are not linked
   std::vector<Contours> holes_;    // by model
   ContourLinker linker_;
-  Contours contours_;  // of one model
+  Contours contours_;  // contours of one model
   ContourOffset offset_;
-  Contours moved_;           // the same, compensated
-  Contours plate_contours_;  // of all
+  Contours moved_;           // contours of one model, compensated
+  Contours plate_contours_;  // contours of all models
   Rasterizer rasterizer_;
-  std::optional<Mask> corrected_;  // where there is something to correct
+  std::optional<Mask> corrected_;  // set if there is something to correct
 };
 
 }  // namespace contourd

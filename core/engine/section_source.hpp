@@ -1,7 +1,7 @@
-// What is exposed beside the models: sections of its own, such as those of supports. The engine lays them as
-// a second plane that knows nothing of the models' and that theirs know nothing of; a pixel of the mask has
-// the greater value of the two. In that plane a pixel is lit fully or not at all, by its centre: what is thin
-// cures to its size only where its rim gets the full light, and the rim's area is right in the mean.
+// A source of sections that are exposed beside the models, such as those of supports. The engine paints them
+// as a second plane, independent of the models' plane; a pixel of the mask has the greater value of the two.
+// In the second plane a pixel is lit fully or not at all, by its centre: thin parts cure to their size only
+// if their rim gets the full light, and the rim's area is right on average.
 #pragma once
 
 #include <vector>
@@ -20,12 +20,12 @@ class SectionSource {
   virtual ~SectionSource() = default;
 
   // Replaces `contours` by the section at a height above the plate: millimetres from the plate's centre, seen
-  // from above. Each loop is convex and runs counter-clockwise; they may overlap, and all that is in any of
+  // from above. Each loop is convex and runs counter-clockwise; loops may overlap, and the area inside any of
   // them is exposed. Thread-safe; allocates only while contours grow.
   virtual void section_at(Nanometers height, Contours& contours) const = 0;
 
-  // The same as conics, which are exposed without a polygon's error and in a fraction of its time. False for
-  // a source that has none; its loops are what is asked for then.
+  // Replaces `conics` by the section as conics, which are exposed without a polygon's error and in a fraction
+  // of its time. False if the source has none; then its loops are used.
   [[nodiscard]] virtual bool conics_at(Nanometers height, std::vector<ConicCut>& conics) const {
     (void)height, (void)conics;
     return false;

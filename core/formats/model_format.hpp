@@ -1,5 +1,5 @@
-// What the reader of models asks of a file format. Each format is one value of this type, in a header of its
-// own, and one line of the table in model_reader.cpp.
+// The interface of a file format to the model reader. Each format is one value of this type, in a header of
+// its own, and one line of the table in model_reader.cpp.
 #pragma once
 
 #include <cstddef>
@@ -12,35 +12,36 @@
 
 namespace contourd {
 
-// Of this much of a file's beginning the format is told, or of the whole file if it is shorter.
+// A format is recognised by this many bytes at the beginning of a file, or by the whole file if it is
+// shorter.
 inline constexpr std::size_t kSniffBytes = 1024;
 
 struct FileStart {
-  std::uint64_t file_bytes;          // of the whole file
+  std::uint64_t file_bytes;          // size of the whole file
   std::span<const std::byte> bytes;  // the first kSniffBytes
 };
 
-// How sure it is that a file is of a format. The format that is surest reads it.
+// How certain it is that a file has a format. The format with the greatest certainty reads the file.
 enum class Likeness { None, Possible, Likely, Certain };
 
-// What a file holds at most, by its size and its first bytes.
+// Upper limits on what a file holds, by its size and its first bytes.
 struct ModelOutline {
-  std::string_view format{};         // its name
-  std::uint64_t most_facets = 0;     // just as many, if it is exact
-  bool exact = false;                // else the facets are collected in memory that grows
-  std::uint64_t buffered_bytes = 0;  // of the file, in memory beside the facets while it is read
+  std::string_view format{};         // the format's name
+  std::uint64_t most_facets = 0;     // the exact number if `exact` is set
+  bool exact = false;                // if not set, the facets are collected in memory that grows
+  std::uint64_t buffered_bytes = 0;  // part of the file that is in memory beside the facets while it is read
 };
 
-// Fills the span from the file, in order from its first byte on, completely; throws std::system_error when it
-// cannot.
+// Fills the span completely with the next bytes of the file, beginning with its first byte; throws
+// std::system_error if it cannot.
 using ReadBytes = std::function<void(std::span<std::byte>)>;
 
 struct ModelFormat {
-  std::string_view name;       // as an owner is told
-  std::string_view extension;  // of its files' names, in lower case
+  std::string_view name;       // the name in messages to users
+  std::string_view extension;  // file name extension, in lower case
   Likeness (*likeness)(const FileStart& start);
-  // Throw ModelError when it is not such a file after all. Memory is in proportion to the file, never to a
-  // count that the file claims.
+  // outline() and read() throw ModelError if the file does not have this format after all. They use memory in
+  // proportion to the file, never to a count that the file claims.
   ModelOutline (*outline)(const FileStart& start);
   Model (*read)(const FileStart& start, const ReadBytes& read);
 };

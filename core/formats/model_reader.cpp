@@ -26,7 +26,8 @@ std::system_error cannot_read(const std::filesystem::path& path, std::error_code
   return std::system_error(code, "cannot read " + path.string());
 }
 
-// A code says why, but what() is the sentence alone: "Invalid argument" after it would tell nothing.
+// A system_error whose what() is the sentence alone: "Invalid argument" after the sentence would explain
+// nothing.
 class NotARegularFile : public std::system_error {
  public:
   explicit NotARegularFile(const std::filesystem::path& path)
@@ -35,7 +36,7 @@ class NotARegularFile : public std::system_error {
   [[nodiscard]] const char* what() const noexcept override { return sentence_.what(); }
 
  private:
-  std::runtime_error sentence_;  // its copies cannot fail
+  std::runtime_error sentence_;  // a runtime_error, because copying one cannot fail
 };
 
 void read_exactly(std::FILE* file, std::span<std::byte> into, const std::filesystem::path& path) {
@@ -51,7 +52,7 @@ const ModelFormat& format_of(const FileStart& start) {
                                     [&](const ModelFormat* format) { return format->likeness(start); });
 }
 
-// The file is at its beginning again then.
+// Returns the file's first bytes and leaves the file at its beginning.
 std::vector<std::byte> read_start(std::FILE* file, std::uint64_t bytes, const std::filesystem::path& path) {
   std::vector<std::byte> start(std::min<std::uint64_t>(bytes, kSniffBytes));
   read_exactly(file, start, path);
@@ -61,7 +62,7 @@ std::vector<std::byte> read_start(std::FILE* file, std::uint64_t bytes, const st
 
 File open_regular(const std::filesystem::path& path) {
   std::error_code code;
-  // Asked before opening: opening a FIFO would wait for a writer.
+  // Checked before opening: opening a FIFO would wait for a writer.
   const std::filesystem::file_status status = std::filesystem::status(path, code);
   if (code && status.type() != std::filesystem::file_type::not_found) throw cannot_read(path, code);
   if (!std::filesystem::exists(status)) {

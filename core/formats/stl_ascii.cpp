@@ -11,15 +11,15 @@
 namespace contourd {
 namespace {
 
-// A keyword of the file quoted in an error is cut to this many characters.
+// A word of the file that is quoted in an error is cut to this many characters.
 constexpr std::size_t kQuoteLimit = 24;
 
-// Words that mean nothing are skipped up to this many in a row.
+// Words without meaning are skipped up to this many in a row.
 constexpr int kMaxIgnoredWords = 16;
 
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // of UTF-8
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // the UTF-8 one
 
-// Words that a facet cannot do without, and white space behind each.
+// The words that a facet cannot do without, and white space after each.
 constexpr std::string_view kShortestFacet =
     "facet outer loop vertex 0 0 0 vertex 0 0 0 vertex 0 0 0 endloop endfacet ";
 
@@ -30,13 +30,13 @@ bool is_line_end(char c) {
   return c == '\n' || c == '\r';
 }
 
-// Splits the text into words; knows the line for error messages. Comments (from a word that
-// begins with # to the line's end) are blank.
+// Splits the text into words; finds the line for error messages. Comments (from a word that begins with # to
+// the end of the line) count as blanks.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}
 
-  // The next word; empty at the end of the text.
+  // Returns the next word; empty at the end of the text.
   std::string_view next() {
     skip_blank();
     const std::size_t start = at_;
@@ -50,7 +50,8 @@ class Words {
       ++at_;
   }
 
-  // Counted only when asked: most files have no error. A line ends with LF, CR LF or CR alone.
+  // Returns the current line, counted on demand: most files have no error. A line ends with LF, CR LF or CR
+  // alone.
   [[nodiscard]] std::size_t line() const {
     std::size_t lines = 1;
     for (std::size_t i = 0; i < at_ && i < text_.size(); ++i) {
@@ -86,7 +87,7 @@ bool same_word(std::string_view word, std::string_view lower_case) {
   return true;
 }
 
-// What the file has, made fit to print: cut short, and without control characters or invalid UTF-8.
+// Returns a word of the file made fit to print: cut short, and without control characters or invalid UTF-8.
 std::string quoted(std::string_view word) {
   if (word.empty()) return "the end of the file";
   std::string text = "\"";
@@ -108,17 +109,17 @@ class AsciiReader {
         read_facet();
       } else if (same_word(word, "solid")) {
         in_solid_ = true;
-        words_.skip_line();  // its name, which may hold any word
+        words_.skip_line();  // the solid's name, which may contain any word
       } else if (same_word(word, "endsolid")) {
         in_solid_ = false;
         words_.skip_line();
-      } else if (text_behind_facet_ > 0) {
-        --text_behind_facet_;
+      } else if (text_after_facet_ > 0) {
+        --text_after_facet_;
       } else {
         refuse("expected \"facet\" or \"endsolid\", found " + quoted(word));
       }
     }
-    if (!is_stl) throw ModelError("not an STL file: it holds nothing but comments");
+    if (!is_stl) throw ModelError("not an STL file: it contains only comments");
     if (in_solid_ && model_.facets.empty())
       refuse("the file ends after \"solid\", without a facet or an \"endsolid\"");
     if (in_solid_) model_.warnings.emplace_back("the file has no \"endsolid\" at its end");
@@ -135,13 +136,13 @@ class AsciiReader {
       vertex = {read_coordinate(), read_coordinate(), read_coordinate()};
     }
     expect("endloop");
-    skip_to("endfacet");  // some writers put text behind the end words
-    text_behind_facet_ = kMaxIgnoredWords;
+    skip_to("endfacet");  // some writers put text after the end words
+    text_after_facet_ = kMaxIgnoredWords;
     model_.facets.push_back(facet);
   }
 
-  // Skips words that mean nothing: a normal (never trusted, so nothing, garbage or NaN may stand there), or
-  // text behind an end word.
+  // Skips words without meaning up to the given one: a normal (never trusted, so it may be missing, garbage
+  // or NaN), or text after an end word.
   void skip_to(std::string_view lower_case) {
     for (int i = 0; i < kMaxIgnoredWords; ++i) {
       const std::string_view word = words_.next();
@@ -177,7 +178,7 @@ class AsciiReader {
     return value;
   }
 
-  // Too small is zero; too large is refused.
+  // Returns the nearest float of a number that is too small for one; refuses a number that is too large.
   float out_of_float_range(std::string_view word, std::string_view number) {
     double wide = 0;
     const bool beyond_double =
@@ -196,7 +197,7 @@ class AsciiReader {
   Words words_;
   Model model_;
   bool in_solid_ = false;
-  int text_behind_facet_ = 0;  // words still allowed there
+  int text_after_facet_ = 0;  // words still allowed after an "endfacet"
 };
 
 bool starts_with_ignoring_case(std::string_view text, std::string_view lower_case_word) {
@@ -207,20 +208,21 @@ std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Text never holds a NUL; STL text begins with `solid`, or with a comment, or (no solid line) with a facet.
+// Recognises ASCII STL. Text never holds a NUL; STL text begins with `solid`, with a comment, or (without a
+// solid line) with a facet.
 Likeness likeness(const FileStart& start) {
   std::string_view text = as_text(start.bytes);
   if (text.find('\0') != std::string_view::npos) return Likeness::None;
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   while (!text.empty() && is_space(text.front()))
     text.remove_prefix(1);
-  const bool begins_so = starts_with_ignoring_case(text, "solid") ||
-                         starts_with_ignoring_case(text, "facet") || text.starts_with('#');
-  return begins_so ? Likeness::Likely : Likeness::None;
+  const bool begins_like_stl = starts_with_ignoring_case(text, "solid") ||
+                               starts_with_ignoring_case(text, "facet") || text.starts_with('#');
+  return begins_like_stl ? Likeness::Likely : Likeness::None;
 }
 
 ModelOutline outline(const FileStart& start) {
-  // White space behind the last facet may be missing.
+  // White space after the last facet may be missing.
   return {.most_facets = (start.file_bytes + 1) / kShortestFacet.size(), .buffered_bytes = start.file_bytes};
 }
 

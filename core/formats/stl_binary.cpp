@@ -12,18 +12,19 @@
 namespace contourd {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "binary STL is little-endian, and read as it lies");
+static_assert(std::endian::native == std::endian::little, "binary STL is little-endian, and copied as it is");
 
 constexpr std::uint64_t kHeaderBytes = 84;  // 80 bytes of anything, then the facet count
 constexpr std::size_t kCountOffset = 80;
 constexpr std::uint64_t kFacetBytes = 50;  // normal, three vertices (12 floats), attribute byte count
-// Facets are read in chunks of this many: few enough to stay in the cache, many enough to cost no calls.
+// Facets are read in chunks of this many: few enough to stay in the cache, many enough that the calls cost
+// next to nothing.
 constexpr std::size_t kChunkFacets = 4096;
 constexpr std::size_t kNormalBytes = 12;
 constexpr std::size_t kAttributeOffset = 48;
 
-// Some writers take the attribute byte count literally and let that many bytes follow each facet. The facets
-// then do not lie 50 bytes apart and would be read as garbage.
+// True if each facet is followed by as many bytes as its attribute byte count says: some writers take the
+// count literally. Such facets do not lie 50 bytes apart and would be read as garbage.
 bool attributes_follow_facets(std::span<const std::byte> data, std::uint64_t facets) {
   std::uint64_t offset = 0;
   for (std::uint64_t i = 0; i < facets; ++i) {
@@ -71,10 +72,10 @@ std::uint32_t claimed_facets(std::span<const std::byte> start) {
 struct Extent {
   std::uint64_t facets;
   std::vector<std::string> warnings;
-  bool fills_file;  // else what surrounds the facets is looked at too, in memory
+  bool fills_file;  // if not, the file's other data is looked at too, in memory
 };
 
-// Throws ModelError when the file is cut short.
+// Finds the part of a file that is used. Throws ModelError if the file is cut short.
 Extent extent_of(const FileStart& start) {
   if (start.bytes.size() < kHeaderBytes) {
     throw ModelError(
@@ -91,7 +92,8 @@ Extent extent_of(const FileStart& start) {
       throw ModelError("the file is cut short: " + claim + ", but it ends after " + std::to_string(whole) +
                        " whole facets and " + std::to_string(rest) + " bytes");
     }
-    return {whole, {claim + ", the file holds " + std::to_string(whole) + "; all of those are used"}, true};
+    return {
+        whole, {claim + ", but the file holds " + std::to_string(whole) + "; all of them are used"}, true};
   }
   const std::uint64_t surplus = data_bytes - claimed * kFacetBytes;
   return {
@@ -125,7 +127,7 @@ Model read_file(const FileStart& start, const ReadBytes& read) {
   if (extent.facets > 0 && attributes_follow_facets(data, extent.facets)) {
     throw ModelError("each facet is followed by as many bytes as its attribute byte count says (byte " +
                      std::to_string(kHeaderBytes + kAttributeOffset) +
-                     "); no such STL is supported, export it without attributes");
+                     "); such STL files are not supported: export the model without attributes");
   }
   std::span<const std::byte> rest = data;
   const ReadBytes from_memory = [&rest](std::span<std::byte> into) {

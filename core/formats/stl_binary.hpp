@@ -5,7 +5,7 @@
 
 namespace contourd {
 
-// It is one for certain when its size is what its facet count says, whatever else it looks like.
+// A file is certain to be binary STL if its size is what its facet count says, whatever else it looks like.
 extern const ModelFormat kBinaryStl;
 
 }  // namespace contourd

@@ -14,7 +14,8 @@ namespace {
 using GridPoint = ArrangedSides::GridPoint;
 using Side = ArrangedSides::Side;
 
-// Each sweep after the first has only what the one before has bent by half a unit. More than three are rare.
+// Limit on sweeps. Each sweep after the first only handles what the previous one has bent by half a unit;
+// more than three are rare.
 constexpr int kMaxSweeps = 16;
 
 std::uint64_t order_of(GridPoint p) {
@@ -28,13 +29,13 @@ GridPoint point_of(std::uint64_t order) {
           static_cast<std::int32_t>(static_cast<std::int64_t>(order >> 32U) - kOffset)};
 }
 
-// Positive when `p` lies left of the side, 0 on its line.
+// Returns a positive number if `p` lies left of the side, 0 if it lies on the side's line.
 std::int64_t off_line(const Side& side, GridPoint p) {
   return std::int64_t{side.high.x - side.low.x} * (p.y - side.low.y) -
          std::int64_t{side.high.y - side.low.y} * (p.x - side.low.x);
 }
 
-// Positive when `b` leads further left than `a`.
+// Returns a positive number if `b` leads further to the left than `a`.
 std::int64_t turn_to_left(const Side& a, const Side& b) {
   return std::int64_t{a.high.x - a.low.x} * (b.high.y - b.low.y) -
          std::int64_t{a.high.y - a.low.y} * (b.high.x - b.low.x);
@@ -44,7 +45,7 @@ std::int64_t length_of(const Side& side) {
   return std::max(std::abs(std::int64_t{side.high.x} - side.low.x), std::int64_t{side.high.y} - side.low.y);
 }
 
-// REQUIRES: not parallel.
+// Returns the crossing, rounded to the grid. REQUIRES: the sides are not parallel.
 GridPoint crossing_of(const Side& a, const Side& b) {
   expects_costly([&] { return turn_to_left(a, b) != 0; }, "the sides are not parallel");
   const double part = static_cast<double>(off_line(b, a.low)) / -static_cast<double>(turn_to_left(b, a));
@@ -88,7 +89,8 @@ bool ArrangedSides::sweep(MaskBudget& budget) {
   return true;
 }
 
-// Put into rows of equal height, some events each, which are sorted one by one.
+// Collects the ends of all sides in order: distributes them over rows of equal height with a few events each,
+// then sorts each row.
 void ArrangedSides::make_events() {
   queue_.clear();
   next_event_ = 0;
@@ -118,7 +120,7 @@ void ArrangedSides::make_events() {
   }
   std::uint32_t begin = 0;
   for (std::uint32_t& end : row_end_)
-    begin += std::exchange(end, begin);  // where it begins, for now
+    begin += std::exchange(end, begin);  // for now, the row's beginning
   for (std::uint32_t i = 0; i < sides_.size(); ++i) {
     const Side& side = sides_[i];
     if (side.turn == 0) continue;
@@ -152,7 +154,7 @@ void ArrangedSides::queue(Event event) {
   std::push_heap(queue_.begin(), queue_.end(), comes_after);
 }
 
-// All that begins or ends in the next point.
+// Collects the sides that begin or end at the next point. False if there is no next point.
 bool ArrangedSides::take_events(GridPoint& point) {
   ending_.clear();
   beginning_.clear();
@@ -171,7 +173,7 @@ bool ArrangedSides::take_events(GridPoint& point) {
 }
 
 void ArrangedSides::take(const Event& event) {
-  if (sides_[event.side].turn == 0) return;  // merged with another meanwhile
+  if (sides_[event.side].turn == 0) return;  // merged with another side since the event was made
   (event.begins ? beginning_ : ending_).push_back(event.side);
 }
 
@@ -188,7 +190,8 @@ void ArrangedSides::pass(GridPoint point) {
   if (right_ != kNone && !beginning_.empty()) test(order_.before(right_), right_, point);
 }
 
-// What is left and right of all that ends here, and of what passes so near that it is led through.
+// Finds the neighbours left and right of the sides that end here. A side that passes so near that it is led
+// through the point ends here too.
 void ArrangedSides::find_neighbours(GridPoint point) {
   if (ending_.empty()) {
     left_ = order_.last_not_right([&](std::uint32_t side) { return off_line(sides_[side], point) > 0; });
@@ -211,17 +214,18 @@ bool ArrangedSides::meets(std::uint32_t side, GridPoint point) const {
   return 2 * std::abs(off_line(s, point)) <= length_of(s);
 }
 
-// What is in the order for it then.
+// Returns the side that is in the order afterwards: the side itself, or its lower part if it was cut.
 std::uint32_t ArrangedSides::cut_if_it_passes(std::uint32_t side, GridPoint point) {
   if (sides_[side].high == point) return side;
-  if (off_line(sides_[side], point) != 0) bent_ = true;  // perhaps onto another
+  if (off_line(sides_[side], point) != 0) bent_ = true;  // perhaps onto another side
   const std::uint32_t low_part = split_off_low_part(side, point);
   ending_.push_back(low_part);
   beginning_.push_back(side);
   return low_part;
 }
 
-// The part below takes the side's place in the order; the rest keeps its number.
+// Cuts a side in two and returns the lower part, which takes the side's place in the order; the upper part
+// keeps the side's number.
 std::uint32_t ArrangedSides::split_off_low_part(std::uint32_t side, GridPoint at) {
   const auto low_part = static_cast<std::uint32_t>(sides_.size());
   sides_.push_back(sides_[side]);
@@ -241,7 +245,8 @@ std::uint32_t ArrangedSides::split_off_low_part(std::uint32_t side, GridPoint at
   return low_part;
 }
 
-// A loop by itself has two sides in each of its corners.
+// Marks the loops of the sides here as cut. A loop that meets nothing has exactly two sides at each of its
+// corners.
 void ArrangedSides::note_cut_loops() {
   bool alone = ending_.size() + beginning_.size() == 2;
   if (alone) {
@@ -256,7 +261,8 @@ void ArrangedSides::note_cut_loops() {
   }
 }
 
-// From left to right; where they lie on each other, the shorter first.
+// Sorts the sides that begin here from left to right; of sides that lie on each other, the shorter comes
+// first.
 void ArrangedSides::sort_beginning() {
   std::sort(beginning_.begin(), beginning_.end(), [this](std::uint32_t a, std::uint32_t b) {
     const std::int64_t left = turn_to_left(sides_[a], sides_[b]);
@@ -266,7 +272,7 @@ void ArrangedSides::sort_beginning() {
   });
 }
 
-// Sides that lie on each other become one as far as they do.
+// Merges the overlapping parts of sides that lie on each other.
 void ArrangedSides::merge_beginning() {
   std::size_t kept = 0;
   for (std::size_t i = 1; i < beginning_.size(); ++i) {
@@ -308,7 +314,7 @@ void ArrangedSides::exchange_in_order() {
   }
 }
 
-// Neighbours, of which the left one may be right of the other further up.
+// Cuts two neighbours at their crossing if the left one is right of the other further up.
 void ArrangedSides::test(std::uint32_t left, std::uint32_t right, GridPoint swept_to) {
   if (left == kNone || right == kNone) return;
   const Side& a = sides_[left];
@@ -322,7 +328,7 @@ void ArrangedSides::test(std::uint32_t left, std::uint32_t right, GridPoint swep
     return (low <= 0 && high <= 0) || (low >= 0 && high >= 0);
   };
   if (apart(a, b) || apart(b, a)) {
-    bent_ = true;  // into the wrong order
+    bent_ = true;  // rounding put the sides into the wrong order
     return;
   }
   const GridPoint crossing = crossing_of(a, b);

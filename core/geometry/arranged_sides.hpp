@@ -1,14 +1,14 @@
-// Directed sides on a grid of whole numbers, cut wherever they meet, with the winding number on both sides of
-// each: what a union is read from.
+// Cuts sides (directed segments of contours) on an integer grid wherever they meet, and finds the winding
+// numbers on both sides of each piece. A union is read from the result.
 //
-// A line sweeps over the sides from low y to high y (at equal y from low x) and keeps those that it crosses
-// in order. Sides are tested where they become neighbours (Shamos and Hoey 1976, Bentley and Ottmann 1979),
-// so the work grows as n log n in sides and places where they meet. All tests are of whole numbers and exact.
-// A crossing is rounded to the grid, and a side that passes a corner within half a unit is led through it
-// (snap rounding). Where that bends a side onto another or past it, another sweep over the pieces follows.
+// A line sweeps over the sides from low y to high y (at equal y from low x) and keeps the sides that it
+// crosses in order. Two sides are tested when they become neighbours (Shamos and Hoey 1976, Bentley and
+// Ottmann 1979), so the work grows as n log n in the number of sides and of places where they meet. All tests
+// use integers and are exact. A crossing is rounded to the grid, and a side that passes a corner within half
+// a unit is led through the corner (snap rounding). If this bends a side onto another or past it, another
+// sweep over the pieces follows.
 //
-// Keeps its working memory between calls: allocates only while sections grow. Not thread-safe.
-//
+// Working memory is kept between calls: an object allocates only while sections grow. Not thread-safe.
 // It has many functions, each of a few lines: the steps of one sweep, which all work on the same sides.
 #pragma once
 
@@ -32,34 +32,36 @@ class ArrangedSides {
   };
 
   struct Side {
-    GridPoint low, high;        // by y, then by x
-    std::int32_t turn;          // how many more run up here than down; 0: there is nothing here any more
-    std::int32_t winding_left;  // seen upwards, x to the right; right of it there is `turn` less
-    std::uint32_t loop;         // which it came from, or one of them
-    bool cut_later;             // see later_cuts_
+    GridPoint low, high;  // the ends, ordered by y, then by x
+    std::int32_t turn;    // sides that run up here minus sides that run down; 0: the side is gone (merged)
+    std::int32_t winding_left;  // winding number on the left, looking up; on the right it is lower by `turn`
+    std::uint32_t loop;         // the loop that the side came from, or one of several
+    bool cut_later;             // the side has an entry in later_cuts_
   };
 
-  // Forgets all sides. Loops have numbers below `loops`.
+  // Removes all sides. Loops have numbers below `loops`.
   void reset(std::size_t loops);
-  // From one point to another; nothing where they are the same.
+  // Adds a side from one point to another; ignored if the points are equal.
   void add(GridPoint from, GridPoint to, std::uint32_t loop);
 
-  // Cuts them. False when the budget was overrun: they are of no use then but for reset().
+  // Cuts the sides. False if the budget was overrun: the object is then of no use except for reset().
   [[nodiscard]] bool arrange(MaskBudget& budget);
 
-  // After that: no two meet but in their ends, or cross by a unit where a crossing was rounded.
+  // Returns the pieces after arrange(): they meet only at their ends, or cross by one unit where a crossing
+  // was rounded.
   [[nodiscard]] std::span<const Side> sides() const { return sides_; }
-  // Whether the loop meets another, or itself. What does not is still there, side by side as it was added.
+  // True if the loop meets another loop or itself. The sides of any other loop are still there as they were
+  // added.
   [[nodiscard]] bool is_cut(std::uint32_t loop) const { return loop_is_cut_[loop] != 0; }
-  // Whether anywhere the winding number is below 0.
+  // True if the winding number is below 0 anywhere.
   [[nodiscard]] bool winds_negatively() const { return winds_negatively_; }
 
  private:
   static constexpr std::uint32_t kNone = SideOrder::kNone;
 
-  // A side begins or ends in a point.
+  // The beginning or the end of a side.
   struct Event {
-    std::uint64_t point;  // the order of points as a number
+    std::uint64_t point;  // the point as a number that sorts in sweep order
     std::uint32_t side;
     bool begins;
   };
@@ -95,15 +97,15 @@ class ArrangedSides {
   std::vector<std::uint8_t> loop_is_cut_;
   bool winds_negatively_ = false;
   bool bent_ = false;          // another sweep is needed
-  std::vector<Event> events_;  // known from the start, in order
+  std::vector<Event> events_;  // events known at the beginning of the sweep, in order
   std::vector<std::uint32_t> row_end_;
   std::size_t next_event_ = 0;
-  std::vector<Event> queue_;  // a heap of those that cuts have made
+  std::vector<Event> queue_;  // heap of the events that cuts have added
   SideOrder order_;
-  // In the point that the line passes: what ends and begins there, and what is left and right of that.
+  // Sides that end and begin at the point that the line passes, and the neighbours left and right of them.
   std::vector<std::uint32_t> ending_, beginning_;
   std::uint32_t left_ = kNone, right_ = kNone;
-  // Cuts that fall behind the line, or turn a part of the side round: made after the sweep.
+  // Cuts that lie below the sweep line, or reverse a part of their side: made after the sweep.
   std::vector<LaterCut> later_cuts_;
 };
 

@@ -1,5 +1,6 @@
-// Two numbers worked on at once: by one vector instruction where the processor has them (SSE2, NEON), else
-// one after the other. Each result has the same bits as the plain operation on it alone. Values; thread-safe.
+// Two numbers that are calculated at once: by one vector instruction if the processor has them (SSE2, NEON),
+// otherwise one after the other. Each result has the same bits as the plain operation on the one number.
+// Values; thread-safe.
 #pragma once
 
 #include <bit>

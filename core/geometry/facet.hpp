@@ -1,4 +1,4 @@
-// STL facets as their file has them: three vertices in millimetres, counter-clockwise seen from outside.
+// STL facets as they are in the file: three vertices in millimetres, counter-clockwise seen from outside.
 // Values; thread-safe as any value is.
 #pragma once
 
@@ -16,16 +16,16 @@ struct Vertex {
   bool operator==(const Vertex&) const = default;
 };
 
-// A facet's normal is not kept: files get it wrong, the winding tells.
+// The normal is not stored: files get it wrong, and the order of the vertices defines it.
 struct Facet {
   std::array<Vertex, 3> vertices;
 };
 static_assert(sizeof(Facet) == 36);
-// A model has fewer: the numbers of their sides have 32 bits.
+// A model has fewer facets than this, so that the numbers of their sides fit into 32 bits.
 inline constexpr std::size_t kMaxFacets = std::size_t{1} << 30;
 
 [[nodiscard]] inline bool is_finite(const Facet& facet) {
-  // A sum of finite floats in double stays finite; one NaN or infinity makes it not.
+  // A sum of finite floats in double stays finite; a single NaN or infinity makes it NaN or infinite.
   double sum = 0;
   for (const Vertex& v : facet.vertices) {
     sum += static_cast<double>(v.x) + static_cast<double>(v.y) + static_cast<double>(v.z);
@@ -33,7 +33,7 @@ inline constexpr std::size_t kMaxFacets = std::size_t{1} << 30;
   return std::isfinite(sum);
 }
 
-// From a facet's lowest vertex to its highest, in millimetres.
+// The heights of a facet's lowest and highest vertex, in millimetres.
 struct HeightRange {
   float low, high;
   bool operator==(const HeightRange&) const = default;
@@ -50,7 +50,7 @@ struct Point {
   bool operator==(const Point&) const = default;
 };
 
-// An axis-aligned box around vertices, in millimetres. Empty (min > max) until something is added.
+// An axis-aligned box around vertices, in millimetres. A box around no vertex is empty (min > max).
 struct Bounds {
   double min_x = std::numeric_limits<double>::infinity();
   double min_y = std::numeric_limits<double>::infinity();
@@ -67,7 +67,7 @@ struct Bounds {
 };
 
 [[nodiscard]] inline Bounds bounds_of(std::span<const Facet> facets) {
-  // Kept in float: exact, since the coordinates are floats, and half the work.
+  // Computed in float: exact, since the coordinates are floats, and half the work.
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Vertex low{kInfinity, kInfinity, kInfinity};
   Vertex high{-kInfinity, -kInfinity, -kInfinity};

@@ -49,7 +49,7 @@ void SideOrder::insert_after(std::uint32_t left_neighbour, std::uint32_t side) {
     nodes_[left_neighbour].after = side;
   }
   if (right_neighbour != kNone) nodes_[right_neighbour].before = side;
-  // One of the two neighbours is free on that side.
+  // At least one of the two neighbours has no child towards the other.
   if (left_neighbour != kNone && nodes_[left_neighbour].right == kNone) {
     nodes_[left_neighbour].right = side;
     nodes_[side].parent = left_neighbour;

@@ -1,6 +1,6 @@
-// Sides in their order along a line that sweeps over them, for ArrangedSides: a treap whose nodes are the
-// sides' numbers, so that a side is found in logarithmic time and its neighbours at once. Its shape depends
-// on the numbers alone. Not thread-safe; allocates only while the numbers grow.
+// The order of sides along a sweep line, for ArrangedSides: a treap whose nodes are the sides' numbers, so
+// that a side is found in logarithmic time and its neighbours at once. The shape of the treap depends on the
+// numbers alone. Not thread-safe; allocates only while the numbers grow.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class SideOrder {
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
   void clear() { root_ = first_ = kNone; }
-  // Makes room for sides of numbers below this.
+  // Makes room for side numbers below `count`.
   void reserve_numbers(std::size_t count) {
     if (nodes_.size() < count) nodes_.resize(count);
   }
@@ -24,7 +24,7 @@ class SideOrder {
   [[nodiscard]] std::uint32_t before(std::uint32_t side) const { return nodes_[side].before; }
   [[nodiscard]] std::uint32_t after(std::uint32_t side) const { return nodes_[side].after; }
 
-  // The last side for which `is_left_of_it(side)` does not hold; none when it holds for all.
+  // Returns the last side for which `is_left_of_it(side)` does not hold, kNone if it holds for all.
   template <typename IsLeftOfIt>
   [[nodiscard]] std::uint32_t last_not_right(IsLeftOfIt&& is_left_of_it) const {
     std::uint32_t found = kNone;
@@ -39,11 +39,11 @@ class SideOrder {
     return found;
   }
 
-  // Right of `left_neighbour`, or first of all after none. It must not be among them yet. REQUIRES: room for
-  // its number; another than its neighbours'.
+  // Inserts a side to the right of `left_neighbour`, or as the first if that is kNone. The side must not be
+  // in the order yet. REQUIRES: there is room for the side's number; the side is not its own neighbour.
   void insert_after(std::uint32_t left_neighbour, std::uint32_t side);
   void erase(std::uint32_t side);
-  // `side` takes the place of `old`.
+  // Puts `side` in the place of `old`.
   void replace(std::uint32_t old, std::uint32_t side);
 
  private:

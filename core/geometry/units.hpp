@@ -1,5 +1,5 @@
-// Quantities that cross a function boundary, each a type of its own, so that a unit mix-up does not compile.
-// Value types; thread-safe as any value is.
+// Quantities that cross a function boundary, each with its own type, so that a mixed-up unit does not
+// compile. Value types; thread-safe as any value is.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace contourd {
 
-// A number of some unit. Explicit to make, explicit to read: `Nanometers{2500}.count()`.
+// A number with a unit, explicit to make and explicit to read: `Nanometers{2500}.count()`.
 template <typename Unit, typename Rep>
 class Quantity {
  public:
@@ -42,12 +42,12 @@ class Quantity {
   Rep count_{};
 };
 
-// Heights of the plate. Whole nanometres: an 8 mm screw at 3200 microsteps a turn moves 2.5 um a step, so
+// Heights of the plate, in whole nanometres: an 8 mm screw at 3200 microsteps a turn moves 2.5 um a step, so
 // whole micrometres would drift.
 using Nanometers = Quantity<struct NanometerUnit, std::int64_t>;
 // Whole microsteps of an axis' motor.
 using Microsteps = Quantity<struct MicrostepUnit, std::int64_t>;
-// Coordinates and lengths of a model, as its file has them.
+// Coordinates and lengths of a model, in the unit of its file.
 using Millimeters = Quantity<struct MillimeterUnit, double>;
 using Micrometers = Quantity<struct MicrometerUnit, double>;
 using MillimetersPerSecond = Quantity<struct MillimeterPerSecondUnit, double>;
@@ -63,8 +63,8 @@ using Pixels = Quantity<struct PixelUnit, std::int32_t>;
   return Millimeters{length.count() / 1e3};
 }
 
-// Rounds to the nearest nanometre. Nothing when it is not a number or beyond 9,000 km, where int64 would
-// overflow.
+// Rounds to the nearest nanometre. Returns nullopt if the length is not a number, or beyond 9,000 km, where
+// int64 would overflow.
 [[nodiscard]] inline std::optional<Nanometers> to_nanometers(Millimeters length) {
   if (!(std::fabs(length.count()) <= 9e12)) return std::nullopt;
   return Nanometers{std::llround(length.count() * 1e6)};

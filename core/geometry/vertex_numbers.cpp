@@ -54,7 +54,7 @@ class VertexTable {
   }
 
   std::vector<std::uint32_t> slots_;  // open addressing
-  std::size_t last_;                  // of them
+  std::size_t last_;                  // the last slot's index
   std::vector<Vertex> vertices_;
 };
 

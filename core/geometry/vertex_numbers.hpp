@@ -1,4 +1,4 @@
-// Gives a mesh's vertices numbers. Pure functions, thread-safe.
+// Numbers the vertices of a mesh. Pure functions, thread-safe.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@ namespace contourd {
 
 using Corners = std::array<std::uint32_t, 3>;  // a facet's vertices, by number
 
-// Vertices have the same number when their coordinates are equal, bit for bit (-0 and 0 alike); numbers begin
-// with 0 and leave none out. Takes 40 bytes a facet while it counts, at most.
+// Returns the vertex numbers of each facet. Vertices have the same number if their coordinates are equal, bit
+// for bit (-0 and 0 alike); numbers begin at 0 and have no gaps. Uses at most 40 bytes a facet while it runs.
 [[nodiscard]] std::vector<Corners> number_vertices(std::span<const Facet> facets);
 
-// Whether two vertices are the same.
+// True if two of the vertices are the same.
 [[nodiscard]] inline bool is_degenerate(const Corners& c) {
   return c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
 }

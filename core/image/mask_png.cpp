@@ -11,9 +11,9 @@
 namespace contourd {
 namespace {
 
-// kCrcTables[k][b]: what byte b does to the checksum with k more bytes after it. PNG, annex D; eight bytes at
-// a time as in Kounavis and Berry, "A Systematic Approach to Building High Performance Software-Based CRC
-// Generators" (2005).
+// CRC tables: kCrcTables[k][b] is the effect of byte b on the checksum with k more bytes after it. PNG, annex
+// D; eight bytes at a time as in Kounavis and Berry, "A Systematic Approach to Building High Performance
+// Software-Based CRC Generators" (2005).
 constexpr std::size_t kSlices = 8;
 constexpr std::array<std::array<std::uint32_t, 256>, kSlices> kCrcTables = [] {
   std::array<std::array<std::uint32_t, 256>, kSlices> tables{};
@@ -46,7 +46,7 @@ std::uint32_t crc_of(std::span<const std::uint8_t> bytes) {
 }
 
 constexpr std::size_t kSignature = 8;
-// Length, name and checksum of a chunk.
+// Bytes of a chunk's length, name and checksum.
 constexpr std::size_t kLength = 4, kName = 4, kCrc = 4;
 constexpr std::size_t kChunk = kLength + kName + kCrc;
 constexpr std::size_t kHeader = 13;
@@ -61,7 +61,7 @@ void write_number(std::uint8_t* at, std::size_t number) {
     at[i] = static_cast<std::uint8_t>(number >> (24 - 8 * i));
 }
 
-// Length, name and checksum around `size` bytes that are there already; returns the chunk's end.
+// Writes the length, name and checksum around `size` bytes that are already there; returns the chunk's end.
 std::uint8_t* close_chunk(std::uint8_t* chunk, std::string_view name, std::size_t size) {
   write_number(chunk, size);
   std::copy_n(name.begin(), kName, chunk + kLength);
@@ -71,7 +71,7 @@ std::uint8_t* close_chunk(std::uint8_t* chunk, std::string_view name, std::size_
 
 void write_header(std::uint8_t* at, const Mask& mask, const Palette* palette) {
   constexpr std::uint8_t kStart[kSignature] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-  // Deflate, filters by the row, not interlaced.
+  // Deflate, a filter for each row, not interlaced.
   constexpr std::uint8_t kGrey8[] = {8, 0, 0, 0, 0}, kIndexed8[] = {8, 3, 0, 0, 0};
   std::uint8_t* header = std::copy_n(kStart, kSignature, at) + kLength + kName;
   write_number(header, static_cast<std::size_t>(mask.width().count()));
@@ -88,11 +88,11 @@ void write_header(std::uint8_t* at, const Mask& mask, const Palette* palette) {
   close_chunk(chunk, "PLTE", kPaletteBytes);
 }
 
-// The first pixel after `at` that differs from it, or `width`.
+// Returns the first pixel after `at` that differs from it, or `width`.
 std::size_t end_of_run(const std::uint8_t* pixels, std::size_t at, std::size_t width) {
   const std::uint8_t grey = pixels[at++];
   if (at == width || pixels[at] != grey) return at;
-  constexpr std::size_t kBlock = 64;  // a few vectors: compilers compare them whole
+  constexpr std::size_t kBlock = 64;  // a few vectors, which compilers compare whole
   for (; at + kBlock <= width; at += kBlock) {
     std::uint8_t difference = 0;
     for (std::size_t i = 0; i < kBlock; ++i)
@@ -113,7 +113,7 @@ std::size_t end_of_run(const std::uint8_t* pixels, std::size_t at, std::size_t w
   return at;
 }
 
-// Whether all of the row was dark.
+// Adds the row's runs and returns true if the whole row is dark.
 bool deflate_row(std::span<const std::uint8_t> row, RunDeflater& deflater) {
   std::size_t at = 0;
   do {
@@ -141,7 +141,7 @@ std::span<const std::uint8_t> MaskPngEncoder::encode(const Mask& mask, const Pal
 
 void MaskPngEncoder::deflate_rows(const Mask& mask) {
   const std::size_t width = mask.row(0).size();
-  bool dark_above = true;  // dark rows are shortest as they are: one run with their filter's byte
+  bool dark_above = true;  // dark rows are shortest unfiltered: a single run including the filter's byte
   for (std::int32_t y = 0; y < mask.height().count(); ++y) {
     const std::span<const std::uint8_t> row = mask.row(y);
     if (!dark_above && std::memcmp(row.data(), row.data() - width, width) == 0) {

@@ -1,8 +1,9 @@
-// Masks as PNG pictures (ISO/IEC 15948), 8-bit grey, straight from their runs of equal pixels. A row equal to
-// the one above it is stored as no difference (filter Up), any other as it is (filter None).
+// Encodes masks as PNG pictures (ISO/IEC 15948), 8-bit grey, straight from their runs of equal pixels. A row
+// equal to the one above is stored as a zero difference (filter Up), any other row unchanged (filter None).
 //
-// Ours because a general compressor looks at every byte: on masks 1920x1080 of a liver, libpng at its fastest
-// level takes some twenty times as long (5 ms of CPU a mask; this 0.25 ms), and its files are twice as large.
+// We have our own encoder because a general compressor looks at every byte: on masks 1920x1080 of a liver,
+// libpng at its fastest level takes about twenty times as long (5 ms of CPU a mask; this one 0.25 ms), and
+// its files are twice as large.
 //
 // Deterministic. Not thread-safe. Keeps its memory between calls: allocates only while pictures grow.
 #pragma once
@@ -20,12 +21,12 @@ namespace contourd {
 struct Rgb {
   std::uint8_t red = 0, green = 0, blue = 0;
 };
-// What each grey value is shown as.
+// The colour shown for each grey value.
 using Palette = std::array<Rgb, 256>;
 
 class MaskPngEncoder {
  public:
-  // The whole file's bytes, at most 9/8 of the pixels' and 200 more, with a palette 1000 more. Valid until
+  // Returns the file's bytes, at most 9/8 of the pixels plus 200, or plus 1200 with a palette. Valid until
   // the next call. Throws std::invalid_argument for a mask without pixels.
   [[nodiscard]] std::span<const std::uint8_t> encode(const Mask& mask, const Palette* palette = nullptr);
 

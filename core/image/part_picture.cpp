@@ -19,36 +19,37 @@ struct Vector {
   double across, up, out;  // in the picture, and towards the eye
 };
 
-// From the left, the front and above: (-0.36, -0.56, 0.75) on the plate, as the eye sees it.
+// Light from the left, the front and above: (-0.36, -0.56, 0.75) on the plate, converted to the eye's axes.
 constexpr Vector kLight{-0.36 * kCosTurn - 0.56 * kSinTurn,
                         0.36 * kSinTurn* kSinRise - 0.56 * kCosTurn* kSinRise + 0.75 * kCosRise,
                         -0.36 * kSinTurn* kCosRise + 0.56 * kCosTurn* kCosRise + 0.75 * kSinRise};
 
-constexpr double kMargin = 0.03;  // of the picture, on each side; the box has room in it already
+constexpr double kMargin = 0.03;  // share of the picture, on each side; the box fits inside
 constexpr double kAmbient = 60, kDiffuse = 190, kFaint = 0.3;
 constexpr float kNone = -1;
 
-// A neighbour so many pixels of the picture nearer or farther than the surface goes on is of another one.
+// A neighbour is on another surface if its depth differs by more than this many of the picture's pixels from
+// the continued slope.
 constexpr double kSameSurface = 2.5;
-// How far around a pixel its surface's slope is taken from.
+// Radius around a pixel over which its surface's slope is measured, in pixels.
 constexpr std::int32_t kSlopeReach = 2;
 
 bool seen(float height) {
   return height >= 0;
 }
 
-// How much nearer a surface comes from a pixel to the next one, across and up.
+// How much nearer to the eye a surface comes from a pixel to the next one, across and up.
 struct Slope {
   double across = 0, up = 0;
 };
 
-// Depths of a picture's pixels around one of them, which is seen.
+// The depths of the pixels around a pixel that shows a surface.
 class Around {
  public:
   Around(const std::vector<float>& depths, std::int32_t side, std::int32_t row, std::int32_t column)
       : depths_(depths), side_(side), row_(row), column_(column), here_(*at(0, 0)) {}
 
-  // The least squares' plane through those of the same surface.
+  // Returns the slope of the least-squares plane through the neighbours on the same surface.
   [[nodiscard]] Slope slope() const {
     const Slope first{gentler(at(1, 0), at(-1, 0)), gentler(at(0, 1), at(0, -1))};
     double aa = 0, ab = 0, bb = 0, ad = 0, bd = 0;
@@ -81,7 +82,7 @@ class Around {
     return std::isnan(depth) ? nullptr : &depth;
   }
 
-  // Of the steps to both sides: the surface goes on where it is the smaller one.
+  // Returns the smaller of the steps to both sides: the surface continues on that side.
   [[nodiscard]] double gentler(const float* next, const float* before) const {
     if (next == nullptr && before == nullptr) return 0;
     const double on = next != nullptr ? *next - here_ : HUGE_VAL;
@@ -106,7 +107,7 @@ struct Square {
   std::int32_t left = 0, top = 0, side = 0;
 };
 
-// Around all that is lit, with the margin around it.
+// Returns the square around all lit pixels, with the margin.
 Square square_around(const Mask& picture) {
   const std::int32_t side = picture.width().count();
   std::int32_t left = side, right = 0, top = side, bottom = 0;
@@ -153,7 +154,7 @@ void PartPicture::Bordered::take(const Mask& mask) {
 }
 
 double PartPicture::Bordered::grey_at(double x, double y) const {
-  // From the middle of the border's first pixel.
+  // Measured from the middle of the border's first pixel.
   const double right = x + 0.5, down = y + 0.5;
   if (!(right >= 0 && right < columns + 1 && down >= 0 && down < rows + 1)) return 0;
   const auto column = static_cast<std::size_t>(right), row = static_cast<std::size_t>(down);
@@ -178,7 +179,8 @@ PartPicture::PartPicture(const Box& box, Pixels side) : box_(box), side_(side.co
   expects(side.count() > 0, "a picture has pixels");
   scale_ = scale_of(box, side);
   middle_up_ = box.height * kCosRise / 2;
-  // A line of sight moves by a pixel at most from one to the next: it misses no wall that is wider.
+  // A line of sight moves by at most a pixel from one mask to the next, so it misses no wall wider than a
+  // pixel.
   masks_ = static_cast<std::int32_t>(
       std::clamp(std::ceil(box.height * kCosRise / kSinRise * scale_), 1.0, side_ / kSinRise));
   const double down = box.height / masks_, towards = down * kCosRise / kSinRise;
@@ -194,7 +196,7 @@ PartPicture::Sight PartPicture::sight_of(std::int32_t row, double height) const 
   const double up = middle_up_ + (side_ / 2.0 - (row + 0.5)) * per_pixel;
   const double across = (0.5 - side_ / 2.0) * per_pixel;
   const double back = (up - height * kCosRise) / kSinRise;
-  // From the box' middle, to the right and to the back.
+  // Offsets from the box' middle, to the right and to the back.
   const double x = across * kCosTurn - back * kSinTurn, y = across * kSinTurn + back * kCosTurn;
   const double sign_x = box_.mirror_x ? -1 : 1, sign_y = box_.mirror_y ? 1 : -1;
   return {box_.columns.count() / 2.0 + sign_x * x, box_.rows.count() / 2.0 + sign_y * y,
@@ -212,7 +214,7 @@ void PartPicture::add(const Mask& mask, const Mask* beside) {
     beside_.take(*beside);
     is_beside_.surface.resize(surface_.size());
   }
-  // Nothing is beneath the first one: no line of sight comes from there.
+  // No line of sight comes from beneath the first mask.
   if (taken_ == 0) beneath_ = last_;
   // The rows in which this mask or the one beneath it can be seen.
   const double middle =
@@ -253,9 +255,10 @@ void PartPicture::look_along(std::int32_t row) {
   }
 }
 
-// Where the line of sight that is at this place of the last mask left the part after the one beneath it.
+// Returns the height, in masks, at which the line of sight that reaches (x, y) in the last mask left the part
+// after the mask beneath.
 float PartPicture::leaves_at(double x, double y) const {
-  double in = 0, out = 1;  // parts of the way up
+  double in = 0, out = 1;  // shares of the distance from the mask beneath to the last one
   for (int halving = 0; halving < 6; ++halving) {
     const double part = (in + out) / 2, rest = 1 - part;
     const double at_x = x + rest * along_x_, at_y = y + rest * along_y_;
@@ -338,7 +341,7 @@ Mask PartPicture::whole_picture() const {
     const auto faint = whole.row(row);
     for (std::size_t column = 0; column < there.size(); ++column) {
       const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(side_) + column;
-      if (surface_[at] <= present_[at]) continue;  // nothing is before it
+      if (surface_[at] <= present_[at]) continue;  // not hidden by a faint part
       there[column] = static_cast<std::uint8_t>((1 - kFaint) * there[column] + kFaint * faint[column]);
     }
   }

@@ -19,7 +19,7 @@ double dot(const Vector& a, const Vector& b) {
 }
 
 // The eye looks along -kTowardsEye, turned 35 degrees to the right and 25 degrees above the horizon. The
-// three are an orthonormal base: across the picture, up the picture, out of it.
+// three vectors are an orthonormal base: across the picture, up the picture, out of it.
 constexpr double kSinTurn = 0.573576436, kCosTurn = 0.819152044;
 constexpr double kSinRise = 0.422618262, kCosRise = 0.906307787;
 constexpr Vector kRight{kCosTurn, kSinTurn, 0};
@@ -27,14 +27,14 @@ constexpr Vector kUp{-kSinTurn * kSinRise, kCosTurn* kSinRise, kCosRise};
 constexpr Vector kTowardsEye{kSinTurn * kCosRise, -kCosTurn* kCosRise, kSinRise};
 constexpr Vector kLight{-0.36, -0.56, 0.75};  // from the left, the front and above; about of length 1
 
-// Heights at exactly the top must not be lost to the rounding of the weights.
+// Rounding of the weights must not lose heights exactly at the top.
 constexpr double kRoundingMm = 1e-6;
 
-constexpr double kMargin = 0.06;  // of the picture, on each side
+constexpr double kMargin = 0.06;  // share of the picture, on each side
 constexpr double kAmbient = 60, kDiffuse = 190;
 
-// Pixels looked at, some nanoseconds each. A picture of 720 x 720 pixels of a sound model takes a hundredth
-// of that; thousands of facets behind each other that fill it take more.
+// Limit for the pixels examined, at some nanoseconds each. A picture of 720 x 720 pixels of a sound model
+// takes a hundredth of it; thousands of facets behind each other that fill the picture take more.
 constexpr double kMostLooks = 1e9;
 
 class Canvas {
@@ -46,7 +46,7 @@ class Canvas {
     frame(parts);
   }
 
-  // How many pixels draw() looks at for these, about.
+  // Returns roughly how many pixels draw() examines for the part.
   [[nodiscard]] double looks(const PreviewPart& part) {
     move_ = {part.x, part.y, part.z};
     double sum = 0;
@@ -110,8 +110,8 @@ class Canvas {
     return static_cast<std::int32_t>(std::clamp(value, 0.0, static_cast<double>(limit.count())));
   }
 
-  // The first column, and the one behind the last, that the facet may cover at this y: a pixel more on each
-  // side than it does, for the weights decide.
+  // Returns the first column, and the one past the last, that the facet may cover at this y: a pixel more on
+  // each side than it does, since the weights decide.
   [[nodiscard]] std::pair<std::int32_t, std::int32_t> columns_at(double y, const Corner& a, const Corner& b,
                                                                  const Corner& c) const {
     double left = HUGE_VAL, right = -HUGE_VAL;
@@ -178,7 +178,7 @@ class Canvas {
   Mask image_;
   std::vector<double> depth_;
   double top_z_;
-  Vector move_{};  // of the part that is being drawn
+  Vector move_{};  // offset of the part being drawn
   double scale_ = 1, offset_x_ = 0, offset_y_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// A picture of a model for a person: parallel projection from the front, above and to the right, lit from the
-// upper left. Thread-safe (no shared state).
+// Renders a model for viewing: parallel projection from the front, above and to the right, lit from the upper
+// left. Thread-safe (no shared state).
 #pragma once
 
 #include <span>
@@ -9,18 +9,18 @@
 
 namespace contourd {
 
-// A model and how far it is moved from its own coordinates, in millimetres. Holds a reference to its facets.
+// A model and its offset from its own coordinates, in millimetres. Holds a reference to the facets.
 struct PreviewPart {
   std::span<const Facet> facets;
   double x = 0, y = 0, z = 0;
 };
 
-// Draws what lies below `top` (after the parts were moved), at the scale at which all parts fill the picture,
-// on black. What was not printed is missing from the picture. Takes some seconds at most for what reading
-// takes as long: facets that cover the picture thousands of times are drawn in larger pixels.
+// Draws everything below `top` (after the parts were moved) on black, at the scale at which all parts fill
+// the picture: parts that were not printed are missing. Takes at most some seconds for models that take as
+// long to read: facets that cover the picture thousands of times are drawn in larger pixels.
 [[nodiscard]] Mask render_preview(std::span<const PreviewPart> parts, Millimeters top, Pixels width,
                                   Pixels height);
-// The same for one model where it is.
+// Draws a single model that is not moved.
 [[nodiscard]] Mask render_preview(std::span<const Facet> facets, Millimeters top_z, Pixels width,
                                   Pixels height);
 

@@ -6,13 +6,13 @@
 namespace contourd {
 namespace {
 
-// A Huffman code, its first bit lowest.
+// A Huffman code, whose first bit is the lowest.
 struct Code {
   std::uint16_t bits;
   std::uint8_t length;
 };
 
-// The canonical code of these lengths (RFC 1951, 3.2.2).
+// Returns the canonical code of these lengths (RFC 1951, 3.2.2).
 template <std::size_t kSymbols>
 constexpr std::array<Code, kSymbols> codes_of(const std::array<std::uint8_t, kSymbols>& lengths) {
   std::array<Code, kSymbols> codes{};
@@ -31,7 +31,7 @@ constexpr std::array<Code, kSymbols> codes_of(const std::array<std::uint8_t, kSy
   return codes;
 }
 
-// Whether every sequence of bits is one of codes.
+// True if every sequence of bits can be decoded.
 template <std::size_t kSymbols>
 constexpr bool is_complete(const std::array<std::uint8_t, kSymbols>& lengths) {
   unsigned share = 0;
@@ -43,7 +43,7 @@ constexpr bool is_complete(const std::array<std::uint8_t, kSymbols>& lengths) {
 constexpr std::size_t kEndOfBlock = 256, kFirstLength = 257, kLongest = 285;
 constexpr std::size_t kLongestMatch = 258, kShortestMatch = 3;
 
-// Bits of each literal and of each class of match lengths.
+// Code lengths of the literals and of the classes of match lengths, in bits.
 constexpr std::array<std::uint8_t, 286> kLengths = [] {
   std::array<std::uint8_t, 286> lengths{};
   lengths.fill(9);
@@ -54,16 +54,16 @@ constexpr std::array<std::uint8_t, 286> kLengths = [] {
   lengths[kLongest] = 2;
   return lengths;
 }();
-// Distances 1 and 2: the latter only completes the code.
+// Distances 1 and 2; the second only completes the code.
 constexpr std::array<std::uint8_t, 2> kDistanceLengths{1, 1};
-// Bits of each of the lengths above in the block's head.
+// Code lengths of the values in kLengths, as used in the block's head, in bits.
 constexpr std::array<std::uint8_t, 19> kHeadLengths{0, 4, 4, 0, 3, 0, 0, 3, 3, 1};
 static_assert(is_complete(kLengths) && is_complete(kDistanceLengths) && is_complete(kHeadLengths));
 
 constexpr auto kCodes = codes_of(kLengths);
 constexpr auto kHeadCodes = codes_of(kHeadLengths);
 
-// The code of a match of each length from 3 to 258 with the byte before it (RFC 1951, 3.2.5).
+// Codes of matches of lengths 3 to 258 with the byte before (RFC 1951, 3.2.5).
 constexpr std::array<Code, kLongestMatch + 1> kMatches = [] {
   std::array<Code, kLongestMatch + 1> matches{};
   std::size_t length = kShortestMatch;

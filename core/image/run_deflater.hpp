@@ -1,9 +1,9 @@
-// A zlib stream (RFC 1950) of runs of equal bytes: one deflate block (RFC 1951) whose only matches repeat the
-// byte before them, and whose Huffman code is the same for every stream, made for pictures that are long runs
-// of 0 and 255: 3 bits for 258 repeated bytes, 9 for most single ones. Costs time by the run, not by the
+// Writes a zlib stream (RFC 1950) from runs of equal bytes: one deflate block (RFC 1951) whose only matches
+// repeat the byte before. The Huffman code is the same for every stream and made for pictures with long runs
+// of 0 and 255: 3 bits for 258 repeated bytes, 9 for most single ones. Takes time by the run, not by the
 // byte.
 //
-// Deterministic. Not thread-safe; writes into a buffer of the caller's, which it only ever makes larger.
+// Deterministic. Not thread-safe; writes into the caller's buffer and only ever makes it larger.
 #pragma once
 
 #include <cstddef>
@@ -16,13 +16,13 @@ namespace contourd {
 
 class RunDeflater {
  public:
-  // The largest mask's, each row behind its filter's byte.
+  // The length of the largest mask's stream, with a filter byte for each row.
   static constexpr std::size_t kMaxBytes = (std::size_t{1} << 28) + (std::size_t{1} << 14);
 
-  // Starts a stream at out[at]. `out` must outlive it, and nobody else touches it before finish().
+  // Starts a stream at out[at]. `out` must outlive the stream, and no one else may touch it before finish().
   void begin(std::vector<std::uint8_t>& out, std::size_t at);
 
-  // REQUIRES: at most kMaxBytes in the stream.
+  // Adds `count` equal bytes. REQUIRES: at most kMaxBytes in the stream.
   void add(std::uint8_t value, std::size_t count) {
     expects_costly([&] { return count_ + count <= kMaxBytes; }, "a stream has at most kMaxBytes");
     if (value != value_) {
@@ -33,11 +33,11 @@ class RunDeflater {
     count_ += count;
   }
 
-  // Ends the stream and returns where it ends in `out`, whose size is no less.
+  // Ends the stream and returns its end in `out`, whose size may be larger.
   [[nodiscard]] std::size_t finish();
 
  private:
-  // The bits not yet written, first bit lowest, and where they go.
+  // The bits not written yet, first bit lowest, and the place to write them.
   struct BitWriter {
     std::uint8_t* at;
     std::uint64_t bits;
@@ -56,7 +56,7 @@ class RunDeflater {
   BitWriter writer_{};
   std::uint8_t value_ = 0;
   std::size_t count_ = 0;
-  std::uint64_t sum_ = 1, sum_of_sums_ = 0;  // Adler-32's
+  std::uint64_t sum_ = 1, sum_of_sums_ = 0;  // sums of Adler-32
 };
 
 }  // namespace contourd

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint8_t kLit = 255;
 constexpr double kCellMm = 5;
 
-// Draws on a mask by columns and rows that may lie outside of it.
+// A mask that is drawn on by columns and rows, which may lie outside it.
 class Canvas {
  public:
   Canvas(Pixels width, Pixels height, Micrometers pitch)
@@ -21,7 +21,7 @@ class Canvas {
         rows(height.count()),
         pixels_per_mm(1000 / pitch.count()) {}
 
-  // Columns from `left` up to `right` exclusive, and rows likewise.
+  // Fills the columns [left, right) of the rows [top, bottom).
   void fill(int left, int top, int right, int bottom) {
     left = std::clamp(left, 0, columns), right = std::clamp(right, left, columns);
     for (int y = std::max(top, 0); y < std::min(bottom, rows); ++y)
@@ -34,7 +34,7 @@ class Canvas {
         mask.row(y)[static_cast<std::size_t>(x)] = is_lit(x, y) ? kLit : 0;
     }
   }
-  // The pixel so far from the centre, in millimetres, along a side.
+  // Returns the pixel at a distance from the centre along a side, in millimetres.
   [[nodiscard]] int column(double mm) const { return pixel(columns, mm); }
   [[nodiscard]] int row(double mm) const { return pixel(rows, mm); }
   void upright(int column, int width) { fill(column, 0, column + width, rows); }
@@ -103,7 +103,7 @@ void draw_dimensions(Canvas& canvas, Micrometers pitch) {
   const double across = half(canvas.columns), down = half(canvas.rows);
   canvas.fill(canvas.column(-across), canvas.row(0), canvas.column(across), canvas.row(0) + 1);
   canvas.fill(canvas.column(0), canvas.row(-down), canvas.column(0) + 1, canvas.row(down));
-  // The end's tick is the last pixel inside of the length, not the first behind it.
+  // The tick at the end is the last pixel inside the length, not the first one beyond it.
   for (int mm = 0; mm <= 2 * across; ++mm) {
     const int x = canvas.column(mm - across) - (mm >= 2 * across ? 1 : 0);
     canvas.fill(x, canvas.row(-reach_of(mm)), x + 1, canvas.row(reach_of(mm)));

@@ -1,5 +1,5 @@
-// Pictures by which a projector is set up: what it shows of them tells focus, mirroring, edges and scale.
-// Thread-safe (no shared state).
+// Test patterns for setting up a projector: they show focus, mirroring, edges and scale. Thread-safe (no
+// shared state).
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ enum class TestPattern {
   Black,
   Grid,        // a line every 5 mm from the centre out, the two through the centre wider
   Checker,     // squares of 5 mm, two of them meeting at the centre
-  Focus,       // blocks of lines of one pixel, upright and lying, and of single pixels
+  Focus,       // blocks of one-pixel lines, upright and lying, and of single pixels
   Border,      // the outermost pixels, a cross through the centre, a filled square at top left
   Dimensions,  // two rulers through the centre with a tick every millimetre, a longer one every fifth and
                // tenth
@@ -26,15 +26,15 @@ inline constexpr std::array kTestPatterns{TestPattern::White,     TestPattern::B
                                           TestPattern::Dimensions};
 
 [[nodiscard]] std::string_view name_of(TestPattern pattern);
-// The pattern of this name; nothing when there is none.
+// Returns the pattern of this name; nullopt if there is none.
 [[nodiscard]] std::optional<TestPattern> find_test_pattern(std::string_view name);
 
-// For a display of so many pixels with this pitch on the film. REQUIRES: both sides 1 to 16384 pixels, as a
-// mask's; a pitch above 0.
+// Draws a pattern for a display of this size with this pitch on the film. REQUIRES: both sides 1 to 16384
+// pixels, as in a mask; a pitch above 0.
 [[nodiscard]] Mask draw_test_pattern(TestPattern pattern, Pixels width, Pixels height, Micrometers pitch);
 
-// How long the ruler of Dimensions is along a side of so many pixels, end to end: the whole tens of
-// millimetres, whole ones on a side below 10 mm, that fit into nine tenths of it.
+// Returns the length, end to end, of the ruler of Dimensions along a side of that many pixels: the whole tens
+// of millimetres (whole millimetres on a side below 10 mm) that fit into nine tenths of it.
 [[nodiscard]] Millimeters ruler_length(Pixels side, Micrometers pitch);
 
 }  // namespace contourd

@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::uint64_t kLeastGrey = 255 / 6;
 
-// Where the source of each of `count` columns or rows begins, and the last one's ends: they stand for `size`.
+// Returns where the source pixels of each of `count` columns or rows begin, and where the last one's end, out
+// of `size` source pixels.
 std::vector<std::int32_t> edges(std::int32_t count, std::int32_t size) {
   std::vector<std::int32_t> at;
   for (std::int32_t i = 0; i <= count; ++i)
@@ -31,13 +32,14 @@ Mask make_thumbnail(const Mask& mask, const PixelBox& box, Pixels longest) {
   expects(longest.count() > 0, "a thumbnail has pixels");
   expects(0 <= box.left && box.left < box.right && box.right <= mask.width().count() && 0 <= box.top &&
               box.top < box.bottom && box.bottom <= mask.height().count(),
-          "the box is the mask's and has pixels");
+          "the box has pixels and lies in the mask");
   const std::int32_t wide = box.right - box.left, high = box.bottom - box.top, longer = std::max(wide, high);
   const std::int32_t columns = shrunk(wide, longer, longest.count());
   const std::int32_t rows = shrunk(high, longer, longest.count());
   const std::vector<std::int32_t> x = edges(columns, wide), y = edges(rows, high);
   Mask small(Pixels{columns}, Pixels{rows});
-  std::vector<std::uint32_t> sums(static_cast<std::size_t>(wide));  // of columns, in one of its rows
+  std::vector<std::uint32_t> sums(
+      static_cast<std::size_t>(wide));  // column sums for one row of the thumbnail
   for (std::size_t row = 0; row + 1 < y.size(); ++row) {
     std::ranges::fill(sums, 0U);
     for (std::int32_t source = y[row]; source < y[row + 1]; ++source) {
@@ -53,7 +55,7 @@ Mask make_thumbnail(const Mask& mask, const PixelBox& box, Pixels longest) {
       const auto count = static_cast<std::uint64_t>(y[row + 1] - y[row]) *
                          static_cast<std::uint64_t>(x[column + 1] - x[column]);
       const std::uint64_t mean = (sum + count / 2) / count;
-      const bool may_vanish = count > 1;  // one of the mask's own pixels is as it is
+      const bool may_vanish = count > 1;  // an unreduced pixel is copied as it is
       out[column] = static_cast<std::uint8_t>(may_vanish ? std::max(mean, kLeastGrey) : mean);
     }
   }

@@ -15,7 +15,7 @@ constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
 // Half a micrometre, as in kLayerStep.
 constexpr double kNegligibleMm = 0.0005;
 
-// |n_z| of the facet's unit normal; 0 for one without area, which limits nothing.
+// Returns |n_z| of the facet's unit normal; 0 for a facet without area, which limits nothing.
 double steepness(const Facet& facet) {
   const auto& [a, b, c] = facet.vertices;
   const double ux = static_cast<double>(b.x) - a.x, uy = static_cast<double>(b.y) - a.y;
@@ -26,7 +26,7 @@ double steepness(const Facet& facet) {
   return length > 0 ? std::fabs(nz) / length : 0.0;
 }
 
-// Beyond what a print can have, the nearest that it can: a facet may be 1e38 mm away.
+// Returns a length in whole micrometres, limited to what a print can have: a facet may be 1e38 mm away.
 std::int64_t nearest_um(double length_mm) {
   constexpr auto kFarthestUm = static_cast<double>(kThickestLayer / kLayerStep * kMaxLayers);
   return std::llround(std::clamp(length_mm * 1e3, -kFarthestUm, kFarthestUm));
@@ -39,7 +39,7 @@ std::int64_t thickest_um(const AdaptiveLayers& layers) {
   return std::max(layers.thickest.count() / 1000, thinnest_um(layers));
 }
 
-// What the facets ahead of a layer's bottom say, in whole micrometres above it.
+// The limits that the facets ahead of a layer's bottom set, in whole micrometres above it.
 class Lookahead {
  public:
   Lookahead(const HeightIndex& model, double bottom_z, const AdaptiveLayers& layers)
@@ -48,7 +48,7 @@ class Lookahead {
         thinnest_(thinnest_um(layers)),
         thickest_(thickest_um(layers)),
         top_(nearest_um(model.bounds().max_z - bottom_z)) {
-    // As far as a layer, and the thinnest one upon it, could reach.
+    // As far as this layer, with the thinnest one on top of it, could reach.
     const double reach_mm = static_cast<double>(thickest_ + thinnest_) / 1e3;
     const auto for_each_facet_ahead = [&](auto&& look_at) {
       model.for_each_candidate_run(bottom_z, bottom_z + reach_mm,
@@ -58,7 +58,7 @@ class Lookahead {
                                    });
     };
     for_each_facet_ahead([&](const Facet& facet) { see(facet); });
-    // Whether a face lies just beyond the layer is known once the layer is.
+    // Only once the layer is known can a face just above it be found.
     const std::int64_t layer = chosen();
     next_face_ = top_ > layer ? top_ : kNoLimit;
     for_each_facet_ahead([&](const Facet& facet) { see_face_above(facet, layer); });
@@ -86,7 +86,7 @@ class Lookahead {
   }
 
   void see(const Facet& facet) {
-    if (limit_ <= thinnest_) return;  // no facet can say less
+    if (limit_ <= thinnest_) return;  // no facet can lower the limit further
     const auto [low, high] = range_of(facet);
     const std::int64_t begins = nearest_um(low);
     if (high <= kNegligibleMm || begins >= limit_) return;
@@ -111,10 +111,10 @@ class Lookahead {
 }  // namespace
 
 Nanometers next_thickness(const StandingModel& standing, Nanometers bottom, const AdaptiveLayers& layers) {
-  expects(layers.are_printable(), "layers are 1 um to kThickestLayer, the thinnest first, and have a cusp");
+  expects(layers.are_printable(), "1 um <= thinnest <= thickest <= kThickestLayer, and the cusp is positive");
   const HeightIndex& model = *standing.model;
   const double bottom_z = standing.z_at(bottom).count();
-  // Nothing of it is left: whatever stands beside it decides.
+  // This model has ended: the models beside it decide.
   if (!(model.bounds().max_z - bottom_z > kNegligibleMm)) return thickest_um(layers) * kLayerStep;
   return Lookahead(model, bottom_z, layers).thickness() * kLayerStep;
 }

@@ -1,11 +1,11 @@
-// Layers as thick as the surface allows, decided as the print goes from the facets just ahead: by the allowed
+// Layers as thick as the surface allows, chosen during the print from the facets just ahead: by the allowed
 // cusp height of Dolenc and Makela, as in Pandey et al. 2003 and Zhou et al. 2004. Thread-safe (no shared
 // state).
 //
-// A layer of thickness t on a surface whose unit normal has the vertical part n_z is a stair whose corner
-// stands off the surface by t |n_z|. That is kept at or below the allowed cusp for every facet that the layer
-// touches; or the layer ends where such a facet begins. So walls get thick layers, slopes thin ones, and flat
-// faces lie at a layer's boundary.
+// On a surface whose unit normal has the vertical part n_z, a layer of thickness t is a stair whose corner
+// stands off the surface by t |n_z|. This distance is kept at or below the allowed cusp for every facet that
+// the layer touches, unless the layer ends where the facet begins. So walls get thick layers, slopes get thin
+// ones, and flat faces lie at the boundary of a layer.
 #pragma once
 
 #include "core/geometry/units.hpp"
@@ -14,26 +14,26 @@
 
 namespace contourd {
 
-// Layers are whole micrometres: far below any cusp that shows, and it keeps thicknesses readable. A facet
-// that reaches less than half of one into a layer does not count.
+// Layers are whole micrometres thick: far below any visible cusp, and thicknesses stay readable. A facet that
+// reaches less than half a micrometre into a layer does not count.
 inline constexpr Nanometers kLayerStep{1000};
 
 struct AdaptiveLayers {
-  Nanometers thinnest, thickest;  // inclusive; counted in whole micrometres, rounded inwards
+  Nanometers thinnest, thickest;  // inclusive; rounded inwards to whole micrometres
   Nanometers cusp;                // allowed distance of a stair's corner from the surface
 
-  // 1 um <= thinnest <= thickest <= kThickestLayer, cusp > 0.
+  // True if 1 um <= thinnest <= thickest <= kThickestLayer and cusp > 0.
   [[nodiscard]] bool are_printable() const {
     return kLayerStep <= thinnest && thinnest <= thickest && thickest <= kThickestLayer &&
            cusp > Nanometers{};
   }
 };
 
-// How thick the layer on `bottom` (above the plate) is to be: never more than what the cusp
-// allows, unless that is less than the thinnest. The next flat face or the model's top is approached so that
-// the layer that ends there is not too thin, where that can be. What is left below the top may be less than
-// the thinnest: then the layer reaches beyond it. The thickest when nothing is left. Its cost is in
-// proportion to the facets near the layer. REQUIRES: layers.are_printable().
+// Returns the thickness of the layer on `bottom` (above the plate): never more than the cusp allows, unless
+// that is less than the thinnest. The next flat face or the model's top is approached so that the layer that
+// ends there is not too thin, if possible. If less than the thinnest is left below the top, the layer reaches
+// beyond the top. Returns the thickest if nothing is left. The cost is in proportion to the facets near the
+// layer. REQUIRES: layers.are_printable().
 [[nodiscard]] Nanometers next_thickness(const StandingModel& model, Nanometers bottom,
                                         const AdaptiveLayers& layers);
 

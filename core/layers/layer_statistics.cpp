@@ -30,7 +30,7 @@ MeanAndDeviation mean_and_deviation(const std::vector<double>& values) {
 }  // namespace
 
 double normalized_correlation(std::span<const double> x, std::span<const double> y) {
-  expects(x.size() == y.size(), "both series are of one length");
+  expects(x.size() == y.size(), "both series have the same length");
   const double xy = std::inner_product(x.begin(), x.end(), y.begin(), 0.0);
   const double xx = std::inner_product(x.begin(), x.end(), x.begin(), 0.0);
   const double yy = std::inner_product(y.begin(), y.end(), y.begin(), 0.0);

@@ -9,9 +9,10 @@ namespace contourd {
 
 PrintLayers::PrintLayers(std::vector<StandingModel> models, const AdaptiveLayers& adaptive)
     : models_(std::move(models)), adaptive_(adaptive) {
-  expects(adaptive.are_printable(), "layers are 1 um to kThickestLayer, the thinnest first, and have a cusp");
+  expects(adaptive.are_printable(),
+          "1 um <= thinnest <= thickest <= kThickestLayer, and the cusp is positive");
   expects(std::ranges::all_of(models_, [](const StandingModel& model) { return model.model != nullptr; }),
-          "every model is there");
+          "no model is null");
   for (const StandingModel& model : models_)
     top_ = std::max(top_, model.top());
 }
@@ -21,7 +22,7 @@ std::optional<Nanometers> PrintLayers::thickness_at(Nanometers bottom) const {
     const bool printed = uniform_.count == 0 || bottom / uniform_.thickness >= uniform_.count;
     return printed ? std::nullopt : std::optional(uniform_.thickness);
   }
-  // A rest of half a layer's step is the rounding of heights.
+  // A remainder of half a layer step is the rounding of heights.
   const Millimeters rest = top_ - to_millimeters(bottom);
   if (!(rest > to_millimeters(kLayerStep) / 2)) return std::nullopt;
   Nanometers thickness = next_thickness(models_.front(), bottom, adaptive_);
@@ -31,8 +32,8 @@ std::optional<Nanometers> PrintLayers::thickness_at(Nanometers bottom) const {
 }
 
 std::vector<Nanometers> PrintLayers::all() const {
-  // Where even the thickest are too many, they need not be counted. Rounding to whole steps adds less than
-  // one.
+  // If even the thickest layers are too many, they need not be counted. Rounding to whole steps adds less
+  // than one step.
   const Millimeters thickest = to_millimeters(adaptive_.thickest + kLayerStep);
   if (!models_.empty() && !(top_ / thickest <= kMaxLayers)) throw TooManyLayers();
   std::vector<Nanometers> thicknesses;

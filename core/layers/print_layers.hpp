@@ -1,5 +1,5 @@
-// The layers of a print, asked for one after the other while it goes: where one ends, the next begins.
-// Immutable; any number of threads may ask.
+// The layers of a print, chosen one after the other during the print: where one ends, the next begins.
+// Immutable; any number of threads may call it.
 #pragma once
 
 #include <optional>
@@ -15,29 +15,29 @@ namespace contourd {
 
 class PrintLayers {
  public:
-  PrintLayers() = default;  // none
-  // All of one thickness. REQUIRES: as layers_for() has them.
+  PrintLayers() = default;  // no layers
+  // Makes layers of one thickness. REQUIRES: a stack as layers_for() returns it.
   explicit PrintLayers(const LayerStack& uniform) : uniform_(uniform) {
     expects(uniform.count == 0 || (uniform.count > 0 && is_layer(uniform.thickness)),
             "layers have a thickness");
   }
-  // As the models' surfaces allow: of several models, what the most demanding one says. REQUIRES:
-  // adaptive.are_printable(); no null pointers.
+  // Makes layers as thick as the models' surfaces allow; of several models, the most demanding one decides.
+  // REQUIRES: adaptive.are_printable(); no null pointers.
   PrintLayers(std::vector<StandingModel> models, const AdaptiveLayers& adaptive);
 
-  // The thickness of the layer on `bottom`, which is 0 or the top of an earlier layer; nothing when the print
-  // is as high as it will be.
+  // Returns the thickness of the layer on `bottom`, which is 0 or the top of an earlier layer; nullopt if the
+  // print has reached its full height.
   [[nodiscard]] std::optional<Nanometers> thickness_at(Nanometers bottom) const;
 
-  // All thicknesses, from the plate up: for an estimate of how long the print takes. Makes every decision
+  // Returns all thicknesses, from the plate up, for an estimate of the printing time. Makes every decision
   // that the print will make, but no mask. Throws TooManyLayers.
   [[nodiscard]] std::vector<Nanometers> all() const;
 
  private:
   LayerStack uniform_;
-  std::vector<StandingModel> models_;  // none when uniform
+  std::vector<StandingModel> models_;  // empty if uniform
   AdaptiveLayers adaptive_;
-  Millimeters top_{};  // of the highest model, above the plate
+  Millimeters top_{};  // top of the highest model, above the plate
 };
 
 }  // namespace contourd

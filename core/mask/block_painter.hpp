@@ -1,7 +1,7 @@
-// The innermost step of painting: sixteen cells of a row, each the difference between its pixel's winding
-// number and that of the pixel left of it, become sixteen grey pixels. By vector instructions where the
-// processor has them for certain (SSE2 on amd64, NEON on arm64), else in plain C++; all give the same bytes.
-// Pure functions, thread-safe.
+// The innermost step of painting: turns sixteen cells of a row into sixteen grey pixels. A cell is the
+// difference between its pixel's winding number and that of the pixel to the left. Uses vector instructions
+// where the processor is certain to have them (SSE2 on amd64, NEON on arm64), otherwise plain C++; all give
+// the same bytes. Pure functions, thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -20,33 +20,34 @@ namespace contourd {
 
 static_assert(std::endian::native == std::endian::little, "bits_of() reads eight bytes as one word");
 
-// The winding number one in the cells' units is 2^kWindingBits.
+// A winding number of 1 is 2^kWindingBits in the cells' units.
 inline constexpr int kWindingBits = 15;
 inline constexpr std::size_t kBlockPixels = 16;
 
-// The grey value of a pixel of this winding number by the non-zero rule: its magnitude, at most one, of 255.
+// Returns the grey value of a pixel with this winding number by the non-zero rule: the number's magnitude, at
+// most 1, times 255.
 [[nodiscard]] inline std::uint8_t grey_of(std::uint32_t winding) {
   constexpr std::uint32_t kOne = 1U << kWindingBits;
   const auto sign =
-      static_cast<std::uint32_t>(static_cast<std::int32_t>(winding) >> 31);  // all ones when negative
+      static_cast<std::uint32_t>(static_cast<std::int32_t>(winding) >> 31);  // all ones if negative
   const std::uint32_t magnitude = (winding ^ sign) - sign;
   return static_cast<std::uint8_t>((std::min(magnitude, kOne) * 255U + kOne / 2) >> kWindingBits);
 }
 
-// A bit for each of 64 bytes that are 0 or 1.
+// Returns a bit for each of 64 bytes that are 0 or 1.
 [[nodiscard]] inline std::uint64_t bits_of_scalar(const std::uint8_t* bytes) {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < 64; i += 8) {
     std::uint64_t eight = 0;
     std::memcpy(&eight, bytes + i, sizeof eight);
-    // Byte k's bit comes to lie in bit 56 + k of the product, without any carry.
+    // Byte k's bit ends up in bit 56 + k of the product, without any carry.
     bits |= (eight * 0x0102040810204080U >> 56) << i;
   }
   return bits;
 }
 
-// Paints kBlockPixels pixels from as many cells, and makes these 0. `winding` is that of the pixel left of
-// the first; gives the last one's.
+// Paints kBlockPixels pixels from as many cells, and sets these cells to 0. `winding` is the winding number
+// of the pixel left of the first. Returns the last pixel's winding number.
 inline std::uint32_t paint_block_scalar(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
   for (std::size_t i = 0; i < kBlockPixels; ++i) {
     winding += cells[i];
@@ -56,15 +57,14 @@ inline std::uint32_t paint_block_scalar(std::uint32_t* cells, std::uint32_t wind
   return winding;
 }
 
-// The same where winding numbers should be 0 to 1 only, as long as contours do not overlap: those below count
-// as 0, those above as 1, and it is noted that there were any.
-//
-// Half of one is taken from the winding number that goes from block to block, so that 16 bits hold it.
+// A winding number of 0, less a half: where winding numbers are 0 to 1 only, half of 1 is subtracted from the
+// winding number that is carried from block to block, so that 16 bits hold it.
 inline constexpr std::uint32_t kNoWinding = 0U - (1U << (kWindingBits - 1));
 inline constexpr std::int32_t kHalfWinding = 1 << (kWindingBits - 1);
-// What the roundings of a pixel's sides may add up to: half a grey value.
+// Limit on the sum of the rounding errors of a pixel's sides: half a grey value.
 inline constexpr std::int32_t kWindingSlack = 64;
 
+// The range of winding numbers painted, less a half.
 struct ScalarWindingRange {
   std::int32_t lowest = 0, highest = 0;
   [[nodiscard]] bool is_zero_to_one() const {
@@ -72,6 +72,8 @@ struct ScalarWindingRange {
   }
 };
 
+// Paints like paint_block_scalar(), for contours that do not overlap, whose winding numbers are 0 to 1 only.
+// Lower ones count as 0 and higher ones as 1; `range` records that there were any.
 inline std::uint32_t paint_covered_block_scalar(std::uint32_t* cells, std::uint32_t winding,
                                                 std::uint8_t* pixels, ScalarWindingRange& range) {
   for (std::size_t i = 0; i < kBlockPixels; ++i) {
@@ -98,7 +100,7 @@ inline std::uint32_t paint_covered_block_scalar(std::uint32_t* cells, std::uint3
 
 inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
   __m128i carry = _mm_set1_epi32(static_cast<std::int32_t>(winding));
-  // Four windings: sums within the four cells, on top of all before them.
+  // Returns four windings: the sums within the four cells, plus everything to their left.
   const auto take_four = [&carry](std::uint32_t* four) {
     auto* const at = reinterpret_cast<__m128i*>(four);
     __m128i sums = _mm_loadu_si128(at);
@@ -109,8 +111,8 @@ inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, st
     carry = _mm_shuffle_epi32(sums, 0xFF);
     return sums;
   };
-  // Eight greys. Packing holds a winding to 2^15 - 1 or -2^15; either's magnitude rounds to 255. The
-  // product's upper half, and its lower half's highest bit to round.
+  // Returns eight grey values. Packing limits a winding to 2^15 - 1 or -2^15; the magnitude of either rounds
+  // to 255. The result is the product's upper half, rounded by the highest bit of its lower half.
   const auto take_eight = [&take_four](std::uint32_t* eight) {
     const __m128i first = take_four(eight);
     const __m128i windings = _mm_packs_epi32(first, take_four(eight + 4));
@@ -147,7 +149,7 @@ inline std::uint32_t paint_covered_block(std::uint32_t* cells, std::uint32_t win
     carry = _mm_shuffle_epi32(sums, 0xFF);
     return sums;
   };
-  // The sum holds a winding to 2^15 - 1, which rounds to 255 as 2^15 does.
+  // Saturation limits a winding to 2^15 - 1, which rounds to 255 as 2^15 does.
   const auto take_eight = [&take_four, &range](std::uint32_t* eight) {
     const __m128i first = take_four(eight);
     const __m128i off_middle = _mm_packs_epi32(first, take_four(eight + 4));
@@ -174,7 +176,7 @@ inline std::uint32_t paint_covered_block(std::uint32_t* cells, std::uint32_t win
 inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, std::uint8_t* pixels) {
   const uint32x4_t zero = vdupq_n_u32(0);
   uint32x4_t carry = vdupq_n_u32(winding);
-  // Four windings' magnitudes, held to 2^15 - 1, which rounds to 255 as 2^15 does.
+  // Returns the magnitudes of four windings, limited to 2^15 - 1, which rounds to 255 as 2^15 does.
   const auto take_four = [&carry, zero](std::uint32_t* four) {
     uint32x4_t sums = vld1q_u32(four);
     vst1q_u32(four, zero);
@@ -184,7 +186,7 @@ inline std::uint32_t paint_block(std::uint32_t* cells, std::uint32_t winding, st
     carry = vdupq_laneq_u32(sums, 3);
     return vqmovn_s32(vqabsq_s32(vreinterpretq_s32_u32(sums)));
   };
-  // (2 m 255 + 2^15) / 2^16.
+  // Returns eight grey values: (2 m 255 + 2^15) / 2^16.
   const auto take_eight = [&take_four](std::uint32_t* eight) {
     const int16x4_t first = take_four(eight);
     return vqmovun_s16(vqrdmulhq_n_s16(vcombine_s16(first, take_four(eight + 4)), 255));
@@ -215,7 +217,7 @@ inline std::uint32_t paint_covered_block(std::uint32_t* cells, std::uint32_t win
     carry = vdupq_laneq_u32(sums, 3);
     return vqmovn_s32(vreinterpretq_s32_u32(sums));
   };
-  // The sum holds a winding to 2^15 - 1, which rounds to 255 as 2^15 does.
+  // Saturation limits a winding to 2^15 - 1, which rounds to 255 as 2^15 does.
   const auto take_eight = [&take_four, &range](std::uint32_t* eight) {
     const int16x4_t first = take_four(eight);
     const int16x8_t off_middle = vcombine_s16(first, take_four(eight + 4));

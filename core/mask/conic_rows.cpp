@@ -21,7 +21,7 @@ EllipseRows ConicRows::ellipse(const ConicCut& cut, const PixelMap& map) {
   const auto rows = static_cast<std::size_t>(centers_before(y + ellipse.reach_y, height_) - top);
   const RowEnds ends{std::span(first_).first(rows), std::span(end_).first(rows)};
   find_row_ends(ellipse, top, width_, ends);
-  // A pixel more, since the reach is rounded.
+  // One more pixel, since the reach is rounded.
   return {top, ends.first, ends.end, centers_before(x - ellipse.reach_x - 1, width_),
           centers_before(x + ellipse.reach_x + 1, width_)};
 }

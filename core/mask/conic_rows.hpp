@@ -1,5 +1,6 @@
-// The pixels whose centres lie in a conic cut, row by row: for an ellipse straight from its equation, a
-// square root a row; of what is cut off at an end, the polygon's (see ConvexRows).
+// Finds the pixels whose centres lie in a conic cut, row by row. For a whole ellipse they come straight from
+// its equation, with a square root for each row; for a cut with ends cut off they are those of its polygon
+// (see ConvexRows).
 //
 // Not thread-safe; allocates only while polygons grow.
 #pragma once
@@ -15,8 +16,8 @@
 
 namespace contourd {
 
-// An ellipse's pixels: of the row `top + i` those from first[i] until end[i], none where that is no more.
-// All of them lie from `left` until `right`.
+// An ellipse's pixels: in row `top + i` the columns [first[i], end[i]), none if end[i] <= first[i]. All of
+// them lie in [left, right).
 struct EllipseRows {
   std::int32_t top;
   std::span<const std::int32_t> first, end;
@@ -27,7 +28,7 @@ class ConicRows {
  public:
   ConicRows(Pixels width, Pixels height);
 
-  // Of a whole cut (see pixel_ellipse()). Valid until the next call.
+  // Returns the rows of a whole cut (see pixel_ellipse()). Valid until the next call.
   [[nodiscard]] EllipseRows ellipse(const ConicCut& cut, const PixelMap& map);
   // Calls `visit(row, first, end)` for the pixels [first, end) of each row that has any, from the top, of a
   // cut that is not whole.
@@ -38,7 +39,7 @@ class ConicRows {
     append_outline(cut, polygon_);
     if (!polygon_.loops.empty()) polygons_.visit(polygon_.points, map, visit);
   }
-  // The same for a convex polygon.
+  // Calls `visit` in the same way for a convex polygon.
   template <typename Visit>
   void visit(std::span<const Point> corners, const PixelMap& map, Visit&& visit) {
     polygons_.visit(corners, map, visit);
@@ -46,7 +47,7 @@ class ConicRows {
 
  private:
   std::int32_t width_, height_;
-  std::vector<std::int32_t> first_, end_;  // of each row of an ellipse
+  std::vector<std::int32_t> first_, end_;  // by row of an ellipse
   ConvexRows polygons_;
   Contours polygon_;
 };

@@ -26,7 +26,8 @@ ConvexRows::RowRange ConvexRows::find_ends(std::span<const Point> corners, const
   return rows;
 }
 
-// Where rounding makes the polygon a little less than convex, the outermost sides count.
+// Widens the rows that the side crosses. If rounding makes the polygon slightly non-convex, the outermost
+// sides count.
 void ConvexRows::add_side(PixelPoint from, PixelPoint to) {
   if (to.y < from.y) std::swap(from, to);
   const std::int32_t end = centers_before(to.y, height_);

@@ -1,5 +1,5 @@
-// The pixels whose centres lie in a convex polygon, row by row. A centre on a side is inside when the polygon
-// lies right of it, or below it on a level side, as for AntiAliasing::Off.
+// Finds the pixels whose centres lie in a convex polygon, row by row. A centre on a side is inside if the
+// polygon lies right of the side, or below it for a level side, as for AntiAliasing::Off.
 //
 // Not thread-safe; allocates in its constructor only.
 #pragma once
@@ -22,7 +22,7 @@ class ConvexRows {
   ConvexRows(Pixels width, Pixels height);
 
   // Calls `visit(row, first, end)` for the pixels [first, end) of each row that has any, from the top. The
-  // polygon may lie anywhere, and run either way around. REQUIRES: a corner at least.
+  // polygon may lie anywhere, and run either way around. REQUIRES: at least one corner.
   template <typename Visit>
   void visit(std::span<const Point> corners, const PixelMap& map, Visit&& visit) {
     expects(!corners.empty(), "a polygon has corners");
@@ -38,7 +38,7 @@ class ConvexRows {
   struct RowRange {
     std::int32_t first, end;
   };
-  // Columns where a row's centre line enters and leaves the polygon.
+  // The columns where a row's centre line enters and leaves the polygon.
   struct Ends {
     double left = std::numeric_limits<double>::infinity();
     double right = -std::numeric_limits<double>::infinity();

@@ -12,18 +12,18 @@ constexpr std::size_t kBlock = CoverageBand::kBlock;
 constexpr std::size_t kChunkBlocks = 64;
 constexpr std::size_t kChunk = kBlock * kChunkBlocks;
 
-// Cells of one band: 128 KB, an eighth of a Cortex-A72's second cache.
+// The number of cells in a band: 128 KB, an eighth of a Cortex-A72's second-level cache.
 constexpr std::size_t kBandCells = std::size_t{1} << 15;
 constexpr std::size_t kFewestRows = 2;
 
-// As many ones, from bit 0 on.
+// Returns `count` ones, from bit 0 on.
 std::uint64_t first_bits(std::size_t count) {
   return count < 64 ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
 }
 
 using Block = std::array<std::uint8_t, kBlock>;
 
-// Copies a block to its place in a row, whose last may have fewer pixels, or none.
+// Copies a block to its place in a row. The last block of a row may have fewer pixels, or none.
 inline void put_block(const Block& block, std::span<std::uint8_t> pixels, std::size_t begin) {
   if (begin + kBlock <= pixels.size()) {
     std::memcpy(pixels.data() + begin, block.data(), kBlock);
@@ -32,7 +32,7 @@ inline void put_block(const Block& block, std::span<std::uint8_t> pixels, std::s
   }
 }
 
-// Makes the given blocks of a chunk one grey value.
+// Fills the given blocks of a chunk with one grey value.
 inline void fill_blocks(std::uint64_t blocks, std::uint8_t grey, std::span<std::uint8_t> pixels) {
   Block block;
   block.fill(grey);
@@ -52,7 +52,7 @@ CoverageBand::CoverageBand(std::int32_t width)
   used_.assign(rows * used_stride(), 0);
 }
 
-// A bit for each block of the chunk that is in use; none is after that.
+// Returns a bit for each used block of the chunk, and marks them all unused.
 inline std::uint64_t CoverageBand::take_used(std::size_t row, std::size_t chunk) {
   std::uint8_t* const bytes = used_.data() + row * used_stride() + chunk * kChunkBlocks;
   const std::uint64_t used = bits_of(bytes);
@@ -60,11 +60,11 @@ inline std::uint64_t CoverageBand::take_used(std::size_t row, std::size_t chunk)
   return used;
 }
 
-// `winding`: none, as `paint_block_of` takes it.
+// `winding`: a winding number of 0, as `paint_block_of` represents it.
 template <typename PaintBlock>
 inline void CoverageBand::paint_row(std::size_t row, std::span<std::uint8_t> row_pixels, RowBlocks state,
                                     std::uint32_t winding, PaintBlock&& paint_block_of) {
-  std::uint8_t grey = 0;  // of that winding number
+  std::uint8_t grey = 0;  // grey value of the present winding number
   Block block;
   for (std::size_t chunk = 0; chunk < chunks_; ++chunk) {
     // The last chunk may hold cells without pixels.
@@ -72,14 +72,14 @@ inline void CoverageBand::paint_row(std::size_t row, std::span<std::uint8_t> row
     const std::uint64_t blocks = first_bits((pixels.size() + kBlock - 1) / kBlock);
     const std::uint64_t used = take_used(row, chunk);
     std::uint32_t* const cells = cells_.data() + row * stride_ + chunk * kChunk;
-    // What blocks that are not in use must hold: they go on as the block left of them ends.
+    // Values of the unused blocks: each continues as the block left of it ends.
     std::uint64_t dark = 0, full = 0;
     const auto hold = [&](std::uint64_t gap) {
       dark |= grey == 0 ? gap : 0;
       full |= grey == 255 ? gap : 0;
       if (grey != 0 && grey != 255) fill_blocks(gap, grey, pixels);
     };
-    std::uint64_t done = 0;  // blocks from the left
+    std::uint64_t done = 0;  // blocks done so far, from the left
     for (std::uint64_t rest = used; rest != 0; rest &= rest - 1) {
       const std::uint64_t lowest = rest & (0 - rest);
       hold((lowest - 1) & ~done);

@@ -9,7 +9,7 @@
 namespace contourd {
 namespace {
 
-// A number as the sum of two doubles: what an operation gave, and what it rounded off.
+// A number as the sum of two doubles: the result of an operation, and its rounding error.
 struct Split {
   double sum, rest;
 };
@@ -25,7 +25,7 @@ Split exact_product(double a, double b) {
   return {product, std::fma(a, b, -product)};
 }
 
-// A sum of doubles that do not overlap, smallest first: its sign is that of its largest.
+// A sum of doubles that do not overlap, smallest first: its sign is the sign of the largest.
 class Expansion {
  public:
   void add(double term) {
@@ -68,7 +68,7 @@ int side_of(PixelPoint a, PixelPoint b, PixelPoint point) {
   expects_costly([&] { return is_exact(a) && is_exact(b) && is_exact(point); },
                  "coordinates are below 1e100");
   const double left = (b.x - a.x) * (point.y - a.y), right = (b.y - a.y) * (point.x - a.x);
-  // Four roundings before the subtraction and its own: beyond this their sum cannot change the sign.
+  // Bound on four roundings before the subtraction and its own: beyond it they cannot change the sign.
   constexpr double kRounding = 4.5e-16;
   const double difference = left - right;
   if (std::fabs(difference) > kRounding * (std::fabs(left) + std::fabs(right)))

@@ -8,7 +8,8 @@
 namespace contourd {
 namespace {
 
-// ln(x) for 1/256 <= x <= 1, to 1e-15: halved out of x, then 2 artanh((x - 1) / (x + 1)).
+// Returns ln(x) for 1/256 <= x <= 1, to 1e-15: x is doubled until it is at least 1/2, then 2 artanh((x - 1) /
+// (x + 1)).
 double natural_log(double x) {
   constexpr double kLn2 = 0.693147180559945309417;
   int halvings = 0;
@@ -23,7 +24,7 @@ double natural_log(double x) {
   return 2 * y * sum - halvings * kLn2;
 }
 
-// e^x for x <= 0: (e^(x/2^k))^(2^k), the inner one by its series.
+// Returns e^x for x <= 0: (e^(x/2^k))^(2^k), the inner power by its series.
 double exponential(double x) {
   int squarings = 0;
   while (x < -0.125) {
@@ -70,10 +71,10 @@ std::uint8_t ExposureCorrection::corrected(std::uint8_t grey, std::uint8_t share
 }
 
 void ExposureCorrection::apply(const Mask& from, Mask& to) const {
-  expects(&from != &to, "the corrected mask is an object of its own");
+  expects(&from != &to, "the corrected mask is another object than the mask");
   expects(of_one_size(from, to) && (!uniformity_ || of_one_size(from, *uniformity_)),
           "all masks have one size");
-  // Eight pixels at once where all are dark or all white, as they are but along the contours.
+  // Eight pixels at a time where all are dark or all are white, as everywhere except along the contours.
   using Eight = std::uint64_t;
   constexpr Eight kWhite = ~Eight{0};
   const auto width = static_cast<std::size_t>(from.width().count());

@@ -28,13 +28,13 @@ Mask::Mask(Pixels width, Pixels height)
     : width_(width), height_(height), pixels_(checked_area(width, height)) {}
 
 std::span<std::uint8_t> Mask::row(std::int32_t y) {
-  expects(0 <= y && y < height_.count(), "the row is one of the mask's");
+  expects(0 <= y && y < height_.count(), "the row is in the mask");
   const auto stride = static_cast<std::size_t>(width_.count());
   return std::span(pixels_).subspan(static_cast<std::size_t>(y) * stride, stride);
 }
 
 std::span<const std::uint8_t> Mask::row(std::int32_t y) const {
-  expects(0 <= y && y < height_.count(), "the row is one of the mask's");
+  expects(0 <= y && y < height_.count(), "the row is in the mask");
   const auto stride = static_cast<std::size_t>(width_.count());
   return std::span(pixels_).subspan(static_cast<std::size_t>(y) * stride, stride);
 }

@@ -1,5 +1,5 @@
-// A mask: what one exposure lights, one grey value a pixel (0 dark, 255 fully lit), row 0 at the top.
-// A value; thread-safe as any value is.
+// A mask: the light of one exposure, one grey value a pixel (0 dark, 255 fully lit), row 0 at the top. A
+// value; thread-safe as any value is.
 #pragma once
 
 #include <cstddef>
@@ -14,21 +14,21 @@ namespace contourd {
 class Mask {
  public:
   Mask() = default;
-  // All dark. Throws std::invalid_argument unless both sides are 1 to 16384 pixels.
+  // Makes a dark mask. Throws std::invalid_argument unless both sides are 1 to 16384 pixels.
   Mask(Pixels width, Pixels height);
 
   [[nodiscard]] Pixels width() const { return width_; }
   [[nodiscard]] Pixels height() const { return height_; }
 
-  // One row's pixels, left to right. REQUIRES: 0 <= y < height.
+  // Returns one row's pixels, left to right. REQUIRES: 0 <= y < height.
   [[nodiscard]] std::span<std::uint8_t> row(std::int32_t y);
   [[nodiscard]] std::span<const std::uint8_t> row(std::int32_t y) const;
-  // All rows from the top, without padding between them.
+  // Returns all rows from the top, without padding between them.
   [[nodiscard]] std::span<const std::uint8_t> pixels() const { return pixels_; }
 
-  // Pixels that are not dark.
+  // Returns the number of pixels that are not dark.
   [[nodiscard]] std::int64_t lit_pixels() const;
-  // Sum of all grey values over 255: the exposed area in pixels.
+  // Returns the sum of all grey values divided by 255: the exposed area in pixels.
   [[nodiscard]] double lit_area() const;
 
   bool operator==(const Mask&) const = default;

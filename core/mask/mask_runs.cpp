@@ -8,7 +8,7 @@
 namespace contourd {
 namespace {
 
-// Eight pixels at a time, as one word.
+// Eight pixels are handled at a time, as one word.
 constexpr std::size_t kWord = sizeof(std::uint64_t);
 constexpr std::uint64_t kAllLit = ~std::uint64_t{0};
 constexpr std::uint64_t kLowBits = 0x7F7F7F7F7F7F7F7F;
@@ -19,14 +19,14 @@ std::uint64_t word_at(const std::uint8_t* pixels) {
   return word;
 }
 
-// How many of a word's pixels, from the left, are 0 in a word of flags.
+// Returns how many pixels at the left are 0 in a word of flags.
 std::size_t leading_clear(std::uint64_t word) {
   const int bits =
       std::endian::native == std::endian::little ? std::countr_zero(word) : std::countl_zero(word);
   return static_cast<std::size_t>(bits) / 8;
 }
 
-// A flag in every pixel that is dark, in no other.
+// Returns a flag in every pixel that is dark, and in no other.
 std::uint64_t dark_pixels(std::uint64_t word) {
   return ~(((word & kLowBits) + kLowBits) | word | kLowBits);
 }
@@ -37,11 +37,11 @@ std::uint32_t sum_of(std::uint64_t word) {
   return static_cast<std::uint32_t>((pairs * 0x0001000100010001) >> 48);
 }
 
-// The first lit pixel at or after `at`, or `width`.
+// Returns the first lit pixel at or after `at`, or `width`.
 std::size_t skip_dark(const std::uint8_t* pixels, std::size_t at, std::size_t width) {
   constexpr std::size_t kBlock = 8 * kWord;
   for (; at + kBlock <= width; at += kBlock) {
-    // Pairs, so that no word waits for all before it.
+    // Words are combined in pairs, so that no word waits for all earlier ones.
     const auto pair_at = [from = pixels + at](std::size_t words) {
       return word_at(from + words * kWord) | word_at(from + (words + 1) * kWord);
     };
@@ -56,7 +56,7 @@ std::size_t skip_dark(const std::uint8_t* pixels, std::size_t at, std::size_t wi
   return at;
 }
 
-// The first dark pixel at or after `at`, or `width`; adds what it passes to `grey`.
+// Returns the first dark pixel at or after `at`, or `width`; adds the grey values before it to `grey`.
 std::size_t skip_lit(const std::uint8_t* pixels, std::size_t at, std::size_t width, std::uint32_t& grey) {
   for (; at + kWord <= width; at += kWord) {
     const std::uint64_t word = word_at(pixels + at);
@@ -92,7 +92,7 @@ void MaskRuns::extract(const Mask& mask) {
 }
 
 void MaskRuns::extract_bright(const Mask& mask, const MaskRuns& lit, std::uint8_t least_grey) {
-  expects(lit.rows() == mask.height().count(), "the lit pixels are this mask's");
+  expects(lit.rows() == mask.height().count(), "the lit pixels are those of the same mask");
   runs_.clear();
   row_starts_.clear();
   grey_sum_ = 0;

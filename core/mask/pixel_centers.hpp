@@ -1,11 +1,11 @@
-// Pixels are told by their centres: at 0.5, 1.5, 2.5... Pure; thread-safe.
+// Pixels represented by their centres: at 0.5, 1.5, 2.5... Pure; thread-safe.
 #pragma once
 
 #include <cstdint>
 
 namespace contourd {
 
-// How many centres lie before a number, up to a limit.
+// Returns how many centres lie before a number, up to a limit.
 [[nodiscard]] inline std::int32_t centers_before(double number, std::int32_t limit) {
   double held = number > 0 ? number : 0;
   held = held < limit ? held : limit;

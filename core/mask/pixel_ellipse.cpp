@@ -8,8 +8,8 @@
 namespace contourd {
 namespace {
 
-// As centers_before(), up to a whole limit: those from the number on are counted, since that takes no
-// comparison, and so several rows at once.
+// Returns the same as centers_before(), for a whole limit. Counts the centres from the number on, which takes
+// no comparison, so that several rows are done at once.
 [[gnu::always_inline]] inline std::int32_t centers_left_of(double number, double limit) {
   double beyond = limit - number;
   beyond = beyond > 0 ? beyond : 0;
@@ -17,7 +17,8 @@ namespace {
   return static_cast<std::int32_t>(limit) - static_cast<std::int32_t>(beyond + 0.5);
 }
 
-// Vectorized as it is; the instructions are those of whom it is inlined into.
+// Finds the row ends. The compiler vectorizes this with the instructions of the function that it is inlined
+// into.
 [[gnu::always_inline]] inline void find_ends(const PixelEllipse& ellipse, std::int32_t top,
                                              std::int32_t width, RowEnds ends) {
   const double limit = width, middle = ellipse.middle.x, down = 0.5 - ellipse.middle.y + top;
@@ -27,7 +28,7 @@ namespace {
   const auto rows = static_cast<std::int32_t>(ends.first.size());
   for (std::int32_t i = 0; i < rows; ++i) {
     const double y = i + down, center = middle + lean * y;
-    // At the ellipse's ends a rounding may make it less than 0.
+    // At the ellipse's ends rounding may make the value negative.
     const double half = std::sqrt(std::fabs(flat - bend * (y * y)));
     first[i] = centers_left_of(center - half, limit);
     end[i] = centers_left_of(center + half, limit);
@@ -35,7 +36,7 @@ namespace {
 }
 
 #if defined(__x86_64__)
-// Not FMA: it rounds once where all others round twice.
+// FMA is left out: it rounds once where all others round twice.
 [[gnu::target("avx2")]] void find_row_ends_avx2(const PixelEllipse& ellipse, std::int32_t top,
                                                 std::int32_t width, RowEnds ends) {
   find_ends(ellipse, top, width, ends);
@@ -44,9 +45,10 @@ namespace {
 
 }  // namespace
 
-// Half of it along is (x, y), S its square and k S that of half across. A place (X, Y) from the middle is
-// inside where k (X x + Y y)^2 + (X y - Y x)^2 <= k S^2: with n = k x^2 + y^2 a quadratic in X, solved for
-// it. No quotient waits for another, since most ellipses have few rows.
+// Half of the ellipse along its axis is (x, y), S its square, and k S the square of the half across. A place
+// (X, Y) from the middle is inside if k (X x + Y y)^2 + (X y - Y x)^2 <= k S^2: with n = k x^2 + y^2 this is
+// a quadratic inequality in X, solved for X. No quotient waits for another, since most ellipses have few
+// rows.
 PixelEllipse pixel_ellipse(const ConicCut& cut, const PixelMap& map) {
   expects(cut.whole, "the cut is a whole ellipse");
   const double u = (cut.low + cut.high) / 2, scale = map.pixels_per_mm();
@@ -71,7 +73,7 @@ void find_row_ends_baseline(const PixelEllipse& ellipse, std::int32_t top, std::
 }
 
 void find_row_ends(const PixelEllipse& ellipse, std::int32_t top, std::int32_t width, RowEnds ends) {
-  expects(ends.first.size() == ends.end.size(), "a row has two ends");
+  expects(ends.first.size() == ends.end.size(), "both ends have the same number of rows");
 #if defined(__x86_64__)
   static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
   if (has_avx2) return find_row_ends_avx2(ellipse, top, width, ends);

@@ -26,9 +26,9 @@ PixelMap PixelMap::fit(const DisplayGeometry& display, const Bounds& bounds) {
   // Equations 3.6 and 3.7, without their divisions: AR_object >= AR_device is size_x / size_y >= width /
   // height.
   const bool fit_to_width = bounds.size_x() * height >= width * bounds.size_y();
-  // Equation 3.8: R. What is fitted to it takes equation 3.9 (to width) or 3.13 (to height); the other side
-  // is modified to keep the aspect ratio, equations 3.10 to 3.12 or 3.14 and 3.15. With V and W (3.16, 3.17)
-  // put into 3.18 and 3.19, R V / size_x and R W / size_y are one and the same scale.
+  // Equation 3.8: R. The side that is fitted takes equation 3.9 (to width) or 3.13 (to height); the other
+  // side is modified to keep the aspect ratio, equations 3.10 to 3.12 or 3.14 and 3.15. With V and W (3.16,
+  // 3.17) put into 3.18 and 3.19, R V / size_x and R W / size_y are one and the same scale.
   const double r = (fit_to_width ? width : height) - 1.0;
   const double fitted_size = fit_to_width ? bounds.size_x() : bounds.size_y();
   const double scale = fitted_size > 0.0 ? r / fitted_size : 0.0;

@@ -20,38 +20,40 @@ struct DisplayGeometry {
   bool mirror_x = false;          // left and right exchanged (a mirror in the light's path)
   bool mirror_y = false;          // top and bottom exchanged
 
-  // Of its picture on the plate.
+  // The size of the display's image on the plate.
   [[nodiscard]] double width_mm() const { return width.count() * to_millimeters(pixel_pitch).count(); }
   [[nodiscard]] double height_mm() const { return height.count() * to_millimeters(pixel_pitch).count(); }
 };
 
-// A pixel point's place on the plate: millimetres from the plate's centre, seen from above, mirrors undone.
+// Returns a pixel point's place on the plate: millimetres from the plate's centre, seen from above, mirrors
+// undone.
 [[nodiscard]] Point on_plate(const DisplayGeometry& display, PixelPoint pixel);
 
 class PixelMap {
  public:
-  // True scale: `center` (millimetres) comes to lie on the display's centre.
-  // REQUIRES: pixel_pitch > 0.
+  // Makes a map at true scale: `center` (millimetres) is mapped to the display's centre. REQUIRES:
+  // pixel_pitch > 0.
   [[nodiscard]] static PixelMap true_scale(const DisplayGeometry& display, Point center);
 
-  // The thesis's equations 3.6 to 3.19: the model's bounds fill the display's width or height, aspect ratio
-  // kept. Their pixel (0, 0) is the image's upper left corner here, where the largest y lies: row 0 is the
-  // top. A model without width or height keeps the scale of its other side; one without both maps to (0, 0).
+  // Makes a map that fits the model to the display, by the thesis's equations 3.6 to 3.19: the model's bounds
+  // fill the display's width or height, aspect ratio kept. The equations' pixel (0, 0) is the image's upper
+  // left corner here, where the largest y lies: row 0 is the top. A model without width or height keeps the
+  // scale of its other side; one without both maps to (0, 0).
   [[nodiscard]] static PixelMap fit(const DisplayGeometry& display, const Bounds& bounds);
 
   [[nodiscard]] PixelPoint to_pixels(Point point) const {
     return {point.x * scale_x_ + offset_x_, point.y * scale_y_ + offset_y_};
   }
 
-  // Maps to the same places on the plate, on another display: `from` is the one that this maps to.
-  // REQUIRES: pixel_pitch > 0 of both.
+  // Returns the map to the same places on the plate for another display. `from` is the display that this map
+  // is for. REQUIRES: pixel_pitch > 0 of both.
   [[nodiscard]] PixelMap moved(const DisplayGeometry& from, const DisplayGeometry& to) const;
 
-  // Whether a mirror turns loops round: what ran counter-clockwise on the plate runs clockwise in the
+  // True if a mirror reverses loops: a loop that runs counter-clockwise on the plate runs clockwise in the
   // picture.
   [[nodiscard]] bool turns_round() const { return (scale_x_ < 0) != (scale_y_ > 0); }
 
-  // Along x and along y alike; always positive.
+  // Returns the scale, which is the same along x and y and always positive.
   [[nodiscard]] double pixels_per_mm() const { return scale_x_ < 0 ? -scale_x_ : scale_x_; }
 
  private:

@@ -20,42 +20,43 @@ constexpr std::int32_t kOne = CoverageBand::kOne;
 constexpr int kOneBits = CoverageBand::kOneBits;
 constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
-// The least width for which steepness is told apart, in columns: keeps it a number for upright sides.
+// The smallest width for which steepness is calculated, in columns: keeps the steepness of upright sides
+// finite.
 constexpr double kMinWidth = 1e-6;
 
 std::int32_t rounded(double positive) {
   return static_cast<std::int32_t>(positive + 0.5);
 }
 
-// A column in whole units. Where a side begins and ends is known to some 1e-12 only, once it has been worked
-// off: what rounds up begins a little above one half, since halves and other binary fractions are common.
+// Returns a column in whole units. The ends of a side that has been worked off are known to some 1e-12 only:
+// rounding up begins a little above one half, since halves and other binary fractions are common.
 std::int32_t column_in_units(double column) {
   constexpr double kOffHalf = 1.0 / 600;
   return rounded(std::max(0.0, column * kOne - kOffHalf));
 }
 
-// To the nearest whole number, halves to the even one, so that what two sides with opposite directions add is
-// opposite too. REQUIRES: within the range of the result. The sum has no bits below one; its last 32 are the
-// number's.
+// Rounds to the nearest whole number, halves to the even one, so that two sides with opposite directions add
+// opposite numbers. The sum has no bits below 1; its last 32 bits are the number. REQUIRES: the number is
+// within the range of the result.
 std::int32_t rounded_evenly(double number) {
-  expects_costly([=] { return std::fabs(number) < 2147483647.5; }, "the number is one of 32 bits");
+  expects_costly([=] { return std::fabs(number) < 2147483647.5; }, "the number fits into 32 bits");
   constexpr double kBitsBelowOne = 6755399441055744.0;  // 1.5 * 2^52
   return static_cast<std::int32_t>(
       static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(number + kBitsBelowOne)));
 }
 
-// Without a branch, for what cannot be foreseen.
+// Chooses without a branch, for conditions that cannot be predicted.
 std::uint32_t chosen(bool first, std::uint32_t if_first, std::uint32_t if_not) {
   return if_not ^ ((if_first ^ if_not) & (0U - static_cast<std::uint32_t>(first)));
 }
 
-// By their bits, which are ordered as positive numbers are; those of a negative one are above them all. It
-// may be false for -0.
+// True if 0 <= number <= positive_limit. Compares bits, which are ordered like positive numbers; the bits of
+// a negative number are above them all. May be false for -0.
 bool is_between_0_and(double positive_limit, double number) {
   return std::bit_cast<std::uint64_t>(number) <= std::bit_cast<std::uint64_t>(positive_limit);
 }
 
-// A point of the side at the given x, or y, held between its ends.
+// Return the point of the side at the given x, or y, clamped to the side's ends.
 double y_at(const PixelPoint& from, const PixelPoint& to, double x) {
   const double y = from.y + (x - from.x) * ((to.y - from.y) / (to.x - from.x));
   return std::clamp(y, std::min(from.y, to.y), std::max(from.y, to.y));
@@ -68,13 +69,13 @@ double x_at(const PixelPoint& from, const PixelPoint& to, double y) {
 // A piece of a side within one row, between two of its columns.
 struct Piece {
   double left, right;
-  std::int32_t cover;     // units of its height; negative when the side runs upwards
+  std::int32_t cover;     // height of the piece in units; negative if the side runs upwards
   double half_steepness;  // units of height for each column, halved, with the sign of the cover
 };
 
-// What lies right of the piece has its cover. Of a pixel that it crosses the part right of it counts: the
-// mean of what the piece has passed at the pixel's left and right edge, or where it begins or ends within the
-// pixel, a triangle.
+// Adds a piece that crosses several pixels. Everything right of the piece gets the piece's cover. In a pixel
+// that the piece crosses, the part right of it counts: the mean of the piece's heights at the pixel's left
+// and right edges, or a triangle if the piece begins or ends within the pixel.
 void add_long_piece(const CoverageBand::Row& row, const Piece& piece) {
   auto column = static_cast<std::int32_t>(piece.left);
   const auto last = static_cast<std::int32_t>(piece.right);
@@ -96,18 +97,17 @@ void add_piece(const CoverageBand::Row& row, const Piece& piece) {
   const double edge = column + 1.0;
   const double beyond = piece.right - edge;
   if (beyond > 1.0) return add_long_piece(row, piece);
-  // One pixel or two, without a branch, since which it is cannot be foreseen. Its middle tells what lies
-  // right of it up to the first pixel's edge; what is beyond that, a triangle, counts less than nothing
-  // there.
+  // One pixel or two, without a branch, since the number cannot be predicted. The middle of the piece gives
+  // the area right of it up to the first pixel's edge; the triangle beyond the edge counts as negative there.
   const double cover = piece.cover;
-  const double in_second = 0.5 * (beyond + std::fabs(beyond));  // 0 when it is negative
+  const double in_second = 0.5 * (beyond + std::fabs(beyond));  // 0 if negative
   const double triangle = piece.half_steepness * in_second * in_second;
   const std::int32_t first = rounded_evenly(cover * (edge - 0.5 * (piece.left + piece.right)) + triangle);
   const std::int32_t both = rounded_evenly(cover - triangle);
   row.add(static_cast<std::size_t>(column), first, both - first, piece.cover - both);
 }
 
-// Lights a run of pixels among so many, by vectors of them.
+// Lights a run of pixels among kPixels, in vectors of them.
 template <std::uint8_t kPixels>
 inline void light_among(std::uint8_t* pixels, std::int32_t first, std::int32_t count) {
   std::array<std::uint8_t, kPixels> lit;
@@ -118,7 +118,7 @@ inline void light_among(std::uint8_t* pixels, std::int32_t first, std::int32_t c
   std::memcpy(pixels, lit.data(), lit.size());
 }
 
-// Lights pixels fully in a picture that is painted.
+// Lights pixels fully in a picture that has been painted.
 class FullLight {
  public:
   FullLight(Mask& mask, std::span<std::uint64_t> dark, std::span<std::uint8_t> band_lit, int band_bits)
@@ -133,7 +133,8 @@ class FullLight {
     mark_lit({first, end, row, row + 1});
   }
 
-  // A support's rows are short, and hardly two of a length: these are lit without a branch.
+  // Lights an ellipse. A support's rows are short and of different lengths: short rows are lit without a
+  // branch.
   void light_ellipse(const EllipseRows& ellipse) const {
     constexpr std::int32_t kShort = 32;
     const std::int32_t rows = static_cast<std::int32_t>(ellipse.first.size()), width = mask_.width().count();
@@ -153,12 +154,13 @@ class FullLight {
   }
 
  private:
-  // Up to right and bottom, which are not in it.
+  // An area of pixels; `right` and `bottom` are exclusive.
   struct PixelArea {
     std::int32_t left, right, top, bottom;
   };
 
-  // The next picture finds these columns' blocks neither dark nor, by this, full: it writes them anew.
+  // Marks the area's blocks as not dark. The next picture finds them neither dark nor full, so it writes them
+  // again.
   void mark_lit(const PixelArea& area) const {
     constexpr std::int32_t kBlock = CoverageBand::kBlock, kChunkBlocks = 64;
     const std::int32_t first = area.left / kBlock, last = (area.right - 1) / kBlock;
@@ -210,8 +212,8 @@ inline void Rasterizer::add_covered(PixelPoint from, PixelPoint to) {
   }
 }
 
-// Cuts a side at the display's edges. What lies left of it changes all pixels of the row alike, as if it were
-// on the edge; what lies right of it, above or below changes none.
+// Cuts a side at the display's edges. A part left of the display changes all pixels of a row alike, as if it
+// were on the edge; a part right of it, above or below changes none.
 void Rasterizer::add_cut(PixelPoint from, PixelPoint to) {
   const double width = width_;
   const double height = height_;
@@ -232,7 +234,7 @@ void Rasterizer::add_cut(PixelPoint from, PixelPoint to) {
     add_covered_within(corners[i - 1], corners[i]);
 }
 
-// REQUIRES: both ends on the display or its edges.
+// Adds a side within the display. REQUIRES: both ends are on the display or its edges.
 [[gnu::always_inline]] inline void Rasterizer::add_covered_within(PixelPoint from, PixelPoint to) {
   expects_costly(
       [&] {
@@ -242,14 +244,14 @@ void Rasterizer::add_cut(PixelPoint from, PixelPoint to) {
         return shown(from) && shown(to);
       },
       "both ends are on the display");
-  // Heights in whole units: where two sides meet they are rounded alike, so what one side leaves the other
-  // takes up.
+  // Heights are whole units: where two sides meet their ends are rounded alike, so that one side continues
+  // exactly where the other ends.
   const std::int32_t from_y = rounded(from.y * kOne);
   const std::int32_t to_y = rounded(to.y * kOne);
   if (from_y == to_y) {
     return add_level(from_y, from.x, to.x);
   }
-  // Numbers are chosen, not branches: which way a side runs cannot be foreseen.
+  // Numbers are chosen instead of branches taken: the direction of a side cannot be predicted.
   const auto down = static_cast<std::size_t>(from_y < to_y);
   const std::int32_t top_y = std::min(from_y, to_y);
   const double top_x = std::array{to.x, from.x}[down];
@@ -267,7 +269,7 @@ void Rasterizer::add_level(std::int32_t y, double from_x, double to_x) {
 }
 
 inline void Rasterizer::add_centers(PixelPoint from, PixelPoint to) {
-  // Rows whose centre line y lies between the ends', the upper one's counted. Most sides cross none.
+  // Rows whose centre line is between the ends' y, including the upper end's. Most sides cross none.
   const std::int32_t first_row = centers_before(std::min(from.y, to.y), height_);
   const std::int32_t end_row = centers_before(std::max(from.y, to.y), height_);
   if (first_row == end_row) return;
@@ -375,7 +377,7 @@ Rasterizer::Painted Rasterizer::paint_bands(MaskBudget& budget, Overlaps overlap
   return Painted::All;
 }
 
-// False when polygons overlap there.
+// Paints the rows of a band. False if polygons overlap there.
 bool Rasterizer::paint_band(std::int32_t first_row) {
   const std::int32_t end_row = std::min(first_row + band_.rows(), height_);
   if (anti_aliasing_ == AntiAliasing::Off) {
@@ -391,8 +393,8 @@ bool Rasterizer::paint_band(std::int32_t first_row) {
   return sound;
 }
 
-// The sides as they were added become the outline of what they wind around. Where two of those still overlap,
-// by a crossing's rounding, nothing more can be done.
+// Replaces the sides by the outline of the area that they wind around. If two sides of the outline still
+// overlap, because a crossing was rounded, nothing more can be done.
 bool Rasterizer::unite_sides(MaskBudget& budget) {
   arranged_.reset(1);
   for (const CoveredSide& side : covered_sides_)
@@ -413,7 +415,7 @@ bool Rasterizer::unite_sides(MaskBudget& budget) {
   return true;
 }
 
-// However far it has been worked off.
+// Adds the whole side to arranged_, including the part that has been worked off.
 void Rasterizer::arrange(const CoveredSide& side) {
   const auto point_at = [&side](std::int32_t y) {
     const double x = side.x + side.slope * (side.sign * (y - side.y));
@@ -428,7 +430,8 @@ RowBlocks Rasterizer::blocks_of(std::int32_t row) {
   return {std::span(dark_).subspan(at, chunks), std::span(full_).subspan(at, chunks)};
 }
 
-// What was dark stays so; the next picture finds a run's blocks no longer full, and writes them anew.
+// Makes the pixels of convex loops dark. Dark blocks stay dark; the next picture finds a run's blocks no
+// longer full, so it writes them again.
 void Rasterizer::darken(const Contours& convex, const PixelMap& map) {
   constexpr std::int32_t kBlock = CoverageBand::kBlock, kChunkBlocks = 64;
   const auto darken = [this](std::int32_t row, std::int32_t first, std::int32_t end) {
@@ -442,10 +445,10 @@ void Rasterizer::darken(const Contours& convex, const PixelMap& map) {
     lit_rows_.visit(convex.points_of(loop), map, darken);
 }
 
-// Adds the band's part of all sides that reach into it; what is left of a side goes to the next band's list.
+// Adds the band's part of all sides that reach into it; the rest of a side goes to the next band's list.
 void Rasterizer::work_off_covered_sides(std::int32_t first_row, std::int32_t end_row) {
   const std::int32_t band_end_y = end_row << kOneBits;
-  // A row at a time, of whichever side: how many rows a side has cannot be foreseen.
+  // One row of one side at a time: the number of rows of a side cannot be predicted.
   for (std::uint32_t i = std::exchange(first_side_at(first_row), kNone); i != kNone;) {
     CoveredSide& side = covered_sides_[i];
     const std::uint32_t next = side.next;
@@ -465,7 +468,7 @@ void Rasterizer::work_off_covered_sides(std::int32_t first_row, std::int32_t end
   }
 }
 
-// The same, without anti-aliasing.
+// Adds the band's part of all sides, without anti-aliasing.
 void Rasterizer::work_off_center_sides(std::int32_t first_row, std::int32_t end_row) {
   for (std::uint32_t i = std::exchange(first_side_at(first_row), kNone); i != kNone;) {
     CenterSide& side = center_sides_[i];
@@ -480,15 +483,15 @@ void Rasterizer::work_off_center_sides(std::int32_t first_row, std::int32_t end_
   }
 }
 
-// The first column whose centre is not left of the side in its present row.
+// Returns the first column whose centre is not left of the side in its present row.
 double Rasterizer::first_column(const CenterSide& side) {
   const double center_y = side.row + 0.5;
   const double x = side.from.x + (center_y - side.from.y) * side.slope;
-  // How far x may be off by the roundings of what it is made from.
+  // Limit on the error of x from the roundings of its terms.
   const double rounding = 4e-15 * (1.0 + std::fabs(side.from.x) + std::fabs(side.to.x));
   const double nearest = std::floor(x);
-  // Where x is so near to a centre that it might lie on either side, the side itself is asked; one whose
-  // rounding is a pixel's size ends too far away for that to mean anything.
+  // If x is so near to a centre that the centre might lie on either side, side_of() decides exactly; a side
+  // whose rounding is a pixel's size ends too far away for the centre to matter.
   if (std::fabs(x - 0.5 - nearest) > rounding || rounding > 0.25) return std::ceil(x - 0.5);
   return side_of(side.from, side.to, {nearest + 0.5, center_y}) <= 0 ? nearest : nearest + 1;
 }

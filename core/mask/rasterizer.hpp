@@ -1,15 +1,14 @@
 // Fills polygons into a mask with exact area coverage (grey) or by pixel centres.
 //
-// Every side adds what it changes in the winding number to the pixels that it passes (see CoverageBand). The
-// sums are whole numbers and a side's two ends are rounded alike wherever they meet, so closed polygons
-// cancel exactly at the end of each row: no residue can spill, and every machine computes the same bytes. The
-// display is worked off in bands of rows; only rows and blocks that hold something, or held something before,
-// are written.
+// Every side adds its changes in the winding number to the pixels that it passes (see CoverageBand). The sums
+// are whole numbers and two sides' ends are rounded alike where they meet, so closed polygons cancel exactly
+// at the end of each row: no residue can spill, and every machine computes the same bytes. The display is
+// painted in bands of rows; only rows and blocks that hold something, or held something before, are written.
 //
-// A pixel's mean winding number is its coverage where the winding number is 0 or 1 only. When a pixel tells
-// that it is not (polygons overlap, or one is wound the wrong way), all sides are cut where they meet, and
-// those that are no outline of the non-zero set are left out. Where everything that overlaps is thinner than
-// a pixel, in the whole mask, nothing may tell: the parts add up there, to at most 1.
+// A pixel's mean winding number is its coverage only if the winding numbers are 0 or 1. If a pixel shows
+// others (polygons overlap, or one is wound the wrong way), all sides are cut where they meet, and sides that
+// are no outline of the non-zero set are dropped. If all overlaps in a mask are thinner than a pixel, no
+// pixel may show them: the parts add up there, to at most 1.
 //
 // Not thread-safe; allocates only while the number of sides grows.
 #pragma once
@@ -30,60 +29,62 @@
 namespace contourd {
 
 enum class AntiAliasing {
-  On,   // grey: the covered part of the pixel
-  Off,  // 255 where the pixel's centre is inside, else 0 (the thesis's way). A centre on a side is inside
-        // when the solid lies right of it, or below it on a level side.
+  On,  // grey: the covered part of the pixel
+  // 255 if the pixel's centre is inside, else 0 (the thesis's way). A centre on a side is inside if the solid
+  // lies right of the side, or below it for a level side.
+  Off,
 };
 
 class Rasterizer {
  public:
-  // Throws std::invalid_argument unless both sides are 1 to 16384 pixels.
+  // Makes a rasterizer with a dark mask. Throws std::invalid_argument unless both sides are 1 to 16384
+  // pixels.
   Rasterizer(Pixels width, Pixels height, AntiAliasing anti_aliasing);
 
-  // Adds a directed side. Sides must form closed polygons by the time of paint(), in whatever order they
-  // come. They may lie outside the display, at any finite distance. What lies right of a side that runs
-  // towards higher y is inside.
+  // Adds a directed side. By the time of paint() the sides must form closed polygons, in any order. They may
+  // lie outside the display, at any finite distance. The area right of a side that runs towards higher y is
+  // inside.
   void add_side(PixelPoint from, PixelPoint to);
   void add_segments(std::span<const Segment> segments, const PixelMap& map);
   void add_loops(const Contours& contours, const PixelMap& map);
 
-  // Paints all polygons added since the last call, over the former picture. False when the budget was
+  // Paints all polygons added since the last call, replacing the previous picture. False if the budget was
   // overrun: mask() is of no use until the next call.
   [[nodiscard]] bool paint(MaskBudget& budget);
-  // The same with as much time as it takes. Valid until the next call. Throws std::length_error for more
+  // Paints without a limit on time. The mask is valid until the next call. Throws std::length_error for more
   // sides than a budget holds.
   const Mask& paint();
-  // Lights fully the pixels of the picture painted last whose centres are in one of these loops, which are
-  // convex: a plane of its own, in which nothing is grey. They may overlap, and lie outside the display.
+  // Fully lights the pixels of the last picture whose centres lie in one of these convex loops: a separate
+  // plane, in which nothing is grey. The loops may overlap, and lie outside the display.
   void light(const Contours& convex, const PixelMap& map);
   void light(std::span<const ConicCut> cuts, const PixelMap& map);
-  // The same, but makes them dark.
+  // Makes such pixels dark.
   void darken(const Contours& convex, const PixelMap& map);
-  // Forgets all polygons added since the last paint().
+  // Removes all polygons added since the last paint().
   void clear();
-  // The last one painted; dark before that.
+  // Returns the last mask painted; dark before that.
   [[nodiscard]] const Mask& mask() const { return mask_; }
 
  private:
-  // What of a side is still to be worked off, from the top down.
+  // The rest of a side that is still to be added, from the top down.
   struct CoveredSide {
     double x;               // column at y
-    double slope;           // columns for each unit of height; turned when it runs upwards
-    double half_steepness;  // units of height for each column, halved; negative when it runs upwards
+    double slope;           // columns for each unit of height; sign reversed if the side runs upwards
+    double half_steepness;  // units of height for each column, halved; negative if the side runs upwards
     std::int32_t y, end_y;  // rows, in units of 1 / CoverageBand::kOne
-    std::int32_t sign;      // +1 when it runs downwards
-    std::uint32_t next;     // in the band's list
-    std::int32_t top_y;     // where all of it begins
+    std::int32_t sign;      // +1 if the side runs downwards
+    std::uint32_t next;     // next side in the band's list
+    std::int32_t top_y;     // upper end of the whole side
   };
-  // A side that changes no row's winding numbers, but ends other polygons' insides there.
+  // A level side: changes no row's winding numbers, but bounds the inside of other polygons.
   struct LevelSide {
-    std::int32_t y;  // in the same units
+    std::int32_t y;  // in units of 1 / CoverageBand::kOne
     double from_x, to_x;
   };
   struct CenterSide {
-    PixelPoint from, to;        // downwards
+    PixelPoint from, to;        // running downwards
     double slope;               // columns for each row
-    std::int32_t row, end_row;  // whose centre lines it crosses
+    std::int32_t row, end_row;  // rows whose centre lines the side crosses
     std::int32_t sign;
     std::uint32_t next;
   };
@@ -114,12 +115,12 @@ class Rasterizer {
   CoverageBand band_;
   int band_bits_;                           // 2^band_bits_ rows a band
   std::vector<CoveredSide> covered_sides_;  // with anti-aliasing
-  std::vector<LevelSide> level_sides_;      // the same
-  std::vector<CenterSide> center_sides_;    // without
-  std::vector<std::uint32_t> first_side_;   // by band: the side's number
-  std::vector<std::uint8_t> band_lit_;      // by band: whether mask_ holds any light there
-  std::vector<std::uint64_t> dark_, full_;  // what mask_ holds, see RowBlocks
-  ArrangedSides arranged_;                  // of polygons that overlap
+  std::vector<LevelSide> level_sides_;      // with anti-aliasing
+  std::vector<CenterSide> center_sides_;    // without anti-aliasing
+  std::vector<std::uint32_t> first_side_;   // by band: number of the first side in its list
+  std::vector<std::uint8_t> band_lit_;      // by band: mask_ holds some light there
+  std::vector<std::uint64_t> dark_, full_;  // contents of mask_, see RowBlocks
+  ArrangedSides arranged_;                  // sides of polygons that overlap
   ConicRows lit_rows_;
 };
 

@@ -1,4 +1,4 @@
-// How high a model stands above the plate: the one place that converts between heights above the plate and a
+// The height of a model above the plate: the one place that converts between heights above the plate and the
 // model's own z. A value; thread-safe as any value is.
 #pragma once
 
@@ -9,31 +9,31 @@
 
 namespace contourd {
 
-// `model` is the bounds of its facets.
+// Parameters called `model` are the bounds of the model's facets.
 class Elevation {
  public:
-  // Its lowest point lies on the plate.
+  // Places the model's lowest point on the plate.
   constexpr Elevation() = default;
-  // Its lowest point lies that high above the plate.
+  // Places the model's lowest point at a height above the plate.
   constexpr explicit Elevation(Nanometers above_plate) : above_plate_(above_plate) {}
 
   [[nodiscard]] constexpr Nanometers above_plate() const { return above_plate_; }
 
-  // Where the plane at a height above the plate cuts the model.
+  // Returns the model's z at a height above the plate.
   [[nodiscard]] Millimeters z_at(Nanometers height, const Bounds& model) const {
     return Millimeters{model.min_z} + to_millimeters(height - above_plate_);
   }
-  // The other way; nothing beyond what a height can be.
+  // Returns the height above the plate of a model's z; nullopt if it is beyond what a height can be.
   [[nodiscard]] std::optional<Nanometers> height_at(Millimeters z, const Bounds& model) const {
     const std::optional<Nanometers> above_lowest = to_nanometers(z - Millimeters{model.min_z});
     if (!above_lowest) return std::nullopt;
     return *above_lowest + above_plate_;
   }
-  // How far the model is moved up from its own z to stand there.
+  // Returns how far the model is moved up from its own z to stand there.
   [[nodiscard]] Millimeters lift(const Bounds& model) const {
     return to_millimeters(above_plate_) - Millimeters{model.min_z};
   }
-  // The height of its highest point, above the plate.
+  // Returns the height of the model's highest point above the plate.
   [[nodiscard]] Millimeters top(const Bounds& model) const {
     return to_millimeters(above_plate_) + Millimeters{model.size_z()};
   }

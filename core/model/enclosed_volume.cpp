@@ -10,8 +10,8 @@ EnclosedVolume enclosed_volume(std::span<const Facet> facets, const Bounds& boun
   const auto [x, y] = bounds.center();
   const double z = (bounds.min_z + bounds.max_z) / 2;
   double six_volumes = 0;
-  // Twice the facets' areas as vectors: they add up to nothing when the facets close. From a point that is d
-  // away the volume would be another by d times a third of this area.
+  // Twice the facets' areas as vectors: their sum is 0 if the facets close. Calculated from a point at a
+  // distance d, the volume would differ by d times a third of this area.
   double sum_x = 0, sum_y = 0, sum_z = 0;
   for (const Facet& facet : facets) {
     const auto& [a, b, c] = facet.vertices;

@@ -1,4 +1,4 @@
-// What a model's facets enclose. Pure function, thread-safe.
+// The volume that a model's facets enclose. Pure function, thread-safe.
 #pragma once
 
 #include <span>
@@ -8,17 +8,17 @@
 namespace contourd {
 
 struct EnclosedVolume {
-  double mm3 = 0;  // negative when the facets face inwards
-  // By how much that depends on where it is reckoned from, over all points of the model's bounds; 0, but for
-  // rounding, when the facets close.
+  double mm3 = 0;  // negative if the facets face inwards
+  // How much mm3 depends on the point that it is calculated from, over all points of the model's bounds; 0,
+  // but for rounding, if the facets close.
   double uncertainty_mm3 = 0;
 
-  // Negative, also if the facets' gaps are taken into account.
+  // True if the volume is negative even when gaps between the facets are taken into account.
   [[nodiscard]] bool inside_out() const { return mm3 < -uncertainty_mm3; }
 };
 
-// Every facet's tetrahedron from a point of the model, which keeps the digits of small models far from (0, 0,
-// 0).
+// Adds up the tetrahedra of all facets from a point of the model, which keeps the digits of small models far
+// from (0, 0, 0).
 [[nodiscard]] EnclosedVolume enclosed_volume(std::span<const Facet> facets, const Bounds& bounds);
 
 }  // namespace contourd

@@ -20,8 +20,8 @@ constexpr std::size_t kDeepestLevelLimit = 16;
 // 16th digit, times up to 2^16 cells) cannot place its ends two cells apart.
 constexpr double kCellMargin = 1.0 + 1e-9;
 
-// The largest k with 2^k * part < 1, up to 1022; more when part is 0. REQUIRES: 0 <= part, not above 1 by
-// much.
+// Returns the largest k with 2^k * part < 1, up to 1022; more if part is 0. REQUIRES: 0 <= part, and not much
+// above 1.
 std::size_t halvings_above(double part) {
   expects_costly([&] { return part >= 0; }, "the part is not negative");
   constexpr int kFractionBits = 52;
@@ -73,7 +73,8 @@ std::size_t HeightIndex::cell_of(float low, float high) const {
 }
 
 void HeightIndex::sort_into_cells() {
-  // Counting sort: how many facets a cell has, where each cell starts, then each facet to its place.
+  // Counting sort: count the facets of each cell, find where each cell starts, then put each facet in its
+  // place.
   std::vector<std::uint32_t> cells(facets_.size());
   for (std::size_t i = 0; i < facets_.size(); ++i) {
     const auto [low, high] = heights_of(facets_[i]);

@@ -4,8 +4,8 @@
 // The model's height H is cut into 2^k cells on each level k. A facet lies on the deepest level whose cells
 // are at least as high as the facet, in the cell that holds its lowest vertex. A plane in cell c of a level
 // can then only cross facets of cells c-1 and c of that level: on average 2.7 candidates for each facet that
-// it crosses, and two short contiguous runs a level. What stands in those runs is a facet's number and
-// heights; the facets themselves keep their order.
+// it crosses, and two short contiguous runs a level. The runs hold the facets' numbers and heights; the
+// facets themselves keep their order.
 //
 // Immutable once built: any number of threads may query it.
 #pragma once
@@ -23,7 +23,7 @@
 
 namespace contourd {
 
-// What is said of a model whose facets had to be turned.
+// The warning for an inside-out model.
 inline constexpr std::string_view kTurnedOutwardsWarning =
     "the model is inside out: its facets were turned outwards";
 
@@ -31,21 +31,21 @@ class HeightIndex {
  public:
   HeightIndex() = default;
 
-  // Where the facets enclose a negative volume (an inside-out model), all are turned; where they disagree
-  // with each other, they are repaired (see repair_mesh()). Extra memory: 12 bytes a facet, 16 while
+  // Indexes the facets. If they enclose a negative volume (an inside-out model), all are turned; where they
+  // disagree with each other, they are repaired (see repair_mesh()). Extra memory: 12 bytes a facet, 16 while
   // building, 60 while repairing. REQUIRES: finite coordinates, fewer than 2^30 facets.
   explicit HeightIndex(std::vector<Facet> facets);
 
-  // All facets that were kept, flat ones included, in the order given.
+  // Returns all facets that were kept, including flat ones, in the order given.
   [[nodiscard]] std::span<const Facet> facets() const { return facets_; }
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
-  // Whether the model was inside out, so that its facets had to be turned: what they enclose is negative,
-  // also if their gaps are taken into account.
+  // True if the model was inside out, so that its facets were turned: the volume that they enclose is
+  // negative even when their gaps are taken into account.
   [[nodiscard]] bool turned_outwards() const { return turned_outwards_; }
-  // What had to be repaired where the facets disagreed with each other.
+  // Returns the repairs that were made where facets disagreed with each other.
   [[nodiscard]] const MeshRepairs& repairs() const { return repairs_; }
 
-  // A facet by its number in facets(), and between which heights it lies.
+  // A facet's number in facets(), and the heights of its lowest and highest vertex.
   struct Candidate {
     float low, high;
     std::uint32_t facet;
@@ -65,15 +65,15 @@ class HeightIndex {
     }
   }
 
-  // The same for a range of heights: runs that hold every facet with a point from `low` to `high`, flat ones
-  // included, and some that have none. REQUIRES: low <= high.
+  // Calls visit(span of candidates) for runs that hold every facet with a point from `low` to `high`,
+  // including flat ones, and some without such a point. REQUIRES: low <= high.
   template <typename Visit>
   void for_each_candidate_run(double low, double high, Visit&& visit) const {
     expects(low <= high, "the range begins at or below its end");
     if (!(high >= bounds_.min_z && low <= bounds_.max_z)) return;
     if (levels_.empty() && !candidates_.empty()) visit(std::span<const Candidate>(candidates_));
     for (const Level& level : levels_) {
-      // Their lowest vertices lie less than a cell below the range, or in it.
+      // The lowest vertices of these facets lie less than a cell below the range, or in it.
       const std::size_t lowest = cell_of(std::max(low, bounds_.min_z), level);
       const std::size_t first = level.first_cell + (lowest > 0 ? lowest - 1 : 0);
       const std::size_t last = level.first_cell + cell_of(std::min(high, bounds_.max_z), level);

@@ -1,4 +1,4 @@
-// What is right and wrong with a model's mesh. Thread-safe (no shared state).
+// A report of what is right and wrong with a model's mesh. Thread-safe (no shared state).
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace contourd {
 
-// Two vertices are the same when their coordinates are equal, bit for bit (-0 and 0 alike). Edge figures
-// leave out degenerate facets.
+// Two vertices are the same if their coordinates are equal, bit for bit (-0 and 0 alike). Edge figures leave
+// out degenerate facets.
 struct MeshReport {
   std::uint64_t facets = 0;
   Bounds bounds;
-  double volume_mm3 = 0;                 // signed: negative when the facets face inwards
-  bool inside_out = false;               // so that a print turns them
+  double volume_mm3 = 0;                 // signed: negative if the facets face inwards
+  bool inside_out = false;               // a print turns the facets
   std::uint64_t degenerate_facets = 0;   // two equal vertices
   std::uint64_t zero_area_facets = 0;    // degenerate ones included
   std::uint64_t duplicate_facets = 0;    // facets over the same three vertices as an earlier one
@@ -26,7 +26,7 @@ struct MeshReport {
   bool watertight = false;
 };
 
-// Takes time and memory in proportion to the number of facets (about 100 bytes each).
+// Inspects a mesh. Takes time and memory in proportion to the number of facets (about 100 bytes each).
 [[nodiscard]] MeshReport inspect_mesh(std::span<const Facet> facets);
 
 }  // namespace contourd

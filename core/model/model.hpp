@@ -1,4 +1,4 @@
-// A model, whatever file it came from.
+// A model, whatever file format it was read from.
 #pragma once
 
 #include <stdexcept>
@@ -14,7 +14,7 @@ struct Model {
   std::vector<std::string> warnings;  // oddities that do not change the shape, one sentence each
 };
 
-// The data is not a usable model. what() is one sentence: what, where (byte or line), why.
+// Thrown if data is not a usable model. what() is one sentence: what, where (byte or line), why.
 class ModelError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -34,7 +34,7 @@ Matrix turn_about_axes(const Orientation& orientation) {
   return multiply(about_z, multiply(about_y, about_x));
 }
 
-// Without over- or underflow, whatever the length.
+// Returns the vector of length 1 in this direction, without over- or underflow.
 Direction unit_vector(Direction n) {
   const double largest = std::max({std::fabs(n.x), std::fabs(n.y), std::fabs(n.z)});
   n = {n.x / largest, n.y / largest, n.z / largest};
@@ -42,15 +42,15 @@ Direction unit_vector(Direction n) {
   return {n.x / length, n.y / length, n.z / length};
 }
 
-// The shortest rotation that takes the unit vector n to (0, 0, 1), by Rodrigues' formula: about
-// v = n x (0, 0, 1), R = I + [v] + [v]^2 (1 - n.z) / |v|^2. Only + - * / and the square root, which every
+// Returns the shortest rotation that takes the unit vector n to (0, 0, 1), by Rodrigues' formula: about v = n
+// x (0, 0, 1), R = I + [v] + [v]^2 (1 - n.z) / |v|^2. Uses only + - * / and the square root, which every
 // machine rounds alike.
 Matrix turn_upwards(const Direction& direction) {
   const Direction n = unit_vector(direction);
   const double across = std::max(std::fabs(n.x), std::fabs(n.y));
   if (across == 0.0)
     return n.z > 0 ? Matrix{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}} : Matrix{{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
-  // Of v's direction only: |v|^2 itself may be too small for a double.
+  // Only v's direction is used: |v|^2 itself may be too small for a double.
   const double x = n.x / across, y = n.y / across;
   const double k = (1 - n.z) / (x * x + y * y);
   return {{{1 - x * x * k, -x * y * k, -n.x}, {-x * y * k, 1 - y * y * k, -n.y}, {n.x, n.y, n.z}}};

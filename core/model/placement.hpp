@@ -8,8 +8,8 @@
 
 namespace contourd {
 
-// A direction in a model's own coordinates: the thesis's slicing normal n (section 3.3.2). Of any length but
-// 0.
+// A direction in a model's own coordinates: the thesis's slicing normal n (section 3.3.2). It may have any
+// length but 0.
 struct Direction {
   double x = 0, y = 0, z = 1;
   bool operator==(const Direction&) const = default;
@@ -30,13 +30,13 @@ struct Scale {
   double x = 1, y = 1, z = 1;
 };
 
-// A rotation, then the scale factors.
+// A rotation, followed by scaling.
 struct Orientation {
   // Degrees about the fixed axes x, then y, then z (right-handed).
   double x_deg = 0, y_deg = 0, z_deg = 0;
   Scale scale{};
-  // Instead of the angles, which do not count then: this direction of the model comes to point up, by the
-  // shortest way; straight down by half a turn about x.
+  // The direction of the model that comes to point up by the shortest rotation; for straight down, half a
+  // turn about x. If set, the angles are ignored.
   std::optional<Direction> up{};
 
   [[nodiscard]] bool is_identity() const {
@@ -48,13 +48,14 @@ struct Orientation {
 struct PlateAxes {
   Direction right, back, up;
 };
-// When that direction comes to point up, as `Orientation::up` says. REQUIRES: finite and not zero.
+// Returns the plate's axes for a model that is rotated as by `Orientation::up`. REQUIRES: the direction is
+// finite and not zero.
 [[nodiscard]] PlateAxes axes_with_up(const Direction& up);
 
-// Applies it to every vertex, in double, rounded to float once. Equal vertices stay equal, so closed models
-// stay closed. Quarter turns are exact, and so are directions along an axis. A direction gives the same bits
-// on every machine. Coordinates must stay within float's range (the caller checks bounds and scale).
-// REQUIRES: `up` is finite and not zero.
+// Applies the orientation to every vertex, in double, rounded to float once. Equal vertices stay equal, so
+// closed models stay closed. Quarter turns are exact, and so are directions along an axis. A direction gives
+// the same bits on every machine. Coordinates must stay within float's range (the caller checks bounds and
+// scale). REQUIRES: `up` is finite and not zero.
 void orient(std::span<Facet> facets, const Orientation& orientation);
 
 }  // namespace contourd

@@ -8,8 +8,8 @@
 namespace contourd {
 namespace {
 
-// The Taylor series up to pi / 4, where the first term left out (x^19 / 19! and x^18 / 18!) is below 3e-18.
-// Only additions, multiplications and divisions, each of which IEEE 754 fixes to the bit.
+// The Taylor series for x up to pi / 4, where the first term left out (x^19 / 19! and x^18 / 18!) is below
+// 3e-18. Uses only additions, multiplications and divisions, each of which IEEE 754 fixes to the bit.
 double sine_of(double x) {
   const double x2 = x * x;
   double sum = 0;
@@ -23,7 +23,7 @@ double cosine_of(double x) {
   double sum = 0;
   for (int n = 15; n >= 3; n -= 2)
     sum = x2 / -(n * (n + 1)) * (1 + sum);
-  // 1 - x^2 / 2 rounds; what it rounds off is added with the rest.
+  // 1 - x^2 / 2 is rounded; the rounding error is added with the rest.
   const double half = x2 / 2;
   const double rounded = 1 - half;
   return rounded + (((1 - rounded) - half) - half * sum);
@@ -33,7 +33,7 @@ double cosine_of(double x) {
 
 SineCosine sine_cosine(double degrees) {
   expects(std::isfinite(degrees), "the angle is finite");
-  // Remainders are exact. What is left lies within an eighth of a turn on either side of a quarter turn.
+  // std::remainder() is exact. `rest` lies within an eighth of a turn on either side of a quarter turn.
   const double turned = std::remainder(degrees, 360.0);
   const double rest = std::remainder(turned, 90.0);
   const int quarters = static_cast<int>((turned - rest) / 90.0);

@@ -1,4 +1,4 @@
-// A model and how high it stands. A value; thread-safe as any value is.
+// A model and its height above the plate. A value; thread-safe as any value is.
 #pragma once
 
 #include <memory>
@@ -12,9 +12,9 @@ struct StandingModel {
   std::shared_ptr<const HeightIndex> model;  // never null
   Elevation elevation{};
 
-  // Where the plane at a height above the plate cuts the model.
+  // Returns the model's z at a height above the plate.
   [[nodiscard]] Millimeters z_at(Nanometers height) const { return elevation.z_at(height, model->bounds()); }
-  // Of its highest point, above the plate.
+  // Returns the height of the model's highest point above the plate.
   [[nodiscard]] Millimeters top() const { return elevation.top(model->bounds()); }
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kCosLeastApart = 0.99863;  // 3 degrees
 
-// Facets whose normals are alike are taken for one face: so fine a grid of normals, a cell of some 2 degrees.
+// Facets whose normals lie in the same cell of this grid, some 2 degrees wide, are taken for one face.
 constexpr int kNormalCells = 32;
 constexpr std::size_t kCellsAlong = 2 * kNormalCells + 1;
 
@@ -33,7 +33,8 @@ Direction scaled(const Direction& v, double factor) {
   return {v.x * factor, v.y * factor, v.z * factor};
 }
 
-// The areas of flat faces, the largest first. What curves spreads over many, each of them small.
+// Returns the areas of flat faces, largest first. A curved surface is spread over many cells, each with a
+// small area.
 std::vector<Direction> flat_faces(std::span<const Facet> facets) {
   std::vector<Direction> cells(kCellsAlong * kCellsAlong * kCellsAlong, Direction{0, 0, 0});
   for (const Facet& facet : facets) {
@@ -48,7 +49,7 @@ std::vector<Direction> flat_faces(std::span<const Facet> facets) {
   return cells;
 }
 
-// On a spiral from pole to pole, each the golden angle further round than the one before.
+// Adds directions on a spiral from pole to pole, each the golden angle further round than the previous one.
 void add_spread(std::vector<Direction>& directions) {
   constexpr double kGoldenAngleDeg = 137.50776405003785;
   for (std::size_t i = 0; i < kSpreadDirections; ++i) {

@@ -1,5 +1,5 @@
-// Which directions of a model are tried as the one that points up. Pure function, thread-safe; the same on
-// every machine.
+// The directions of a model that are tried as the one that points up. Pure function, thread-safe; the same
+// directions on every machine.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,12 @@
 
 namespace contourd {
 
-// As drawn, (0, 0, 1), comes first; then the other axes both ways; then what puts one of the model's largest
-// flat faces on the plate, the largest first; then so many that are spread evenly over all directions. Each
-// of length 1, and at least 3 degrees from those before it.
+// Limits on the directions that put a face on the plate, on the evenly spread ones, and on all together.
 inline constexpr std::size_t kMostFaceDirections = 16, kSpreadDirections = 200;
 inline constexpr std::size_t kMostDirections = 6 + kMostFaceDirections + kSpreadDirections;
+// Returns the directions to try, each of length 1 and at least 3 degrees from the earlier ones: first (0, 0,
+// 1), as drawn; then the other axes both ways; then the directions that put one of the model's largest flat
+// faces on the plate, largest first; then directions that are spread evenly over the sphere.
 [[nodiscard]] std::vector<Direction> candidate_directions(std::span<const Facet> facets);
 
 }  // namespace contourd

@@ -1,5 +1,5 @@
-// A facet's area as a vector, and what is reckoned with such. Pure functions, thread-safe; only + - * and the
-// square root, which every machine rounds alike.
+// A facet's area as a vector, and calculations with such vectors. Pure functions, thread-safe; only + - * and
+// the square root, which every machine rounds alike.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace contourd {
   return std::sqrt(dot(v, v));
 }
 
-// Along its normal, as long as its area in mm2.
+// Returns a vector along the facet's normal, as long as the facet's area in mm2.
 [[nodiscard]] inline Direction area_of(const Facet& facet) {
   const auto& [a, b, c] = facet.vertices;
   const double ax = a.x, ay = a.y, az = a.z;

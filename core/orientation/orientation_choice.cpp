@@ -14,11 +14,11 @@ namespace contourd {
 namespace {
 
 constexpr Direction kAsDrawn{0, 0, 1};
-// By so much of all weights another direction must be better for a model to be turned.
+// A model is turned only if another direction is better by this part of the sum of all weights.
 constexpr double kWorthTurning = 0.05;
 
-// The worst of all directions tried, by which figures are made comparable; at least so much, or a single
-// contact would decide.
+// The worst figures of all directions tried, which make figures comparable. The initial values are minimums:
+// without them a single contact would decide.
 struct Worst {
   double contacts = 4, support_mm3 = 20, largest_mm2 = 1, height_mm = 1, touched_mm2 = 1;
 
@@ -31,7 +31,8 @@ struct Worst {
   }
 };
 
-// Of supports the root: from none to a few it is farther than from many to some more.
+// Returns the score: the weighted sum of the figures. The square root is taken of the support figures,
+// because the step from none to a few matters more than the step from many to some more.
 double score_of(const OrientationFigures& figures, const OrientationWeights& weights, const Worst& worst) {
   return weights.support * std::sqrt(figures.support_mm3 / worst.support_mm3) +
          weights.contacts * std::sqrt(figures.contacts / worst.contacts) +
@@ -40,8 +41,8 @@ double score_of(const OrientationFigures& figures, const OrientationWeights& wei
          weights.keep_clean * figures.touched_mm2 / worst.touched_mm2;
 }
 
-// Those that fit first, the best of them first; as they come where they are alike. Areas may be beyond all
-// numbers: such a score is none.
+// Sorts the directions: those that fit first, best first; equal ones keep their order. Areas may overflow: a
+// score that is not finite is replaced by the largest number.
 void rank(std::vector<OrientationFigures>& rated, const OrientationWeights& weights, const Worst& worst) {
   for (OrientationFigures& figures : rated)
     if (figures.score = score_of(figures, weights, worst); !std::isfinite(figures.score))
@@ -51,7 +52,7 @@ void rank(std::vector<OrientationFigures>& rated, const OrientationWeights& weig
   });
 }
 
-// Moves what is to be printed to the front.
+// Moves the direction to be printed to the front.
 void choose(std::vector<OrientationFigures>& ranked, const OrientationWeights& weights) {
   const auto drawn = std::ranges::find(ranked, kAsDrawn, &OrientationFigures::up);
   const double all = weights.support + weights.contacts + weights.peel + weights.height + weights.standing;
@@ -91,7 +92,7 @@ class Choosing {
  private:
   [[nodiscard]] RatedMesh::Making making(std::span<const Facet> facets) const {
     const Scale& scale = request_.scale;
-    // In the model's own millimetres.
+    // Converted to the model's own millimetres.
     const double cell_mm = kContactCellMm / std::max({scale.x, scale.y, scale.z});
     return {
         .facets = facets, .inside_out = inside_out_, .cell_mm = cell_mm, .keep_clean = request_.keep_clean};
@@ -116,7 +117,8 @@ class Choosing {
     return rated;
   }
 
-  // The best by the sample, and as drawn. If none of them fits by all its facets, more, until one does.
+  // Rates the best directions by the sample, and as drawn, by all facets. If none of them fits, rates more
+  // until one does.
   std::vector<OrientationFigures> rate_finalists(std::span<const OrientationFigures> sampled) {
     const RatedMesh mesh(making(facets_));
     OrientationRating rating(mesh, request_, OrientationRating::Mesh::Whole);

@@ -1,4 +1,5 @@
-// How a model prints with one of its directions up, as far as its facets tell. Values; thread-safe.
+// Figures that say how well a model prints with a given direction up, as far as its facets show. Values;
+// thread-safe.
 #pragma once
 
 #include <optional>
@@ -11,40 +12,41 @@
 
 namespace contourd {
 
-// What to keep free of supports and of the plate, in the model's own coordinates: what looks within 45
-// degrees of a direction, or what lies in a box.
+// A box in the model's own coordinates.
 struct KeepCleanBox {
-  Direction least{0, 0, 0}, most{0, 0, 0};  // both corners belong to it
+  Direction least{0, 0, 0}, most{0, 0, 0};  // opposite corners, inclusive
   bool operator==(const KeepCleanBox&) const = default;
 };
+// A part of the model's surface to keep free of supports and of the plate: the facets that face within 45
+// degrees of a direction, or the facets in a box. In the model's own coordinates.
 using KeepClean = std::variant<Direction, KeepCleanBox>;
 
-// Of what the machine can print.
+// The size of the machine's build volume.
 struct BuildSize {
   Millimeters width, depth, height;
   bool operator==(const BuildSize&) const = default;
 };
 
 struct OrientationRequest {
-  Scale scale{};                     // as it is printed, along the plate's axes
-  std::optional<BuildSize> build{};  // nothing: whatever it is turned to, it fits
-  Millimeters lift{};                // how high it is held that does not stand by itself
-  Millimeters bridge{1.5};           // how far a layer reaches out beyond what carries it
+  Scale scale{};                     // as printed, along the plate's axes
+  std::optional<BuildSize> build{};  // nullopt: the model fits whichever way it is turned
+  Millimeters lift{};                // height above the plate of a model that cannot stand by itself
+  Millimeters bridge{1.5};           // how far a layer can reach out beyond the surface that carries it
   std::vector<KeepClean> keep_clean{};
   OrientationWeights weights{};
 };
 
 struct OrientationFigures {
-  Direction up;             // of length 1
-  double score = 0;         // less is better
-  double contacts = 0;      // where it is to be held, about
-  double support_mm3 = 0;   // of pillars to there, about
-  double overhang_mm2 = 0;  // of what hangs over beyond 45 degrees and is to be held, seen from above
-  double largest_mm2 = 0;   // the largest section, of so many heights
-  double standing_mm2 = 0;  // of faces that lie flat on the plate
-  double touched_mm2 = 0;   // of what is to be kept free
+  Direction up;             // unit vector
+  double score = 0;         // lower is better
+  double contacts = 0;      // approximate number of contacts with supports
+  double support_mm3 = 0;   // approximate volume of the supports
+  double overhang_mm2 = 0;  // overhangs beyond 45 degrees that need support, seen from above
+  double largest_mm2 = 0;   // the largest of the sections that were calculated
+  double standing_mm2 = 0;  // faces that lie flat on the plate
+  double touched_mm2 = 0;   // surfaces to be kept clean that supports or the plate touch
   double size_x_mm = 0, size_y_mm = 0, size_z_mm = 0;
-  bool stands = false;  // such a face holds it
+  bool stands = false;  // faces flat on the plate hold the model
   bool fits = true;
   bool operator==(const OrientationFigures&) const = default;
 };

@@ -9,15 +9,16 @@
 namespace contourd {
 namespace {
 
-// Sines of how far a facet looks down: it hangs over beyond 45 degrees, by more than rounding; it lies flat
-// within 5 degrees.
+// Sines of how far a facet looks down: beyond 45 degrees, by more than rounding, it hangs over; within 5
+// degrees of straight down it lies flat.
 constexpr double kHangs = 0.7085, kLiesFlat = 0.9962;
-// What lies so near to the lowest point lies on the plate: a layer.
+// A vertex this near to the lowest point lies on the plate: a layer.
 constexpr double kOnPlateMm = 0.05;
-// A face on the plate holds so many times its area when it is peeled off: a tip holds 88 times its own
-// (PrusaSlicer's figure), with long exposures the plate no less; a quarter of that, for what leans.
+// A face on the plate holds this many times its area during peeling. A support tip holds 88 times its own
+// area (PrusaSlicer's figure), and the plate, with its long exposures, no less; the factor is a quarter of
+// that, for models that lean.
 constexpr double kPlateHolds = 20, kLeastStandingMm2 = 1;
-// A pillar's section and its foot's volume beyond that, by PrusaSlicer's diameters of 1 and 4 mm.
+// A pillar's section and the extra volume of its foot, by PrusaSlicer's diameters of 1 and 4 mm.
 constexpr double kPillarMm2 = 0.785398, kFootMm3 = 4.7;
 
 }  // namespace
@@ -64,7 +65,7 @@ OrientationFigures OrientationRating::rate(const Direction& up) {
   add_supports(figures.stands, figures);
   if (request_.build) {
     const double lift = figures.stands ? 0 : request_.lift.count();
-    // A thousandth of a millimetre: the rounding of float coordinates.
+    // A thousandth of a millimetre allows for the rounding of float coordinates.
     const auto fits = [](double size, Millimeters room) { return size <= room.count() + 1e-3; };
     figures.fits = fits(figures.size_x_mm, request_.build->width) &&
                    fits(figures.size_y_mm, request_.build->depth) &&
@@ -129,8 +130,9 @@ void OrientationRating::hang(const RatedMesh::Side& side, double area, Orientati
   cell.moment += area * (heights_[a] + heights_[b] + heights_[c]) / 3;
 }
 
-// By Gauss' theorem: the area of a section is what the facets above it have in area, seen from above, those
-// that look up less those that look down. Of a facet that is cut counts what is above the cut.
+// Adds a facet to the sections. By Gauss' theorem the area of a section is the area, seen from above, of the
+// facets above it: those that look up minus those that look down. Of a facet that is cut, the part above the
+// cut counts.
 void OrientationRating::add_to_sections(const RatedMesh::Side& side, double upwards) {
   double a = heights_[side.corners[0]], b = heights_[side.corners[1]], c = heights_[side.corners[2]];
   if (a > b) std::swap(a, b);
@@ -161,7 +163,8 @@ double OrientationRating::largest_section() const {
   return largest;
 }
 
-// What does not hang over carries what begins at its upper end.
+// Sets the reach to 0 at the upper ends of facets that do not hang over: they carry the overhangs that begin
+// there.
 void OrientationRating::find_carried(const Direction& up, bool stands) {
   std::ranges::fill(reach_, HUGE_VAL);
   for (const RatedMesh::Side& side : mesh_.sides()) {
@@ -176,7 +179,8 @@ void OrientationRating::find_carried(const Direction& up, bool stands) {
     if (heights_[v] <= kOnPlateMm) reach_[v] = 0;
 }
 
-// From vertex to vertex along what hangs over: forth and back, which reaches nearly as far as there is.
+// Extends the reach from vertex to vertex along overhanging facets. It goes forwards and backwards through
+// them, which comes close to the shortest distances.
 void OrientationRating::reach_out() {
   constexpr int kPasses = 4;
   const std::span<const RatedMesh::Side> sides = mesh_.sides();
@@ -186,20 +190,20 @@ void OrientationRating::reach_out() {
       for (std::size_t corner = 0; corner < 3; ++corner) {
         double &from = reach_[corners[corner]], &to = reach_[corners[(corner + 1) % 3]];
         if (from == to) continue;
-        const double way = apart(corners[corner], corners[(corner + 1) % 3]);
-        to = std::min(to, from + way);
-        from = std::min(from, to + way);
+        const double distance = apart(corners[corner], corners[(corner + 1) % 3]);
+        to = std::min(to, from + distance);
+        from = std::min(from, to + distance);
       }
     }
   }
 }
 
-// Its middle is within what can be bridged: from a corner, or across from an edge.
+// True if the facet's middle can be bridged: from a corner, or across from an edge.
 bool OrientationRating::is_carried(const RatedMesh::Side& side) const {
   const double bridge = request_.bridge.count();
   const auto [a, b, c] = side.corners;
   const double ab = apart(a, b), bc = apart(b, c), ca = apart(c, a);
-  // A corner's way to the middle is two thirds of the median, the middle's to an edge a third of the height.
+  // The middle is two thirds of the median from a corner, and a third of the height from an edge.
   const auto median = [](double left, double right, double across) {
     return std::sqrt(std::max(0.0, 2 * left * left + 2 * right * right - across * across)) / 2;
   };
@@ -221,8 +225,8 @@ double OrientationRating::apart(std::uint32_t a, std::uint32_t b) const {
   return std::sqrt(std::max(0.0, x * x + y * y + z * z - up * up) * plan_);
 }
 
-// A vertex that no facet joins to a lower one; of those at one height, one of them. Where its facets look
-// down the model begins there; where they look up it is the bottom of a pit.
+// Finds the vertices that no facet joins to a lower one; of several at one height, one counts. If the
+// vertex's facets look down, the model begins there; if they look up, it is the bottom of a pit.
 void OrientationRating::find_lowest(const Direction& up, bool stands) {
   std::ranges::fill(downwards_, 0.0);
   const auto lower = [this](std::uint32_t v, std::uint32_t other) {

@@ -1,5 +1,5 @@
-// Rates directions of a model straight from its facets: no section is cut. Not thread-safe: holds what it
-// works with. Deterministic: the same figures on every machine.
+// Rates directions of a model from its facets alone, without cutting sections. Not thread-safe: an object
+// holds its working memory. Deterministic: the same figures on every machine.
 #pragma once
 
 #include <array>
@@ -11,29 +11,30 @@
 
 namespace contourd {
 
-// What a contact is taken to hold where a surface hangs over, and how thick what it stands on is: as
-// PrusaSlicer has them by default (its PrintConfig.cpp), and so wide a grid that a cell holds about one.
+// The area of an overhang that one contact is taken to hold, as PrusaSlicer has it by default (its
+// PrintConfig.cpp), and the size of a grid cell that holds about one contact.
 inline constexpr double kContactHoldsMm2 = 11.1, kContactCellMm = 3.3;
 
 class OrientationRating {
  public:
-  // Of a whole model, what hangs over is followed from what carries it, as far as that reaches; and where it
-  // begins on nothing a contact is needed, however small that is. A sample's facets are not joined: of them,
-  // all that hangs over counts, and no more. Both must outlive the rating.
+  // In a whole model, overhangs are followed from the surfaces that carry them, as far as those reach; and a
+  // part that begins on nothing needs a contact, however small the part is. A sample's facets are not
+  // connected: all of their overhangs count, and nothing else does. `mesh` and `request` must outlive the
+  // rating.
   enum class Mesh { Sample, Whole };
   OrientationRating(const RatedMesh& mesh, const OrientationRequest& request, Mesh kind);
 
-  // All but the score. REQUIRES: a direction that is finite and not zero.
+  // Returns all figures but the score. REQUIRES: the direction is finite and not zero.
   [[nodiscard]] OrientationFigures rate(const Direction& up);
 
-  // Facets looked at so far, and heights of those that span several.
+  // Returns the work done so far: facets looked at, and heights of facets that span several heights.
   [[nodiscard]] std::uint64_t steps() const { return steps_; }
 
  private:
-  // Sections are looked at in so many parts of the height, at the heights between them.
+  // The model's height is divided into this many parts; sections are calculated at the heights between them.
   static constexpr std::size_t kParts = 128;
   struct Cell {
-    double area = 0, moment = 0;  // of what hangs over in it: seen from above; times its height
+    double area = 0, moment = 0;  // overhangs in the cell: area seen from above; area times height
     double lowest = -1;           // height of a point with nothing under it; below 0: none
   };
 
@@ -53,14 +54,14 @@ class OrientationRating {
   const RatedMesh& mesh_;
   const OrientationRequest& request_;
   Mesh kind_;
-  double plan_ = 1;                // by how much an area is larger as it is printed, seen from above
-  std::vector<double> heights_;    // by vertex, above the lowest one; as it is printed
-  std::vector<double> reach_;      // by vertex: from what carries it, seen from above, in mm
+  double plan_ = 1;              // factor by which scaling enlarges an area seen from above
+  std::vector<double> heights_;  // by vertex: height above the lowest vertex, as printed
+  std::vector<double> reach_;  // by vertex: distance from the surface that carries it, seen from above, in mm
   std::vector<double> downwards_;  // by vertex: see find_lowest()
   std::vector<Cell> cells_;
   std::vector<std::uint32_t> on_plate_, hanging_;  // sides
-  std::array<double, kParts + 1> whole_{};         // added to every section below a height
-  std::array<double, kParts + 1> cut_{};           // and at one
+  std::array<double, kParts + 1> whole_{};         // area added to every section below a height
+  std::array<double, kParts + 1> cut_{};           // area added to the section at a height
   double parts_per_mm_ = 0;
   std::uint64_t steps_ = 0;
 };

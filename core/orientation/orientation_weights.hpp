@@ -1,4 +1,4 @@
-// What counts how much when it is chosen which way up a model prints. Values; thread-safe.
+// Weights for choosing which way up a model prints best. Values; thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -7,28 +7,29 @@
 
 namespace contourd {
 
-// Each is for a figure that is as bad as the worst of all directions tried; 0: it does not count.
+// Each weight is for a figure that is as bad as the worst of all directions tried; 0: the figure does not
+// count.
 struct OrientationWeights {
   double support = 1;     // volume of the supports
   double contacts = 4;    // places where supports meet the model
   double peel = 0.75;     // the largest area that is peeled off at once
-  double height = 0.5;    // and so the time
-  double standing = 0.5;  // where it does not stand on a face of its own
-  double keep_clean = 8;  // surfaces to be kept free that are touched all the same
+  double height = 0.5;    // height of the print, which sets its time
+  double standing = 0.5;  // penalty for a model that does not stand on a face of its own
+  double keep_clean = 8;  // surfaces to be kept clean that are touched all the same
   bool operator==(const OrientationWeights&) const = default;
 };
 
 enum class OrientationPreset : std::uint8_t {
-  Auto,   // by the resin's weights
-  Fast,   // low: few layers
+  Auto,   // the resin's weights
+  Fast,   // low, with few layers
   Clean,  // few contacts
-  Safe,   // little peel, standing by itself
+  Safe,   // little peel force, standing by itself
 };
-// "auto", "fast", "clean", "safe".
+// Returns "auto", "fast", "clean" or "safe".
 [[nodiscard]] std::string_view name_of(OrientationPreset preset);
-// Nothing for another word.
+// Returns the preset of this name; nullopt for any other word.
 [[nodiscard]] std::optional<OrientationPreset> orientation_preset(std::string_view word);
-// `own` are the resin's.
+// Returns the weights of a preset; `own` are the resin's weights.
 [[nodiscard]] OrientationWeights weights_of(OrientationPreset preset, const OrientationWeights& own);
 
 }  // namespace contourd

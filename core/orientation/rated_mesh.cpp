@@ -35,12 +35,12 @@ bool is_kept(std::span<const KeepClean> keep_clean, const Facet& facet, const Di
 }  // namespace
 
 FacetSample sample_of(std::span<const Facet> facets, std::size_t most) {
-  expects(most > 0, "the sample may hold a facet");
+  expects(most > 0, "the sample may hold at least one facet");
   double surface = 0;
   for (const Facet& facet : facets)
     surface += length_of(area_of(facet));
   FacetSample sample;
-  // Walking adds in the same order: the last part is full, but for rounding, at the end.
+  // Walking adds the areas in the same order: but for rounding, the last part is full at the end.
   const double part = surface / static_cast<double>(most);
   if (!(part > 0)) return sample;
   double walked = 0, full = 0;
@@ -58,7 +58,7 @@ FacetSample sample_of(std::span<const Facet> facets, std::size_t most) {
 
 RatedMesh::RatedMesh(const Making& making) {
   expects(making.weights.empty() || making.weights.size() == making.facets.size(),
-          "each facet has its weight");
+          "there is a weight for each facet, or for none");
   expects(making.cell_mm > 0, "cells have a size");
   const std::vector<Corners> corners = number_vertices(making.facets);
   sides_.reserve(corners.size());
@@ -77,8 +77,7 @@ RatedMesh::RatedMesh(const Making& making) {
 }
 
 void RatedMesh::number_cells(double cell_mm) {
-  // Cells far from the origin share a number with others after 2^21 of them: no more than two places that
-  // count as one.
+  // Cell coordinates repeat after 2^21 cells: at worst, two places far from each other count as one.
   const auto along = [cell_mm](float coordinate) {
     const double cell = std::floor(coordinate / cell_mm);
     return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::clamp(cell, -1e15, 1e15))) & 0x1FFFFFU;

@@ -1,5 +1,5 @@
-// A model's facets as directions are rated by: every vertex once, facets' areas as vectors, and what belongs
-// together. Immutable once built; thread-safe.
+// A model's facets in the form in which directions are rated: every vertex once, facets' areas as vectors,
+// and vertices grouped by cells. Immutable once built; thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -13,31 +13,31 @@
 
 namespace contourd {
 
-// Facets that stand for a model's: each with how many times its own area.
+// Facets that represent a whole model: each weight is the number of times that the facet's own area counts.
 struct FacetSample {
   std::vector<Facet> facets;
   std::vector<double> weights;
 };
-// At most `most` of them, each for as large a part of the surface, and all that are larger than such a part:
-// the model's surface is walked along, and where a part of it is full, the facet that fills it is taken.
+// Takes a sample of at most `most` facets, each for an equal part of the surface, including all facets that
+// are larger than such a part: walks along the model's surface, and takes the facet that completes a part.
 // REQUIRES: most > 0.
 [[nodiscard]] FacetSample sample_of(std::span<const Facet> facets, std::size_t most);
 
 class RatedMesh {
  public:
-  // A facet.
+  // A facet as it is rated.
   struct Side {
     Corners corners;  // numbers of vertices
-    float x, y, z;    // outwards, as long as its area in mm2
-    float size;       // that length
+    float x, y, z;    // vector outwards, as long as the area in mm2
+    float size;       // the area in mm2
     bool keep_clean = false;
 
-    // Of its area, seen along a direction of length 1; below 0 where it looks the other way.
+    // Returns the area seen along a direction of length 1; below 0 if the facet looks the other way.
     [[nodiscard]] double along(const Direction& up) const { return up.x * x + up.y * y + up.z * z; }
   };
 
-  // `weights` by facet, or none: each counts once. `inside_out`: the facets face inwards. `cell_mm`: see
-  // cell_of().
+  // `weights`: by facet; if empty, each facet counts once. `inside_out`: the facets face inwards. `cell_mm`:
+  // the size of the cubes of cell_of().
   struct Making {
     std::span<const Facet> facets;
     std::span<const double> weights{};
@@ -45,12 +45,12 @@ class RatedMesh {
     double cell_mm = 1;
     std::span<const KeepClean> keep_clean{};
   };
-  // Takes 60 bytes a facet. REQUIRES: a weight for each facet if there are any; cell_mm > 0.
+  // Builds the mesh; takes 60 bytes a facet. REQUIRES: a weight for each facet if there are any; cell_mm > 0.
   explicit RatedMesh(const Making& making);
 
   [[nodiscard]] std::span<const Vertex> vertices() const { return vertices_; }
   [[nodiscard]] std::span<const Side> sides() const { return sides_; }
-  // In which cube a vertex lies, of a grid of such cubes; those with vertices are numbered from 0.
+  // Returns the cube that a vertex lies in, of a grid of cubes; cubes with vertices are numbered from 0.
   [[nodiscard]] std::uint32_t cell_of(std::uint32_t vertex) const { return cells_[vertex]; }
   [[nodiscard]] std::uint32_t cells() const { return cell_count_; }
 

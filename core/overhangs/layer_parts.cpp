@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
-// Of pixels that touch by sides; a part of fewer hangs on by a corner.
+// Two groups of pixels that touch only by a corner are joined if one of them has fewer pixels than this.
 constexpr std::int64_t kFewestBesideCorner = 10;
 
 }  // namespace
 
 void LayerParts::add_layer(const MaskRuns& lit, const MaskRuns& beneath) {
   expects(lit.rows() == beneath.rows() && beneath.runs().size() == part_of_run_.size(),
-          "the layer beneath is the one before, of the same size");
+          "the layer beneath is the previous one and has the same size");
   std::swap(parts_, parts_beneath_);
   std::swap(part_of_run_, part_of_run_beneath_);
   const auto runs = static_cast<std::uint32_t>(lit.runs().size());
@@ -72,11 +72,12 @@ void LayerParts::join_runs(const RunPair& pair) {
   run_parent_[std::max(a, b)] = std::min(a, b);
 }
 
-// Those that touch by a corner alone are noted.
+// Joins runs of this row and the row above that touch by a side, and notes the pairs that touch only by a
+// corner.
 void LayerParts::join_by_sides(const MaskRuns& lit, std::int32_t row) {
   const std::span<const PixelRun> above = lit.in_row(row - 1), here = lit.in_row(row);
   const std::uint32_t first_above = lit.first_in_row(row - 1), first_here = lit.first_in_row(row);
-  // One column's reach: pixels that touch by a corner.
+  // A reach of one column includes pixels that touch by a corner.
   for_each_meeting(above, here, 1, [&](std::size_t i, std::size_t j) {
     const RunPair pair{first_above + static_cast<std::uint32_t>(i),
                        first_here + static_cast<std::uint32_t>(j)};
@@ -90,7 +91,7 @@ void LayerParts::join_by_sides(const MaskRuns& lit, std::int32_t row) {
 
 void LayerParts::join_by_corners(const MaskRuns& lit) {
   const auto runs = static_cast<std::uint32_t>(lit.runs().size());
-  // Of what touches by sides, by its root: the first of its runs.
+  // Pixels of each group of runs that touch by sides, indexed by the group's first run.
   side_pixels_.assign(runs, 0);
   for (std::uint32_t run = 0; run < runs; ++run)
     side_pixels_[root_of(run)] += lit.runs()[run].end - lit.runs()[run].first;
@@ -98,7 +99,7 @@ void LayerParts::join_by_corners(const MaskRuns& lit) {
     return std::min(side_pixels_[root_of(corner.above)], side_pixels_[root_of(corner.here)]) <
            kFewestBesideCorner;
   };
-  // All are judged before any is joined: their order does not matter.
+  // All pairs are judged before any is joined, so their order does not matter.
   std::erase_if(corners_, [&](const RunPair& corner) { return !hangs_on(corner); });
   for (const RunPair& corner : corners_)
     join_runs(corner);

@@ -1,6 +1,6 @@
-// A sweep's layers as connected parts, and the bodies that these grow into: parts that touch from layer to
-// layer are one body. What begins with nothing under it is a new one; where two meet they are one from then
-// on. Keeps its memory between layers: allocates only while they grow. Not thread-safe.
+// The connected parts of each layer of a sweep, and the bodies that they grow into. Parts that touch from
+// layer to layer belong to the same body. A part with nothing under it begins a new body; where two bodies
+// meet, they become one. Keeps its memory between layers: allocates only while they grow. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -12,41 +12,43 @@
 
 namespace contourd {
 
-// Its pixels touch by sides. By a corner hangs only what has few pixels, since one more grey value may be the
-// gap: a pixel is lit here where its centre is, and cures from half the light on.
+// A group of lit pixels that touch by sides. Groups that touch only by a corner are one part if one of them
+// has few pixels: a pixel is lit here if its centre is covered, but resin cures from half the light on, so
+// the gap may be just one more grey value.
 struct LayerPart {
   std::uint32_t body = 0;
   std::int64_t pixels = 0;
-  std::int64_t carried = 0;  // of them, over lit ones of the layer beneath
+  std::int64_t carried = 0;  // pixels that lie over lit pixels of the layer beneath
   bool operator==(const LayerPart&) const = default;
 };
 
 class LayerParts {
  public:
-  // The next layer up, over `beneath`, the one before. REQUIRES: runs of masks of the same size; `beneath` as
-  // it was then, or dark for the first.
+  // Adds the next layer up, which lies over `beneath`, the layer before. REQUIRES: runs of masks of the same
+  // size; `beneath` unchanged since its own call, or dark for the first layer.
   void add_layer(const MaskRuns& lit, const MaskRuns& beneath);
 
-  // Of the layer that was added last, in the order of their topmost runs.
+  // Returns the parts of the last layer, in the order of their topmost runs.
   [[nodiscard]] std::span<const LayerPart> parts() const { return parts_; }
-  // That of a pixel. REQUIRES: `lit` is that layer's, and lit there.
+  // Returns the part of a pixel of the last layer. REQUIRES: `lit` is the last layer, and the pixel is lit in
+  // it.
   [[nodiscard]] const LayerPart& part_at(const MaskRuns& lit, std::int32_t row, std::int32_t column) const;
-  // Index in parts(), by run of that layer.
+  // Returns, for each run of the last layer, the index of its part in parts().
   [[nodiscard]] std::span<const std::uint32_t> part_of_run() const { return part_of_run_; }
 
-  // Bodies that have become one in that layer: of each two the higher number is no body's any more.
+  // Two bodies that became one in the last layer; `body`, the higher of the two numbers, is no longer used.
   struct Meeting {
     std::uint32_t body, into;
   };
   [[nodiscard]] std::span<const Meeting> meetings() const { return meetings_; }
 
-  // Bodies have the numbers below this.
+  // Returns the number of bodies so far; all body numbers are below it.
   [[nodiscard]] std::uint32_t bodies() const { return static_cast<std::uint32_t>(body_parent_.size()); }
 
  private:
   [[nodiscard]] std::uint32_t body_now(std::uint32_t body);
   [[nodiscard]] std::uint32_t root_of(std::uint32_t run);
-  // By their numbers; of rows that follow each other.
+  // Numbers of two runs, in this row and in the row above.
   struct RunPair {
     std::uint32_t above, here;
   };
@@ -58,8 +60,8 @@ class LayerParts {
   void join_bodies(std::uint32_t& body, std::uint32_t other);
 
   std::vector<std::uint32_t> run_parent_;
-  std::vector<RunPair> corners_;           // that touch by a corner alone
-  std::vector<std::int64_t> side_pixels_;  // by root, of what touches by sides
+  std::vector<RunPair> corners_;           // pairs of runs that touch only by a corner
+  std::vector<std::int64_t> side_pixels_;  // by root: pixels of the group of runs that touch by sides
   std::vector<LayerPart> parts_;
   std::vector<LayerPart> parts_beneath_;
   std::vector<std::uint32_t> part_of_run_, part_of_run_beneath_;

@@ -7,7 +7,7 @@
 namespace contourd {
 namespace {
 
-// So many pixels stand for all around a spot.
+// The pixels around a spot are sampled so that about this many are examined.
 constexpr std::size_t kLooks = 300;
 
 }  // namespace
@@ -18,8 +18,8 @@ void OverhangCover::set_spots(std::vector<Spot>& spots) {
 }
 
 std::optional<OverhangCover::Choice> OverhangCover::choose() {
-  const auto waits = [](const Spot& spot) { return spot.need >= Need::Reach; };
-  while (next_ < spots_.size() && !waits(spots_[next_]))
+  const auto is_pending = [](const Spot& spot) { return spot.need >= Need::Reach; };
+  while (next_ < spots_.size() && !is_pending(spots_[next_]))
     ++next_;
   if (next_ == spots_.size()) return std::nullopt;
   const Spot& spot = spots_[next_];
@@ -53,7 +53,7 @@ SweepPixel OverhangCover::best_for(const Spot& spot) {
       ++held;
       sum += distance;
     }
-    // Of those that hold as many, the one in their middle.
+    // Among places that hold equally many, the most central one wins.
     if (held < most || (held == most && sum >= least_sum)) continue;
     best = near_[i];
     most = held;

@@ -1,5 +1,6 @@
-// Chooses few contacts for what of a layer needs holding: each time the topmost pixel that is not held gets
-// one, there where it holds most of the others too. Keeps its memory between layers. Not thread-safe.
+// Chooses a small set of contacts for the pixels of a layer that need holding. Each step places a contact for
+// the topmost pixel that is not held yet, where it also holds most of the others. Keeps its memory between
+// layers. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -13,19 +14,19 @@
 
 namespace contourd {
 
-// How far what a contact holds may be from it, in pixels.
+// The distance up to which a contact holds pixels, in pixels.
 struct HoldingRadii {
-  double bridge;  // in the same layer
-  double reach;   // where material goes on growing from it
+  double bridge;  // within the same layer
+  double reach;   // where the material keeps growing outwards from the contact
 };
 
 class OverhangCover {
  public:
   enum class Need : std::uint8_t {
     None,
-    Soon,    // reaches out nearly too far: is held with those that do
+    Soon,    // nearly reaches out too far: held together with pixels that do
     Reach,   // reaches out too far
-    Bridge,  // is too far from what carries it in this layer
+    Bridge,  // too far from the material beneath that carries it
   };
   struct Spot {
     SweepPixel at;
@@ -33,8 +34,8 @@ class OverhangCover {
     Need need;
   };
   struct Choice {
-    SweepPixel at;         // where the contact is best
-    SweepPixel needed_by;  // whose it is in any case
+    SweepPixel at;         // the best place for the contact
+    SweepPixel needed_by;  // the pixel that needs it; held wherever the contact goes
     std::uint32_t part;
   };
 
@@ -42,11 +43,11 @@ class OverhangCover {
 
   [[nodiscard]] const HoldingRadii& radii() const { return radii_; }
 
-  // What needs holding in a layer, from the top row down.
+  // Takes the pixels of a layer that need holding, from the top row down.
   void set_spots(std::vector<Spot>& spots);
-  // The next contact. Nothing when all is held.
+  // Chooses the next contact; nullopt if all spots are held.
   [[nodiscard]] std::optional<Choice> choose();
-  // There is one: gives how many spots it holds. `at` is in the choice's part.
+  // Places a contact for the choice and returns how many spots it holds. `at` is in the choice's part.
   [[nodiscard]] std::int64_t hold(SweepPixel at, const Choice& choice);
 
  private:
@@ -57,7 +58,7 @@ class OverhangCover {
 
   HoldingRadii radii_;
   std::vector<Spot> spots_;
-  std::size_t next_ = 0;  // all before it are held
+  std::size_t next_ = 0;  // all spots before this one are held
   std::vector<SweepPixel> near_;
 };
 

@@ -22,18 +22,18 @@ namespace {
 using Need = OverhangCover::Need;
 
 constexpr double kPi = 3.14159265358979323846;
-// Of the farthest reach: so near to it that it is held with what is beyond.
+// Pixels that reach out farther than this share of the allowed reach are held together with those beyond it.
 constexpr double kSoon = 0.8;
-// An island that is no larger in its first layer, and has grown together with what is held in the next, or is
-// gone there, is none: it is less than a layer's light lets cure to anything.
+// An island of at most this area in its first layer that is gone in the next layer, or has joined a held part
+// there, needs no support: a layer's light is too little to cure it.
 constexpr double kSpeckMm2 = 0.005;
 
 struct PlacedContact {
   SweepPixel at;
-  std::int32_t layer;  // at which the material begins there
+  std::int32_t layer;  // layer in which the material at `at` begins
   std::uint32_t body;
   ContactCause cause;
-  double held_pixels;  // that hang on it in the layer that it is for
+  double held_pixels;  // pixels that the contact holds in the layer for which it was placed
 };
 
 std::vector<PlateModel> on_grid(const SupportRequest& request, const SweepGrid& grid) {
@@ -45,8 +45,8 @@ std::vector<PlateModel> on_grid(const SupportRequest& request, const SweepGrid& 
   return models;
 }
 
-// No contact holds more than it is strong enough for: a disc beneath a level surface, and beneath one that
-// rises a strip as wide as may bridge.
+// Returns radii that load no contact beyond its strength: a disc below a horizontal surface, and below a
+// rising surface a strip as wide as may be bridged.
 HoldingRadii holding_radii(const SupportSettings& settings, const SweepGrid& grid) {
   const double disc_mm = std::sqrt(settings.tip_holds_mm2 / kPi);
   const double strip_mm = settings.tip_holds_mm2 / (2 * settings.bridge.count());
@@ -77,8 +77,8 @@ class Sweep {
   }
 
   [[nodiscard]] const SweepGrid& grid() const { return grid_; }
-  // The next layer up: what is lit there, until the next call. Its contacts are not all there once `stop` was
-  // asked for.
+  // Adds the next layer up and returns its lit pixels, valid until the next call. If `stop` was requested,
+  // the layer's contacts are incomplete.
   const MaskRuns& add_layer(const std::stop_token& stop);
   [[nodiscard]] HeldPlaces held() const;
 
@@ -96,13 +96,13 @@ class Sweep {
   void hold_specks();
   void hold_overhangs(const std::stop_token& stop);
   void balance_peel(const std::stop_token& stop);
-  // One more than are held tells that there are more.
+  // True if there is one contact more than the maximum, which shows that the maximum was exceeded.
   [[nodiscard]] bool has_enough() const { return contacts_.size() > kMostContacts; }
   void add_contact(const PlacedContact& contact);
 
   SupportSettings settings_;
   SweepGrid grid_;
-  std::vector<PlateModel> models_;  // their copies' maps are to the grid
+  std::vector<PlateModel> models_;  // their copies map to grid_
   ContourEngine engine_;
   Underside underside_;
   OverhangCover cover_;
@@ -111,7 +111,7 @@ class Sweep {
   MaskRuns lit_, beneath_;
   std::int32_t layer_ = 0;
   std::vector<OverhangCover::Spot> spots_;
-  std::vector<SweepPixel> specks_;  // of the last layer
+  std::vector<SweepPixel> specks_;  // specks in the last layer
   std::vector<PlacedContact> contacts_;
 };
 
@@ -140,7 +140,7 @@ bool Sweep::is_speck(const LayerPart& part) const {
   return layer_ > 1 && part.carried == 0 && (part.pixels == 1 || area_mm2 < kSpeckMm2);
 }
 
-// The last layer's that have not gone.
+// Places contacts for the last layer's specks that still hang alone.
 void Sweep::hold_specks() {
   for (const SweepPixel speck : specks_) {
     if (underside_.hangs_alone(speck))
@@ -157,8 +157,9 @@ Need Sweep::need_of(const ReachingPixel& pixel) const {
   return reach > kSoon * cover_.radii().reach ? Need::Soon : Need::None;
 }
 
-// In the middle of what is no wider than the tip, once: a tip that holds less than it is wide would get the
-// same place for all around it.
+// Returns the centre of the surface around the choice where that is no wider than the tip, but only once: a
+// contact that holds less than its own width would otherwise get the same place again for all pixels around
+// it.
 SweepPixel Sweep::place_for(const OverhangCover::Choice& choice) const {
   const SweepPixel centered = underside_.centered(choice.at, tip_pixels());
   const std::int32_t layer = underside_.begins_at(centered);
@@ -199,18 +200,18 @@ void Sweep::balance_peel(const std::stop_token& stop) {
   peel_.settle();
 }
 
-// Its layer is looked up where none is given.
+// Adds a contact; a layer of 0 means the layer in which the material begins there.
 void Sweep::add_contact(const PlacedContact& contact) {
   PlacedContact& placed = contacts_.emplace_back(contact);
   if (placed.layer == 0) placed.layer = underside_.begins_at(placed.at);
   peel_.add_contact(placed.at, placed.body);
-  // A little farther than it may reach: as the material grows, its reach does.
+  // A little farther than the allowed reach, which grows with the height of the material.
   constexpr double kGrowthMm = 1;
   if (underside_.is_lit(placed.at))
     underside_.hold(placed.at, cover_.radii().reach * grid_.pixel_mm() + kGrowthMm);
 }
 
-// Where contacts look for the surface that they hold.
+// Returns the ranges in which to look for the surface that each contact holds.
 std::vector<SurfacePlace> Sweep::places() const {
   std::vector<SurfacePlace> places;
   for (const PlacedContact& placed : contacts_) {
@@ -237,7 +238,7 @@ HeldPlaces Sweep::held() const {
   HeldPlaces held;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const SupportContact contact = contact_of(contacts_[i], surfaces[i]);
-    // What begins lower than the first layer ends lies on the plate.
+    // A contact below the end of the first layer lies on the plate.
     if (contact.place.z >= grid_.step_mm()) held.contacts.push_back(contact);
   }
   std::ranges::stable_sort(held.contacts, {}, [](const SupportContact& contact) {

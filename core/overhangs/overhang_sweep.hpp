@@ -1,6 +1,7 @@
-// What has to be held: one sweep of sections from the plate up, at a step and with pixels of its own,
-// whatever the print's layers. Islands, overhangs, and what peel pulls at. Thread-safe (no shared state).
-// Deterministic: the same models and settings give the same contacts on every machine.
+// Finds the places that have to be held (islands, overhangs and where peel pulls too hard) in one sweep of
+// sections from the plate up. The sweep has its own layer thickness and pixel size, independent of the
+// print's. Thread-safe (no shared state). Deterministic: the same models and settings give the same contacts
+// on every machine.
 #pragma once
 
 #include <optional>
@@ -15,7 +16,7 @@
 
 namespace contourd {
 
-// Who looks on as the sweep goes up. What it throws ends the sweep.
+// An observer of the sweep's layers. An exception from it ends the sweep.
 class LayerObserver {
  public:
   LayerObserver() = default;
@@ -23,24 +24,25 @@ class LayerObserver {
   LayerObserver& operator=(const LayerObserver&) = delete;
   virtual ~LayerObserver() = default;
 
-  // Once, before all layers: the display that they are on (without mirrors, its centre is the plate's, no
-  // smaller than the build area) and how thick they are.
+  // Called once, before all layers, with the sweep's display (without mirrors; centred on the plate; no
+  // smaller than the build area) and the layer thickness.
   virtual void begin(const DisplayGeometry& sweep_display, Nanometers step) = 0;
-  // Layer after layer, dark ones too, up to the models' top: what is lit, at least by half, at the middle of
-  // the layer, which is that high above the plate. `lit` is valid during the call.
+  // Called for each layer, including dark ones, up to the models' top. `height` is the middle of the layer
+  // above the plate; `lit` holds the pixels that are at least half covered there and is valid during the
+  // call.
   virtual void layer(Nanometers height, const MaskRuns& lit) = 0;
 };
 
-// The sweep's layers have numbers of 16 bits.
+// The maximum height of a sweep, since its layers have 16-bit numbers.
 inline constexpr Millimeters kHighestSweep{3000.0};
 
 struct HeldPlaces {
   std::vector<SupportContact> contacts;  // from the plate up
 };
 
-// Blocks, for a second for a million facets. Nothing when `stop` was asked for meanwhile; it is looked at
-// before every layer and every contact. REQUIRES: no null pointers, pixel_pitch > 0, nothing higher than
-// kHighestSweep.
+// Finds the contacts that the request's models need. Blocks: about a second per million facets. Returns
+// nullopt if `stop` is requested, which is checked before every layer and every contact. REQUIRES: no null
+// pointers, pixel_pitch > 0, no model higher than kHighestSweep.
 [[nodiscard]] std::optional<HeldPlaces> find_overhangs(const SupportRequest& request, LayerObserver& observer,
                                                        const std::stop_token& stop = {});
 

@@ -60,7 +60,7 @@ double PeelBalance::pulled_pixels(const Body& body) const {
 }
 
 bool PeelBalance::overloaded(std::uint32_t body) const {
-  expects(body < bodies_.size(), "the body is one of a layer's");
+  expects(body < bodies_.size(), "the body belongs to a part of the layer");
   const Body& it = bodies_[body];
   return !it.stands && pulled_pixels(it) > holds_pixels_ * static_cast<double>(it.contacts);
 }

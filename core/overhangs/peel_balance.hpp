@@ -1,9 +1,9 @@
-// What hangs on contacts alone is peeled off the film with every layer: the area of each body against the
-// strength of the contacts that hold it. Where they are too few, more belong where its underside is farthest
-// from all of them. Not thread-safe.
+// Balances peel against contacts. A body that hangs on contacts alone is peeled off the film with every
+// layer, so this compares each body's area with the strength of the contacts that hold it. A body with too
+// few contacts gets more, each where its underside is farthest from the existing ones. Not thread-safe.
 //
-// The film lets go from a layer's rim inwards, so that never more than half of a layer pulls at once; that
-// half is shared evenly by the contacts of its body.
+// The film lets go from a layer's rim inwards, so at most half of a layer pulls at once; the body's contacts
+// share that half evenly.
 #pragma once
 
 #include <cstddef>
@@ -18,47 +18,48 @@ namespace contourd {
 
 class PeelBalance {
  public:
-  // REQUIRES: holds_pixels > 0: of a layer's area, by each contact.
+  // Each contact holds `holds_pixels` of a layer's area. REQUIRES: holds_pixels > 0.
   explicit PeelBalance(double holds_pixels);
 
-  // The next layer's areas, and what bodies have become one in it.
+  // Adds the next layer's areas and merges the bodies that became one in it.
   void add_layer(const LayerParts& parts);
-  // A body that stands on the plate is held by that, and all that it meets.
+  // Marks a body as standing on the plate, which holds it and all bodies that it meets.
   void stand(std::uint32_t body) { bodies_[body].stands = true; }
   [[nodiscard]] bool stands(std::uint32_t body) const { return bodies_[body].stands; }
   void add_contact(SweepPixel at, std::uint32_t body);
 
-  // A place of a body's underside that a contact can take.
+  // A place on a body's underside where a contact can be added.
   struct Place {
     SweepPixel at;
-    std::int32_t layer = 0;  // at which the body begins there
-    bool steep = false;      // taken only where no others are left
+    std::int32_t layer = 0;  // layer in which the body begins there
+    bool steep = false;      // taken only if no other places are left
   };
   void add_place(const Place& place, std::uint32_t body);
 
-  // Whether a body of the last layer has too few contacts. REQUIRES: it is a part's.
+  // True if a body of the last layer has too few contacts. REQUIRES: `body` is the body of one of the layer's
+  // parts.
   [[nodiscard]] bool overloaded(std::uint32_t body) const;
-  // Where the body is to get one. Nothing where no place is left.
+  // Returns the best place for another contact of the body; nullopt if no place is left.
   [[nodiscard]] std::optional<Place> take_place(std::uint32_t body);
-  // Once the last layer has its contacts: what each has to hold in it counts.
+  // Records the load that each contact bears in the last layer. Call it once the layer has all its contacts.
   void settle();
 
-  // The most that a contact of the body ever had to hold, in pixels of a layer.
+  // Returns the largest load that a contact of the body ever had to bear, in pixels of a layer.
   [[nodiscard]] double load_pixels(std::uint32_t body) const;
 
  private:
   struct Body {
     bool stands = false;
-    std::uint32_t merged_into;  // itself: none
+    std::uint32_t merged_into;  // the body's own number: not merged
     std::int64_t contacts = 0;
-    std::int64_t pixels = 0;  // of the last layer
+    std::int64_t pixels = 0;  // area in the last layer
     double load_pixels = 0;
     std::vector<std::uint32_t> places;
   };
   struct RankedPlace {
     Place place;
     std::uint32_t contacts_seen = 0;
-    double squared_distance;  // to the nearest of those
+    double squared_distance;  // to the nearest contact seen
   };
   [[nodiscard]] double pulled_pixels(const Body& body) const;
   void merge(std::uint32_t body, std::uint32_t into);

@@ -21,16 +21,16 @@ Vector between(const PlatePoint& from, const PlatePoint& to) {
   return {to.x - from.x, to.y - from.y, to.z - from.z};
 }
 
-// Twice the facet's area long, outwards.
+// Returns the facet's outward normal, twice as long as its area.
 Vector normal_of(const PlatePoint& a, const PlatePoint& b, const PlatePoint& c) {
   const Vector u = between(a, b), v = between(a, c);
   return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
 }
 
-// Where the facet lies over a point of the plate, or at its edges nearest to it.
+// The point of a facet over or under a point of the plate, or else the nearest point on its edges.
 struct Nearest {
   PlatePoint point;
-  double squared_distance;  // seen from above
+  double squared_distance;  // horizontal distance
 };
 
 Nearest nearest_on_side(const PlatePoint& from, const PlatePoint& to, Point place) {
@@ -57,7 +57,8 @@ Nearest nearest_on(const PlatePoint& a, const PlatePoint& b, const PlatePoint& c
   return *std::ranges::min_element(sides, {}, &Nearest::squared_distance);
 }
 
-// What is behind the surface there, all facets near taken together.
+// Returns the unit normal of the facets near a place, given the sum of their normals, turned so that it does
+// not point up.
 Direction outward_of(const Vector& sum) {
   const Vector down{sum.x, sum.y, std::min(sum.z, 0.0)};
   const double length = std::sqrt(down.x * down.x + down.y * down.y + down.z * down.z);
@@ -65,11 +66,11 @@ Direction outward_of(const Vector& sum) {
   return {down.x / length, down.y / length, down.z / length};
 }
 
-// What has been found at a place. Right over it comes first, then what is nearest to it.
+// The surface found for a place so far. A facet directly over the place is preferred, then the nearest one.
 struct Found {
   double distance = std::numeric_limits<double>::infinity();  // squared
   std::optional<double> z_mm;
-  Vector sum;  // of the facets near
+  Vector sum;  // weighted sum of the normals of nearby facets
 };
 
 void look_at(const PlatePoint& a, const PlatePoint& b, const PlatePoint& c, const SurfacePlace& place,
@@ -79,7 +80,7 @@ void look_at(const PlatePoint& a, const PlatePoint& b, const PlatePoint& c, cons
   const Nearest nearest = nearest_on(a, b, c, place.at);
   if (nearest.squared_distance > place.reach_mm * place.reach_mm) return;
   if (nearest.point.z < place.low_mm || nearest.point.z > place.high_mm) return;
-  // As much of it as can lie within reach.
+  // The weight limits a large facet to the area that can lie within reach.
   const double length = std::sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
   const double weight = std::min(1.0, 8 * place.reach_mm * place.reach_mm / length);
   Vector& sum = found.sum;
@@ -90,14 +91,14 @@ void look_at(const PlatePoint& a, const PlatePoint& b, const PlatePoint& c, cons
   found.z_mm = nearest.point.z;
 }
 
-// What is within reach of a place, in a model's own coordinates.
+// The box within reach of a place, in a model's own coordinates.
 struct PlaceBox {
   double low_x, high_x, low_y, high_y, low_z, high_z;
-  std::size_t place;  // its number
+  std::size_t place;  // the place's index
 };
 
-// Those that meet the model's bounds, by low_x. `origin` and `ones` are where the model's (0, 0, 0) and
-// (1, 1, 0) are on the plate.
+// Returns the boxes that meet the model's bounds, sorted by low_x. `origin` and `ones` are the places of the
+// model's (0, 0, 0) and (1, 1, 0) on the plate.
 std::vector<PlaceBox> boxes_in_model(std::span<const SurfacePlace> places, const Bounds& bounds,
                                      const PlatePoint& origin, const PlatePoint& ones) {
   std::vector<PlaceBox> boxes;
@@ -116,8 +117,8 @@ std::vector<PlaceBox> boxes_in_model(std::span<const SurfacePlace> places, const
   return boxes;
 }
 
-// Boxes by where they are, seen from above: each of so many columns has the first box that begins in it, and
-// each of so many cells whether there is any box.
+// Boxes indexed by their place, seen from above: for each of kSide columns the first box that begins in it,
+// and for each of kSide x kSide cells a flag that says if a box touches the cell.
 class BoxGrid {
  public:
   BoxGrid(std::vector<PlaceBox> boxes, const Bounds& bounds)
@@ -140,7 +141,7 @@ class BoxGrid {
     }
   }
 
-  // Calls visit(place) for those that a facet's bounds meet.
+  // Calls visit(place) for each place whose box meets the facet's bounds.
   template <typename Visit>
   void for_each_met(const std::array<Vertex, 3>& v, Visit&& visit) const {
     const auto [low_x, high_x] = std::minmax({v[0].x, v[1].x, v[2].x});
@@ -165,7 +166,8 @@ class BoxGrid {
   [[nodiscard]] std::size_t column_of(double x) const { return cell_at((x - left_) * per_mm_); }
   [[nodiscard]] std::size_t row_of(double y) const { return cell_at((y - front_) * per_mm_); }
 
-  // True where so much is asked for that looking at the cells takes longer than at the boxes.
+  // Returns true without checking for areas so large that checking the cells takes longer than checking the
+  // boxes.
   [[nodiscard]] bool has_any(double low_x, double high_x, double low_y, double high_y) const {
     const std::size_t left = column_of(low_x), right = column_of(high_x);
     const std::size_t front = row_of(low_y), back = row_of(high_y);

@@ -1,5 +1,5 @@
-// Finds the models' surface near places that a sweep found: its exact height, and which way it looks. Pure
-// functions, thread-safe.
+// Finds the models' surface near the places that a sweep found: its exact height and the direction it faces.
+// Pure functions, thread-safe.
 #pragma once
 
 #include <optional>
@@ -11,21 +11,20 @@
 
 namespace contourd {
 
-// Where a surface is looked for, on the plate.
+// The range in which a surface is searched, on the plate.
 struct SurfacePlace {
   Point at;
   double low_mm, high_mm;  // above the plate
-  double reach_mm;         // aside
+  double reach_mm;         // horizontally
 };
 struct Surface {
   double z_mm;  // above the plate
   Direction outward;
 };
 
-// For each place the undermost surface over or beside it that looks down, within its heights and its reach;
-// right over it where there is one. Nothing where there is none. Passes over a model's facets once for each
-// of its copies, whatever the number of places. REQUIRES: no null pointers; `display` is what the copies map
-// to.
+// Returns for each place the lowest downward-facing surface within its heights and its reach, preferring one
+// directly over the place; nullopt if there is none. Reads a model's facets once for each of its copies,
+// however many places there are. REQUIRES: no null pointers; `display` is the display that the copies map to.
 [[nodiscard]] std::vector<std::optional<Surface>> surfaces_beneath(std::span<const PlateModel> models,
                                                                    const DisplayGeometry& display,
                                                                    std::span<const SurfacePlace> places);

@@ -1,4 +1,4 @@
-// Where a sweep's pixels and layers are. Values; thread-safe as any value is.
+// The grid of a sweep: its pixels and its layers. Values; thread-safe as any value is.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,16 @@ struct SweepPixel {
   return columns * columns + rows * rows;
 }
 
-// Layers count from 1: layer 0 is the plate.
+// The display and the layer thickness of a sweep. Layers count from 1: layer 0 is the plate.
 struct SweepGrid {
   DisplayGeometry display;  // without mirrors
   Nanometers step;
 
   [[nodiscard]] double pixel_mm() const { return to_millimeters(display.pixel_pitch).count(); }
   [[nodiscard]] double step_mm() const { return to_millimeters(step).count(); }
-  // Where a layer is cut: in its middle, above the plate.
+  // Returns the height at which a layer is cut: its middle, above the plate.
   [[nodiscard]] Nanometers height_of(std::int32_t layer) const { return step * layer - step / 2; }
-  // A pixel's middle, from the plate's centre.
+  // Returns a pixel's middle, from the plate's centre.
   [[nodiscard]] Point place_of(SweepPixel pixel) const {
     return on_plate(display, {pixel.column + 0.5, pixel.row + 0.5});
   }
@@ -38,8 +38,8 @@ struct SweepGrid {
   }
 };
 
-// The build area's, with a margin of a pixel: layers of 50 um, and pixels of 50 um as far as there are no
-// more than 2048 a side. REQUIRES: the build area has a size.
+// Returns the grid for a build area, with a margin of one pixel: layers of 50 um, and pixels of 50 um or as
+// large as needed to have at most 2048 a side. REQUIRES: the build area has a size.
 [[nodiscard]] SweepGrid sweep_grid(const DisplayGeometry& build_area);
 
 }  // namespace contourd

@@ -10,20 +10,20 @@
 namespace contourd {
 namespace {
 
-// Those at the sides first.
+// Neighbours by side come first.
 constexpr std::array<SweepPixel, 8> kNeighbours{
     {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
 constexpr double kFieldMm = 0.5;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-// Marks of floods are above those of new pixels.
+// Flood marks have this bit set, so that they differ from the indices of new pixels.
 constexpr std::uint32_t kFlood = 0x80000000;
 
 SweepPixel operator+(SweepPixel a, SweepPixel b) {
   return {a.column + b.column, a.row + b.row};
 }
 
-// Calls visit(first, end) for the pixels of `run` that none of `others` holds, from left to right; `others`
-// are of its row.
+// Calls visit(first, end), from left to right, for the stretches of `run` that none of `others` covers;
+// `others` are runs of the same row.
 template <typename Visit>
 void for_each_gap(const PixelRun& run, std::span<const PixelRun>& others, Visit&& visit) {
   while (!others.empty() && others.front().end <= run.first)
@@ -61,7 +61,7 @@ bool Underside::hangs_alone(SweepPixel pixel) const {
          });
 }
 
-// Beyond the first, in a direction.
+// Counts lit pixels from `from` in a direction, not including `from`, up to `most`.
 std::int32_t Underside::lit_pixels(SweepPixel from, SweepPixel step, std::int32_t most) const {
   std::int32_t pixels = 0;
   for (from = from + step; pixels < most && is_lit(from); from = from + step)
@@ -70,20 +70,21 @@ std::int32_t Underside::lit_pixels(SweepPixel from, SweepPixel step, std::int32_
 }
 
 SweepPixel Underside::centered(SweepPixel at, std::int32_t tip_pixels) const {
-  // Along a row, a column, and the row that this led to.
+  // First along the row, then along the column, then along the row that this led to.
   for (const SweepPixel step : {SweepPixel{1, 0}, SweepPixel{0, 1}, SweepPixel{1, 0}}) {
-    const std::int32_t ahead = lit_pixels(at, step, 2 * tip_pixels);
-    const std::int32_t behind = lit_pixels(at, {-step.column, -step.row}, 2 * tip_pixels);
-    if (ahead >= tip_pixels && behind >= tip_pixels) continue;
-    std::int32_t shift = (ahead - behind) / 2;
-    if (ahead >= tip_pixels) shift = std::min(shift, tip_pixels - behind);
-    if (behind >= tip_pixels) shift = std::max(shift, ahead - tip_pixels);
+    const std::int32_t forward = lit_pixels(at, step, 2 * tip_pixels);
+    const std::int32_t backward = lit_pixels(at, {-step.column, -step.row}, 2 * tip_pixels);
+    if (forward >= tip_pixels && backward >= tip_pixels) continue;
+    std::int32_t shift = (forward - backward) / 2;
+    if (forward >= tip_pixels) shift = std::min(shift, tip_pixels - backward);
+    if (backward >= tip_pixels) shift = std::max(shift, forward - tip_pixels);
     at = {at.column + step.column * shift, at.row + step.row * shift};
   }
   return at;
 }
 
-// What a lit pixel of the layer beneath hands on: itself, where it does not reach out.
+// Returns the holder that a lit pixel of the layer beneath passes on to its neighbours: its own holder, or
+// the pixel itself if it does not reach out.
 Underside::Cell Underside::held_by(SweepPixel pixel, const Cell& cell) const {
   if (reach_of(pixel, cell, layer_ - 1) > 0) return cell;
   return {static_cast<std::int16_t>(pixel.column), static_cast<std::int16_t>(pixel.row),
@@ -92,7 +93,7 @@ Underside::Cell Underside::held_by(SweepPixel pixel, const Cell& cell) const {
 
 void Underside::add_layer(const Layer& layer, const Thresholds& thresholds) {
   ++layer_;
-  expects(layer_ < std::numeric_limits<std::uint16_t>::max(), "layers have numbers of 16 bits");
+  expects(layer_ < std::numeric_limits<std::uint16_t>::max(), "layers have 16-bit numbers");
   new_.clear();
   any_uncarried_ = false;
   const std::span<const LayerPart> parts = layer.parts.parts();
@@ -146,8 +147,8 @@ void Underside::add_pixel(SweepPixel pixel, std::uint32_t part, bool floats) {
   if (least == kInfinite) any_uncarried_ = true;
 }
 
-// From the pixels that have a carrier beside them to those that have none: the nearest one, as far as pixels
-// that are new lead there.
+// Spreads carriers from the new pixels that have one beside them to the others, through connected new pixels;
+// each gets the nearest carrier found.
 void Underside::bridge() {
   queue_.clear();
   for (std::uint32_t i = 0; i < new_.size(); ++i) {

@@ -1,8 +1,8 @@
-// The underside of what a sweep has seen so far, pixel by pixel: at which layer it begins there, and what
-// holds it. How far a pixel reaches out is its distance from what holds it, less what the material has become
-// stiffer since then: as much as it has grown in height. So a wall of 45 degrees never reaches out, a gentler
-// one the farther the longer it goes on, a level one at once. Keeps its memory between layers. Not
-// thread-safe.
+// The underside of the material that a sweep has seen so far. For each pixel it knows the layer in which the
+// material there begins, and the pixel that holds it (its holder). How far a pixel reaches out is its
+// distance from the holder, less the height by which the material has grown since then, because it has become
+// stiffer by that. So a wall of 45 degrees never reaches out, a flatter one reaches out farther the longer it
+// continues, and a level one does at once. Keeps its memory between layers. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -16,11 +16,11 @@
 
 namespace contourd {
 
-// A pixel that is new in a layer.
+// A new pixel of a layer that reaches out or bridges too far.
 struct ReachingPixel {
   SweepPixel at;
-  std::uint32_t part = 0;  // of the layer
-  double reach_mm = 0;     // from what holds it; infinite in an island
+  std::uint32_t part = 0;  // the layer's part to which it belongs
+  double reach_mm = 0;     // from its holder; infinite in an island
   double bridge_mm = 0;    // from the nearest lit pixel of the layer beneath, beyond its own neighbours
 };
 
@@ -28,7 +28,7 @@ class Underside {
  public:
   explicit Underside(const SweepGrid& grid);
 
-  // What is there now.
+  // The layer to add, the one beneath it, and the layer's parts.
   struct Layer {
     const MaskRuns& lit;
     const MaskRuns& beneath;
@@ -37,42 +37,45 @@ class Underside {
   struct Thresholds {
     double reach_mm, bridge_mm;
   };
-  // The next layer up; the first stands on the plate. Its new pixels that reach out or bridge farther than
-  // the thresholds are those of reaching() then. REQUIRES: fewer than 65535 layers.
+  // Adds the next layer up; the first one stands on the plate. Afterwards reaching() holds the new pixels
+  // that reach out or bridge farther than the thresholds. REQUIRES: fewer than 65535 layers.
   void add_layer(const Layer& layer, const Thresholds& thresholds);
-  // From the top row down, each row from left to right. Valid until the next layer.
+  // Returns the reaching pixels from the top row down, each row from left to right. Valid until the next
+  // layer.
   [[nodiscard]] std::span<const ReachingPixel> reaching() const { return reaching_; }
 
-  // A new pixel that stands for those around it.
+  // A new pixel that represents the pixels around it.
   struct Sample {
     SweepPixel at;
     std::uint32_t part;
-    bool steep;  // as steep as 45 degrees or steeper, as far as its own pixel tells
+    bool steep;  // 45 degrees or steeper, judged by this pixel alone
   };
-  // One for every half millimetre along rows and columns; of steep ones one for every whole one.
+  // Returns one sample for every half millimetre along rows and columns, or every millimetre on steep
+  // surfaces.
   [[nodiscard]] std::span<const Sample> samples() const { return samples_; }
 
-  // A contact holds what is connected to it in the layer that was added last, as far as it is nearer than
-  // what held that before. REQUIRES: the pixel is lit there.
+  // Makes the contact the holder of the pixels that are connected to it in the last layer within the radius,
+  // wherever that shortens their reach. REQUIRES: the pixel is lit in the last layer.
   void hold(SweepPixel contact, double radius_mm);
 
   [[nodiscard]] bool is_lit(SweepPixel pixel) const { return grid_.holds(pixel) && cell(pixel).born != 0; }
-  // The layer at which the material over a pixel begins; 0 where there is none.
+  // Returns the layer in which the material over a pixel begins; 0 if the pixel is dark.
   [[nodiscard]] std::int32_t begins_at(SweepPixel pixel) const { return cell(pixel).born; }
-  // From what holds it, in the last layer; infinite where nothing does.
+  // Returns how far a pixel reaches out from its holder in the last layer; infinite if it has no holder.
   [[nodiscard]] double reach_mm(SweepPixel pixel) const { return reach_of(pixel, cell(pixel), layer_); }
-  // Whether it is lit, and nothing holds it nor any lit pixel beside it.
+  // True if the pixel is lit and neither it nor any lit neighbour has a holder.
   [[nodiscard]] bool hangs_alone(SweepPixel pixel) const;
-  // The pixel nearest to a lit one that a tip of that radius can hold on all its sides; where a wall is
-  // thinner, in its middle.
+  // Returns the pixel nearest to a lit pixel that has material on all sides for a tip of that radius; where a
+  // wall is thinner than the tip, the pixel in its middle.
   [[nodiscard]] SweepPixel centered(SweepPixel at, std::int32_t tip_pixels) const;
 
  private:
-  // Where a pixel's holder is, and at which layer that begins; 0: none yet.
+  // A pixel's state: the place of its holder and the layer in which the holder begins; layer 0: no holder
+  // yet.
   struct Cell {
     std::int16_t column = 0, row = 0;
     std::uint16_t holder_layer = 0;
-    std::uint16_t born = 0;  // 0: dark
+    std::uint16_t born = 0;  // layer in which the material begins; 0: dark
   };
   static_assert(sizeof(Cell) == 8);
 
@@ -100,7 +103,7 @@ class Underside {
   std::int32_t field_;  // pixels between samples
   std::int32_t layer_ = 0;
   std::vector<Cell> cells_;          // with a dark rim
-  std::vector<std::uint32_t> mark_;  // by cell: its place in new_, or who has been here
+  std::vector<std::uint32_t> mark_;  // by cell: its index in new_, or the flood that reached it last
   std::vector<NewPixel> new_;
   std::vector<std::uint32_t> queue_;
   std::vector<ReachingPixel> reaching_;

@@ -11,7 +11,7 @@ namespace contourd {
 namespace {
 
 struct Rectangle {
-  double left, right, front, back;  // from the plate's centre, in millimetres
+  double left, right, front, back;  // millimetres from the plate's centre
 };
 
 Rectangle rectangle_of(const PlacedModel& placed) {
@@ -27,7 +27,7 @@ Rectangle overlap_of(const PlacedModel& one, const PlacedModel& other) {
           std::min(a.back, b.back)};
 }
 
-// A part of the display, as a display of its own on the same pixel grid.
+// A part of the display, treated as a separate display on the same pixel grid.
 class Window {
  public:
   Window(const DisplayGeometry& display, const Rectangle& part)
@@ -56,7 +56,7 @@ class Window {
                          {geometry_, AntiAliasing::On});
   }
 
-  // A pixel's middle, from the plate's centre.
+  // Returns a pixel's middle, from the plate's centre.
   [[nodiscard]] Point place_of(std::size_t pixel) const {
     const auto width = static_cast<std::size_t>(geometry_.width.count());
     const std::size_t column = pixel % width, row = pixel / width;

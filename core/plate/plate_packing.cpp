@@ -21,7 +21,7 @@ bool holds(const PlateRectangle& outer, const PlateRectangle& inner) {
          back_of(outer) >= back_of(inner);
 }
 
-// What is left of `whole` beside `taken`: the largest rectangles on its four sides, which overlap at the
+// Adds the part of `whole` outside `taken`: the largest rectangles on its four sides, which overlap at the
 // corners.
 void split(const PlateRectangle& whole, const PlateRectangle& taken, std::vector<PlateRectangle>& rest) {
   const bool apart = taken.left >= right_of(whole) || right_of(taken) <= whole.left ||
@@ -37,7 +37,7 @@ void split(const PlateRectangle& whole, const PlateRectangle& taken, std::vector
     rest.push_back({whole.left, back_of(taken), whole.width, back_of(whole) - back_of(taken)});
 }
 
-// Leaves out those that lie in another; of equal ones the first stays.
+// Returns the rectangles that do not lie in another one; of equal ones, the first.
 std::vector<PlateRectangle> largest_of(const std::vector<PlateRectangle>& all) {
   std::vector<PlateRectangle> kept;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -55,7 +55,7 @@ PlatePacking::PlatePacking(Pixels width, Pixels depth, Pixels gap)
     : gap_(gap.count()), free_{{0, 0, width.count() + gap_, depth.count() + gap_}} {}
 
 void PlatePacking::occupy(const PlateRectangle& rectangle) {
-  // Whoever lies to the left or in front brings the gap on that side.
+  // Each rectangle occupies its gap at the right and the back, which keeps the gap to every neighbour.
   const PlateRectangle taken{rectangle.left, rectangle.front, rectangle.width + gap_, rectangle.depth + gap_};
   std::vector<PlateRectangle> rest;
   for (const PlateRectangle& whole : free_)
@@ -64,7 +64,7 @@ void PlatePacking::occupy(const PlateRectangle& rectangle) {
 }
 
 std::optional<PlateRectangle> PlatePacking::find_room(std::int64_t width, std::int64_t depth) {
-  expects(width > 0 && depth > 0, "what is placed has a width and a depth");
+  expects(width > 0 && depth > 0, "the rectangle has a width and a depth");
   const PlateRectangle* best = nullptr;
   for (const PlateRectangle& each : free_) {
     if (each.width < width + gap_ || each.depth < depth + gap_) continue;

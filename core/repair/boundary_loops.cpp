@@ -15,7 +15,7 @@ struct End {
   std::uint32_t edge;
 };
 
-// By boundary edge: the number of the first boundary edge of its loop.
+// Returns for each boundary edge the number of the first boundary edge of its loop.
 std::vector<std::uint32_t> loops_of(std::span<const BoundaryEdge> boundary_edges) {
   std::vector<End> ends;
   for (std::uint32_t i = 0; i < boundary_edges.size(); ++i) {

@@ -1,4 +1,4 @@
-// The area that an open patch lacks. Pure function, thread-safe.
+// The area that is missing from an open patch. Pure function, thread-safe.
 #pragma once
 
 #include <span>
@@ -8,7 +8,8 @@
 
 namespace contourd {
 
-// The area, in square millimetres, of fans that close each loop of these boundary edges from its middle.
+// Returns the area, in square millimetres, of the fans that close each loop of these boundary edges from the
+// loop's middle.
 [[nodiscard]] double area_to_close(std::span<const Facet> facets, std::span<const Face> faces,
                                    std::span<const BoundaryEdge> boundary_edges);
 

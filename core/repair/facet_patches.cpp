@@ -13,10 +13,10 @@
 namespace contourd {
 namespace {
 
-// Edges are gathered for the vertices of so many numbers at a time, which bounds the memory.
+// Edges are collected for this many vertices at a time, which bounds the memory.
 constexpr std::uint32_t kVerticesAtATime = 1U << 17U;
 
-// A junction of more patches than this tells nothing of them.
+// A junction of more sides than this says nothing about its patches and is ignored.
 constexpr std::size_t kMaxParts = 64;
 
 Corners sorted(Corners corners) {
@@ -24,7 +24,7 @@ Corners sorted(Corners corners) {
   return corners;
 }
 
-// Whether the same vertices come in the same order, wherever they begin.
+// True if the vertices have the same cyclic order.
 bool turned_alike(const Corners& a, const Corners& b) {
   const auto at = static_cast<std::size_t>(std::find(b.begin(), b.end(), a[0]) - b.begin());
   return b[(at + 1) % 3] == a[1];
@@ -59,8 +59,8 @@ void find_faces(std::span<const Facet> facets, FacetPatches& found) {
   }
 }
 
-// Patches as they grow together: each face knows another one of its patch, up to the one that stands for all,
-// and whether the two are turned against each other.
+// Patches while they grow together, as a union-find forest: each face refers to another face of its patch, up
+// to the root that stands for all of them, and knows whether the two are turned against each other.
 class GrowingPatches {
  public:
   explicit GrowingPatches(std::size_t faces) : parent_(faces), broken_(faces, false) {
@@ -80,7 +80,7 @@ class GrowingPatches {
       reversed ^= parent_[at] & 1U;
       at = parent_[at] / 2;
     }
-    // The way becomes short for who comes next.
+    // Path compression: the next search from these faces is short.
     for (std::uint32_t rest = reversed; face != at;) {
       const std::uint32_t next = parent_[face];
       parent_[face] = 2 * at + rest;
@@ -105,19 +105,19 @@ class GrowingPatches {
   [[nodiscard]] bool is_broken(std::uint32_t root) const { return broken_[root]; }
 
  private:
-  std::vector<std::uint32_t> parent_;  // twice its number, and 1 where it is turned the other way
-  std::vector<bool> broken_;           // by root: joined to itself, turned the other way
+  std::vector<std::uint32_t> parent_;  // twice the parent's number, plus 1 if turned against the parent
+  std::vector<bool> broken_;  // by root: a face of the patch was joined to itself, turned the other way
 };
 
 struct Side {
-  std::uint32_t high;  // vertex
+  std::uint32_t high;  // the higher vertex
   std::uint32_t face : 30;
-  std::uint32_t index : 2;  // the corner that it begins with
+  std::uint32_t index : 2;  // the face's corner at which the side begins
 };
 
 struct SideAtJunction {
   std::uint32_t junction, face;
-  std::int32_t direction;  // 1 from the lower vertex to the higher
+  std::int32_t direction;  // 1: from the lower vertex to the higher; -1: back
 };
 
 class PatchFinder {
@@ -137,7 +137,7 @@ class PatchFinder {
   }
 
  private:
-  // Edges whose lower vertex is one of these.
+  // Visits the edges whose lower vertex is one of `count` vertices from `first` on.
   void visit_edges_from(std::uint32_t first, std::uint32_t count) {
     starts_.assign(count + 1, 0);
     const auto each_side = [&](auto&& visit) {
@@ -186,7 +186,7 @@ class PatchFinder {
     }
   }
 
-  // Whether the file has it as often as a wall between two solids.
+  // True if the file has the face an even number of times, like a wall between two solids.
   [[nodiscard]] bool is_wall(std::uint32_t face) const { return found_.faces[face].copies % 2 == 0; }
 
   void join(const Side& a, const Side& b) {
@@ -201,7 +201,8 @@ class PatchFinder {
     ++found_.junctions;
   }
 
-  // Where a wall between two solids meets a surface of which the rest is missing, they are not one.
+  // Decides about the edges where a wall meets a surface. A wall that also meets several faces separates two
+  // solids, and the rest of the surface is missing here: the two are not joined.
   void judge_unequal() {
     for (std::size_t i = 0; i < unequal_.size(); i += 2) {
       const Side &a = unequal_[i], &b = unequal_[i + 1];
@@ -262,10 +263,10 @@ class PatchFinder {
 
   FacetPatches& found_;
   GrowingPatches growing_;
-  std::vector<std::uint32_t> starts_, next_;  // by lower vertex, in sides_
+  std::vector<std::uint32_t> starts_, next_;  // offsets in sides_, by lower vertex
   std::vector<Side> sides_;
-  std::vector<bool> meets_many_;  // by face: more than one other over an edge
-  std::vector<Side> unequal_;     // in pairs: edges of a wall and a surface
+  std::vector<bool> meets_many_;  // by face: meets more than one other face over an edge
+  std::vector<Side> unequal_;     // in pairs: the two sides of an edge where a wall meets a surface
   std::vector<SideAtJunction> at_junctions_;
 };
 

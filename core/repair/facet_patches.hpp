@@ -13,47 +13,47 @@
 
 namespace contourd {
 
-// Facets over the same three vertices, however they are turned.
+// All facets over the same three vertices, in either orientation.
 struct Face {
   Corners corners;
-  std::uint32_t facet;   // the first of them
-  std::int16_t net;      // how many are turned as the first is, less those that are turned the other way
-  std::uint16_t copies;  // how many there are
+  std::uint32_t facet;   // number of the first of these facets
+  std::int16_t net;      // facets turned like the first minus facets turned the other way
+  std::uint16_t copies;  // number of facets
 };
 
-// Where a face belongs to.
+// The patch of a face, and the face's orientation in the patch.
 struct FacePlace {
   std::uint32_t patch : 31;
-  std::uint32_t reversed : 1;  // whether its first facet is turned against the patch
+  std::uint32_t reversed : 1;  // 1: the face's first facet is turned against the patch
 };
 
-// Faces that meet over edges of exactly two faces.
+// Faces that are connected by edges of exactly two faces.
 struct Patch {
   std::uint32_t faces = 0, first_face = 0;
-  std::uint32_t boundary_edges = 0;  // sides that no other face shares
-  bool orientable = true;            // whether its faces can be turned alike
-  // By its faces' net, as the patch is turned: the least, the most, and how many have which, from -kMaxNet
-  // or less to kMaxNet or more.
+  std::uint32_t boundary_edges = 0;  // edges that no other face shares
+  bool orientable = true;            // all of its faces can be turned alike
+  // The faces' nets, as the patch is turned: the least, the most, and how many faces have each net from
+  // -kMaxNet or less to kMaxNet or more.
   static constexpr std::int32_t kMaxNet = 3;
   std::int32_t least_net = 0, most_net = 0;
   std::array<std::uint32_t, 2 * kMaxNet + 1> with_net{};
-  std::int64_t net = 0;                       // all together
-  std::uint16_t most_copies = 0;              // facets of one face
-  std::uint32_t odd = 0;                      // faces of an odd number of facets
-  std::uint32_t odd_half = 0;                 // faces of twice an odd number of facets
-  double area = 0;                            // square millimetres, as all of these
-  double six_volumes = 0;                     // of the tetrahedra from the bounds' centre
-  double area_x = 0, area_y = 0, area_z = 0;  // twice the areas as a vector
+  std::int64_t net = 0;           // the sum over all faces
+  std::uint16_t most_copies = 0;  // the most facets of one face
+  std::uint32_t odd = 0;          // faces with an odd number of facets
+  std::uint32_t odd_half = 0;     // faces with twice an odd number of facets
+  double area = 0;                // in square millimetres
+  double six_volumes = 0;         // sum of the tetrahedra from the bounds' centre, in cubic millimetres
+  double area_x = 0, area_y = 0, area_z = 0;  // twice the faces' areas, added as vectors
 
   [[nodiscard]] static std::size_t place_of(std::int32_t some_net) {
     return static_cast<std::size_t>(std::clamp(some_net, -kMaxNet, kMaxNet)) + kMaxNet;
   }
-  // Whether the file has the same number of facets of each face, turned alike.
+  // True if the file has each face equally often, with all facets turned alike.
   [[nodiscard]] bool is_even() const { return orientable && least_net == most_net; }
 };
 
-// A patch's part in a junction, an edge of more than two faces: how many of its sides run there from the
-// lower vertex to the higher, less those that run back.
+// A patch's part in a junction (an edge of more than two faces): the number of its sides that run from the
+// lower vertex to the higher, minus those that run back.
 struct JunctionPart {
   std::uint32_t junction, patch;
   std::int32_t sides;
@@ -61,22 +61,23 @@ struct JunctionPart {
 
 struct BoundaryEdge {
   std::uint32_t face;
-  std::uint32_t from, to;  // vertices, as the face's first facet runs
+  std::uint32_t from, to;  // vertices, in the direction of the face's first facet
 };
 
 struct FacetPatches {
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
-  std::vector<std::uint32_t> face_of;  // by facet; kNone where two vertices are the same
+  std::vector<std::uint32_t> face_of;  // by facet; kNone if two of its vertices are the same
   std::vector<Face> faces;
   std::vector<FacePlace> places;             // by face
-  std::vector<Patch> patches;                // by their first face
-  std::vector<JunctionPart> junction_parts;  // by junction; parts of no sides are left out
+  std::vector<Patch> patches;                // in the order of their first faces
+  std::vector<JunctionPart> junction_parts;  // by junction; parts of 0 sides are left out
   std::uint32_t junctions = 0;
   std::vector<BoundaryEdge> boundary_edges;
 };
 
-// Takes time and memory in proportion to the number of facets (about 50 bytes each).
+// Splits a mesh into patches. Takes time and memory in proportion to the number of facets (about 50 bytes
+// each).
 [[nodiscard]] FacetPatches patches_of(std::span<const Facet> facets);
 
 }  // namespace contourd

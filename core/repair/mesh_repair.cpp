@@ -13,9 +13,9 @@
 namespace contourd {
 namespace {
 
-// What becomes of the facets of a face.
+// The decision about the facets of a face.
 struct Fate {
-  int wanted = 0;  // how many of them, as the first is turned
+  int wanted = 0;  // number of facets to keep; negative: turned against the first
   bool as_filed = false;
   bool inner_wall = false;
 };
@@ -26,8 +26,8 @@ class Repair {
       : facets_(facets), mesh_(mesh), sides_(sides) {}
 
   MeshRepairs run() {
-    keep_as_wanted();
-    turn_what_lacks();
+    keep_wanted();
+    turn_missing();
     drop();
     return repairs_;
   }
@@ -36,13 +36,13 @@ class Repair {
   [[nodiscard]] Fate fate_of(std::uint32_t face) const {
     const FacePlace place = mesh_.places[face];
     const std::int32_t winding = sides_.windings[place.patch];
-    // A wall between two solids cancels itself.
+    // The two sides of a wall between two solids cancel each other.
     const bool cancels = winding == 0 && mesh_.faces[face].net == 0;
     return {place.reversed != 0 ? -winding : winding, sides_.as_filed[place.patch] || cancels,
             sides_.inner_walls[place.patch]};
   }
 
-  // 1 when the facet is turned as its face's first one, else -1.
+  // Returns 1 if the facet is turned like its face's first one, otherwise -1.
   [[nodiscard]] int direction_of(std::size_t facet, const Face& face) const {
     const auto& first = facets_[face.facet].vertices;
     const auto& other = facets_[facet].vertices;
@@ -50,7 +50,7 @@ class Repair {
     return other[(at + 1) % 3] == first[1] ? 1 : -1;
   }
 
-  void keep_as_wanted() {
+  void keep_wanted() {
     kept_.assign(facets_.size(), true);
     lacking_.assign(mesh_.faces.size(), 0);
     for (std::uint32_t f = 0; f < mesh_.faces.size(); ++f)
@@ -69,8 +69,8 @@ class Repair {
     }
   }
 
-  // Of facets that are to count and of which too few are turned so, others are turned.
-  void turn_what_lacks() {
+  // Turns facets round where too few of a face are turned as wanted, and counts the facets that are dropped.
+  void turn_missing() {
     to_turn_.assign(facets_.size(), false);
     for (std::size_t i = 0; i < facets_.size(); ++i) {
       const std::uint32_t f = mesh_.face_of[i];
@@ -103,7 +103,7 @@ class Repair {
   const FacetPatches& mesh_;
   const PatchSides& sides_;
   MeshRepairs repairs_;
-  std::vector<std::int32_t> lacking_;  // by face: how many facets are still wanted
+  std::vector<std::int32_t> lacking_;  // by face: number of facets still wanted
   std::vector<bool> kept_, to_turn_;   // by facet
 };
 

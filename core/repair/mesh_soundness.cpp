@@ -12,7 +12,7 @@
 namespace contourd {
 namespace {
 
-// So many facets' places in the table are fetched into the cache together.
+// Facets whose places in the table are fetched into the cache together.
 constexpr std::size_t kBatch = 16;
 
 std::uint64_t hash_of(const Vertex& vertex) {
@@ -23,12 +23,13 @@ std::uint64_t hash_of(const Vertex& vertex) {
 }
 
 struct Marks {
-  std::uint64_t key;   // the same however the facet's vertices are turned
-  std::uint64_t area;  // twice, signed, where vertices lie at random points of a plane: their hashes' halves
+  std::uint64_t key;  // equal for all orders of the facet's vertices
+  // twice the signed area that the facet would have if its vertices' hashes were their coordinates in a plane
+  std::uint64_t area;
 };
 
-// The areas' sum is a sum over directed edges that changes its sign with their direction: nothing where they
-// cancel, and by chance only where they do not.
+// Returns a facet's marks. The sum of all areas is a sum over directed edges whose terms change sign with the
+// edge's direction: 0 if the edges cancel, and only by chance otherwise.
 Marks marks_of(const Facet& facet) {
   const std::uint64_t a = hash_of(facet.vertices[0]), b = hash_of(facet.vertices[1]),
                       c = hash_of(facet.vertices[2]);
@@ -40,7 +41,7 @@ Marks marks_of(const Facet& facet) {
 }  // namespace
 
 bool is_sound(std::span<const Facet> facets) {
-  // A table of keys' lower halves, found by their upper ones. A place that holds 0 is free.
+  // A hash table of the keys' lower halves, addressed by their upper halves. A place that holds 0 is free.
   std::vector<std::uint32_t> table(std::bit_ceil(facets.size() + facets.size() / 2 + 1));
   const std::size_t last = table.size() - 1;
   std::array<Marks, kBatch> marks;

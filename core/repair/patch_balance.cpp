@@ -11,10 +11,10 @@
 namespace contourd {
 namespace {
 
-// Each pass over all unbalanced junctions makes them fewer; so many do.
+// Limit on passes over all unbalanced junctions; each pass leaves fewer of them.
 constexpr int kMaxPasses = 50;
 
-// Among n facets turned at random, three times the root of n more one way than the other are no chance.
+// Among n facets turned at random, a majority larger than three times the root of n is not chance.
 constexpr double kClear = 3;
 
 bool is_clear(const Patch& patch) {
@@ -90,7 +90,8 @@ class PatchBalance {
     return std::span(result_.members).subspan(group.first_patch, group.patches);
   }
 
-  // What most of a patch's facets say: how many there are, then how they are turned.
+  // Returns the winding that most of a patch's facets have: first how many copies there are, then how they
+  // are turned.
   [[nodiscard]] static std::int32_t usual_winding(const Patch& patch, bool meets_others) {
     if (patch.is_even()) return patch.least_net;
     const std::int32_t sign = patch.net < 0 ? -1 : 1;
@@ -98,12 +99,12 @@ class PatchBalance {
     return !meets_others || std::abs(patch.net) > std::int64_t{patch.faces} ? 2 * sign : 0;
   }
 
-  // The same where all facets are there in both directions.
+  // Returns the winding to start with if all facets of the group are there in both directions.
   [[nodiscard]] static std::int32_t winding_of_one_side(const Patch& patch, bool meets_others) {
     return !meets_others || patch.odd_half * std::uint64_t{2} >= patch.faces ? 1 : 0;
   }
 
-  // How many of a patch's facets would have to be turned or left out.
+  // Returns how many of a patch's facets would have to be turned or dropped.
   [[nodiscard]] static std::int64_t changes_for(const Patch& patch, std::int32_t winding) {
     std::int64_t changes = 0;
     for (std::int32_t net = -Patch::kMaxNet; net <= Patch::kMaxNet; ++net) {
@@ -132,7 +133,7 @@ class PatchBalance {
       any = any || result_.windings[p] != 0;
     }
     if (any) return;
-    // All of it twice in both directions.
+    // Every patch is there twice in both directions.
     for (const std::uint32_t p : members(group))
       result_.windings[p] = 1;
   }
@@ -155,8 +156,7 @@ class PatchBalance {
     return balanced;
   }
 
-  // Patches whose facets do not tell which way they are turned take after those that they meet, the surest
-  // first.
+  // Turns patches without a clear majority of facets to match the patches that they meet, the surest first.
   void settle_signs(const Group& group) {
     std::uint32_t surest = members(group).front();
     for (const std::uint32_t p : members(group)) {
@@ -194,7 +194,8 @@ class PatchBalance {
     }
   }
 
-  // By how many sides the junctions are farther from balance with the patch turned the other way.
+  // Returns by how many sides the junctions would be farther from balance with the patch turned the other
+  // way.
   [[nodiscard]] int margin_of(std::uint32_t patch) const {
     int margin = 0;
     for (const JunctionPart& part : parts_of(patch)) {
@@ -204,7 +205,8 @@ class PatchBalance {
     return margin;
   }
 
-  // How much nearer to balance the junctions come (less than 0) with another winding of a settled patch.
+  // Returns how much farther from balance (nearer: below 0) the junctions are with another winding of a
+  // settled patch.
   [[nodiscard]] int cost_of(std::uint32_t patch, std::int32_t winding) const {
     int cost = 0;
     for (const JunctionPart& part : parts_of(patch)) {
@@ -216,19 +218,19 @@ class PatchBalance {
 
   struct Change {
     int cost;
-    std::int64_t changes;  // of facets, more than before
+    std::int64_t changes;  // additional facets to be changed
     double area;
     std::uint32_t patch;
     std::int32_t winding;
   };
 
-  // Whether the first is better. What was found first stays where neither is.
+  // True if `a` is better. Of two that are equal, neither is, so that the first one found stays.
   [[nodiscard]] static bool better(const Change& a, const Change& b) {
     return std::tie(a.cost, a.changes, a.area, a.patch) < std::tie(b.cost, b.changes, b.area, b.patch);
   }
 
-  // The best winding for a patch, which may be the one that it has. It counts not at all only where no
-  // boundary edge would be missed, and what is left is larger.
+  // Returns the best winding for a patch, which may be its present one. The winding can be 0 only if the
+  // patch has no boundary edges and at most half of the group's area.
   [[nodiscard]] Change best_change(std::uint32_t p, double group_area) const {
     const Patch& patch = mesh_.patches[p];
     Change best{0, 0, patch.area, p, result_.windings[p]};
@@ -277,9 +279,10 @@ class PatchBalance {
 
   const FacetPatches& mesh_;
   PatchGroups result_;
-  std::vector<std::uint32_t> first_part_, first_at_;  // by patch in parts_of_, by junction in the mesh's
-  std::vector<JunctionPart> parts_of_;                // by patch
-  std::vector<std::int32_t> residuals_;               // by junction: of the settled patches
+  // offsets: by patch in parts_of_, by junction in junction_parts
+  std::vector<std::uint32_t> first_part_, first_at_;
+  std::vector<JunctionPart> parts_of_;   // by patch
+  std::vector<std::int32_t> residuals_;  // by junction: surplus of sides of the settled patches
   std::vector<bool> settled_;
   std::priority_queue<Candidate> open_;
 };

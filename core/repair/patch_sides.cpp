@@ -13,30 +13,33 @@
 namespace contourd {
 namespace {
 
-// So many of a patch's faces are asked where they lie, at most.
+// Limit on the faces of a patch that are tested for their position.
 constexpr std::uint32_t kSamples = 8;
 
-// Where so many of six rays say that a point lies within a solid, it does: of a point on its surface half of
-// them leave it, and some of the others may miss it by running along it.
+// A point lies within a solid if this many of its six rays say so. From a point on the solid's surface half
+// of the rays leave the solid, and some of the others may miss it by running along the surface.
 constexpr std::size_t kMaxRays = 5;
 
-// So many of ten faces of a wall must lie within: rays leave through holes, too.
+// A wall is one within a solid if this many of ten of its faces are: rays leave through holes, too.
 constexpr std::size_t kWithinOfTen = 8;
 
-// What lacks more than this part of its own area is a wall; less, a cavity with a hole in its side.
+// A patch that lacks more than this part of its own area is a wall; one that lacks less is a cavity with a
+// hole in its side.
 constexpr double kOpenPart = 0.25;
 
-// An open patch of at least this part of all area is a solid to lie within.
+// An open patch of at least this part of the total area is a solid that others can lie within.
 constexpr double kSolidPart = 0.01;
 
-// So many faces are looked at for it in all: a soup of facets must not take seconds. What is left then stays.
+// Limit on the faces that rays look at in all: a soup of facets must not take seconds. After that, groups
+// count as lying within nothing, and no more walls are found.
 constexpr std::size_t kMaxLooks = 30'000'000;
 
-// Among n facets turned at random, so many times the root of n more one way than the other are hardly chance:
-// as many as a box has with one of its twelve turned.
+// Among n facets turned at random, a majority larger than this many times the root of n is hardly chance: a
+// box with one of its twelve facets turned has such a majority.
 constexpr double kClear = 2.5;
 
-// A part of all facets: where fewer are turned, so many more one way than the other tell.
+// If fewer than this part of all facets are known to be turned, a majority of this part of a group's facets
+// decides.
 constexpr double kFewTurned = 0.25;
 
 constexpr int kMaxWindings = 1000;
@@ -82,10 +85,10 @@ class SideFinder {
 
   struct Outcome {
     const Group* group;
-    int times = 0;  // how often its patches count, all of them
+    int times = 0;  // greatest common divisor of its patches' windings
     double six_volumes = 0;
-    bool closed = true;      // whether that says which side is outside
-    std::int64_t agree = 0;  // facets turned as the windings are, less those turned the other way
+    bool closed = true;      // six_volumes says which side is outside
+    std::int64_t agree = 0;  // facets turned as the windings are, minus those turned the other way
     std::int64_t faces = 0;
     bool sheets = false;
     bool as_filed = true;
@@ -136,7 +139,7 @@ class SideFinder {
     }
   };
 
-  // Whether a patch is more of a sheet than of a shell with holes.
+  // True if a patch is a sheet rather than a shell with holes.
   [[nodiscard]] bool lacks_much(std::uint32_t patch) const {
     if (mesh_.patches[patch].boundary_edges == 0) return false;
     const auto [begin, end] =
@@ -178,13 +181,13 @@ class SideFinder {
     const Group& group = *outcome.group;
     const bool alone = group.patches == mesh_.patches.size();
     const int around = alone ? 0 : winding_around(group);
-    // Both sides of a sheet are as good as none, and so are those of a shell within a solid.
+    // The two sides of a sheet cancel each other, and so do those of a shell within a solid.
     if (group.double_sided && (outcome.sheets || (around > 0 && !all_double_sided_))) {
       settle(group, 0, 1, true);
       return;
     }
     const int direction = group.inconsistent ? direction_of(outcome, around) : 1;
-    // There more than once, a hole is one in as many solids as there are around it.
+    // A hole that the file has more than once is a hole in as many solids as there are around it.
     const bool hole = outcome.closed && direction * outcome.six_volumes < 0;
     settle(group, direction * (hole ? std::clamp(around, 1, outcome.times) : 1), outcome.times, false);
   }
@@ -201,8 +204,8 @@ class SideFinder {
     return outwards;
   }
 
-  // Whether most facets are so many that chance did not turn them; where few of those are turned that are
-  // known to be, a clear majority will do.
+  // True if the majority of the facets is too large for chance, or if it is clear and few of the facets with
+  // a known outside are turned.
   [[nodiscard]] bool majority_tells(const Outcome& outcome) const {
     const auto most = std::fabs(static_cast<double>(outcome.agree)),
                faces = static_cast<double>(outcome.faces);
@@ -227,7 +230,7 @@ class SideFinder {
     });
   }
 
-  // What is settled winds around all of a group's samples at least so often.
+  // Returns how often the settled patches wind around all of a group's samples, at least.
   [[nodiscard]] int winding_around(const Group& group) {
     int least = kMaxWindings;
     for (const std::uint32_t p : members(group)) {
@@ -241,7 +244,8 @@ class SideFinder {
     return std::max(least, 0);
   }
 
-  // The largest first. One that is nearly closed is a solid for what is left to lie in.
+  // Finds the sheets that are walls within a solid. A closed patch is a solid, and so is a large one that is
+  // nearly closed.
   void find_inner_walls() {
     std::vector<std::uint32_t> sheets;
     bool any_solid = false;
@@ -262,7 +266,7 @@ class SideFinder {
     keep_walls_that_end(facets_, mesh_, sides_.inner_walls);
   }
 
-  // How many of the rays from a face say that it lies within a solid.
+  // Returns how many rays from a face say that it lies within a solid.
   [[nodiscard]] std::size_t within_rays(std::uint32_t face) {
     const WindingProbe::Windings windings = windings_at(face);
     return static_cast<std::size_t>(std::ranges::count_if(windings, [](int winding) { return winding > 0; }));
@@ -274,7 +278,7 @@ class SideFinder {
     for (std::size_t i = 0; i < samples.size(); ++i) {
       if (probe().looks() > kMaxLooks) return false;
       within += within_rays(samples[i].face) >= kMaxRays ? 1U : 0U;
-      // Too few already.
+      // The remaining samples cannot be enough.
       if ((samples.size() - i - 1 + within) * 10 < samples.size() * kWithinOfTen) return false;
     }
     return true;
@@ -285,9 +289,10 @@ class SideFinder {
   const PatchGroups& groups_;
   double diagonal_mm_ = 0;
   bool all_double_sided_ = true;
-  double sure_faces_ = 0, turned_faces_ = 0;  // of groups whose outside is known: all, and those turned
+  // Faces of groups whose outside is known: all of them, and those that are turned.
+  double sure_faces_ = 0, turned_faces_ = 0;
   PatchSides sides_;
-  std::vector<bool> counted_;                 // by patch: whether rays see it
+  std::vector<bool> counted_;                 // by patch: rays take it into account
   std::vector<Sample> samples_;               // by patch
   std::vector<std::uint32_t> first_sample_;   // by patch
   std::vector<BoundaryEdge> boundary_edges_;  // by patch

@@ -1,4 +1,5 @@
-// Which side of a mesh's patches is outside, and which patches are walls within a solid. Pure, thread-safe.
+// Finds which side of a mesh's patches is outside, and which patches are walls within a solid. Pure,
+// thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +14,13 @@ namespace contourd {
 
 struct PatchSides {
   std::vector<std::int32_t> windings;  // by patch: how often it counts, as the patch is turned
-  std::vector<bool> as_filed;          // by patch: stays as the file has it
+  std::vector<bool> as_filed;          // by patch: stays as it is in the file
   std::vector<bool> inner_walls;       // by patch: lies within a solid and encloses nothing
 };
 
-// What lies within nothing else is turned outwards. What lies within a solid is turned as most of its facets
-// are, and inwards, a cavity, where they do not tell. What the file has twice counts twice only where it is a
-// hole in two solids.
+// Finds the sides of all groups of patches. A group that lies within no other is turned outwards. A group
+// within a solid is turned as most of its facets are, and inwards, as a cavity, if the facets have no clear
+// majority. A group that the file has twice counts twice only if it is a hole in two solids.
 [[nodiscard]] PatchSides find_sides(std::span<const Facet> facets, const FacetPatches& mesh,
                                     const PatchGroups& groups);
 

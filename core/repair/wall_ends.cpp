@@ -10,14 +10,15 @@
 namespace contourd {
 namespace {
 
-// Patches whose boundary edges' ends come so near go on in each other: a usual pixel, within which a layer's
-// contours are joined, too.
+// Patches continue in each other if ends of their boundary edges are this near: a usual pixel, within which
+// the contours of a layer are joined, too.
 constexpr double kReachMm = 0.05;
 
-// So many ends are looked at for one: a soup of coinciding ones must not cost the square of its size.
+// Limit on the ends compared with one end: the cost of a soup of coinciding ends must not grow with the
+// square of its size.
 constexpr int kMaxLooks = 1000;
 
-// An end of a patch's boundary edges, in a cube of the reach's size.
+// An end of a patch's boundary edge, and the cube of side kReachMm that it lies in.
 struct RimEnd {
   double column, row, level;
   std::uint32_t patch;
@@ -53,7 +54,7 @@ std::vector<RimEnd> rim_ends(std::span<const Facet> facets, const FacetPatches& 
   return ends;
 }
 
-// Walls as they are found to be beside each other.
+// Walls, grouped with the walls beside them.
 class WallGroups {
  public:
   WallGroups(std::vector<RimEnd> ends, const std::vector<bool>& walls)
@@ -122,7 +123,7 @@ class WallGroups {
 
   const std::vector<RimEnd> ends_;
   const std::vector<bool>& walls_;
-  std::vector<std::uint32_t> parent_;           // by patch: another one beside it, up to the first
+  std::vector<std::uint32_t> parent_;           // by patch: another patch beside it, up to the first
   std::vector<bool> ends_somewhere_, goes_on_;  // by patch
 };
 

@@ -6,7 +6,7 @@
 namespace contourd {
 namespace {
 
-// A grid has no more than so many entries for each face: large faces lie over many cells.
+// Limit on a grid's entries for each face: large faces lie over many cells.
 constexpr std::int64_t kMaxEntriesAFace = 2;
 
 using Coordinates = std::array<double, 3>;
@@ -19,8 +19,9 @@ struct Flat {
   double x, y;
 };
 
-// Whether a line upwards from the point meets the side, and how it is passed: 1 to the left, -1 to the right.
-// Reckoned from the side's lower end in x, so that both faces that share it agree.
+// Returns how a line upwards from the point crosses the side: 1 if the side runs to the left there, -1 if to
+// the right, 0 if the line misses it. Calculated from the side's end of lower x, so that both faces that
+// share the side agree.
 int passes_above(const Flat& from, const Flat& to, const Flat& point) {
   const bool rightwards = from.x < to.x;
   const Flat& left = rightwards ? from : to;
@@ -31,16 +32,16 @@ int passes_above(const Flat& from, const Flat& to, const Flat& point) {
   return rightwards ? -1 : 1;
 }
 
-// How the triangle winds around the point, counter-clockwise 1.
+// Returns how often the triangle winds around the point, counter-clockwise: 1, 0 or -1.
 int winding_of(const std::array<Flat, 3>& corners, const Flat& point) {
   return passes_above(corners[0], corners[1], point) + passes_above(corners[1], corners[2], point) +
          passes_above(corners[2], corners[0], point);
 }
 
-// How a line along an axis passes a facet.
+// The passage of a line along an axis through a facet.
 struct Pass {
-  int winding;  // 1 when it leaves through the facet on its way up, -1 when it enters, 0 when it misses it
-  bool ahead;   // whether that is above the point that it starts from
+  int winding;  // 1: the line leaves the solid on its way up, -1: enters it, 0: misses the facet
+  bool ahead;   // the facet is above the point that the line starts from
 };
 
 Pass pass_of(const Facet& facet, const Coordinates& at, std::size_t axis) {
@@ -54,7 +55,7 @@ Pass pass_of(const Facet& facet, const Coordinates& at, std::size_t axis) {
   }
   const int winding = winding_of(flat, here);
   if (winding == 0) return {0, false};
-  // The corners' heights, weighed by the areas opposite to them.
+  // The corners' heights, weighted by the areas opposite to them.
   double height = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     const Flat &a = flat[(c + 1) % 3], &b = flat[(c + 2) % 3];
@@ -94,7 +95,7 @@ void WindingProbe::for_each_cell(const Grid& grid, const Face& face, Visit&& vis
   visit(left, right, low, high);
 }
 
-// A cell for sixteen faces, or fewer where faces lie over many.
+// Chooses the number of cells: one for sixteen faces, or fewer if faces lie over many.
 void WindingProbe::choose_cells(Grid& grid) const {
   const auto faces = static_cast<std::int64_t>(faces_.size());
   grid.cells = 1 + static_cast<std::int64_t>(std::sqrt(static_cast<double>(faces) / 16));

@@ -1,4 +1,5 @@
-// How often a mesh winds around a point, by counting what rays from there pass through. Not thread-safe.
+// Counts how often a mesh winds around a point, by the facets that rays from the point pass through. Not
+// thread-safe.
 #pragma once
 
 #include <array>
@@ -19,26 +20,26 @@ struct SpacePoint {
 
 class WindingProbe {
  public:
-  // Along x, y and z, up and down.
+  // The winding numbers by the rays along x, y and z, up and down each.
   using Windings = std::array<int, 6>;
 
   // The facets and faces must outlive the probe.
   WindingProbe(std::span<const Facet> facets, std::span<const Face> faces);
 
-  // What the rays from a point say that the faces wind around it; `weight(face)` tells how often a face
-  // counts, as its first facet is turned. They agree where the faces close.
+  // Returns how often the faces wind around a point according to each ray. `weight(face)` is how often a face
+  // counts, as its first facet is turned. The rays agree if the faces close.
   [[nodiscard]] Windings windings_around(const SpacePoint& point,
                                          const std::function<int(std::uint32_t)>& weight);
 
-  // How many faces it has looked at in all: a caller's measure for how long this may take.
+  // Returns the number of faces looked at in all: a measure of the time that the caller has spent on rays.
   [[nodiscard]] std::size_t looks() const { return looks_; }
 
  private:
-  // Faces by the cells that they lie over, seen along an axis.
+  // Faces by the cells of a grid that they lie over, seen along an axis.
   struct Grid {
-    std::size_t across, along;  // the axes that the cells lie on
+    std::size_t across, along;  // the axes of the grid
     double low_across, low_along, cells_across_mm, cells_along_mm;
-    std::int64_t cells;  // a side
+    std::int64_t cells;  // along each axis of the grid
     std::vector<std::uint32_t> first, faces;
   };
 

@@ -12,11 +12,11 @@ constexpr std::array<double, 3> kDistances_mm{0.3, 0.6, 0.9};
 constexpr double kHalf = 0.70710678118654757;  // sine and cosine of 45 degrees
 constexpr std::array<Point, 8> kAround{
     {{1, 0}, {kHalf, kHalf}, {0, 1}, {-kHalf, kHalf}, {-1, 0}, {-kHalf, -kHalf}, {0, -1}, {kHalf, -kHalf}}};
-// How far the surface may lie above the contact or below it.
+// How far the surface may lie above or below the contact.
 constexpr double kAcross_mm = 0.6;
 
-// Whether the material leads from one to the other at this height.
-bool is_one(const PlatePoint& from, const PlatePoint& to, double z, const LayerStack& layers) {
+// True if the material at height z is continuous from one place to the other.
+bool is_connected(const PlatePoint& from, const PlatePoint& to, double z, const LayerStack& layers) {
   const int steps = static_cast<int>(std::hypot(to.x - from.x, to.y - from.y) / layers.pitch_mm()) + 1;
   for (int i = 0; i <= steps; ++i) {
     const double part = static_cast<double>(i) / steps;
@@ -31,20 +31,21 @@ std::vector<SupportContact> neighbours_of(const SupportContact& contact, const L
                                           IslandHold hold) {
   const bool is_island = contact.cause == ContactCause::Island;
   const bool in_first_layer = is_island && hold == IslandHold::FromItsFirstLayer;
-  // A layer is lit from its middle up: what begins within half a step of another is in the same one.
+  // A layer is lit from its middle up, so an underside within half a step of the contact is in the same
+  // layer.
   const double layers_up = in_first_layer ? 0.5 : 2;
   const double up = is_island ? layers_up * layers.step_mm() : kAcross_mm;
   const double joined = (in_first_layer ? 0.5 : 1.5) * layers.step_mm();
   std::vector<SupportContact> neighbours;
   for (const double distance : kDistances_mm) {
-    for (const Point& way : kAround) {
-      const PlatePoint low{contact.place.x + way.x * distance, contact.place.y + way.y * distance,
+    for (const Point& direction : kAround) {
+      const PlatePoint low{contact.place.x + direction.x * distance, contact.place.y + direction.y * distance,
                            contact.place.z - kAcross_mm};
       const std::optional<double> underside = layers.underside_above(low, kAcross_mm + up);
       if (!underside) continue;
       const PlatePoint place{low.x, low.y, *underside};
       const double inside = std::max(place.z, contact.place.z) + joined;
-      if (!is_one(contact.place, place, inside, layers)) continue;
+      if (!is_connected(contact.place, place, inside, layers)) continue;
       SupportContact& neighbour = neighbours.emplace_back(contact);
       neighbour.place = place;
       neighbour.outward = {0, 0, -1};

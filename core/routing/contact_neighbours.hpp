@@ -1,4 +1,5 @@
-// Where else a place can be held that no tip reaches. Thread-safe (no shared state). Deterministic.
+// Finds places near a contact that can be held instead if no tip reaches the contact itself. Thread-safe (no
+// shared state). Deterministic.
 #pragma once
 
 #include <vector>
@@ -8,12 +9,13 @@
 
 namespace contourd {
 
-// Whether what holds an island may begin higher than it: by no more than two layers of the sweep, which hang
-// free until then.
+// How high an island may be held: in its first layer only, or up to two layers of the sweep higher, which
+// then hang free until the support reaches them.
 enum class IslandHold { FromItsFirstLayer, Higher };
 
-// Contacts up to a millimetre beside this one, from near to far: on the model's underside, where the material
-// is one with that of the contact. What begins an island is so in its first layer.
+// Returns copies of the contact up to a millimetre beside it, from near to far: on the model's underside,
+// where the material is connected to the contact's. An island's neighbours are connected to it in its first
+// layer with IslandHold::FromItsFirstLayer.
 [[nodiscard]] std::vector<SupportContact> neighbours_of(const SupportContact& contact,
                                                         const LayerStack& layers, IslandHold hold);
 

@@ -8,7 +8,7 @@
 namespace contourd {
 namespace {
 
-// A foot is no lower than half of this, or as the settings have it.
+// Feet are halved in height down to half of this, unless the settings ask for less.
 constexpr double kLowest_mm = 0.1;
 
 }  // namespace
@@ -16,7 +16,8 @@ constexpr double kLowest_mm = 0.1;
 Frustum foot_at(const PlatePoint& place, double radius_mm, const ClearanceField& field,
                 const SupportSettings& settings) {
   expects(place.z == 0, "a foot stands on the plate");
-  // Between the branch's radius and the foot's, what is tried first.
+  // Shares of the difference between the branch's radius and the foot's, in the order in which they are
+  // tried.
   constexpr std::array<double, 6> kWidenings{1, 0.8, 0.6, 0.4, 0.2, 0};
   const double wide = std::max(settings.foot_diameter.count() / 2, radius_mm);
   double base = radius_mm;

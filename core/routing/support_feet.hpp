@@ -1,5 +1,5 @@
-// Feet on the plate: as wide as the settings have them where there is room, else narrower. Thread-safe (no
-// shared state). Deterministic.
+// Feet on the plate, as wide as the settings ask if there is room, else narrower. Thread-safe (no shared
+// state). Deterministic.
 #pragma once
 
 #include "core/clearance/clearance_field.hpp"
@@ -9,7 +9,7 @@
 
 namespace contourd {
 
-// The foot of a branch that arrives there with this radius. REQUIRES: a place on the plate.
+// Returns the foot of a branch with this radius that reaches the plate at `place`. REQUIRES: place.z == 0.
 [[nodiscard]] Frustum foot_at(const PlatePoint& place, double radius_mm, const ClearanceField& field,
                               const SupportSettings& settings);
 

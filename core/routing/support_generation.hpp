@@ -1,6 +1,6 @@
-// Supports for what stands on a plate: what has to be held is found in one sweep of masks from the plate up,
-// and led down to the plate around the models. Thread-safe (no shared state). Deterministic: the same models
-// and settings give the same supports on every machine.
+// Generates supports for the models on a plate: finds the places that have to be held in one sweep of masks
+// from the plate up, and leads supports from them around the models down to the plate. Thread-safe (no shared
+// state). Deterministic: the same models and settings give the same supports on every machine.
 #pragma once
 
 #include <optional>
@@ -11,8 +11,8 @@
 
 namespace contourd {
 
-// Blocks, for a second for a million facets. Nothing when `stop` was asked for meanwhile. find_overhangs()
-// says how high the models may be.
+// Returns the supports; nullopt if `stop` is requested. Blocks: about a second per million facets.
+// find_overhangs() limits the height of the models.
 [[nodiscard]] std::optional<Supports> make_supports(const SupportRequest& request,
                                                     const std::stop_token& stop = {});
 

@@ -17,9 +17,9 @@
 namespace contourd {
 namespace {
 
-// Ways lead no farther around the places that are held.
+// Paths lead at most this far around the places that are held.
 constexpr double kAround_mm = 15;
-// Of the usual branch, where there is little room.
+// Width of a branch where there is little room, relative to the usual branch.
 constexpr double kLeastWidth = 0.5;
 
 ClearanceField::Region region_around(const std::vector<SupportContact>& contacts) {
@@ -40,12 +40,12 @@ void from_the_plate_up(std::vector<SupportContact>& contacts) {
   });
 }
 
-// What is beyond the number of contacts that are held.
+// Removes the contacts beyond the maximum and returns them as unheld.
 std::vector<UnheldPlace> set_aside(std::vector<SupportContact>& contacts) {
   std::vector<UnheldPlace> beyond;
   for (std::size_t i = kMostContacts; i < contacts.size(); ++i)
     beyond.push_back(
-        {contacts[i], "4096 places beneath it have to be held already, and nothing above it is held either"});
+        {contacts[i], "the limit of 4096 contacts is reached below it, and nothing above it is held either"});
   contacts.resize(std::min(contacts.size(), kMostContacts));
   return beyond;
 }
@@ -62,20 +62,20 @@ void append(SupportTree more, SupportTree& tree) {
   }
 }
 
-// Holds one contact after the other, at its place or else beside it: by ways to the plate or, what these do
-// not reach, to a model.
+// Holds the contacts one after the other, at their place or else beside it: by paths to the plate, or to a
+// model if no path reaches the plate.
 class SupportLayout {
  public:
   SupportLayout(const ClearanceField& field, const SupportSettings& settings, const std::stop_token& stop)
       : field_(field), settings_(settings), stop_(stop) {}
 
-  // Returns those that it cannot hold. With IslandHold::Higher it looks beside islands alone: all else was
-  // tried before.
+  // Returns the contacts that it cannot hold. With IslandHold::Higher it only tries places beside islands:
+  // everything else was tried before.
   [[nodiscard]] std::vector<SupportContact> hold(const std::vector<SupportContact>& contacts,
                                                  SupportPathField::End end, IslandHold islands) {
-    const SupportPathField& ways = ways_to(end, contacts);
-    const SupportTips tips(field_, ways, settings_);
-    SupportRouting routing(field_, ways, settings_);
+    const SupportPathField& paths = paths_to(end, contacts);
+    const SupportTips tips(field_, paths, settings_);
+    SupportRouting routing(field_, paths, settings_);
     std::vector<SupportContact> unheld;
     const auto is_held = [&](const SupportContact& contact) {
       std::optional<SupportTip> tip = tips.tip_at(contact);
@@ -113,15 +113,15 @@ class SupportLayout {
   }
 
  private:
-  // Made for the first contacts that want them: later ones are among these.
-  const SupportPathField& ways_to(SupportPathField::End end, const std::vector<SupportContact>& contacts) {
-    std::optional<SupportPathField>& ways = end == SupportPathField::End::Plate ? to_plate_ : to_models_;
-    if (!ways) {
+  // Creates the path field on first use, for the contacts of that call: later contacts are a subset of them.
+  const SupportPathField& paths_to(SupportPathField::End end, const std::vector<SupportContact>& contacts) {
+    std::optional<SupportPathField>& paths = end == SupportPathField::End::Plate ? to_plate_ : to_models_;
+    if (!paths) {
       const double usual = settings_.pillar_diameter.count() / 2;
       const PathWidths widths{usual, usual * kLeastWidth, settings_.tip_diameter.count() / 2};
-      ways.emplace(field_, SupportPathField::Settings{widths, end, contacts}, stop_);
+      paths.emplace(field_, SupportPathField::Settings{widths, end, contacts}, stop_);
     }
-    return *ways;
+    return *paths;
   }
 
   const ClearanceField& field_;
@@ -152,7 +152,7 @@ std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, c
   if (supports.structure) supports.volume_mm3 = volume_beside_models_mm3(supports.structure, layers, stop);
   if (stop.stop_requested()) return std::nullopt;
   for (const SupportContact& contact : unheld)
-    supports.unheld.push_back({contact, "no way leads to the plate, nor to a place on the model"});
+    supports.unheld.push_back({contact, "no path leads to the plate or to a place on the model"});
   supports.unheld.insert(supports.unheld.end(), beyond.begin(), beyond.end());
   return supports;
 }

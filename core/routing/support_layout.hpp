@@ -1,5 +1,5 @@
-// Holds the places that a sweep has found: tips, branches, feet, and what cannot be held. Thread-safe (no
-// shared state). Deterministic.
+// Lays out the supports for the places that a sweep has found: tips, branches, feet, and the places that
+// cannot be held. Thread-safe (no shared state). Deterministic.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,8 @@
 
 namespace contourd {
 
-// `layers`: of all that stands on the plate, whole. Nothing when `stop` was asked for meanwhile.
+// Returns the supports; nullopt if `stop` is requested. `layers` holds all layers of everything that stands
+// on the plate.
 [[nodiscard]] std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts,
                                                        const LayerStack& layers,
                                                        const DisplayGeometry& build_area,

@@ -10,18 +10,18 @@
 namespace contourd {
 namespace {
 
-// Of a pillar of the usual diameter that stands alone with one tip's load.
+// Height to which a pillar of the usual diameter can stand alone with one tip's load.
 constexpr double kAlone_mm = 15;
-// No branch is thicker.
+// Greatest diameter of a branch.
 constexpr double kThickest_mm = 2;
-// Between what is too thick and what has room is looked for so often.
+// Bisection steps between a radius that is too thick and one that has room.
 constexpr int kHalvings = 4;
 
 PlateSegment branch_from(const SupportNode& node, const SupportTree& tree) {
   return {node.place, tree.nodes[node.below].place};
 }
 
-// By node: from the last place above where branches meet to the next one below.
+// Returns, by node, the length of its branch between the junctions above and below it.
 std::vector<double> free_lengths(const SupportTree& tree) {
   const std::vector<SupportNode>& nodes = tree.nodes;
   std::vector<std::uint32_t> above(nodes.size(), 0);
@@ -47,7 +47,7 @@ std::vector<double> free_lengths(const SupportTree& tree) {
   return lengths;
 }
 
-// The largest radius up to `wanted` that has room; `least` is known to have.
+// Returns the largest radius up to `wanted` that has room; `least` is known to fit.
 double fitting_radius(const PlateSegment& branch, double least, double wanted, const ClearanceField& field) {
   if (wanted <= least || field.has_room(branch, wanted)) return std::max(wanted, least);
   double too_thick = wanted;

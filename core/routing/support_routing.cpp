@@ -12,11 +12,11 @@
 namespace contourd {
 namespace {
 
-// Branches meet no closer above the feet.
+// Branches meet at least this high above the feet.
 constexpr double kAboveFeet_mm = 0.2;
-// Where branches cannot meet at 45 degrees, because something is in their way, they may do so further down.
+// Branches that cannot meet at 45 degrees because of an obstacle may meet this much further down.
 constexpr std::array<double, 4> kDrops_mm{0, 1, 2.5, 5};
-// A branch's length to where it meets the next is not known before: at most this is thought of it.
+// The length of a branch down to its next junction is unknown in advance: estimates assume at most this.
 constexpr double kUsualLength_mm = 10;
 
 double frustum_mm3(double one, double other, double height) {
@@ -30,14 +30,14 @@ PlatePoint between(const PlatePoint& a, const PlatePoint& b, double part, double
 }  // namespace
 
 bool SupportRouting::Pair::operator<(const Pair& pair) const {
-  // The first ones first, where they save the same.
+  // Pairs that save equally much are ordered by their indices.
   return std::tuple(saved_mm3, pair.one, pair.other) < std::tuple(pair.saved_mm3, one, other);
 }
 
-SupportRouting::SupportRouting(const ClearanceField& field, const SupportPathField& ways,
+SupportRouting::SupportRouting(const ClearanceField& field, const SupportPathField& paths,
                                const SupportSettings& settings)
     : field_(field),
-      ways_(ways),
+      paths_(paths),
       settings_(settings),
       foot_mm3_(frustum_mm3(settings.foot_diameter.count() / 2, settings.pillar_diameter.count() / 2,
                             settings.foot_height.count())) {}
@@ -49,25 +49,25 @@ const SupportNode& SupportRouting::node_of(std::uint32_t end) const {
 void SupportRouting::add(SupportTip tip, std::uint32_t contact, double load_mm2) {
   const auto node = static_cast<std::uint32_t>(tree_.nodes.size());
   tree_.nodes.push_back({tip.joint, SupportNode::kNone, load_mm2, tip.radius_mm});
-  if (tip.way.stretches.empty()) {
+  if (tip.path.stretches.empty()) {
     tree_.nodes.back().foot = SupportFoot::OfTip;
   } else {
-    open(node, tip.way);
+    open(node, tip.path);
   }
   tree_.tips.push_back({std::move(tip), contact, node});
 }
 
-void SupportRouting::open(std::uint32_t node, SupportPath way) {
-  ends_.push_back({node, std::move(way)});
+void SupportRouting::open(std::uint32_t node, SupportPath path) {
+  ends_.push_back({node, std::move(path)});
 }
 
-// Resin of a branch.
+// Returns the resin of a branch.
 double SupportRouting::resin_of(double load_mm2, double length_mm) const {
   const double radius = branch_radius(load_mm2, std::min(length_mm, kUsualLength_mm), settings_);
   return std::numbers::pi * radius * radius * length_mm;
 }
 
-// Of a branch to the plate, with its foot.
+// Returns the resin of a branch to the plate, including its foot.
 double SupportRouting::resin_below(double load_mm2, double length_mm) const {
   return resin_of(load_mm2, length_mm) + foot_mm3_;
 }
@@ -92,7 +92,7 @@ void SupportRouting::push_pair(std::uint32_t one, std::uint32_t other, std::uint
   if (rank < meetings.size()) pairs_.push({meetings[rank].saved_mm3, one, other, rank});
 }
 
-// Where two ends can meet and save resin, what saves the most first.
+// Returns the places where two ends can meet and save resin, the greatest saving first.
 std::vector<SupportRouting::Meeting> SupportRouting::meetings_of(std::uint32_t one,
                                                                  std::uint32_t other) const {
   const SupportNode& a = node_of(one);
@@ -102,17 +102,17 @@ std::vector<SupportRouting::Meeting> SupportRouting::meetings_of(std::uint32_t o
   const SupportNode& low = first_higher ? b : a;
   const double apart = level_distance(high.place, low.place);
   const double least_z = settings_.foot_height.count() + kAboveFeet_mm;
-  const double alone =
-      resin_below(a.load_mm2, ends_[one].way.length_mm) + resin_below(b.load_mm2, ends_[other].way.length_mm);
+  const double alone = resin_below(a.load_mm2, ends_[one].path.length_mm) +
+                       resin_below(b.load_mm2, ends_[other].path.length_mm);
   std::vector<Meeting> meetings;
-  const auto consider = [&](const PlatePoint& place, double way_mm) {
+  const auto consider = [&](const PlatePoint& place, double path_mm) {
     const double together = resin_of(high.load_mm2, PlateSegment{high.place, place}.length()) +
                             resin_of(low.load_mm2, PlateSegment{low.place, place}.length()) +
-                            resin_below(a.load_mm2 + b.load_mm2, way_mm);
+                            resin_below(a.load_mm2 + b.load_mm2, path_mm);
     if (together < alone) meetings.push_back({alone - together, place});
   };
   if (high.place.z - low.place.z > std::max(apart, 1e-3)) {
-    consider(low.place, ends_[first_higher ? other : one].way.length_mm);
+    consider(low.place, ends_[first_higher ? other : one].path.length_mm);
   }
   const double meet_z = std::min((high.place.z + low.place.z - apart) / 2, low.place.z - 0.01);
   const double part = apart > 0 ? std::min((high.place.z - meet_z) / apart, 1.0) : 0;
@@ -124,7 +124,7 @@ std::vector<SupportRouting::Meeting> SupportRouting::meetings_of(std::uint32_t o
         between(high.place, low.place, 0, std::min(low.place.z - apart, low.place.z - 0.01) - drop)};
     for (const PlatePoint& place : places) {
       if (place.z < least_z) continue;
-      if (const std::optional<double> way = ways_.length_from(place)) consider(place, *way);
+      if (const std::optional<double> path = paths_.length_from(place)) consider(place, *path);
     }
   }
   std::stable_sort(meetings.begin(), meetings.end(),
@@ -132,7 +132,7 @@ std::vector<SupportRouting::Meeting> SupportRouting::meetings_of(std::uint32_t o
   return meetings;
 }
 
-// How thick an end's branch is to be on its way there.
+// Returns the radius of an end's branch down to a place.
 double SupportRouting::width_of(std::uint32_t end, const PlatePoint& to) const {
   const SupportNode& node = node_of(end);
   const double length = PlateSegment{node.place, to}.length();
@@ -153,12 +153,12 @@ bool SupportRouting::meet(const Pair& pair, const PlatePoint& place) {
       return true;
     }
   }
-  std::optional<SupportPath> way = ways_.path_from(place);
-  if (!way) return false;
+  std::optional<SupportPath> path = paths_.path_from(place);
+  if (!path) return false;
   const auto node = static_cast<std::uint32_t>(tree_.nodes.size());
   const double usual = settings_.pillar_diameter.count() / 2;
   tree_.nodes.push_back({place, SupportNode::kNone, 0, usual});
-  open(node, std::move(*way));
+  open(node, std::move(*path));
   const auto into = static_cast<std::uint32_t>(ends_.size() - 1);
   join(pair.one, into);
   join(pair.other, into);
@@ -166,7 +166,7 @@ bool SupportRouting::meet(const Pair& pair, const PlatePoint& place) {
   return true;
 }
 
-// An end leads to where another one is, which goes on for both.
+// Ends a branch at another open end, which continues for both.
 void SupportRouting::join(std::uint32_t from, std::uint32_t into) {
   SupportNode& node = tree_.nodes[ends_[from].node];
   SupportNode& below = tree_.nodes[ends_[into].node];
@@ -176,35 +176,35 @@ void SupportRouting::join(std::uint32_t from, std::uint32_t into) {
   ends_[from].open = false;
 }
 
-// The highest end that has no straight way to the plate.
+// Returns the highest end whose path is not straight; nullopt if there is none.
 std::optional<std::uint32_t> SupportRouting::next_to_go_on() const {
   std::optional<std::uint32_t> highest;
   for (std::uint32_t end = 0; end < ends_.size(); ++end) {
-    if (!ends_[end].open || ends_[end].way.stretches.size() < 2) continue;
+    if (!ends_[end].open || ends_[end].path.stretches.size() < 2) continue;
     if (!highest || node_of(end).place.z > node_of(*highest).place.z) highest = end;
   }
   return highest;
 }
 
 void SupportRouting::go_on(std::uint32_t end) {
-  SupportPath way = std::move(ends_[end].way);
-  const SupportPath::Stretch first = way.stretches.front();
-  way.length_mm -= PlateSegment{node_of(end).place, first.end}.length();
-  way.stretches.erase(way.stretches.begin());
+  SupportPath path = std::move(ends_[end].path);
+  const SupportPath::Stretch first = path.stretches.front();
+  path.length_mm -= PlateSegment{node_of(end).place, first.end}.length();
+  path.stretches.erase(path.stretches.begin());
   add_below(ends_[end].node, first.end, first.radius_mm);
-  tree_.nodes.back().radius_mm = way.stretches.front().radius_mm;
+  tree_.nodes.back().radius_mm = path.stretches.front().radius_mm;
   ends_[end].open = false;
-  open(static_cast<std::uint32_t>(tree_.nodes.size() - 1), std::move(way));
+  open(static_cast<std::uint32_t>(tree_.nodes.size() - 1), std::move(path));
   look_for_partners(static_cast<std::uint32_t>(ends_.size() - 1));
 }
 
 void SupportRouting::end(OpenEnd& end) {
-  const SupportPath::Stretch last = end.way.stretches.front();
+  const SupportPath::Stretch last = end.path.stretches.front();
   add_below(end.node, last.end, last.radius_mm);
-  if (end.way.landing) {
-    add_below(static_cast<std::uint32_t>(tree_.nodes.size() - 1), *end.way.landing, last.radius_mm);
+  if (end.path.landing) {
+    add_below(static_cast<std::uint32_t>(tree_.nodes.size() - 1), *end.path.landing, last.radius_mm);
   }
-  tree_.nodes.back().foot = end.way.landing ? SupportFoot::OnModel : SupportFoot::OnPlate;
+  tree_.nodes.back().foot = end.path.landing ? SupportFoot::OnModel : SupportFoot::OnPlate;
   end.open = false;
 }
 
@@ -230,7 +230,7 @@ SupportTree SupportRouting::lead_down(const std::stop_token& stop) {
     if (!ends_[pair.one].open || !ends_[pair.other].open) continue;
     const std::vector<Meeting> meetings = meetings_of(pair.one, pair.other);
     if (pair.rank >= meetings.size()) continue;
-    // Loads may have come since.
+    // Loads may have been added since the pair was pushed.
     if (meetings[pair.rank].saved_mm3 < pair.saved_mm3 || !meet(pair, meetings[pair.rank].place)) {
       const bool same = meetings[pair.rank].saved_mm3 < pair.saved_mm3;
       push_pair(pair.one, pair.other, same ? pair.rank : pair.rank + 1);

@@ -1,9 +1,9 @@
-// Leads supports from the tips' joints down to the plate: branches that meet on their way. Of all open ends,
-// the two meet first that save the most resin by it; where there is no straight way down, an end goes on
-// around the model to its next bend, and may meet others there. Not thread-safe. Deterministic.
+// Leads supports from the tips' joints down to the plate along branches that merge. Of all open ends, the two
+// that save the most resin by meeting are joined first; an end without a straight path down continues around
+// the model to its next bend and can meet others there. Not thread-safe. Deterministic.
 //
-// Bounded: an end is compared with its kPartners nearest; the nodes are no more than twice the joints and the
-// ways' bends.
+// Bounded: an end is compared with its kPartners nearest; there are at most twice as many nodes as joints and
+// bends of the paths.
 #pragma once
 
 #include <cstdint>
@@ -21,25 +21,25 @@ namespace contourd {
 
 class SupportRouting {
  public:
-  // Both must outlive it.
-  SupportRouting(const ClearanceField& field, const SupportPathField& ways, const SupportSettings& settings);
+  // `field` and `paths` must outlive the object.
+  SupportRouting(const ClearanceField& field, const SupportPathField& paths, const SupportSettings& settings);
 
-  // A tip that holds contact number `contact`.
+  // Adds a tip that holds contact number `contact`.
   void add(SupportTip tip, std::uint32_t contact, double load_mm2);
 
-  // Leads all of them down. Once `stop` was asked for the tree is of no use.
+  // Leads all added tips down. The tree is unusable if `stop` was requested.
   [[nodiscard]] SupportTree lead_down(const std::stop_token& stop);
 
  private:
   static constexpr std::size_t kPartners = 12;
 
-  // Where a branch is so far; it goes on from there.
+  // The lower end of an unfinished branch, and the path on which it continues.
   struct OpenEnd {
     std::uint32_t node;
-    SupportPath way;
+    SupportPath path;
     bool open = true;
   };
-  // Two ends that might meet; of all places where they can, the one of this rank.
+  // Two ends that might meet; `rank` selects one of the places where they can.
   struct Pair {
     double saved_mm3;
     std::uint32_t one, other;
@@ -52,7 +52,7 @@ class SupportRouting {
   };
 
   [[nodiscard]] const SupportNode& node_of(std::uint32_t end) const;
-  void open(std::uint32_t node, SupportPath way);
+  void open(std::uint32_t node, SupportPath path);
   void look_for_partners(std::uint32_t end);
   void push_pair(std::uint32_t one, std::uint32_t other, std::uint32_t rank);
   [[nodiscard]] std::vector<Meeting> meetings_of(std::uint32_t one, std::uint32_t other) const;
@@ -67,7 +67,7 @@ class SupportRouting {
   void add_below(std::uint32_t node, const PlatePoint& place, double radius_mm);
 
   const ClearanceField& field_;
-  const SupportPathField& ways_;
+  const SupportPathField& paths_;
   SupportSettings settings_;
   double foot_mm3_;
   SupportTree tree_;

@@ -11,7 +11,7 @@
 namespace contourd {
 namespace {
 
-// Ends as near as that are one place: what is between them has neither a direction nor a volume.
+// Ends closer than this are the same place: a frustum between them has neither a direction nor a volume.
 constexpr double kShortestMm = 1e-6;
 
 void add_frustum(const Frustum& frustum, std::vector<SupportPrimitive>& solids) {
@@ -20,7 +20,8 @@ void add_frustum(const Frustum& frustum, std::vector<SupportPrimitive>& solids) 
   if (length >= kShortestMm) solids.push_back(frustum);
 }
 
-// As deep into the model as tips go, or as it is thick there: a step of the sweep at least.
+// Returns a point inside the model, as deep as the settings ask or as the model is thick there, but at least
+// one step of the sweep.
 PlatePoint inside_from(const PlatePoint& surface, const Direction& inward, const LayerStack& layers,
                        const SupportSettings& settings) {
   double depth = settings.tip_depth.count();
@@ -30,7 +31,7 @@ PlatePoint inside_from(const PlatePoint& surface, const Direction& inward, const
   return moved(surface, inward, depth);
 }
 
-// What stands on a model reaches into it.
+// Extends a support that stands on a model into the model.
 void sink(const PlatePoint& on_model, double radius, const LayerStack& layers,
           const SupportSettings& settings, std::vector<SupportPrimitive>& solids) {
   add_frustum({inside_from(on_model, {0, 0, -1}, layers, settings), on_model, radius, radius}, solids);
@@ -44,11 +45,11 @@ void add_tip(const SupportTree::HeldTip& held, const ClearanceField& field, cons
   const Direction inward{-tip.outward.x, -tip.outward.y, -tip.outward.z};
   const PlatePoint inside = inside_from(tip.at, inward, field.layers(), settings);
   add_frustum({tip.at, field.moved_inside(inside, radius), radius, radius}, solids);
-  if (tip.way.stretches.empty() && tip.joint.z > 0)
+  if (tip.path.stretches.empty() && tip.joint.z > 0)
     sink(tip.joint, tip.radius_mm, field.layers(), settings, solids);
 }
 
-// A foot on a model is a tip upside down.
+// Adds a foot on a model: a tip upside down.
 void add_landing(const SupportNode& node, const PlatePoint& on_model, const LayerStack& layers,
                  const SupportSettings& settings, std::vector<SupportPrimitive>& solids) {
   const double radius = landing_radius(node.load_mm2, settings);
@@ -56,7 +57,7 @@ void add_landing(const SupportNode& node, const PlatePoint& on_model, const Laye
   sink(on_model, radius, layers, settings, solids);
 }
 
-// By node: of the thickest branch that ends or begins there.
+// Returns, by node, the radius of the thickest branch that ends or begins there.
 std::vector<double> ball_radii(const SupportTree& tree) {
   std::vector<double> radii(tree.nodes.size());
   for (std::size_t i = 0; i < tree.nodes.size(); ++i) {

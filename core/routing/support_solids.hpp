@@ -1,4 +1,4 @@
-// A support tree as primitives. Thread-safe (no shared state). Deterministic.
+// Converts a support tree to primitives. Thread-safe (no shared state). Deterministic.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace contourd {
 
-// Cones for the tips, branches with a ball wherever they meet or bend, feet.
+// Returns cones for the tips, branches with a ball at every junction and bend, and feet.
 [[nodiscard]] std::vector<SupportPrimitive> solids_of(const SupportTree& tree, const ClearanceField& field,
                                                       const SupportSettings& settings);
 

@@ -9,20 +9,20 @@
 namespace contourd {
 namespace {
 
-// Of tip_length, and of the branch's radius: what is tried, one after the other.
+// Factors of tip_length that are tried in this order.
 constexpr std::array<double, 4> kLengths{1.2, 1.6, 2.2, 3.2};
-// So many directions go with the normal, the others around it.
+// The first kAlongNormal directions follow the normal, the others point around it.
 constexpr std::size_t kAlongNormal = 3;
 constexpr std::array<double, 2> kWidths{1, 0.5};
-// The cone's first part is where the surface is.
+// Length of the first part of a cone, which the surface it holds may touch.
 constexpr double kAtSurface_mm = 0.4;
 constexpr double kLook_mm = 0.2;
-// What is solid so close below a surface is the surface's own.
+// Solid this close below a surface belongs to the surface itself.
 constexpr double kBelowSurface_mm = 0.2;
-// Between two parts of a model.
+// Length of the shortest pin between two parts of a model.
 constexpr double kShortestPin_mm = 0.3;
 
-// An island that is so near to other material is joined to it, if nothing else holds it.
+// An island this near to other material is joined to it if nothing else holds it.
 constexpr double kNear_mm = 0.3;
 
 constexpr double kHalf = 0.70710678118654757;  // sine and cosine of 45 degrees
@@ -35,7 +35,7 @@ Direction unit(double x, double y, double z) {
   return {x / length, y / length, z / length};
 }
 
-// Not flatter than 45 degrees.
+// Returns the direction turned downwards until it is no flatter than 45 degrees.
 Direction turned_down(const Direction& outward) {
   const double across = std::sqrt(outward.x * outward.x + outward.y * outward.y);
   if (across <= -outward.z) return unit(outward.x, outward.y, outward.z);
@@ -43,7 +43,7 @@ Direction turned_down(const Direction& outward) {
   return {outward.x / across * kHalf, outward.y / across * kHalf, -kHalf};
 }
 
-// The normal's first, then nearer to straight down, then all around.
+// Returns the directions to try: along the normal, closer to straight down, then all around.
 std::vector<Direction> directions_for(const Direction& outward) {
   const Direction first = turned_down(outward);
   std::vector<Direction> all{first, unit(first.x, first.y, first.z - 1), {0, 0, -1}};
@@ -61,12 +61,12 @@ std::vector<Direction> directions_for(const Direction& outward) {
 
 }  // namespace
 
-SupportTips::SupportTips(const ClearanceField& field, const SupportPathField& ways,
+SupportTips::SupportTips(const ClearanceField& field, const SupportPathField& paths,
                          const SupportSettings& settings)
-    : field_(field), ways_(ways), settings_(settings) {}
+    : field_(field), paths_(paths), settings_(settings) {}
 
 std::optional<SupportTip> SupportTips::tip_at(const SupportContact& contact) const {
-  // At the build area's edge it moves in by its own radius at most; its depth makes up for that.
+  // At the build area's edge the tip moves in by at most its own radius; its depth makes up for that.
   const PlatePoint at = field_.moved_inside(contact.place, settings_.tip_diameter.count() / 2);
   const std::vector<Direction> directions = directions_for(contact.outward);
   const double radius = settings_.pillar_diameter.count() / 2;
@@ -83,22 +83,22 @@ std::optional<SupportTip> SupportTips::tip_at(const SupportContact& contact) con
     }
   }
   std::optional<SupportTip> pin = pin_at(at, directions);
-  if (!pin && contact.cause == ContactCause::Island && ways_.end() == SupportPathField::End::Model)
+  if (!pin && contact.cause == ContactCause::Island && paths_.end() == SupportPathField::End::Model)
     pin = strut_near(at);
   return pin;
 }
 
 std::optional<SupportTip> SupportTips::tip_with(const PlatePoint& at, const Cone& cone) const {
   const PlatePoint joint = moved(at, cone.outward, cone.length_mm);
-  // What is cheap to tell first.
-  if (joint.z < settings_.foot_height.count() || !ways_.length_from(joint)) return std::nullopt;
+  // Cheap checks come first.
+  if (joint.z < settings_.foot_height.count() || !paths_.length_from(joint)) return std::nullopt;
   if (!field_.has_room(joint, cone.radius_mm) || !is_free(at, cone)) return std::nullopt;
-  std::optional<SupportPath> way = ways_.path_from(joint);
-  if (!way) return std::nullopt;
-  return SupportTip{at, joint, cone.outward, cone.radius_mm, std::move(*way)};
+  std::optional<SupportPath> path = paths_.path_from(joint);
+  if (!path) return std::nullopt;
+  return SupportTip{at, joint, cone.outward, cone.radius_mm, std::move(*path)};
 }
 
-// A cone down to what is so close below that a branch has no room.
+// Returns a cone down to material so close below that a branch has no room.
 std::optional<SupportTip> SupportTips::pin_at(const PlatePoint& at,
                                               std::span<const Direction> directions) const {
   const double tip = settings_.tip_diameter.count() / 2, usual = settings_.pillar_diameter.count() / 2;
@@ -115,8 +115,8 @@ std::optional<SupportTip> SupportTips::pin_at(const PlatePoint& at,
   return std::nullopt;
 }
 
-// As thick as a tip, down to the material beneath the first layer of an island, or at 45 degrees into that
-// beside it.
+// Returns a strut as thick as a tip, down to the material beneath the island's first layer, or at 45 degrees
+// into the material beside it.
 std::optional<SupportTip> SupportTips::strut_near(const PlatePoint& at) const {
   const LayerStack& layers = field_.layers();
   const double tip = settings_.tip_diameter.count() / 2;
@@ -127,7 +127,7 @@ std::optional<SupportTip> SupportTips::strut_near(const PlatePoint& at) const {
       if (!layers.is_lit({at.x + x * gap, at.y + y * gap, at.z - layers.step_mm()})) continue;
       const Direction outward{x * kHalf, y * kHalf, -kHalf};
       const PlatePoint foot = moved(at, outward, (gap + tip) / kHalf);
-      // It stands in the material with all its depth.
+      // The strut's whole depth must be inside the material.
       if (layers.is_lit(foot) && layers.is_lit({foot.x, foot.y, foot.z - settings_.tip_depth.count()}))
         return SupportTip{at, foot, outward, tip, {}};
     }
@@ -135,10 +135,10 @@ std::optional<SupportTip> SupportTips::strut_near(const PlatePoint& at) const {
   return std::nullopt;
 }
 
-// Where a pin in this direction ends: on the plate, or straight down on a model.
+// Returns where a pin in this direction ends: on the plate, or straight below on a model.
 std::optional<PlatePoint> SupportTips::foot_of_pin(const PlatePoint& at, const Direction& direction) const {
   const double longest = 2 * settings_.tip_length.count() + settings_.foot_height.count();
-  if (ways_.end() == SupportPathField::End::Plate) {
+  if (paths_.end() == SupportPathField::End::Plate) {
     const double length = at.z / -direction.z;
     if (!(at.z > 0) || length > longest) return std::nullopt;
     const PlatePoint foot = moved(at, direction, length);
@@ -150,7 +150,7 @@ std::optional<PlatePoint> SupportTips::foot_of_pin(const PlatePoint& at, const D
   return PlatePoint{at.x, at.y, *top};
 }
 
-// Whether the cone touches the models nowhere but at its point.
+// True if the cone touches the models only at its point.
 bool SupportTips::is_free(const PlatePoint& at, const Cone& cone) const {
   const double tip = settings_.tip_diameter.count() / 2;
   const PlatePoint joint = moved(at, cone.outward, cone.length_mm);

@@ -1,5 +1,5 @@
-// Where a support meets the model: a cone that ends in the surface, within 45 degrees of straight down, and
-// the way that leads on from it. Immutable; thread-safe. Deterministic.
+// The tip of a support: a cone that ends in the model's surface, within 45 degrees of straight down, and the
+// path that leads down from it. Immutable; thread-safe. Deterministic.
 #pragma once
 
 #include <optional>
@@ -14,21 +14,22 @@
 namespace contourd {
 
 struct SupportTip {
-  PlatePoint at;         // on the model's surface
-  PlatePoint joint;      // where the cone ends and the branch begins; on the plate: it has no branch
+  PlatePoint at;  // on the model's surface
+  PlatePoint
+      joint;  // where the cone ends and the branch begins; on the plate or on a model there is no branch
   Direction outward;     // from `at` to `joint`, of length 1
   double radius_mm = 0;  // at the joint
-  SupportPath way;       // from the joint on
+  SupportPath path;      // from the joint down; empty if the tip has no branch
 };
 
 class SupportTips {
  public:
-  // Both must outlive it.
-  SupportTips(const ClearanceField& field, const SupportPathField& ways, const SupportSettings& settings);
+  // `field` and `paths` must outlive the object.
+  SupportTips(const ClearanceField& field, const SupportPathField& paths, const SupportSettings& settings);
 
-  // The tip that holds this place: along the surface's normal if that leads anywhere, else aside of it,
-  // longer or thinner. An island so close to other material that nothing else has room is joined to that.
-  // Nothing where none does.
+  // Returns the tip that holds this place: along the surface's normal if a path leads on from there, else in
+  // other directions, longer or thinner. An island with no room for anything else is joined to nearby
+  // material. Returns nullopt if no tip fits.
   [[nodiscard]] std::optional<SupportTip> tip_at(const SupportContact& contact) const;
 
  private:
@@ -45,7 +46,7 @@ class SupportTips {
   [[nodiscard]] bool is_free(const PlatePoint& at, const Cone& cone) const;
 
   const ClearanceField& field_;
-  const SupportPathField& ways_;
+  const SupportPathField& paths_;
   SupportSettings settings_;
 };
 

@@ -1,5 +1,5 @@
-// What holds a print, as it branches: from the tips' joints down to the feet. Values; thread-safe as any
-// value is.
+// The tree of a print's supports, from the tips' joints down to the feet. Values; thread-safe as any value
+// is.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace contourd {
 
-// What a node stands on, if it is a foot.
+// The surface on which a node stands, if the node is a foot.
 enum class SupportFoot : std::uint8_t {
   None,
   OnPlate,
@@ -17,21 +17,21 @@ enum class SupportFoot : std::uint8_t {
   OfTip,  // a tip's own end, on the plate or on a model
 };
 
-// A joint of a tip, a bend, a place where branches meet, or a foot.
+// A tip's joint, a bend, a junction of branches, or a foot.
 struct SupportNode {
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
   PlatePoint place;
-  std::uint32_t below = kNone;  // the node that the branch leads down to; none from a foot
-  double load_mm2 = 0;          // of a layer's area, that comes down through here
-  double radius_mm = 0;         // of the branch down to the next node
+  std::uint32_t below = kNone;  // the node at the lower end of the branch; kNone for a foot
+  double load_mm2 = 0;          // area of a layer whose load passes through the node
+  double radius_mm = 0;         // radius of the branch down to the next node
   SupportFoot foot = SupportFoot::None;
 };
 
 struct SupportTree {
   struct HeldTip {
     SupportTip tip;
-    std::uint32_t contact = 0, node = 0;  // which it holds; its joint
+    std::uint32_t contact = 0, node = 0;  // the contact that the tip holds; the node of its joint
   };
 
   std::vector<SupportNode> nodes;

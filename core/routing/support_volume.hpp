@@ -1,4 +1,4 @@
-// How much resin supports take. Thread-safe (no shared state). Deterministic.
+// The amount of resin that supports take. Thread-safe (no shared state). Deterministic.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,8 @@
 
 namespace contourd {
 
-// Of what is lit of the structure beside the models of `layers`, where pieces overlap once: from sections
-// every 0.2 mm, to a few hundredths. Of no use once `stop` was asked for.
+// Returns the volume of the structure outside the models of `layers`, with overlapping primitives counted
+// once, from sections every 0.2 mm: exact to a few hundredths. Unusable if `stop` was requested.
 [[nodiscard]] double volume_beside_models_mm3(const std::shared_ptr<const SupportStructure>& structure,
                                               const LayerStack& layers, const std::stop_token& stop = {});
 

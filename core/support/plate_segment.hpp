@@ -1,4 +1,5 @@
-// A straight stretch above the plate, and what supports ask of it. Values; thread-safe as any value is.
+// A straight segment above the plate and the geometry that supports need of it. Values; thread-safe as any
+// value is.
 #pragma once
 
 #include <cmath>
@@ -7,7 +8,7 @@
 
 namespace contourd {
 
-// In millimetres.
+// Returns the horizontal distance between two points, in millimetres.
 [[nodiscard]] inline double level_distance(const PlatePoint& a, const PlatePoint& b) {
   const double x = b.x - a.x, y = b.y - a.y;
   return std::sqrt(x * x + y * y);
@@ -24,12 +25,12 @@ struct PlateSegment {
     const double x = to.x - from.x, y = to.y - from.y, z = to.z - from.z;
     return std::sqrt(x * x + y * y + z * z);
   }
-  // A point of it: 0 is `from`, 1 is `to`.
+  // Returns the point at `part` of the segment's length: 0 is `from`, 1 is `to`.
   [[nodiscard]] PlatePoint at(double part) const {
     return {from.x + part * (to.x - from.x), from.y + part * (to.y - from.y),
             from.z + part * (to.z - from.z)};
   }
-  // Whether it leads down at 45 degrees or more, within a nanometre.
+  // True if the segment leads down at 45 degrees or steeper, within a nanometre.
   [[nodiscard]] bool leads_down() const {
     const double x = to.x - from.x, y = to.y - from.y, down = from.z - to.z + 1e-6;
     return down >= 0 && x * x + y * y <= down * down;

@@ -7,11 +7,11 @@
 namespace contourd {
 namespace {
 
-// A frustum's axis, from the middle of its lower end.
+// A frustum's axis, starting at the middle of its lower end.
 struct Axis {
   double length;
-  double rise, run;  // per length: upwards and level
-  Point along;       // where the level part points; any direction of an upright one
+  double rise, run;  // vertical and horizontal part of a unit step along the axis
+  Point along;       // horizontal unit vector of the axis; arbitrary if the axis is vertical
 };
 
 Axis axis_of(const Frustum& frustum) {
@@ -22,7 +22,7 @@ Axis axis_of(const Frustum& frustum) {
   return {length, z / length, level / length, {x / level, y / level}};
 }
 
-// Where a term is not negative, of an interval.
+// Shrinks the cut's interval to where the term is not negative.
 void keep_where_positive(const LinearTerm& term, ConicCut& cut) {
   if (term.b > 0) {
     cut.low = std::max(cut.low, -term.a / term.b);
@@ -35,9 +35,10 @@ void keep_where_positive(const LinearTerm& term, ConicCut& cut) {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// u is level, away from the middle of the lower end. The point (u, v) of the plane that lies `up` above that
-// is run u + rise up along the axis, where the radius is R, and its distance from the axis squared is
-// v^2 + (rise u - run up)^2. So v^2 <= R^2 - (rise u - run up)^2, a product of two terms.
+// Coordinates in the plane: u runs horizontally from the middle of the lower end, in the direction of the
+// axis, and v across it. The point (u, v) of the plane that lies `up` above the lower end is run u + rise up
+// along the axis, where the radius is R, and its squared distance from the axis is v^2 + (rise u - run up)^2.
+// So v^2 <= R^2 - (rise u - run up)^2, which is a product of two linear terms.
 ConicCut cut_of(const Frustum& frustum, double z_mm) {
   const Axis axis = axis_of(frustum);
   const double up = z_mm - frustum.lower.z;
@@ -58,7 +59,7 @@ ConicCut cut_of(const Frustum& frustum, double z_mm) {
   for (const LinearTerm& term : {along, LinearTerm{axis.length - along.a, -along.b}})
     keep_where_positive(term, cut);
   cut.whole = -kInfinity < low && low == cut.low && cut.high == high && high < kInfinity;
-  // An upper end that is level is not part of it.
+  // The interval is half-open: a horizontal upper end is not cut.
   if (axis.run == 0 && up >= axis.length) cut.high = cut.low;
   return cut;
 }

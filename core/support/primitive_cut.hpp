@@ -1,6 +1,6 @@
-// Where a level plane cuts a support's primitive: a circle, or what a frustum's two end planes leave of an
-// ellipse, a parabola or a hyperbola. Pure functions; thread-safe. By +, -, *, / and square roots alone: the
-// same bits on every machine.
+// The exact section of a support primitive in a horizontal plane: a circle, or an ellipse, parabola or
+// hyperbola clipped by the frustum's two end planes. Pure functions; thread-safe. Uses only +, -, *, / and
+// square roots: the same bits on every machine.
 #pragma once
 
 #include <optional>
@@ -10,13 +10,14 @@
 
 namespace contourd {
 
-// Above the plate, in millimetres. A plane at z cuts what has bottom <= z < top.
+// The heights that a primitive spans, in millimetres above the plate. A plane at z cuts it if bottom <= z <
+// top.
 struct HeightReach {
   double bottom, top;
 };
 [[nodiscard]] HeightReach reach_of(const SupportPrimitive& primitive);
 
-// The cut at a height above the plate in millimetres; nothing where there is none.
+// Returns the section at a height in millimetres above the plate; nullopt if the plane misses the primitive.
 [[nodiscard]] std::optional<ConicCut> cut_at(const SupportPrimitive& primitive, double z_mm);
 
 }  // namespace contourd

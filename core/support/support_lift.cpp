@@ -16,7 +16,7 @@ namespace {
 constexpr int kCuts = 32;
 constexpr double kLeastFlatPart = 0.5;
 constexpr double kPlateHolds = 10;
-// Ends of a section that miss each other by less are joined.
+// The ends of a section's segments are joined if they are closer than this.
 constexpr Millimeters kTolerance{0.05};
 
 class Sections {
@@ -37,12 +37,12 @@ class Sections {
   Contours contours_;
 };
 
-// Twice the area of the triangle, positive where it runs counter-clockwise.
+// Returns twice the area of the triangle, positive if it runs counter-clockwise.
 double turn(const Point& a, const Point& b, const Point& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-// Counter-clockwise (Andrew's monotone chain).
+// Returns the convex hull, counter-clockwise (Andrew's monotone chain).
 std::vector<Point> convex_hull(std::vector<Point> points) {
   std::ranges::sort(points,
                     [](const Point& a, const Point& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
@@ -68,7 +68,7 @@ bool holds(const std::vector<Point>& hull, const Point& point) {
   return hull.size() > 2;
 }
 
-// Sums over sections at even distances: of the solid, but for the distance.
+// Sums over evenly spaced sections; the spacing is left out, since it cancels in center().
 struct Mass {
   double area_mm2 = 0, x = 0, y = 0;
 

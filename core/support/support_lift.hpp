@@ -1,4 +1,4 @@
-// How high a model is to stand above the plate. Thread-safe (no shared state). Deterministic.
+// The height at which a model is to stand above the plate. Thread-safe (no shared state). Deterministic.
 #pragma once
 
 #include "core/geometry/units.hpp"
@@ -7,16 +7,16 @@
 
 namespace contourd {
 
-// On the plate where it has a flat face there that holds it, else `settings.lift`, made a whole number of
-// layers, rounded up.
+// Returns 0 if the model stands on the plate by itself, else `settings.lift` rounded up to a whole number of
+// layers.
 //
-// It stands by itself where three things are so. Its face is flat: the first layer covers at least half of
-// what the second does; a ball's covers a third, a point's a ninth. It is large enough: a tenth of the widest
-// layer; peel pulls with all of that at what sticks to the plate, and resin that is exposed for long sticks
-// some ten times as well to it as to the film. And it does not tip: the centre of mass is over the convex
-// hull of the face.
+// A model stands by itself if three things hold. Its lowest face is flat: the first layer covers at least
+// half of what the second does (a ball's covers a third, a cone's tip a ninth). The face is large enough: a
+// tenth of the widest layer, because peel pulls with the whole of that layer, and resin that is exposed for
+// long sticks about ten times better to the plate than to the film. And the model does not tip: its centre of
+// mass is over the convex hull of the face.
 //
-// Blocks: cuts it 34 times. REQUIRES: layer > 0.
+// Blocks: cuts the model 34 times. REQUIRES: layer > 0.
 [[nodiscard]] Nanometers support_lift(const HeightIndex& model, const SupportSettings& settings,
                                       Nanometers layer);
 

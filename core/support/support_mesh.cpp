@@ -12,15 +12,16 @@ namespace {
 
 constexpr int kFewestSides = 12, kMostSides = 96;
 
-// A chord's middle is off its circle by a little less than radius (pi / sides)^2 / 2. A facet between two
-// rings of a ball may be as far off both ways.
+// The middle of a chord is off its circle by slightly less than radius (pi / sides)^2 / 2. A facet between
+// two rings of a ball may be off by as much in both directions.
 int sides_for(double radius_mm) {
   constexpr double kPi = 3.14159265358979323846;
   const double needed = std::min(kPi * std::sqrt(radius_mm / kMeshErrorMm), double{kMostSides});
   return std::clamp((static_cast<int>(needed) + 4) / 4 * 4, kFewestSides, kMostSides);
 }
 
-// Unit vectors, the third up the axis, the second a quarter turn from the first as seen from its end.
+// Unit vectors: `axis` points along the axis, `second` is a quarter turn from `first` as seen from the end of
+// the axis.
 struct Frame {
   Direction first, second, axis;
 };
@@ -41,7 +42,7 @@ Frame frame_of(const Frustum& frustum) {
   return {first, second, axis};
 }
 
-// Around an axis; a single point without a radius.
+// A circle around an axis; a single point if its radius is 0.
 struct Ring {
   PlatePoint middle;
   double radius_mm;
@@ -59,7 +60,7 @@ std::vector<Vertex> corners_of(const Ring& ring, const Frame& frame, int sides) 
   return corners;
 }
 
-// Closed by discs at the first ring and the last, unless they are points.
+// Adds the surface through the rings, closed by a disc at each end unless that end is a point.
 void add_rings(std::span<const Ring> rings, const Frame& frame, int sides, std::vector<Facet>& facets) {
   const auto count = static_cast<std::size_t>(sides);
   std::vector<Vertex> below = corners_of(rings.front(), frame, sides);

@@ -1,5 +1,5 @@
-// Supports as facets, for programs that know no primitives: each primitive a closed mesh of its own, which
-// lie in each other as the primitives do. Pure; thread-safe. The same on every machine.
+// Supports as facets, for programs that know no primitives. Each primitive becomes a closed mesh of its own,
+// and the meshes overlap as the primitives do. Pure; thread-safe. The same on every machine.
 #pragma once
 
 #include <span>
@@ -10,10 +10,11 @@
 
 namespace contourd {
 
-// In the plate's millimetres, counter-clockwise seen from outside. Corners are on the primitives' surfaces,
-// facets at most kMeshErrorMm within; of radii over 100 mm more, since a ring has at most 96 sides. A ball
-// without a radius has none.
+// How far a facet lies inside the primitive's surface at most, for radii up to 100 mm: beyond that the error
+// is larger, since a ring has at most 96 sides.
 inline constexpr double kMeshErrorMm = 0.02;
+// Returns the facets in millimetres from the plate's centre, counter-clockwise as seen from outside, their
+// corners on the primitives' surfaces. A ball without a radius has no facets.
 [[nodiscard]] std::vector<Facet> support_mesh(std::span<const SupportPrimitive> primitives);
 
 }  // namespace contourd

@@ -1,5 +1,5 @@
-// What supports are made of: frustums and balls, cut exactly at any height, never a mesh. Values; thread-safe
-// as any value is.
+// The primitives that supports are made of: frustums and balls, cut exactly at any height, never a mesh.
+// Values; thread-safe as any value is.
 #pragma once
 
 #include <variant>
@@ -8,7 +8,7 @@
 
 namespace contourd {
 
-// A right circular cone between two flat ends; a cylinder with equal radii.
+// A right circular cone truncated by two flat ends; a cylinder if both radii are equal.
 struct Frustum {
   PlatePoint lower, upper;  // middles of its ends; lower.z <= upper.z, and not the same point
   double lower_radius_mm = 0, upper_radius_mm = 0;

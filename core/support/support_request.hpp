@@ -1,4 +1,4 @@
-// For what supports are asked: models as they stand on a plate. A value; thread-safe as any value is.
+// A request for supports: the models as they stand on a plate. A value; thread-safe as any value is.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 namespace contourd {
 
 struct SupportRequest {
-  std::vector<PlateModel> models;  // as they stand, lifted where they are to be: see support_lift()
-  DisplayGeometry display;         // the build area; nothing of a support lies outside it
+  std::vector<PlateModel> models;  // as they stand, already lifted by support_lift()
+  DisplayGeometry display;         // the build area; no part of a support lies outside it
   SupportSettings settings;
 };
 

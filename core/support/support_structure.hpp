@@ -1,5 +1,5 @@
-// Supports as sections: primitives indexed by height, each cut exactly (see primitive_cut.hpp). No mesh, no
-// file; memory in proportion to the primitives: some 40 bytes each beside the primitive itself.
+// Supports as a source of sections: primitives indexed by height, each cut exactly (see primitive_cut.hpp).
+// No mesh, no file; about 40 bytes of memory for each primitive besides the primitive itself.
 //
 // Immutable once built; thread-safe. Deterministic: the same primitives give the same bytes on every machine.
 #pragma once
@@ -17,22 +17,24 @@ namespace contourd {
 
 class SupportStructure final : public SectionSource {
  public:
-  // REQUIRES: places and radii within kFarthestMm, radii >= 0, of each frustum one > 0, lower.z <= upper.z,
-  // and its ends not one point.
+  // REQUIRES: places and radii within kFarthestMm, radii >= 0; for each frustum, one radius > 0, lower.z <=
+  // upper.z, and two distinct ends.
   explicit SupportStructure(std::vector<SupportPrimitive> primitives);
   static constexpr double kFarthestMm = 1e6;
 
-  // A loop for each primitive that is there, at its place in primitives() or not: in an order of its own.
+  // Appends a loop for each primitive that the plane cuts. The order of the loops is fixed, but not the order
+  // of primitives().
   void section_at(Nanometers height, Contours& contours) const override;
   [[nodiscard]] bool conics_at(Nanometers height, std::vector<ConicCut>& conics) const override;
 
   [[nodiscard]] std::span<const SupportPrimitive> primitives() const { return primitives_; }
 
  private:
-  // By its bottom: the middle of a range of these is a tree's node, the halves beside it are its branches.
+  // The nodes are sorted by their bottom. The middle of each range is the root of a tree whose branches are
+  // the halves to its left and right.
   struct Node {
     HeightReach reach;
-    double highest_top;  // of the range whose middle it is
+    double highest_top;  // highest top within the range of which this node is the middle
     std::uint32_t primitive;
   };
 

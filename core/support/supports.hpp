@@ -1,4 +1,4 @@
-// What holds a print, and what cannot be held. Values; thread-safe as any value is.
+// The supports of a print, and the places that cannot be held. Values; thread-safe as any value is.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,18 @@
 
 namespace contourd {
 
-// A place that has to be held and cannot be reached.
+// A place that has to be held but that no support reaches.
 struct UnheldPlace {
   SupportContact contact;
-  std::string why;  // a clause: "no way leads to the plate"
+  std::string why;  // a clause: "no path leads to the plate"
 };
 
-// A value.
 struct Supports {
-  std::shared_ptr<const SupportStructure> structure;  // null: nothing has to be held
-  std::vector<SupportContact> contacts;               // that are held, from the plate up
+  std::shared_ptr<const SupportStructure> structure;  // null if nothing has to be held
+  std::vector<SupportContact> contacts;               // the contacts that are held, from the plate up
   std::vector<UnheldPlace> unheld;                    // from the plate up
   std::uint32_t branches = 0, feet = 0, feet_on_models = 0;
-  double volume_mm3 = 0;  // beside the models
+  double volume_mm3 = 0;  // resin outside the models
 };
 
 }  // namespace contourd

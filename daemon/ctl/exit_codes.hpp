@@ -1,11 +1,10 @@
-// contourctl's exit codes, from BSD's sysexits.h, and the exceptions that stand for them; kBadUsage and
-// kCannotCreate are contourd's too.
+// contourctl's exit codes, from BSD's sysexits.h, and the exceptions that stand for them. kBadUsage and
+// kCannotCreate are in daemon/standard_output.hpp: contourd uses them, too.
 #pragma once
 
 #include <stdexcept>
 
-#include "daemon/command_line.hpp"
-#include "daemon/standard_output.hpp"
+#include "daemon/standard_output.hpp"  // IWYU pragma: export
 
 namespace contourd::ctl {
 

@@ -16,6 +16,7 @@
 
 #include "core/formats/model_reader.hpp"
 #include "core/layers/layers.hpp"
+#include "daemon/command_line.hpp"
 #include "daemon/config/config_error.hpp"
 #include "daemon/control_defaults.hpp"
 #include "daemon/ctl/analyze_command.hpp"

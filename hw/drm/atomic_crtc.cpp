@@ -17,14 +17,14 @@ namespace {
 using PlaneResources = LibdrmPointer<drmModePlaneRes, drmModeFreePlaneResources>;
 
 std::uint64_t fixed_point(std::uint16_t pixels) {
-  return static_cast<std::uint64_t>(pixels) << 16;  // 16.16, as source rectangles are
+  return static_cast<std::uint64_t>(pixels) << 16;  // 16.16, the format of source rectangles
 }
 
 }  // namespace
 
 ModeBlob::ModeBlob(const Card& card, const Mode& mode) : fd_(card.fd()) {
   const int result = drmModeCreatePropertyBlob(fd_, &mode, sizeof mode, &id_);
-  if (result != 0) throw HardwareError(card.name() + " takes no mode: " + std::strerror(-result));
+  if (result != 0) throw HardwareError(card.name() + " rejected the mode: " + std::strerror(-result));
 }
 
 ModeBlob::~ModeBlob() {
@@ -60,7 +60,7 @@ AtomicCrtc::AtomicCrtc(const Card& card, const Connector& connector, const CrtcR
   turn_off_.set(plane, "FB_ID", 0);
 }
 
-// What somebody left on this CRTC besides: a cursor, an overlay, a second connector.
+// Removes leftovers of other programs from this CRTC: a cursor, an overlay, a second connector.
 void AtomicCrtc::clear_the_way(const Card& card, const Connector& connector, const CrtcRoute& route) {
   for (const Connector& other : card.connectors()) {
     if (other.id == connector.id || other.crtc_id != route.crtc_id) continue;
@@ -76,7 +76,7 @@ void AtomicCrtc::clear_the_way(const Card& card, const Connector& connector, con
   }
 }
 
-// Pixels as they are: no gamma or colour matrix, in full range, no margins, upright and opaque.
+// Lets pixels pass unchanged: no gamma or colour matrix, full range, no margins, upright and opaque.
 void AtomicCrtc::add_neutral_values(const ObjectProperties& crtc, const ObjectProperties& connector,
                                     const ObjectProperties& plane) {
   for (const PropertyChange& change : changes_to_neutral(crtc, connector))

@@ -1,4 +1,4 @@
-// A CRTC by the kernel's atomic calls. Not thread-safe.
+// A CRTC that is driven by the kernel's atomic calls. Not thread-safe.
 #pragma once
 
 #include "hw/drm/atomic_request.hpp"
@@ -7,7 +7,7 @@
 
 namespace contourd {
 
-// A mode as the kernel holds it for a property.
+// The kernel's copy of a mode, whose id is the value of a CRTC's MODE_ID property.
 class ModeBlob {
  public:
   // Throws HardwareError.
@@ -25,8 +25,8 @@ class ModeBlob {
 
 class AtomicCrtc final : public Crtc {
  public:
-  // Throws HardwareError when the kernel takes no mode, as from a card without DRM_CLIENT_CAP_ATOMIC. The
-  // card must outlive it.
+  // Throws HardwareError if the kernel rejects the mode, as it does for a card without DRM_CLIENT_CAP_ATOMIC.
+  // The card must outlive this object.
   AtomicCrtc(const Card& card, const Connector& connector, const CrtcRoute& route, const Mode& mode);
 
   [[nodiscard]] std::uint32_t id() const noexcept override { return id_; }
@@ -44,7 +44,7 @@ class AtomicCrtc final : public Crtc {
   int fd_;
   std::uint32_t id_;
   ModeBlob mode_;
-  AtomicRequest set_mode_, flip_;  // the last value of both is the framebuffer
+  AtomicRequest set_mode_, flip_;  // the last value in each is the framebuffer
   AtomicRequest turn_off_;
 };
 

@@ -15,7 +15,7 @@ namespace {
 using KernelProperties = LibdrmPointer<drmModeObjectProperties, drmModeFreeObjectProperties>;
 using KernelProperty = LibdrmPointer<drmModePropertyRes, drmModeFreeProperty>;
 
-// As the kernel takes addresses.
+// Returns the address in the form that the kernel expects in its structs.
 std::uint64_t address_of(const void* memory) {
   return reinterpret_cast<std::uintptr_t>(memory);
 }

@@ -1,6 +1,6 @@
-// Property values that the kernel takes all at once or not at all (DRM_IOCTL_MODE_ATOMIC). Made once and
-// committed many times: libdrm's own request allocates at every commit, and page flips must not. Not
-// thread-safe.
+// Property values that the kernel applies all at once or not at all (DRM_IOCTL_MODE_ATOMIC). A request is
+// built once and committed many times; libdrm's own requests allocate at every commit, which page flips must
+// not do. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@
 
 namespace contourd {
 
-// The properties of one kernel object, as they are at the time of reading.
+// The properties of one kernel object, read by the constructor.
 class ObjectProperties {
  public:
-  // `type` is DRM_MODE_OBJECT_*. None when there is no such object.
+  // `type` is DRM_MODE_OBJECT_*. An object that does not exist has no properties.
   ObjectProperties(int fd, std::uint32_t object, std::uint32_t type);
 
   struct Property {
@@ -25,7 +25,7 @@ class ObjectProperties {
     std::uint64_t value = 0;
   };
   [[nodiscard]] std::optional<Property> find(const std::string& name) const;
-  // The value that an enumerated property calls this: "Full" of "Broadcast RGB".
+  // Returns the number that an enumerated property has for the value of this name: "Full" of "Broadcast RGB".
   [[nodiscard]] std::optional<std::uint64_t> value_called(const std::string& name,
                                                           const std::string& value) const;
   [[nodiscard]] std::uint32_t object() const { return object_; }
@@ -34,7 +34,7 @@ class ObjectProperties {
   struct Named {
     std::string name;
     Property property;
-    std::vector<std::pair<std::string, std::uint64_t>> values;  // of an enumerated one
+    std::vector<std::pair<std::string, std::uint64_t>> values;  // empty if the property is not enumerated
   };
   [[nodiscard]] const Named* named(const std::string& name) const;
 
@@ -44,19 +44,19 @@ class ObjectProperties {
 
 class AtomicRequest {
  public:
-  // An object without that property makes every commit fail.
+  // Adds a value. Every commit fails if the object does not have the property.
   void set(const ObjectProperties& object, const std::string& name, std::uint64_t value);
   void set(std::uint32_t object, std::uint32_t property, std::uint64_t value);
-  // Only where the object has the property, with another value.
+  // Adds the value if the object has the property, with a different value.
   void set_if_other(const ObjectProperties& object, const std::string& name, std::uint64_t value);
 
-  // Of the property that was set last, once more. REQUIRES: one was set.
+  // Replaces the value that was added last. REQUIRES: a property was set.
   void change_last(std::uint64_t value) noexcept {
     expects(!values_.empty(), "a property was set");
     values_.back() = value;
   }
 
-  // `flags` are DRM_MODE_ATOMIC_* and DRM_MODE_PAGE_FLIP_EVENT. Returns 0 or an errno.
+  // Applies all values. `flags` are DRM_MODE_ATOMIC_* and DRM_MODE_PAGE_FLIP_EVENT. Returns 0 or an errno.
   [[nodiscard]] int commit(int fd, std::uint32_t flags, std::uint64_t user_data = 0) noexcept;
 
  private:

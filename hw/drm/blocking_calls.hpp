@@ -1,7 +1,7 @@
-// A thread for the kernel's calls that block: asking a display what it is takes 300 ms, setting a mode some
-// refreshes, and a driver that hangs is waited for by the kernel for 10 s and more. Nothing of that may hold
-// up the event loop, on which the light's end depends. Calls run one after the other; what they return is
-// handed back on the loop's thread, in the same order.
+// A thread for kernel calls that block: reading a display's EDID takes 300 ms, setting a mode takes a few
+// refreshes, and for a hanging driver the kernel waits 10 s or more. None of this may delay the event loop,
+// which turns the light off. Calls run one after another; their results are delivered on the loop's thread,
+// in the same order.
 #pragma once
 
 #include <condition_variable>
@@ -21,14 +21,14 @@ namespace contourd {
 
 class BlockingCalls {
  public:
-  // The watcher must outlive it. Throws std::system_error.
+  // The watcher must outlive this object. Throws std::system_error.
   explicit BlockingCalls(DescriptorWatcher& watcher);
-  // Waits for the call under way; those behind it are dropped, and no result is handed back any more.
+  // Waits for the running call. Drops the queued ones and delivers no more results.
   ~BlockingCalls();
   BlockingCalls(const BlockingCalls&) = delete;
   BlockingCalls& operator=(const BlockingCalls&) = delete;
 
-  // Calls `call` on the thread, then `done` with its result on the loop's. `call` must not throw.
+  // Runs `call` on the thread, then `done` with the result on the loop's thread. `call` must not throw.
   template <typename Call, typename Done>
   void run(Call call, Done done) {
     enqueue([this, call = std::move(call), done = std::move(done)]() mutable {
@@ -49,7 +49,7 @@ class BlockingCalls {
   std::deque<std::function<void()>> calls_;
   std::vector<std::function<void()>> results_;
   std::unique_ptr<DescriptorWatcher::Watch> watch_;
-  std::jthread thread_;  // last: joined before what it uses goes
+  std::jthread thread_;  // last member: joined before the members that it uses are destroyed
 };
 
 }  // namespace contourd

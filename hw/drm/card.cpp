@@ -25,17 +25,17 @@ using KernelConnector = LibdrmPointer<drmModeConnector, drmModeFreeConnector>;
 using KernelEncoder = LibdrmPointer<drmModeEncoder, drmModeFreeEncoder>;
 using Version = LibdrmPointer<drmVersion, drmFreeVersion>;
 
-// "; the group video may open it"
+// "; members of the group video may open it"
 std::string who_may_open(const std::filesystem::path& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return "";
   const group* owner = ::getgrgid(status.st_gid);
-  return "; the group " + (owner != nullptr ? std::string(owner->gr_name) : std::to_string(status.st_gid)) +
-         " may open it";
+  return "; members of the group " +
+         (owner != nullptr ? std::string(owner->gr_name) : std::to_string(status.st_gid)) + " may open it";
 }
 
 FileDescriptor opened(const std::filesystem::path& path) {
-  // Events are read as they come, never waited for.
+  // Non-blocking: events are read when they are there, never waited for.
   const int fd = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
   if (fd >= 0) return FileDescriptor(fd);
   const int error = errno;
@@ -73,7 +73,7 @@ Connector read_connector(int fd, const drmModeConnector& from) {
   return connector;
 }
 
-// /dev/dri/card0, card1, ... in the order of their numbers.
+// Returns /dev/dri/card0, card1, ... in the order of their numbers.
 std::vector<std::filesystem::path> card_paths() {
   std::vector<std::pair<int, std::filesystem::path>> found;
   std::error_code none;
@@ -93,7 +93,7 @@ std::vector<std::filesystem::path> card_paths() {
 Card::Card(const std::filesystem::path& path) : path_(path), fd_(opened(path)) {
   if (const Version version(drmGetVersion(fd())); version) driver_ = version->name;
   if (!Resources(drmModeGetResources(fd()))) throw HardwareError(name() + " has no outputs");
-  // Planes one by one, and modes with the picture's aspect ratio: both only add to what is listed.
+  // Lists primary planes as well, and modes with the picture's aspect ratio. Both only make the lists longer.
   drmSetClientCap(fd(), DRM_CLIENT_CAP_UNIVERSAL_PLANES, 1);
   drmSetClientCap(fd(), DRM_CLIENT_CAP_ASPECT_RATIO, 1);
 }
@@ -170,9 +170,9 @@ std::vector<Card> open_cards(const DrmDisplayConfig& config) {
     }
   }
   if (!cards.empty()) return cards;
-  const std::string wanted = config.card ? " called " + *config.card : std::string(" with outputs");
-  throw HardwareError("there is no graphics card" + wanted + " in /dev/dri" +
-                      (others.empty() ? "" : "; there is: " + others));
+  const std::string wanted = config.card ? " named " + *config.card : std::string(" with outputs");
+  throw HardwareError("found no graphics card" + wanted + " in /dev/dri" +
+                      (others.empty() ? "" : "; found: " + others));
 }
 
 OutputSearch find_output(const DrmDisplayConfig& config) {
@@ -181,12 +181,12 @@ OutputSearch find_output(const DrmDisplayConfig& config) {
   for (const Card& card : cards)
     outputs.push_back({card.name(), card.connectors()});
   const auto chosen = choose_output(outputs, config);
-  if (!chosen) return {std::nullopt, "no display is connected; there is " + describe(outputs)};
+  if (!chosen) return {std::nullopt, "no display is connected; connectors: " + describe(outputs)};
   Card& card = cards[chosen->card];
   const Connector& connector = outputs[chosen->card].connectors[chosen->connector];
   if (connector.status == Connector::Status::Disconnected)
     return {std::nullopt,
-            connector.name + " of " + card.name() + " is not connected; there is " + describe(outputs)};
+            connector.name + " of " + card.name() + " is not connected; connectors: " + describe(outputs)};
   return {FoundOutput{std::move(card), connector}, {}};
 }
 

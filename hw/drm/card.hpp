@@ -1,5 +1,5 @@
-// A graphics card that drives outputs (/dev/dri/cardN), open. Closing it gives up DRM master and whatever it
-// showed. Not thread-safe.
+// An open graphics card that drives outputs (/dev/dri/cardN). Closing it gives up DRM master and removes its
+// pictures from the outputs. Not thread-safe except where noted.
 #pragma once
 
 #include <sys/types.h>
@@ -17,7 +17,7 @@ namespace contourd {
 
 class Card {
  public:
-  // Throws HardwareError when it cannot be opened or has no outputs to set (a card that only computes).
+  // Throws HardwareError if the card cannot be opened or has no outputs (a render-only card).
   explicit Card(const std::filesystem::path& path);
 
   [[nodiscard]] int fd() const { return fd_.get(); }
@@ -27,24 +27,26 @@ class Card {
   // "/dev/dri/card0 (vc4)"
   [[nodiscard]] std::string name() const { return path_.string() + " (" + driver_ + ")"; }
 
-  // DRM master is who may set outputs: one program at a time. The first to open a card is it at once.
+  // True if this process is DRM master and so may set outputs. One program at a time is master; the first to
+  // open a card becomes master at once.
   [[nodiscard]] bool is_master() const noexcept;
-  // Whether this process has it now.
+  // Becomes DRM master if no other program is. True if this process is master now.
   [[nodiscard]] bool try_become_master() const noexcept;
-  // Throws HardwareError that says who has it, as far as this process may know.
+  // Becomes DRM master. Throws HardwareError that names the master, as far as this process may know.
   void become_master() const;
 
-  // Both ask the displays (EDID), which takes some milliseconds each, 300 and more with some; whoever is not
-  // master gets what the kernel last heard. From any thread; flips go on meanwhile.
+  // connectors() and connector() read the displays' EDID, which takes some milliseconds per display, 300 or
+  // more with some. A process that is not master gets the kernel's last state instead. May be called from any
+  // thread; page flips continue meanwhile.
   [[nodiscard]] std::vector<Connector> connectors() const;
-  // Disconnected, and without modes, when it is no longer there.
+  // Returns a disconnected connector without a name and modes if there is none with this id any more.
   [[nodiscard]] Connector connector(std::uint32_t id) const;
-  // In the order of Connector::possible_crtcs.
+  // Returns the CRTCs' ids in the order of the bits of Connector::possible_crtcs.
   [[nodiscard]] std::vector<std::uint32_t> crtcs() const;
 
-  // Vblank times are of CLOCK_MONOTONIC.
+  // True if vblank times are CLOCK_MONOTONIC times.
   [[nodiscard]] bool has_monotonic_timestamps() const noexcept;
-  // The driver tells vblanks; else a flip's time is when the driver was done with it.
+  // True if the driver reports vblanks; otherwise a flip's time is when the driver had processed it.
   [[nodiscard]] bool has_vblank(std::uint32_t crtc_id) const noexcept;
 
  private:
@@ -53,8 +55,8 @@ class Card {
   std::string driver_;
 };
 
-// The cards that the config allows, opened: that of its path, those of its driver's name, or all that have
-// outputs. Throws HardwareError with what there is when there is none.
+// Opens the cards that the config allows: the card with its path, the cards with its driver's name, or all
+// cards with outputs. Throws HardwareError that lists the existing cards if none matches.
 [[nodiscard]] std::vector<Card> open_cards(const DrmDisplayConfig& config);
 
 struct FoundOutput {
@@ -63,9 +65,10 @@ struct FoundOutput {
 };
 struct OutputSearch {
   std::optional<FoundOutput> found;
-  std::string why_not;  // a sentence: the display is not connected
+  std::string why_not;  // a sentence if nothing was found: the display is not connected
 };
-// The output that the config means, on its card, opened. Throws HardwareError with what there is instead.
+// Finds the output that the config selects and opens its card. Throws HardwareError that lists the existing
+// cards or connectors if the config selects one that does not exist.
 [[nodiscard]] OutputSearch find_output(const DrmDisplayConfig& config);
 
 }  // namespace contourd

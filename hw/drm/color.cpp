@@ -24,11 +24,12 @@ void add_change(std::vector<PropertyChange>& changes, const ObjectProperties& ob
     changes.push_back({object.object(), type, property->id, value, name});
 }
 
-// All three colours' tables, or nothing where the CRTC has none.
+// The gamma tables of all three colours.
 struct LegacyGamma {
   std::vector<std::uint16_t> red, green, blue;
   bool readable = true;
 };
+// Reads the CRTC's gamma tables. Returns nullopt if it has none.
 std::optional<LegacyGamma> read_gamma(const Card& card, std::uint32_t crtc_id) {
   const KernelCrtc crtc(drmModeGetCrtc(card.fd(), crtc_id));
   if (!crtc || crtc->gamma_size <= 0) return std::nullopt;
@@ -45,7 +46,7 @@ bool is_identity(const LegacyGamma& gamma) {
          is_identity_gamma(gamma.blue);
 }
 
-// Whether the table is the identity in the end. It is changed only where it must be: that blanks some
+// Makes the table the identity; true if it is now. Changes it only if needed, because that blanks some
 // outputs.
 bool reset_legacy_gamma(const Card& card, std::uint32_t crtc_id) {
   const std::optional<LegacyGamma> before = read_gamma(card, crtc_id);
@@ -88,7 +89,7 @@ bool is_television_mode(const Mode& mode) {
   struct Timing {
     int width, height, total;
   };
-  // The progressive ones; what differs from one refresh to the next is the pixels of a whole line.
+  // The progressive modes. Modes of one size differ between refresh rates in the pixels of a whole line.
   static constexpr std::array kTimings{
       Timing{720, 480, 858},    Timing{720, 576, 864},    Timing{1280, 720, 1650},  Timing{1280, 720, 1980},
       Timing{1280, 720, 3300},  Timing{1280, 720, 3960},  Timing{1920, 1080, 2200}, Timing{1920, 1080, 2640},
@@ -104,9 +105,8 @@ std::optional<std::string> range_warning(const std::string& connector_name, cons
   const bool has_ranges = connector_name.starts_with("HDMI") || connector_name.starts_with("DP");
   if (!has_ranges || !is_television_mode(mode) || connector.value_called(kRange, "Full")) return std::nullopt;
   return output + " has no \"" + kRange +
-         "\" to set: if its driver chooses the limited range for this mode, black shines at 16 of 255, 6 % "
-         "of "
-         "the light (docs/printer-setup.md, \"Limited range\")";
+         "\" property: if its driver chooses the limited range for this mode, black is shown at 16 of 255, "
+         "6 % of the light (docs/printer-setup.md, \"Limited range\")";
 }
 
 std::vector<std::string> settle_color(const Card& card, std::uint32_t crtc_id, const Connector& connector,
@@ -116,11 +116,11 @@ std::vector<std::string> settle_color(const Card& card, std::uint32_t crtc_id, c
   std::vector<std::string> warnings;
   if (!crtc.find(kGammaTable) && !reset_legacy_gamma(card, crtc_id))
     warnings.push_back(output +
-                       " keeps a gamma table that its driver does not reset: grey gets more or less "
-                       "light than the mask says, and black may shine");
+                       " keeps a gamma table that its driver cannot reset: grey gets more or less light "
+                       "than the mask says, and black may not be dark");
   for (const PropertyChange& change : changes_to_neutral(crtc, on)) {
-    warnings.push_back(output + " keeps its \"" + change.name + "\" though it was told otherwise: " +
-                       (change.name == kRange ? "black may shine at 16 of 255, 6 % of the light"
+    warnings.push_back(output + " ignored the change of its \"" + change.name + "\" property: " +
+                       (change.name == kRange ? "black may be shown at 16 of 255, 6 % of the light"
                                               : "grey may get more or less light than the mask says"));
   }
   if (auto warning = range_warning(connector.name, mode, on, output)) warnings.push_back(std::move(*warning));

@@ -11,7 +11,7 @@ std::string describe(const Connector& connector) {
     case Connector::Status::Disconnected:
       return connector.name + " (disconnected)";
     case Connector::Status::Unknown:
-      return connector.name + " (unknown whether connected)";
+      return connector.name + " (connection unknown)";
   }
   return connector.name;
 }
@@ -38,7 +38,7 @@ std::optional<OutputIndex> choose_output(std::span<const CardOutputs> cards, con
     }
   }
   if (config.connector && !named)
-    throw HardwareError("there is no connector " + *config.connector + "; there is " + describe(cards));
+    throw HardwareError("there is no connector " + *config.connector + "; connectors: " + describe(cards));
   return named;
 }
 

@@ -1,4 +1,4 @@
-// A connector as the kernel describes it at a time. Value type and pure functions.
+// A snapshot of the kernel's description of a connector. Value type and pure functions.
 #pragma once
 
 #include <cstdint>
@@ -20,13 +20,13 @@ struct Connector {
   PictureSize size;
   std::vector<Mode> modes;
   std::uint32_t possible_crtcs = 0;  // bit n: the card's n-th CRTC can feed it
-  std::uint32_t crtc_id = 0;         // that feeds it now, or 0
+  std::uint32_t crtc_id = 0;         // the CRTC that feeds it now, or 0
 };
 
 // "HDMI-A-1 (connected)"
 [[nodiscard]] std::string describe(const Connector& connector);
 
-// A card's outputs, for choosing among them.
+// A card's outputs, as choose_output() takes them.
 struct CardOutputs {
   std::string card;  // "/dev/dri/card0 (vc4)"
   std::vector<Connector> connectors;
@@ -36,9 +36,10 @@ struct OutputIndex {
   std::size_t card = 0, connector = 0;
 };
 
-// Which output the config means among these cards: the first connected one, or, of the wanted name, one that
-// is connected before one that is not. Nothing when none is wanted by name and none is connected. Throws
-// HardwareError with the connectors that there are when the wanted name is not among them.
+// Finds the output that the config selects among these cards. Without a connector's name in the config this
+// is the first connected output, or nullopt if none is connected. With a name it is the first connected
+// output of that name, else the first of that name. Throws HardwareError that lists the connectors if none
+// has the name.
 [[nodiscard]] std::optional<OutputIndex> choose_output(std::span<const CardOutputs> cards,
                                                        const DrmDisplayConfig& config);
 

@@ -1,6 +1,7 @@
-// What feeds one connector with pictures: a CRTC in one mode, with its primary plane. Two kinds, by the
-// kernel's atomic or legacy calls; make_crtc() of crtc_choice.hpp chooses. Not thread-safe. Calls return 0 or
-// an errno, and those that are noexcept neither allocate nor throw. A picture is a framebuffer's id.
+// A CRTC in one mode, with its primary plane: it feeds one connector with pictures. One implementation uses
+// the kernel's atomic calls, one the legacy calls; make_crtc() in crtc_choice.hpp chooses. Not thread-safe.
+// Calls return 0 or an errno; noexcept calls do not allocate either. A picture is given as a framebuffer's
+// id.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +18,17 @@ class Crtc {
   [[nodiscard]] virtual std::uint32_t id() const noexcept = 0;
   [[nodiscard]] virtual bool is_atomic() const noexcept = 0;
 
-  // Whether the driver would take the mode with this picture; what is on the screen stays. 0 where the driver
-  // cannot say.
+  // Returns 0 if the driver would accept the mode with this picture or cannot say. Does not change the
+  // screen.
   [[nodiscard]] virtual int test_mode(std::uint32_t picture) noexcept = 0;
-  // Sets the mode, with this picture on the screen when it returns. Waits for whatever is pending: two
-  // refreshes at most, 10 s for each thing that the kernel waits for when the driver hangs.
+  // Sets the mode; the picture is on the screen when the call returns. Waits for pending commits: at most two
+  // refreshes, but if the driver hangs 10 s for each event that the kernel waits for.
   [[nodiscard]] virtual int set_mode(std::uint32_t picture) noexcept = 0;
-  // Asks for the picture from the next refresh on and returns at once; the card's descriptor then gives an
-  // event with `serial` (struct drm_event_vblank's user_data). EBUSY while an earlier one waits.
+  // Requests the picture from the next refresh on and returns at once. When the picture is on the screen, an
+  // event with `serial` (user_data in struct drm_event_vblank) can be read from the card's descriptor.
+  // Returns EBUSY while an earlier flip is pending.
   [[nodiscard]] virtual int flip(std::uint32_t picture, std::uint64_t serial) noexcept = 0;
-  // No signal. May wait as set_mode().
+  // Ends the signal. May block as long as set_mode().
   virtual int turn_off() noexcept = 0;
 };
 

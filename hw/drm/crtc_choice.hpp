@@ -1,4 +1,4 @@
-// Which kind of CRTC a card gets.
+// The choice between the atomic and the legacy CRTC.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 
 namespace contourd {
 
-// Atomic where the driver has it and a test commit of the mode with this picture succeeds, else legacy;
-// changes nothing on the screen. The card must outlive it. Throws HardwareError. A card that is not DRM
-// master cannot test, and gets the legacy kind.
+// Returns an atomic CRTC if `legacy` is false, the driver supports atomic calls and a test commit of the mode
+// with this picture succeeds; otherwise a legacy one. Changes nothing on the screen. A card that is not DRM
+// master cannot run the test and gets a legacy CRTC. The card must outlive the CRTC. Throws HardwareError.
 [[nodiscard]] std::unique_ptr<Crtc> make_crtc(const Card& card, const Connector& connector, const Mode& mode,
                                               std::uint32_t picture, bool legacy);
 

@@ -22,7 +22,7 @@ bool is_primary(int fd, std::uint32_t plane) {
   return type && type->value == DRM_PLANE_TYPE_PRIMARY;
 }
 
-// Nothing when every primary plane of the CRTC feeds another one.
+// Returns the route through this CRTC, or one without a plane if all its primary planes feed other CRTCs.
 CrtcRoute route_through(const Card& card, std::uint32_t crtc_id, std::size_t index) {
   CrtcRoute route;
   const PlaneResources planes(drmModeGetPlaneResources(card.fd()));
@@ -47,7 +47,7 @@ std::string describe_formats(const std::vector<std::uint32_t>& formats) {
     if (!text.empty()) text += ' ';
     for (unsigned shift = 0; shift < 32; shift += 8) {
       const auto letter = static_cast<char>(format >> shift & 0x7f);
-      if (letter != ' ') text += letter;  // short names are filled up with blanks
+      if (letter != ' ') text += letter;  // short names are padded with blanks
     }
   }
   return text;
@@ -56,7 +56,7 @@ std::string describe_formats(const std::vector<std::uint32_t>& formats) {
 std::vector<CrtcRoute> routes_to(const Card& card, const Connector& connector) {
   const std::vector<Connector> all = card.connectors();
   const std::vector<std::uint32_t> crtcs = card.crtcs();
-  // 0 for the connector's own, 1 for idle ones, 2 for those of others.
+  // 0 for the connector's own CRTC, 1 for an idle one, 2 for another connector's.
   const auto rank = [&](const CrtcRoute& route) {
     if (route.crtc_id == connector.crtc_id) return 0;
     const bool idle = std::ranges::find(all, route.crtc_id, &Connector::crtc_id) == all.end();
@@ -75,7 +75,7 @@ std::vector<CrtcRoute> routes_to(const Card& card, const Connector& connector) {
 
 void check_format(const CrtcRoute& route, PixelFormat format, const std::string& output) {
   if (std::ranges::find(route.formats, fourcc_of(format)) != route.formats.end()) return;
-  throw HardwareError(output + " does not show the pixel format " + describe_formats({fourcc_of(format)}) +
+  throw HardwareError(output + " does not support the pixel format " + describe_formats({fourcc_of(format)}) +
                       "; formats: " + describe_formats(route.formats));
 }
 

@@ -1,4 +1,4 @@
-// By which CRTC and plane a connector can be fed. Thread-safe (no shared state).
+// The CRTCs and planes that can feed a connector. Thread-safe (no shared state).
 #pragma once
 
 #include <cstdint>
@@ -11,21 +11,21 @@
 
 namespace contourd {
 
-// A CRTC that may feed a connector, and the plane of pictures that fills it.
+// A CRTC that can feed a connector, and its primary plane.
 struct CrtcRoute {
   std::uint32_t crtc_id = 0, plane_id = 0;
-  std::vector<std::uint32_t> formats;  // of the plane, DRM_FORMAT_*
+  std::vector<std::uint32_t> formats;  // the plane's formats, DRM_FORMAT_*
 };
 
-// Best first: that which feeds the connector now, then idle ones, then those that feed another one. Throws
-// HardwareError when there is none.
+// Returns the routes to a connector, best first: the CRTC that feeds it now, then idle CRTCs, then CRTCs that
+// feed other connectors. Throws HardwareError if there is none.
 [[nodiscard]] std::vector<CrtcRoute> routes_to(const Card& card, const Connector& connector);
 
 // "XR24 RG16"
 [[nodiscard]] std::string describe_formats(const std::vector<std::uint32_t>& formats);
 
-// Throws HardwareError with the formats there are when the route's plane does not show this one. `output` is
-// named in it.
+// Throws HardwareError that names `output` and lists the plane's formats if the plane does not support this
+// format.
 void check_format(const CrtcRoute& route, PixelFormat format, const std::string& output);
 
 }  // namespace contourd

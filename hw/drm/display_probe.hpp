@@ -1,5 +1,5 @@
-// Probes for a display: for one that was lost, or for any that is connected. For a thread that may block. May
-// take 300 ms and more, and 10 s and more when the driver hangs. From any thread.
+// Probes for a display: for one that was lost, or for any that is connected. A probe blocks for up to 300 ms
+// or more, and for 10 s or more if the driver hangs. May be called from any thread.
 #pragma once
 
 #include <memory>
@@ -12,21 +12,22 @@
 
 namespace contourd {
 
-// What came of it.
+// The result of a probe.
 struct DisplayProbe {
-  std::shared_ptr<Output> output;  // where there is one, back or not; black if it is, else off
+  std::shared_ptr<Output> output;  // black if is_back, else off; null if there is no output
   bool is_back = false;
-  std::string refusal{};  // back, but of no use: a sentence
+  std::string refusal{};  // a sentence if the display is connected but cannot be used
   std::optional<std::string> console_warning{};
 };
 
-// At an output that was lost, and which nobody else has.
+// Restores an output that was lost. The caller must not share it with another thread.
 [[nodiscard]] DisplayProbe restored(std::shared_ptr<Output> output, const DrmDisplayConfig& config);
 
-// Opens whatever is connected. No output where there is none, or its card is not ready yet.
+// Opens the display that the config selects. Returns no output if none is connected or its card is not ready
+// yet.
 [[nodiscard]] DisplayProbe probe_all(const DrmDisplayConfig& config);
 
-// Throws HardwareError.
+// Blackens the text console and opens the output. Throws HardwareError.
 [[nodiscard]] DisplayProbe open_display(FoundOutput found, const DrmDisplayConfig& config);
 
 }  // namespace contourd

@@ -26,26 +26,26 @@ namespace {
 
 FileDescriptor made_timerfd() {
   FileDescriptor fd(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
-  if (!fd.valid()) throw std::system_error(errno, std::generic_category(), "making a timerfd");
+  if (!fd.valid()) throw std::system_error(errno, std::generic_category(), "creating a timerfd");
   return fd;
 }
 
-// While a mask is on the screen, or a flip waits, the card is looked after this often: a refresh or so.
-constexpr timespec kLookInterval{0, 20'000'000};
+// How often the card is checked while a mask is on the screen or a flip is pending: about every refresh.
+constexpr timespec kCheckInterval{0, 20'000'000};
 
 }  // namespace
 
-// It is larger than other classes: what is on the screen, what waits for it and what watches over the card
-// change together whenever the kernel says something.
+// It is larger than other classes: the picture on the screen, the pending `done` and the checks of the card
+// change together with every event of the kernel's.
 class DrmDisplay::Implementation {
  public:
   Implementation(DescriptorWatcher& watcher, const DrmDisplayConfig& config)
       : watcher_(watcher),
         config_(config),
-        look_(made_timerfd()),
+        check_timer_(made_timerfd()),
         uevent_watch_(watcher.when_readable(uevents_.fd(), [this] { displays_changed(); })),
         wake_watch_(watcher.when_readable(wake_.descriptor(), [this] { deny_waiting(); })),
-        look_watch_(watcher.when_readable(look_.get(), [this] { look_after_card(); })),
+        check_watch_(watcher.when_readable(check_timer_.get(), [this] { check_card(); })),
         calls_(watcher) {
     OutputSearch search = find_output(config_);
     if (search.found) {
@@ -63,7 +63,7 @@ class DrmDisplay::Implementation {
     bytes_written_ = output_->write(mask);
     if (const int error = output_->show_written(); error != 0) return lose_later(error);
     mask_is_up_ = true;
-    keep_looking(true);
+    keep_checking(true);
   }
 
   void black(Presented done) {
@@ -71,23 +71,23 @@ class DrmDisplay::Implementation {
     waiting_ = std::move(done);
     if (problem_) return deny_later();
     if (const int error = output_->show_black(); error != 0) return lose_later(error);
-    keep_looking(true);
+    keep_checking(true);
   }
 
   void black_now() noexcept {
     mask_is_up_ = false;
     waiting_ = nullptr;
     denied_ = false;
-    if (!output_) return;  // the other thread, if it has it, leaves it dark in any case
+    if (!output_) return;  // if the other thread has the output, it leaves the screen dark in any case
     const int error = output_->black_now();
     if (problem_) return;
     if (error != 0) return lose_later(error);
-    keep_looking(true);
+    keep_checking(true);
   }
 
-  // What else has become of it the kernel announces.
-  void look_whether_back() {
-    if (problem_) probe_again(Tell::Recovery);
+  // Reports only a recovery: the kernel announces every other change.
+  void probe_if_lost() {
+    if (problem_) probe_again(Report::Recovery);
   }
 
   void on_event(std::function<void(const MachineEvent&)> call) { on_event_ = std::move(call); }
@@ -105,7 +105,7 @@ class DrmDisplay::Implementation {
   [[nodiscard]] const std::string& description() const { return description_; }
 
  private:
-  // The output is the other thread's from here to the end of its call: nothing is shown meanwhile.
+  // Hands the output to the other thread until take_back(). Nothing can be shown meanwhile.
   std::shared_ptr<Output> give_away_output() {
     card_watch_.reset();
     return std::exchange(output_, nullptr);
@@ -116,9 +116,9 @@ class DrmDisplay::Implementation {
     if (output_) card_watch_ = watcher_.when_readable(output_->card().fd(), [this] { flip_done(); });
   }
 
-  enum class Tell { Recovery, EverythingNew };
-  // Looks whether a lost display is back, on the thread for blocking calls, and takes it up again if so.
-  void probe_again(Tell tell) {
+  enum class Report { Recovery, RecoveryOrNewProblem };
+  // Probes for a lost display on the thread for blocking calls, and uses it again if it is back.
+  void probe_again(Report report) {
     if (away_) {
       probe_wanted_ = true;
       return;
@@ -128,23 +128,24 @@ class DrmDisplay::Implementation {
         [output = give_away_output(), config = config_]() mutable {
           return output ? restored(std::move(output), config) : probe_all(config);
         },
-        [this, tell](DisplayProbe probe) { after_probe(std::move(probe), tell); });
+        [this, report](DisplayProbe probe) { after_probe(std::move(probe), report); });
   }
 
-  void after_probe(DisplayProbe probe, Tell tell_what) {
+  void after_probe(DisplayProbe probe, Report wanted) {
     take_back(std::move(probe.output));
     if (probe.is_back) {
       use(probe.console_warning);
-      tell_recovery();
-    } else if (tell_what == Tell::EverythingNew && !probe.refusal.empty() && probe.refusal != *problem_) {
+      report_recovery();
+    } else if (wanted == Report::RecoveryOrNewProblem && !probe.refusal.empty() &&
+               probe.refusal != *problem_) {
       problem_ = probe.refusal;
-      tell(MachineEvent::Kind::Interlock, probe.refusal);
+      report_event(MachineEvent::Kind::Interlock, probe.refusal);
     }
-    look_if_wanted();
+    probe_if_wanted();
   }
 
-  void look_if_wanted() {
-    if (std::exchange(probe_wanted_, false) && problem_) probe_again(Tell::EverythingNew);
+  void probe_if_wanted() {
+    if (std::exchange(probe_wanted_, false) && problem_) probe_again(Report::RecoveryOrNewProblem);
   }
 
   void turn_off() {
@@ -157,11 +158,11 @@ class DrmDisplay::Implementation {
         },
         [this](std::shared_ptr<Output> output) {
           take_back(std::move(output));
-          look_if_wanted();
+          probe_if_wanted();
         });
   }
 
-  // Of the output that there is now.
+  // Takes frame, description and warnings from the present output.
   void use(const std::optional<std::string>& console_warning) {
     problem_.reset();
     warnings_ = output_->color_warnings();
@@ -179,18 +180,19 @@ class DrmDisplay::Implementation {
     std::exchange(waiting_, nullptr)(events.shown);
   }
 
-  // The kernel announced something about displays: not necessarily this one.
+  // Handles the kernel's announcements about displays, which may be other displays than this one.
   void displays_changed() {
     const std::vector<DisplayChange> changes = uevents_.read_all();
     if (changes.empty()) return;
-    if (problem_) return probe_again(Tell::EverythingNew);
+    if (problem_) return probe_again(Report::RecoveryOrNewProblem);
     const dev_t card = output_->card().number();
     const std::uint32_t connector = output_->connector_id();
     if (std::ranges::any_of(changes, [&](const auto& change) { return concerns(change, card, connector); }))
       ask_display();
   }
 
-  // What it is, which may take it long: a mask may be on the screen, and the light on.
+  // Reads the display's state on the other thread: that may take long, a mask may be on the screen and the
+  // light on.
   void ask_display() {
     if (!output_->card().is_master()) return lose_to(EACCES);
     ask_again_ = asking_;
@@ -200,7 +202,7 @@ class DrmDisplay::Implementation {
                  asking_ = false;
                  if (!problem_) judge(now);
                  const bool again = std::exchange(ask_again_, false);
-                 if (again && problem_) return probe_again(Tell::EverythingNew);
+                 if (again && problem_) return probe_again(Report::RecoveryOrNewProblem);
                  if (again) ask_display();
                });
   }
@@ -213,47 +215,47 @@ class DrmDisplay::Implementation {
     if (has_mode) return;
     lose(output_->name() + " no longer has its mode " + describe(output_->mode()) +
          "; modes: " + describe(now.modes));
-    probe_again(Tell::EverythingNew);  // another display may have the like
+    probe_again(Report::RecoveryOrNewProblem);  // another display may have such a mode
   }
 
-  void keep_looking(bool on) noexcept {
-    if (on == looking_) return;
-    looking_ = on;
-    const itimerspec every{on ? kLookInterval : timespec{}, on ? kLookInterval : timespec{}};
-    ::timerfd_settime(look_.get(), 0, &every, nullptr);
+  void keep_checking(bool on) noexcept {
+    if (on == checking_) return;
+    checking_ = on;
+    const itimerspec every{on ? kCheckInterval : timespec{}, on ? kCheckInterval : timespec{}};
+    ::timerfd_settime(check_timer_.get(), 0, &every, nullptr);
   }
 
-  // The kernel does not say that another program has become the card's master, and may show what it likes;
-  // nor that it owes its word for a flip.
-  void look_after_card() {
+  // Checks for the two failures that the kernel does not report: another program has become the card's master
+  // and may show anything, or a flip is never confirmed.
+  void check_card() {
     std::uint64_t times = 0;
-    if (::read(look_.get(), &times, sizeof times) != sizeof times || problem_) return;
+    if (::read(check_timer_.get(), &times, sizeof times) != sizeof times || problem_) return;
     if (!output_->card().is_master()) return lose_to(EACCES);
     if (output_->flip_is_overdue()) return lose_flip();
-    if (!mask_is_up_ && !output_->flip_waits()) keep_looking(false);
+    if (!mask_is_up_ && !output_->flip_waits()) keep_checking(false);
   }
 
-  // Where this program was held up, the kernel's word may be there all the same.
+  // If this program itself was delayed, the confirmation may be waiting to be read, so that is done first.
   void lose_flip() {
     flip_done();
     if (problem_ || !output_->flip_is_overdue()) return;
     const auto deadline = std::chrono::round<std::chrono::milliseconds>(flip_deadline(frame_));
-    report_loss(output_->name() + " has not said for " + std::to_string(deadline.count()) +
-                " ms that it shows a picture; it is set anew");
-    probe_again(Tell::EverythingNew);
+    report_loss(output_->name() + " did not confirm a picture within " + std::to_string(deadline.count()) +
+                " ms; its mode is being set again");
+    probe_again(Report::RecoveryOrNewProblem);
   }
 
-  // A call that should have put a picture on the screen did not.
+  // Handles the failure of a call that should have put a picture on the screen.
   void lose_to(int error) {
     if (error == EACCES || error == EPERM)
-      return lose("another program took " + output_->name() +
-                  " over: " + describe_master_holder(output_->card().path()));
+      return lose("another program took over " + output_->name() + ": " +
+                  describe_master_holder(output_->card().path()));
     if (error == ENODEV) return lose_card();
-    lose(output_->name() + " does not show pictures any more: " + std::strerror(error));
+    lose(output_->name() + " no longer shows pictures: " + std::strerror(error));
   }
 
   void lose_card() {
-    report_loss(output_->name() + " is gone, with its card");
+    report_loss(output_->name() + " is gone: its graphics card was removed");
     calls_.run([output = give_away_output()]() mutable { return output.reset(), 0; }, [](int) {});
   }
 
@@ -262,28 +264,29 @@ class DrmDisplay::Implementation {
     turn_off();
   }
 
-  // The owner of the light is told first; then the screen, where a mask may still stand, is seen to.
+  // Reports the loss. Callers do this first, so that the light goes off before they deal with the screen,
+  // which may still show a mask.
   void report_loss(const std::string& why) {
     mask_is_up_ = false;
-    keep_looking(false);
+    keep_checking(false);
     problem_ = why;
     const Presented waiting = std::exchange(waiting_, nullptr);
-    tell(MachineEvent::Kind::Interlock, why);
+    report_event(MachineEvent::Kind::Interlock, why);
     if (waiting) waiting(std::nullopt);
   }
 
-  void tell(MachineEvent::Kind kind, const std::string& what) {
+  void report_event(MachineEvent::Kind kind, const std::string& what) {
     if (on_event_) on_event_({kind, what});
   }
 
-  void tell_recovery() {
+  void report_recovery() {
     if (on_event_)
       on_event_({.kind = MachineEvent::Kind::Recovery,
                  .what = "the display is back: " + description_,
                  .warnings = warnings_});
   }
 
-  // For a show() or black() that must not call back from within itself.
+  // deny_later() and lose_later() are for show() and black(), which must not call back before they return.
   void deny_later() {
     denied_ = true;
     wake_.signal();
@@ -296,35 +299,35 @@ class DrmDisplay::Implementation {
     wake_.clear();
     const int error = std::exchange(failed_show_, 0);
     if (error != 0 && !problem_) return lose_to(error);
-    // Also when the display has come back since.
+    // Denied even if the display has come back since.
     if (std::exchange(denied_, false) && waiting_) std::exchange(waiting_, nullptr)(std::nullopt);
   }
 
   DescriptorWatcher& watcher_;
   DrmDisplayConfig config_;
   std::function<void(const MachineEvent&)> on_event_;
-  // None before the first was found, while its card is gone, and while the other thread has it. There
-  // is one when there is no problem.
+  // Null before the first output was found, while its card is gone, and while the other thread has it. Not
+  // null if there is no problem.
   std::shared_ptr<Output> output_;
   std::optional<std::string> problem_;
   std::vector<std::string> warnings_;
   std::string description_ = "no display";
   Duration frame_{0};
   Presented waiting_;
-  bool denied_ = false;  // waiting_ is to be told that nothing can be shown
-  int failed_show_ = 0;  // the errno of a show() or black() whose owner has not been told yet
+  bool denied_ = false;  // waiting_ is to be called with nullopt
+  int failed_show_ = 0;  // the errno of a show() or black() that has not been reported yet
   std::size_t bytes_written_ = 0;
 
   UeventSocket uevents_;
   EventDescriptor wake_;
-  FileDescriptor look_;  // a timer's, that runs while a mask is on the screen or a flip waits
-  bool looking_ = false;
+  FileDescriptor check_timer_;  // runs while a mask is on the screen or a flip is pending
+  bool checking_ = false;
   bool mask_is_up_ = false;
-  bool away_ = false;          // the other thread has the output, or looks for one
-  bool probe_wanted_ = false;  // again, when it is done with that
+  bool away_ = false;          // the other thread has the output, or probes for one
+  bool probe_wanted_ = false;  // another probe is needed when the output is back from the other thread
   bool asking_ = false, ask_again_ = false;
-  std::unique_ptr<DescriptorWatcher::Watch> uevent_watch_, wake_watch_, look_watch_, card_watch_;
-  BlockingCalls calls_;  // last: nothing is handed back once the rest goes
+  std::unique_ptr<DescriptorWatcher::Watch> uevent_watch_, wake_watch_, check_watch_, card_watch_;
+  BlockingCalls calls_;  // last member: delivers nothing once the destruction of the others begins
 };
 
 DrmDisplay::DrmDisplay(DescriptorWatcher& watcher, const DrmDisplayConfig& config)
@@ -353,7 +356,7 @@ void DrmDisplay::black_now() noexcept {
 }
 
 void DrmDisplay::probe_again() {
-  implementation_->look_whether_back();
+  implementation_->probe_if_lost();
 }
 
 void DrmDisplay::on_event(std::function<void(const MachineEvent&)> call) {

@@ -1,18 +1,19 @@
-// A projector on one of the kernel's display outputs, by libdrm. Shows what it is told and nothing else:
-// black from its construction on, black and no signal when it goes, no console, no cursor.
+// A projector on one of the kernel's display outputs, through libdrm. The output shows only the masks that
+// it is given: black from construction on, black and then no signal at destruction, no console, no cursor.
 //
-// A display that is unplugged, whose mode is gone, whose card another program took, or of which the kernel
-// does not say in time that it shows a picture (flip_deadline()), is lost: a waiting `done` gets nothing, and
-// a MachineEvent says why, within 20 ms while a mask is on the screen. It is taken up again, black, when the
-// kernel says that it is back, or at probe_again(); show() and black() give nothing as long as it is lost.
+// A display is lost if it is unplugged, its mode disappears, another program takes its card, or the kernel
+// does not confirm a page flip in time (flip_deadline()). Then a pending `done` gets nullopt and a
+// MachineEvent says why, within 20 ms while a mask is on the screen. The display is restored, black, when the
+// kernel announces it again or at probe_again(). While it is lost, show() and black() call their `done` with
+// nullopt.
 //
-// What blocks is done on a thread of its own: asking a display what it is, setting and ending its mode. So
-// the event loop is held up by none of it, in an exposure or out of it, but for the constructor, which a
-// machine calls while it has no display, and so no job and no light.
+// Calls that block (reading a display's EDID, setting and ending its mode) run on a thread of their own, so
+// the event loop is not delayed by them, during an exposure or at any other time. The exception is the
+// constructor: a machine calls it while it has no display, and so no job and no light.
 //
-// Presented times are those of the vblank at whose end the screen began to show the picture (CLOCK_MONOTONIC,
-// in whole microseconds); its last row follows a refresh later. Drivers without vblanks (virtio-gpu, bochs)
-// give the time when they were done with the flip instead, and are not paced by the refresh.
+// A presented time is that of the vblank at whose end the screen began to show the picture (CLOCK_MONOTONIC,
+// in whole microseconds); the picture's last row follows a refresh later. Drivers without vblanks
+// (virtio-gpu, bochs) report when they had processed the flip instead, and do not wait for the refresh.
 //
 // Event loop's thread only.
 #pragma once
@@ -33,46 +34,48 @@ namespace contourd {
 
 class DrmDisplay final : public MaskDisplay {
  public:
-  // Sets the mode, black. A display that is merely not connected is a lost one: why_not_ready() says so.
-  // Throws HardwareError for what waiting does not mend: no such card, connector, mode or format, a card in
-  // use, no permission. The watcher must outlive it. Blocks for some refreshes, and some milliseconds, 300
-  // and more with some, for each connected display.
+  // Sets the mode, with a black picture. A display that is merely not connected counts as lost:
+  // why_not_ready() says so. Throws HardwareError for an error that waiting does not fix: no such card,
+  // connector, mode or format, a card in use, no permission. The watcher must outlive this object. Blocks for
+  // some refreshes, and for some milliseconds (with some displays 300 or more) per connected display.
   DrmDisplay(DescriptorWatcher& watcher, const DrmDisplayConfig& config);
   ~DrmDisplay() override;
 
   [[nodiscard]] Pixels width() const override;
   [[nodiscard]] Pixels height() const override;
-  // Of its mode; 0 before the display was there.
+  // Returns the refresh period of the mode; 0 before a display was found.
   [[nodiscard]] Duration frame() const override;
 
-  // Neither allocates nor blocks.
+  // Neither show() nor black() allocates or blocks.
   void show(const Mask& mask, Presented done) override;
   void black(Presented done) override;
-  // Does not block: where a flip is waiting for its refresh black follows it, and a mask that it would bring
-  // is blackened in its memory. A commit that waits for the driver (10 s and more, the kernel's limit, when
-  // that hangs) would be no sooner.
+  // Does not block. If a flip is pending, black follows it, and a mask that the flip would show is blackened
+  // in its memory. A commit that waits for the driver (10 s or more, the kernel's limit, if the driver hangs)
+  // would not be faster.
   void black_now() noexcept override;
 
-  // `call` runs when the display is lost, before its waiting `done`, and when it has been taken up again;
-  // from the event loop.
+  // `call` runs from the event loop: when the display is lost, before its pending `done`, and when it has
+  // been restored.
   void on_event(std::function<void(const MachineEvent&)> call) override;
 
-  // That another program gave the card back the kernel does not say.
+  // Needed because the kernel does not notify us when another program drops DRM master.
   void probe_again() override;
 
-  // Never for good: it is taken up again by itself.
+  // Always false: a lost display is restored without a restart.
   [[nodiscard]] bool lost() const override { return false; }
-  // Why nothing can be shown: one sentence at most.
+  // Returns at most one sentence: why nothing can be shown.
   [[nodiscard]] std::vector<std::string> why_not_ready() const override;
-  // The text console could not be kept off, the driver changes what pixels mean.
+  // Returns a sentence if the text console may come back, and one for each change that the driver makes to
+  // pixel values.
   [[nodiscard]] std::vector<std::string> warnings() const override;
   // "HDMI-A-1 of /dev/dri/card0 (vc4): 1920x1080 at 60.00 Hz, atomic"
   [[nodiscard]] std::string description() const override;
 
-  // Of the card, which is shared. Nothing while it is gone.
+  // Returns the card's descriptor, which is shared, and the ids for showing black. Empty while there is no
+  // output.
   [[nodiscard]] LightDisplayPath black_path() const override;
 
-  // Written into the card's memory by the last show().
+  // Returns the number of bytes that the last show() wrote into the card's memory.
   [[nodiscard]] std::size_t bytes_written() const;
 
  private:

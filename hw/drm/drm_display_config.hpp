@@ -1,4 +1,4 @@
-// Which output shows the masks, and how. Value type.
+// The config of the output that shows the masks. Value type.
 #pragma once
 
 #include <optional>
@@ -11,20 +11,21 @@ namespace contourd {
 
 struct DrmDisplayConfig {
   std::optional<std::string>
-      card;  // "/dev/dri/card1" or a driver's name ("vc4"); else the first with a connected output
-  std::optional<std::string> connector;  // "HDMI-A-1"; else the first that is connected
+      card;  // "/dev/dri/card1" or a driver's name ("vc4"); if unset the first with a connected output
+  std::optional<std::string> connector;  // "HDMI-A-1"; if unset the first that is connected
   Pixels width{1920};
   Pixels height{1080};
-  double refresh_hz = 60.0;  // of the mode, within half a hertz
+  double refresh_hz = 60.0;  // a mode's refresh may differ by half a hertz
 
   using Format = PixelFormat;
   Format format = Format::Xrgb8888;
-  // For masks; black has one of its own. With 3, a buffer that left the screen is not written until the next
-  // one has left it too: for drivers that still read it after they said that they have flipped.
+  // The number of buffers for masks; black has its own. With 3, a buffer that has left the screen is not
+  // written until the next one has left it too, for drivers that still read a buffer after they reported the
+  // flip away from it.
   int buffers = 2;  // 2 or 3
 
-  bool legacy = false;            // use the old calls even where the driver has the atomic ones
-  bool ignore_edid_size = false;  // the picture size that the display reports is wrong: ask nothing of it
+  bool legacy = false;            // use the legacy calls even if the driver supports atomic calls
+  bool ignore_edid_size = false;  // ignore the picture size that the display reports, because it is wrong
 };
 
 }  // namespace contourd

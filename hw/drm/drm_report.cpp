@@ -46,7 +46,7 @@ std::string describe(const DrmReport& report) {
          (report.in_use   ? ", in use: " + *report.in_use
           : report.atomic ? ", atomic"
                           : ", legacy") +
-         (report.vblank ? "" : ", no vblank: times are those of the driver") +
+         (report.vblank ? "" : ", no vblank: presentation times are the driver's") +
          "; formats: " + report.formats +
          (report.console ? "; the text console " + *report.console + " is on this card" : "") +
          (report.range_warning ? "; " + *report.range_warning : "");

@@ -1,4 +1,4 @@
-// What a display output is, for --check-hardware.
+// The description of a display output for --check-hardware.
 #pragma once
 
 #include <optional>
@@ -8,21 +8,21 @@
 
 namespace contourd {
 
-// What --check-hardware tells of an output.
+// The facts about an output that --check-hardware prints.
 struct DrmReport {
   std::string card, driver, connector, mode;
   std::string formats;                       // "XR24 RG16"
   std::optional<std::string> console;        // the text console on the same card: "/dev/fb0"
-  std::optional<std::string> in_use;         // who has the card, so that the driver could not be asked
+  std::optional<std::string> in_use;         // the program that has the card, so the driver was not asked
   std::optional<std::string> range_warning;  // black may be sent as 16: a sentence
   bool atomic = false;
-  bool vblank = false;  // the driver tells when a picture is on the screen
+  bool vblank = false;  // the driver reports when a picture is on the screen
 };
 
-// Finds what a DrmDisplay would use and asks the driver whether it would do it; changes nothing on any
-// screen. Throws HardwareError as DrmDisplay does, also when nothing is connected.
+// Finds the output that a DrmDisplay would use and asks the driver whether it would accept the mode. Changes
+// nothing on any screen. Throws HardwareError as DrmDisplay does, and also if no display is connected.
 [[nodiscard]] DrmReport check_drm_display(const DrmDisplayConfig& config);
-// One line.
+// Returns the report as one line.
 [[nodiscard]] std::string describe(const DrmReport& report);
 
 }  // namespace contourd

@@ -29,14 +29,14 @@ DumbBuffer::DumbBuffer(const Card& card, Pixels width, Pixels height, PixelForma
   if (drmModeCreateDumbBuffer(fd_, static_cast<std::uint32_t>(width.count()),
                               static_cast<std::uint32_t>(height.count()), bits, 0, &handle_, &stride_bytes_,
                               &size) != 0)
-    fail(card, "gives no memory for a picture of " + std::to_string(width.count()) + "x" +
+    fail(card, "has no memory for a picture of " + std::to_string(width.count()) + "x" +
                    std::to_string(height.count()));
   memory_ = mapped(size);
   if (!memory_.empty()) return;
   const int error = errno;
   drmModeDestroyDumbBuffer(fd_, handle_);
   errno = error;
-  fail(card, "does not let its memory be mapped");
+  fail(card, "cannot map its memory");
 }
 
 std::span<std::byte> DumbBuffer::mapped(std::size_t size) const {
@@ -60,7 +60,7 @@ Framebuffer::Framebuffer(const Card& card, Pixels width, Pixels height, PixelFor
   if (drmModeAddFB2(fd_, static_cast<std::uint32_t>(width.count()),
                     static_cast<std::uint32_t>(height.count()), fourcc_of(format), handles, strides, offsets,
                     &id_, 0) != 0)
-    fail(card, "does not show pictures of the wanted pixel format");
+    fail(card, "does not support the wanted pixel format");
 }
 
 Framebuffer::~Framebuffer() {

@@ -1,5 +1,5 @@
-// Memory that a card can scan out: a dumb buffer, mapped, and its framebuffer. All are gone with it; the
-// kernel turns an output off that still shows it. Not thread-safe.
+// Memory that a card can scan out: a mapped dumb buffer and its framebuffer. Destroying the framebuffer frees
+// all of it; the kernel turns off an output that still shows it. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,13 @@
 
 namespace contourd {
 
-// DRM_FORMAT_*
+// Returns the kernel's code for the format, DRM_FORMAT_*.
 [[nodiscard]] std::uint32_t fourcc_of(PixelFormat format);
 
-// The kernel's memory, by its handle.
+// A buffer of the kernel's, mapped into this process.
 class DumbBuffer {
  public:
-  // Throws HardwareError. The card must outlive it.
+  // Throws HardwareError. The card must outlive the buffer.
   DumbBuffer(const Card& card, Pixels width, Pixels height, PixelFormat format);
   ~DumbBuffer();
   DumbBuffer(const DumbBuffer&) = delete;
@@ -25,7 +25,7 @@ class DumbBuffer {
 
   [[nodiscard]] std::uint32_t handle() const { return handle_; }
   [[nodiscard]] std::uint32_t stride_bytes() const { return stride_bytes_; }
-  // To be written only.
+  // Returns memory that may be written but not read.
   [[nodiscard]] std::span<std::byte> memory() const { return memory_; }
 
  private:
@@ -40,7 +40,7 @@ class DumbBuffer {
 // A picture that can be put on an output.
 class Framebuffer {
  public:
-  // Black. Throws HardwareError. The card must outlive it.
+  // Makes a black picture. Throws HardwareError. The card must outlive the framebuffer.
   Framebuffer(const Card& card, Pixels width, Pixels height, PixelFormat format);
   ~Framebuffer();
   Framebuffer(const Framebuffer&) = delete;

@@ -30,7 +30,8 @@ Word<kFormat> word_of(std::uint8_t grey) {
   }
 }
 
-// The loop over a constant number of pixels becomes a few vector instructions, the copy as many wide stores.
+// The number of pixels is constant, so that the loop compiles to a few vector instructions and the copy to
+// wide stores.
 template <PixelFormat kFormat, std::size_t kPixels>
 void write_block(const std::uint8_t* grey, std::byte* to) {
   Word<kFormat> words[kPixels];
@@ -39,7 +40,7 @@ void write_block(const std::uint8_t* grey, std::byte* to) {
   std::memcpy(to, words, sizeof words);
 }
 
-// Returns the bytes written.
+// Writes the blocks of a row that differ from its content. Returns the number of bytes written.
 template <PixelFormat kFormat>
 std::size_t write_row(std::span<const std::uint8_t> row, std::span<std::uint8_t> content, std::byte* to) {
   constexpr std::size_t kBlock = FrameWriter::kBlock, kWord = sizeof(Word<kFormat>);
@@ -70,7 +71,7 @@ FrameWriter::FrameWriter(const Layout& layout, std::span<std::byte> memory)
   expects(memory.size() >= layout.stride_bytes * static_cast<std::size_t>(layout.height.count()),
           "the memory holds all rows");
   expects(reinterpret_cast<std::uintptr_t>(memory.data()) % pixel == 0,
-          "the memory is aligned as a pixel is");
+          "the memory is aligned to a pixel's size");
   blacken();
 }
 

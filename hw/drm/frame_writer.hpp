@@ -1,6 +1,6 @@
-// Writes masks into a buffer that is scanned out, and of each only what differs from what the buffer holds.
-// Such memory is write-combined: it takes whole cache lines in address order at full speed, and is very slow
-// to read. So it is never read back; what it holds is known from a copy in ordinary memory.
+// Writes masks into a buffer that is scanned out; of each mask only the blocks that differ from the buffer's
+// content. Such memory is write-combined: writing whole cache lines in address order is fast, reading is very
+// slow. So the buffer is never read back; a copy in ordinary memory holds its content.
 // Not thread-safe. Allocates only in the constructor.
 #pragma once
 
@@ -20,21 +20,21 @@ class FrameWriter {
 
   struct Layout {
     Pixels width, height;
-    std::size_t stride_bytes = 0;  // from one row to the next
+    std::size_t stride_bytes = 0;  // distance from one row to the next
     PixelFormat format = PixelFormat::Xrgb8888;
   };
 
-  // Blackens the memory, which must outlive the writer. REQUIRES: memory holds height rows of stride_bytes,
-  // of which each holds width pixels; it is aligned as a pixel is.
+  // Blackens the memory, which must outlive the writer. REQUIRES: the memory holds `height` rows of
+  // stride_bytes bytes; a row holds `width` pixels; the memory is aligned to a pixel's size.
   FrameWriter(const Layout& layout, std::span<std::byte> memory);
 
-  // Makes the memory show the mask. Returns how many bytes it wrote. REQUIRES: the mask has the layout's
+  // Makes the memory show the mask. Returns the number of bytes written. REQUIRES: the mask has the layout's
   // size.
   std::size_t write(const Mask& mask) noexcept;
-  // Writes black everywhere, whatever is there.
+  // Writes black to the whole memory, including parts that are black already.
   void blacken() noexcept;
 
-  // What the memory shows.
+  // Returns the mask that the memory shows.
   [[nodiscard]] const Mask& content() const { return content_; }
 
  private:

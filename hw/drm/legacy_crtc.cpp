@@ -16,16 +16,16 @@ LegacyCrtc::LegacyCrtc(const Card& card, const Connector& connector, const CrtcR
                                   ObjectProperties(fd_, connector_id_, DRM_MODE_OBJECT_CONNECTOR))) {}
 
 int LegacyCrtc::set_mode(std::uint32_t picture) noexcept {
-  // A cursor of somebody else's; refused where there is none.
+  // Removes another program's cursor; the error for a CRTC without one is ignored.
   drmModeSetCursor(fd_, id_, 0, 0, 0);
-  // What is refused is found when it is read back.
+  // Errors are ignored here: settle_color() finds them when it reads the properties back.
   for (const PropertyChange& change : changes_)
     drmModeObjectSetProperty(fd_, change.object, change.type, change.property, change.value);
   return -drmModeSetCrtc(fd_, id_, picture, 0, 0, &connector_id_, 1, &mode_);
 }
 
 int LegacyCrtc::flip(std::uint32_t picture, std::uint64_t serial) noexcept {
-  // As drmModePageFlip(), which takes the serial as a pointer.
+  // Does the same as drmModePageFlip(), which would take the serial as a pointer.
   drm_mode_crtc_page_flip flip{};
   flip.crtc_id = id_;
   flip.fb_id = picture;

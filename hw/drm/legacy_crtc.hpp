@@ -1,4 +1,4 @@
-// A CRTC by the kernel's calls from before atomic ones. Not thread-safe.
+// A CRTC that is driven by the kernel's legacy calls, which are older than the atomic ones. Not thread-safe.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace contourd {
 
 class LegacyCrtc final : public Crtc {
  public:
-  // The card must outlive it.
+  // The card must outlive this object.
   LegacyCrtc(const Card& card, const Connector& connector, const CrtcRoute& route, const Mode& mode);
 
   [[nodiscard]] std::uint32_t id() const noexcept override { return id_; }

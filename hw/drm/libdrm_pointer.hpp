@@ -1,4 +1,4 @@
-// What libdrm allocates, freed by its own function.
+// An owning pointer to an object that libdrm allocated; frees it with the matching libdrm function.
 #pragma once
 
 #include <memory>

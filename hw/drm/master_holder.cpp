@@ -36,13 +36,13 @@ bool has_open(const fs::path& process, const fs::path& card) {
   return false;
 }
 
-// The light watchdog has the card from this process.
+// True if the process is a child of this one: the light watchdog, which has the card from this process.
 bool is_child(const fs::path& process) {
   return content_of(process / "status").find("\nPPid:\t" + std::to_string(::getpid()) + "\n") !=
          std::string::npos;
 }
 
-// All processes but this one and its own that have the card open and let themselves be looked at.
+// Lists the visible processes that have the card open, except this one and its children.
 std::string users_of(const fs::path& card) {
   std::string users;
   std::error_code refused;
@@ -59,8 +59,8 @@ std::string users_of(const fs::path& card) {
 
 }  // namespace
 
-// Columns: command, thread group, device, master (y or n), authenticated, user, magic, and since Linux 6.12
-// name and id. A command may hold spaces.
+// The list's columns are command, thread group, device, master (y or n), authenticated, user, magic, and
+// since Linux 6.12 name and id. A command may contain spaces.
 std::optional<std::string> master_among(std::string_view clients) {
   std::istringstream lines{std::string(clients)};
   for (std::string line; std::getline(lines, line);) {
@@ -87,7 +87,7 @@ std::string describe_master_holder(const fs::path& card) {
       return *master + " is its DRM master";
   }
   if (const std::string users = users_of(card); !users.empty()) return users + " has it open";
-  return "another program is its DRM master; `fuser -v " + card.string() + "`, run as root, names it";
+  return "another program is its DRM master; run `fuser -v " + card.string() + "` as root to find it";
 }
 
 }  // namespace contourd

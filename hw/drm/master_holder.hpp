@@ -1,4 +1,4 @@
-// Who is DRM master of a card, as far as this process may know. Thread-safe (no shared state).
+// The program that is DRM master of a card, as far as this process may know. Thread-safe (no shared state).
 #pragma once
 
 #include <filesystem>
@@ -8,12 +8,13 @@
 
 namespace contourd {
 
-// The master's name and process in the kernel's list of a card's clients (/sys/kernel/debug/dri/N/clients):
-// "Xorg (process 612)".
+// Returns the master's name and process from the kernel's list of a card's clients
+// (/sys/kernel/debug/dri/N/clients): "Xorg (process 612)". Returns nullopt if no client is master.
 [[nodiscard]] std::optional<std::string> master_among(std::string_view clients);
 
-// A part of a sentence, from that list when it can be read (by root alone as a rule), else from who has the
-// card open, else what an owner can do to find out: "Xorg (process 612) is its DRM master".
+// Returns a clause such as "Xorg (process 612) is its DRM master". The source is that list if it can be read
+// (usually only by root), else the processes that have the card open; if none is visible the clause says how
+// to find out.
 [[nodiscard]] std::string describe_master_holder(const std::filesystem::path& card);
 
 }  // namespace contourd

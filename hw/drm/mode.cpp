@@ -12,14 +12,14 @@ namespace contourd {
 namespace {
 
 constexpr double kRefreshTolerance = 0.5;  // Hz
-constexpr double kSquare = 0.01;           // of a pixel's width over its height, from 1
+constexpr double kSquare = 0.01;           // tolerance of a pixel's width over its height
 constexpr double kEdidRounding = 5.0;      // mm: EDID's base block has whole centimetres
 
 struct FlagName {
   std::uint32_t flag;
   const char* name;
 };
-// What makes a mode send something else than each pixel of each picture once.
+// Flags of modes that do not send each pixel of each picture once.
 constexpr FlagName kFlagNames[] = {{DRM_MODE_FLAG_INTERLACE, "interlaced"},
                                    {DRM_MODE_FLAG_DBLSCAN, "each line twice"},
                                    {DRM_MODE_FLAG_DBLCLK, "each pixel twice"},
@@ -43,7 +43,7 @@ std::optional<Ratio> named_picture_ratio(const Mode& mode) {
   }
 }
 
-// A pixel's width over its height when the whole picture has this shape.
+// Returns a pixel's width over its height if the whole picture has this width and height.
 double pixel_ratio(const Mode& mode, double width, double height) {
   return width / height * mode.vdisplay / mode.hdisplay;
 }
@@ -134,7 +134,8 @@ Mode choose_mode(std::span<const Mode> modes, PictureSize size, const DrmDisplay
                  const std::string& output) {
   const PictureSize known = config.ignore_edid_size ? PictureSize{} : size;
   const auto distance = [&](const Mode& mode) {
-    // Whole millihertz, so that modes count as equally near which differ by less than any clock can tell.
+    // Whole millihertz, so that modes with smaller differences, which no clock can tell apart, are equally
+    // near.
     return std::llround(std::fabs(refresh_hz(mode) - config.refresh_hz) * 1000);
   };
   const Mode* best = nullptr;

@@ -1,5 +1,5 @@
-// A display mode: which one an owner means, and whether it can show masks. Pure functions on what the kernel
-// lists; thread-safe.
+// Display modes: the choice of the mode that the config asks for, and the check that it can show masks. Pure
+// functions on the kernel's list of modes; thread-safe.
 #pragma once
 
 #include <xf86drmMode.h>
@@ -14,32 +14,34 @@ namespace contourd {
 
 using Mode = drmModeModeInfo;
 
-// Pictures a second, from the pixel clock: 59.94 is not 60, which the kernel's rounded vrefresh cannot say.
+// Returns the pictures per second, computed from the pixel clock: the kernel's vrefresh is rounded and cannot
+// tell 59.94 from 60.
 [[nodiscard]] double refresh_hz(const Mode& mode);
 
-// "1920x1080 at 59.94 Hz", with what is odd about it: "1920x1080 at 60.00 Hz, interlaced".
+// "1920x1080 at 59.94 Hz", with its peculiarities: "1920x1080 at 60.00 Hz, interlaced".
 [[nodiscard]] std::string describe(const Mode& mode);
-// "1280x720 at 60.00 Hz, 1920x1080 at 60.00 Hz", each once; "none".
+// "1280x720 at 60.00 Hz; 1920x1080 at 60.00 Hz", each once; "none" if there are no modes.
 [[nodiscard]] std::string describe(std::span<const Mode> modes);
 
-// Whether both are the same to a display, whatever they are called.
+// True if a display cannot tell the modes apart. Their names may differ.
 [[nodiscard]] bool same_timing(const Mode& a, const Mode& b);
 
-// Of the whole picture, as EDID has it. 0 where it is unknown, as with projectors as a rule.
+// The size of the whole picture from EDID. 0 if it is unknown, as it usually is for projectors.
 struct PictureSize {
   int width_mm = 0, height_mm = 0;
 };
 
-// Why masks cannot be shown with this mode, if they cannot: it sends half pictures, lines or pixels twice, a
-// picture for each eye, or its pixels are not square. They are square when
+// Returns the reason why this mode cannot show masks, or nullopt if it can. It cannot if it sends half
+// pictures, lines or pixels twice, a picture for each eye, or if its pixels are not square. Pixels are square
+// if
 //  - the picture's aspect ratio that the mode names (CEA-861), and
 //  - the picture's size, if both sides are known, for some size that rounds to it (EDID has centimetres),
 // give pixels that are as wide as high to 1 %.
 [[nodiscard]] std::optional<std::string> why_unsuitable(const Mode& mode, PictureSize size);
 
-// The mode that the config asks for: its very size; the refresh nearest to the wanted one, within half a
-// hertz; of equally near ones that which the display prefers. Throws HardwareError, which names `output`
-// ("HDMI-A-1 of /dev/dri/card0 (vc4)") and what modes there are.
+// Returns the mode that the config asks for. It has exactly the wanted size and the nearest refresh, within
+// half a hertz; of equally near modes it is the one that the display prefers, else the first. Throws
+// HardwareError that names `output` ("HDMI-A-1 of /dev/dri/card0 (vc4)") and lists the modes if none fits.
 [[nodiscard]] Mode choose_mode(std::span<const Mode> modes, PictureSize size, const DrmDisplayConfig& config,
                                const std::string& output);
 

@@ -23,10 +23,10 @@ namespace {
 using KernelCrtc = LibdrmPointer<drmModeCrtc, drmModeFreeCrtc>;
 
 [[noreturn]] void fail_to_set_mode(const std::string& output, const Mode& mode, int error) {
-  throw HardwareError(output + " does not take its mode " + describe(mode) + ": " + std::strerror(error));
+  throw HardwareError(output + " rejected its mode " + describe(mode) + ": " + std::strerror(error));
 }
 
-// What a card refuses, it refuses for this output.
+// Calls `act` and adds the output's name to a HardwareError.
 template <typename Act>
 auto for_output(const std::string& output, Act act) {
   try {
@@ -89,14 +89,14 @@ void Output::set_mode(const Connector& connector, const DrmDisplayConfig& config
   if (const int error = crtc_->set_mode(black_->id()); error != 0) fail_to_set_mode(name_, mode_, error);
   flips_.reset();
   const KernelCrtc shown(drmModeGetCrtc(card_.fd(), crtc_->id()));
-  // 0 where the picture comes by another plane than the CRTC's first.
+  // 0 if the picture is on another plane than the CRTC's first.
   if (shown && shown->buffer_id != black_->id() && shown->buffer_id != 0)
-    throw HardwareError(name_ + " does not show black though it took it");
+    throw HardwareError(name_ + " accepted black but shows another picture");
   color_warnings_ = settle_color(card_, crtc_->id(), connector, mode_, name_);
 }
 
 bool Output::restore(const DrmDisplayConfig& config) {
-  if (flip_waits()) blacken_masks();  // one may be on the screen for as long as the driver hangs
+  if (flip_waits()) blacken_masks();  // a mask may be on the screen for as long as the driver hangs
   const Connector now = connector();
   if (now.status == Connector::Status::Disconnected) return false;
   set_mode(now, config);
@@ -108,7 +108,8 @@ void Output::turn_off() noexcept {
   flips_.reset();  // as dark as black
 }
 
-// The kernel refused: what may be on the screen is blackened where it is, unless the card is gone.
+// Handles a refusal by the kernel: blackens the masks in their memory, as one may be on the screen, unless
+// the card is gone.
 void Output::blacken_masks_after(int error) noexcept {
   if (error != ENODEV) blacken_masks();
 }

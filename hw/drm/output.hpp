@@ -1,6 +1,7 @@
-// A connector in one mode with the pictures that it shows: black, and two or three masks by turns. Black from
-// its construction on; black, then off, when it goes, so that nobody's former picture (a console, a desktop)
-// comes back as light. Not thread-safe but where it says so; may be handed from one thread to another.
+// A connector in one mode with the pictures that it shows: black, and two or three masks in turn. An output
+// is black from construction on. Its destructor makes it black, then off, so that no earlier picture (a
+// console, a desktop) comes back as light. Not thread-safe except where noted; may be handed from one thread
+// to another.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +21,7 @@ namespace contourd {
 
 class Output {
  public:
-  // Becomes DRM master and sets the mode. Blocks for as long as that takes (some refreshes). Throws
-  // HardwareError.
+  // Becomes DRM master and sets the mode, which blocks for some refreshes. Throws HardwareError.
   Output(Card card, const Connector& connector, const DrmDisplayConfig& config);
   ~Output();
   Output(const Output&) = delete;
@@ -31,46 +31,46 @@ class Output {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const Card& card() const { return card_; }
   [[nodiscard]] const Mode& mode() const { return mode_; }
-  [[nodiscard]] Duration frame() const;  // from one refresh to the next
-  // What the kernel needs to show black.
+  [[nodiscard]] Duration frame() const;  // the refresh period
+  // The ids that the kernel needs to show black.
   [[nodiscard]] std::uint32_t crtc_id() const { return crtc_->id(); }
   [[nodiscard]] std::uint32_t black_id() const { return black_->id(); }
   [[nodiscard]] bool is_atomic() const { return crtc_->is_atomic(); }
   [[nodiscard]] std::uint32_t connector_id() const { return connector_id_; }
-  // The connector as it is now. Asks the display, some milliseconds, 300 and more with some. From any thread.
+  // Reads the connector's present state. Asks the display, which takes some milliseconds, with some displays
+  // 300 or more. May be called from any thread.
   [[nodiscard]] Connector connector() const;
-  // A sentence for each thing that the driver does to the pixels and that could not be changed.
+  // Returns a sentence for each change that the driver makes to pixels and that could not be switched off.
   [[nodiscard]] const std::vector<std::string>& color_warnings() const { return color_warnings_; }
 
-  // Writes the mask where the screen does not look, for show_written(). Returns the bytes written.
-  // One that was written and not shown is written over. REQUIRES: the mask has the mode's size.
+  // Writes the mask into a buffer that is not on the screen, for show_written(). Returns the number of bytes
+  // written. Overwrites a mask that was written but not shown. REQUIRES: the mask has the mode's size.
   std::size_t write(const Mask& mask) noexcept;
-  // The picture for the next refresh, or for the one after a flip that is still waiting. Returns 0 or an
-  // errno.
+  // show_written() and show_black() request the picture for the next refresh, or for the refresh after a flip
+  // that is still pending. They return 0 or an errno.
   [[nodiscard]] int show_written() noexcept;
   [[nodiscard]] int show_black() noexcept;
-  // Black whatever is waiting. Does not block: a mask whose flip is under way is blackened where it is, and
-  // all masks where the kernel refuses. Returns 0 or an errno.
+  // Makes the screen black whatever is pending. Does not block: a mask whose flip is pending is blackened in
+  // its memory, and so are all masks if the kernel refuses the flip to black. Returns 0 or an errno.
   int black_now() noexcept;
-  // The kernel has not said for too long that a flip is done.
+  // True if the kernel has not confirmed a flip within flip_deadline().
   [[nodiscard]] bool flip_is_overdue() const noexcept;
   [[nodiscard]] bool flip_waits() const noexcept { return flips_.waiting_since().has_value(); }
 
   struct Events {
     bool card_is_gone = false;
-    int error = 0;                   // of a flip that waited for its turn
-    std::optional<TimePoint> shown;  // the last picture asked for is on the screen since then
+    int error = 0;                   // the errno of a flip that was queued
+    std::optional<TimePoint> shown;  // since when the last requested picture has been on the screen
   };
-  // To be called when the card's descriptor can be read.
+  // To be called when the card's descriptor is readable.
   [[nodiscard]] Events read_events() noexcept;
 
-  // Sets the mode anew, black, after the display was unplugged, another program had the card, or the kernel
-  // did not say that a flip was done. False while the display is not connected. May block for 300 ms and
-  // more, and for 10 s and more when the driver hangs. Throws HardwareError, also when the kernel does not
-  // show black then.
+  // Sets the mode again, black, after the display was unplugged, another program had the card, or the kernel
+  // did not confirm a flip. Returns false if the display is not connected. May block for 300 ms or more, and
+  // for 10 s or more if the driver hangs. Throws HardwareError, also if the kernel then does not show black.
   [[nodiscard]] bool restore(const DrmDisplayConfig& config);
-  // No signal, until restore(); black in place where the kernel refuses (this process is not DRM master). May
-  // block as restore().
+  // Ends the signal until restore(). If the kernel refuses (this process is not DRM master), the masks are
+  // blackened in their memory instead. May block as long as restore().
   void turn_off() noexcept;
 
  private:

@@ -15,14 +15,14 @@ PageFlips::PageFlips(std::uint32_t black, std::vector<std::uint32_t> masks) : pi
   pictures_.insert(pictures_.begin(), black);
 }
 
-// With three masks, one that left the screen rests until the next one has left it too.
+// With three masks, a mask that has left the screen is not free until the next one has left it too.
 bool PageFlips::is_free(std::size_t picture) const noexcept {
   const bool resting = pictures_.size() > 3 && picture == before_;
   return picture != on_screen_ && picture != next_ && !resting && (!flip_ || picture != flip_->picture);
 }
 
 std::size_t PageFlips::mask_to_write() noexcept {
-  // The one written last, if it is free, most likely resembles what comes now.
+  // Prefers the mask that was written last if it is free: it is likely to resemble the next one.
   for (std::size_t mask = 1; !is_free(written_) && mask < pictures_.size(); ++mask)
     if (is_free(mask)) written_ = mask;
   return written_ - 1;

@@ -1,5 +1,6 @@
-// Which picture a CRTC shows, which one comes with the next refresh, and which was asked for meanwhile: black
-// and masks by turns. Knows nothing of what is in them. Not thread-safe; allocates in the constructor only.
+// The state of a CRTC's page flips: the picture on the screen, the one that the next refresh brings, and the
+// one that was requested meanwhile. Pictures are black and two or three masks; their content does not matter
+// here. Not thread-safe; allocates in the constructor only.
 #pragma once
 
 #include <cstddef>
@@ -12,41 +13,42 @@
 
 namespace contourd {
 
-// How long the kernel may take to say that a flip is done: its word comes within a refresh or two. Ten
-// refreshes, and 250 ms at the least, for a machine that is busy.
+// Returns how long the kernel may take to confirm a flip. It normally does so within two refreshes; the
+// deadline is ten refreshes, but at least 250 ms, to allow for a busy machine.
 [[nodiscard]] Duration flip_deadline(Duration frame);
 
 class PageFlips {
  public:
-  // Framebuffers' ids; two masks at the least. Black is on the screen.
+  // Takes framebuffers' ids, with at least two masks. Black must be on the screen.
   PageFlips(std::uint32_t black, std::vector<std::uint32_t> masks);
 
-  // The mask, by its index, that may be written: neither on the screen nor about to be.
+  // Returns the index of a mask that may be written because it is neither on the screen nor about to be.
   [[nodiscard]] std::size_t mask_to_write() noexcept;
 
-  // The picture for the next refresh, or for the one after a flip that is still waiting. Returns 0 or an
-  // errno. show_written() shows the mask that mask_to_write() gave last.
+  // Both request a picture for the next refresh, or for the refresh after a flip that is still pending.
+  // show_written() requests the mask that mask_to_write() returned last. They return 0 or an errno.
   [[nodiscard]] int show_written(Crtc& crtc, TimePoint now) noexcept;
   [[nodiscard]] int show_black(Crtc& crtc, TimePoint now) noexcept;
-  // Black and nothing else from now on. Neither blocks nor waits: a flip to a mask that is under way cannot
-  // be called back, so that this mask is to be blackened where it is.
+  // Requests black and drops any other request. Does not block. A pending flip to a mask cannot be cancelled;
+  // the caller must blacken this mask (mask_under_way) in its memory.
   struct Blackout {
     int error = 0;
     std::optional<std::size_t> mask_under_way;
   };
   [[nodiscard]] Blackout black_now(Crtc& crtc, TimePoint now) noexcept;
 
-  // The kernel says that the flip with this serial is done. Nothing for one that is no longer of interest.
+  // Handles the kernel's event that the flip with this serial is done. Returns nullopt if the serial is not
+  // that of the pending flip.
   struct Done {
-    bool all = false;  // the picture asked for last is on the screen
-    int error = 0;     // of the flip that waited for its turn
+    bool all = false;  // the picture requested last is on the screen
+    int error = 0;     // the errno of a queued flip that was started now
   };
   [[nodiscard]] std::optional<Done> finish(Crtc& crtc, std::uint64_t serial, TimePoint now) noexcept;
 
-  // Black is on the screen by other means. An event that is still to come will bear an old serial.
+  // Records that black is on the screen by other means. An event that still comes has an old serial.
   void reset() noexcept;
 
-  // Since when the kernel owes its word.
+  // Returns since when the pending flip has not been confirmed, or nullopt if none is pending.
   [[nodiscard]] std::optional<TimePoint> waiting_since() const noexcept;
 
  private:
@@ -55,7 +57,7 @@ class PageFlips {
     std::uint64_t serial = 0;
     TimePoint since;
   };
-  static constexpr std::size_t kBlack = 0;  // masks follow
+  static constexpr std::size_t kBlack = 0;  // the masks follow in pictures_
 
   [[nodiscard]] bool is_free(std::size_t picture) const noexcept;
   [[nodiscard]] int show(Crtc& crtc, std::size_t picture, TimePoint now) noexcept;
@@ -63,10 +65,10 @@ class PageFlips {
 
   std::vector<std::uint32_t> pictures_;
   std::size_t on_screen_ = kBlack;
-  std::size_t before_ = kBlack;  // what was on the screen before that
+  std::size_t before_ = kBlack;  // the picture that was on the screen before on_screen_
   std::size_t written_ = 1;
-  std::optional<std::size_t> next_;  // asked for while a flip was waiting
-  std::optional<Flip> flip_;         // waiting for its refresh
+  std::optional<std::size_t> next_;  // requested while a flip was pending
+  std::optional<Flip> flip_;         // pending until its refresh
   std::uint64_t serial_ = 0;
 };
 

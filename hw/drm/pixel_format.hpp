@@ -1,4 +1,4 @@
-// How a scanned-out buffer holds a pixel, and a grey value as such a pixel. Values and pure functions.
+// Pixel formats of a scanned-out buffer, and grey values in these formats. Values and pure functions.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 namespace contourd {
 
 enum class PixelFormat {
-  Xrgb8888,  // DRM_FORMAT_XRGB8888: 32-bit words of the processor's byte order here, 0x00rrggbb
+  Xrgb8888,  // DRM_FORMAT_XRGB8888: 32-bit words 0x00rrggbb in the processor's byte order
   Rgb565,    // DRM_FORMAT_RGB565: 16-bit words, rrrrrggggggbbbbb
 };
 
@@ -15,7 +15,8 @@ enum class PixelFormat {
   return format == PixelFormat::Xrgb8888 ? 4 : 2;
 }
 
-// A grey value in all three colours. In RGB565 each colour has the nearest value that its bits can say.
+// Both return a pixel with the grey value in all three colours. In RGB565 each colour is rounded to its
+// nearest representable value.
 [[nodiscard]] constexpr std::uint32_t xrgb8888(std::uint8_t grey) {
   return static_cast<std::uint32_t>(grey) * 0x010101U;
 }

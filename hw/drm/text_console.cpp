@@ -16,14 +16,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns 0 or an errno. No virtual terminal, no text.
+// Sets the active virtual terminal to graphics mode. Returns 0 or an errno; 0 also if there are no virtual
+// terminals, because then no text is drawn.
 int stop_drawing_text() {
   const FileDescriptor terminal(::open("/dev/tty0", O_WRONLY | O_NOCTTY | O_CLOEXEC));
   if (!terminal.valid()) return errno == ENOENT || errno == ENODEV || errno == ENXIO ? 0 : errno;
   return ::ioctl(terminal.get(), KDSETMODE, KD_GRAPHICS) == 0 ? 0 : errno;
 }
 
-// Returns 0 or an errno.
+// Overwrites the console's picture with black. Returns 0 or an errno.
 int blacken(const fs::path& console) {
   const FileDescriptor picture(::open(console.c_str(), O_WRONLY | O_CLOEXEC));
   if (!picture.valid()) return errno;
@@ -52,13 +53,12 @@ std::optional<std::string> keep_console_dark(const fs::path& card) {
   const int drawing = stop_drawing_text();
   const int picture = blacken(*console);
   if (drawing == 0 && picture == 0) return std::nullopt;
-  return "the text console (" + console->string() + ") may come back on " + card.string() +
-         " when this program dies, as light: " +
-         (drawing != 0
-              ? std::string("the terminal does not let itself be set to graphics (/dev/tty0: ") +
-                    std::strerror(drawing) + ")"
-              : console->string() + " does not let itself be blackened (" + std::strerror(picture) + ")") +
-         "; the kernel's parameter fbcon=map:9 keeps it off every output";
+  return "the text console (" + console->string() + ") may come back as light on " + card.string() +
+         " if this program dies: " +
+         (drawing != 0 ? std::string("the terminal cannot be set to graphics mode (/dev/tty0: ") +
+                             std::strerror(drawing) + ")"
+                       : console->string() + " cannot be blackened (" + std::strerror(picture) + ")") +
+         "; the kernel parameter fbcon=map:9 keeps it off every output";
 }
 
 }  // namespace contourd

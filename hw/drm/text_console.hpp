@@ -1,8 +1,8 @@
-// The kernel's text console on a card's outputs. DRM master keeps it off the screen while this process lives;
-// when it dies the kernel puts the console's picture back, as light. So that picture is made black, and the
-// console told to draw no more. Both last beyond this process: that is their purpose. Who wants no console
-// there at all boots with fbcon=map:9: another terminal that is switched to, or a login prompt that starts
-// anew (getty sets its terminal to text), draws again.
+// The kernel's text console on a card's outputs. While this process lives, DRM master keeps the console off
+// the screen; when the process dies, the kernel shows the console's picture again, as light. So the picture
+// is made black and the console is set to draw no text. Both deliberately outlast this process. They do not
+// cover a switch to another terminal, or a login prompt that restarts (getty sets its terminal to text mode):
+// booting with fbcon=map:9 keeps the console off the outputs for good.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,12 @@
 
 namespace contourd {
 
-// The console's device on that card ("/dev/fb0"), if it has one.
+// Returns the device of the console on that card ("/dev/fb0"), or nullopt if the card has none.
 [[nodiscard]] std::optional<std::filesystem::path> console_of(const std::filesystem::path& card);
 
 // Puts the active virtual terminal into graphics mode (KD_GRAPHICS: ioctl_console(2)), in which the kernel
-// draws no text, and writes black all over the console's picture. Nothing to do on a card without console.
-// Returns a sentence when the console could not be kept off, with what an owner can do.
+// draws no text, and overwrites the console's picture with black. Does nothing on a card without a console.
+// Returns a sentence, with what the operator can do, if the console could not be kept off.
 [[nodiscard]] std::optional<std::string> keep_console_dark(const std::filesystem::path& card);
 
 }  // namespace contourd

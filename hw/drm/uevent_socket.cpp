@@ -14,7 +14,7 @@
 namespace contourd {
 namespace {
 
-// The kernel's own announcements; group 2 has udev's.
+// The multicast group of the kernel's own announcements; group 2 has udev's.
 constexpr std::uint32_t kKernelGroup = 1;
 
 FileDescriptor bound_socket() {
@@ -23,11 +23,11 @@ FileDescriptor bound_socket() {
   address.nl_family = AF_NETLINK;
   address.nl_groups = kKernelGroup;
   if (!fd.valid() || ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    throw std::system_error(errno, std::generic_category(), "hearing of displays plugged in and out");
+    throw std::system_error(errno, std::generic_category(), "listening for display hotplug events");
   return fd;
 }
 
-// What follows `key` in the field, if that is a number.
+// Reads the number that follows `key` in the field. Leaves `number` unchanged if there is none.
 void read_number(std::string_view field, std::string_view key, std::optional<std::uint32_t>& number) {
   if (!field.starts_with(key)) return;
   std::uint32_t value = 0;

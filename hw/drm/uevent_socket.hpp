@@ -1,5 +1,5 @@
 // The kernel's announcements that a graphics card's displays changed (a cable was plugged in or out), or that
-// a card came or went: uevents by netlink, as udev gets them. Not thread-safe.
+// a card appeared or disappeared: uevents over netlink, as udev receives them. Not thread-safe.
 #pragma once
 
 #include <sys/types.h>
@@ -13,20 +13,20 @@
 
 namespace contourd {
 
-// What an announcement says; what it does not say may be any.
+// The content of an announcement. A card or connector that is not named may be any.
 struct DisplayChange {
   std::optional<dev_t> card;               // the card's device number
-  std::optional<std::uint32_t> connector;  // the kernel's id of one that changed
-  // A display's state changed, or its device went; not so for what else there is to announce (a card that
-  // somebody has udev look at again, a lease).
+  std::optional<std::uint32_t> connector;  // the kernel's id of the connector that changed
+  // True if a display's state changed or its device was removed. False for other announcements (a trigger by
+  // udevadm, a lease).
   bool of_state = false;
 };
 
-// Nothing where it is not about a graphics card. `text` is as the kernel sends it: "change@/devices/...",
-// then KEY=value, each ended by a zero byte.
+// Parses an announcement. `text` is as the kernel sends it: "change@/devices/...", then KEY=value, each ended
+// by a zero byte. Returns nullopt if it is not about a graphics card.
 [[nodiscard]] std::optional<DisplayChange> display_change(std::span<const char> text);
 
-// Whether the state of this connector, of this card, may have changed.
+// True if the state of this connector of this card may have changed.
 [[nodiscard]] bool concerns(const DisplayChange& change, dev_t card, std::uint32_t connector);
 
 class UeventSocket {
@@ -36,7 +36,8 @@ class UeventSocket {
 
   [[nodiscard]] int fd() const { return fd_.get(); }
 
-  // Reads all that wait. Where some were lost, there is one that says nothing: anything may have changed.
+  // Reads all pending announcements. If some were lost, the result has one that names no card: any display
+  // may have changed.
   [[nodiscard]] std::vector<DisplayChange> read_all();
 
  private:

@@ -10,10 +10,10 @@
 namespace contourd {
 namespace {
 
-// A limit switch that is closed this far from where it closes is out of place: more than any switch's
+// A limit switch that is closed this far from its height is out of place. This is more than any switch's
 // hysteresis.
 constexpr Nanometers kSwitchReach{1'000'000};
-// The encoder is looked at this often while the motor turns.
+// How often the encoder is checked while the motor turns.
 constexpr Duration kFollow{std::chrono::milliseconds{10}};
 
 }  // namespace
@@ -34,7 +34,7 @@ void AxisDrive::begin(std::function<void()> ready) {
 }
 
 void AxisDrive::when_ready(std::function<void()> call) {
-  if (engine_.moving()) {  // a run that was aborted has yet to end
+  if (engine_.moving()) {  // an aborted run has not ended yet
     ready_ = [this, call = std::move(call)]() mutable { when_ready(std::move(call)); };
     return;
   }
@@ -73,7 +73,7 @@ void AxisDrive::run_on() {
   const Microsteps steps = run_.target - Microsteps{engine_.position()};
   engine_.forget_halt();
   set_rules(config_.homes_upwards ? steps > Microsteps{0} : steps < Microsteps{0});
-  // Without an encoder, a position that was known is lost with the motor's step.
+  // Without an encoder a known position is lost when the motor stalls, so the run ends then.
   engine_.start({steps.count(), motion_limits(config_, run_.speed), pull_in(),
                  position_.known() && !position_.has_encoder()});
 }
@@ -84,7 +84,7 @@ void AxisDrive::end_run() {
   ready_ = nullptr;
 }
 
-// A rule that is broken already halts at once.
+// Sets the switches' rules for a run. A rule that is violated already halts the run at once.
 void AxisDrive::set_rules(bool towards_switch) {
   const bool at_other_end = inputs_.active(AxisInput::SecondSwitch);
   inputs_.watch_second_switch(config_.second_switch && !(at_other_end && towards_switch));
@@ -171,48 +171,49 @@ void AxisDrive::take_end() {
                                  ", or the direction line, " + describe(config_.direction)});
   }
   if (*end == StepEnd::Stalled) return fail_stalled();
-  tell_stall();
-  if (wanted_ == Wanted::Nothing) return;  // who was told has aborted it
+  report_stall();
+  if (wanted_ == Wanted::Nothing) return;  // a callback has aborted the motion
   if (wiring_.take_contact()) return;
-  if (*end == StepEnd::Halted) return;  // by the limit switch's edge, which has yet to settle
+  if (*end == StepEnd::Halted) return;  // by the limit switch's edge, which has not settled yet
   if (wanted_ == Wanted::Rest) return wiring_.stopped();
   if (*end == StepEnd::Stopped) return run_on();
-  // A copy: it may begin the next run.
+  // A copy, because the call may begin the next run.
   if (const auto then = run_.then) then();
 }
 
 void AxisDrive::fail_stalled() {
-  stalls_told_ = engine_.stalls().count;
-  wiring_.fail({.what = stall_words() + ", and where the plate is nobody knows"});
+  stalls_reported_ = engine_.stalls().count;
+  wiring_.fail({.what = stall_text() + "; the plate's position is unknown"});
 }
 
-// Of a stall that did not end the run.
-void AxisDrive::tell_stall() {
+// Reports a stall that did not end the run.
+void AxisDrive::report_stall() {
   const std::uint64_t stalls = engine_.stalls().count;
-  if (std::exchange(stalls_told_, stalls) == stalls) return;
-  wiring_.notice(stall_words() +
-                 (position_.known() ? "; the encoder says where the plate is" : "; homing went on"));
+  if (std::exchange(stalls_reported_, stalls) == stalls) return;
+  wiring_.notice(stall_text() +
+                 (position_.known() ? "; the encoder gives the plate's position" : "; homing continues"));
 }
 
-std::string AxisDrive::stall_words() const {
+std::string AxisDrive::stall_text() const {
   const Stalls stalls = engine_.stalls();
   char words[200];
   std::snprintf(words, sizeof words,
-                "the computer was too busy for the motor: at %.3g mm/s a step came %.4g ms late, and above "
-                "half the homing speed, %.3g mm/s, a motor that stops dead may lose steps",
+                "the computer was too busy for the motor: at %.3g mm/s a step came %.4g ms late; above half "
+                "the homing speed (%.3g mm/s) a motor that stops dead may lose steps",
                 stalls.speed / config_.microsteps_per_mm, static_cast<double>(stalls.late.count()) / 1e6,
                 config_.homing_speed.count() / 2);
   return words;
 }
 
-// That of homing's second pass: at its end the motor stops dead, and its position is counted on.
+// Returns the speed of homing's second pass, in steps/s: the motor stops dead from it and must not lose
+// steps.
 double AxisDrive::pull_in() const {
   return config_.homing_speed.count() / 2 * config_.microsteps_per_mm;
 }
 
-// While the motor turns.
+// Checks stalls and the encoder regularly while the motor turns.
 void AxisDrive::follow() {
-  tell_stall();
+  report_stall();
   if (!encoder_is_believed() || !run_.turning) return;
   if (const auto off = position_.runaway()) return wiring_.fail({HomingResult::NoMovement, *off});
   following_ = clock_.call_after(kFollow, [this] { follow(); });

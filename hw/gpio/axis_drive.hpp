@@ -1,7 +1,7 @@
-// An axis' motor, as its owner moves it: enabled before its first step, in runs from rest to rest, halted by
-// the switches where they should not close, watched by the encoder while it turns. A run that an emergency
-// stop has slowed down goes on when that did not last. All that is handed over must outlive it. Event loop's
-// thread only.
+// The motor of an axis: it is enabled before its first step, moves in runs from rest to rest, is halted by a
+// switch that closes in the wrong place, and is checked by the encoder while it turns. A run that was slowed
+// down by a short disturbance of the emergency stop continues. All constructor arguments must outlive this
+// object. Event loop's thread only.
 #pragma once
 
 #include <cstdint>
@@ -23,64 +23,66 @@ namespace contourd {
 
 class AxisDrive {
  public:
-  // What the limit switch may do meanwhile.
+  // The effect of the limit switch on a run.
   enum class RunKind {
-    Move,     // close where it should: elsewhere it halts the run
-    Seek,     // its first edge halts the run
-    BackOff,  // anything
+    Move,     // halts the run if it closes anywhere but at its height
+    Seek,     // halts the run at its first edge
+    BackOff,  // none
   };
 
-  // Who is told what. Each may end or begin a motion.
+  // Callbacks. Each may end or begin a motion.
   struct Wiring {
     std::function<void(const AxisFault&)> fail;
     std::function<void(const std::string&)> notice;
-    std::function<void()> stopped;  // as stop() asked for
+    std::function<void()> stopped;  // the motor rests after stop()
     std::function<void()> blocked;  // the steps are inhibited
-    // A run has ended. What has halted it is among the inputs' changes; the limit switch's contact that has
-    // is taken last: whether there is one.
+    // Both are called after a run has ended. take_changes handles the inputs' changes, which contain the
+    // cause of a halt. Then take_contact handles a limit switch's contact that halted the run; true if there
+    // was one.
     std::function<void()> take_changes;
     std::function<bool()> take_contact;
   };
 
-  // `enable` may be null: there is none.
+  // `enable` is null if the motor has no enable line.
   AxisDrive(Clock& clock, const GpioAxisConfig& config, OutputLine* enable, StepEngine& engine,
             AxisInputs& inputs, PlatePosition& position, Wiring wiring);
 
-  // A motion, which lasts until forget(). Calls `ready` when the motor may turn.
+  // Begins a motion, which lasts until forget(). Calls `ready` when the motor may turn.
   void begin(std::function<void()> ready);
-  // Runs so many steps, then calls `then`, unless it ends otherwise.
+  // Makes `steps` steps, then calls `then`, unless the run ends early.
   void run(RunKind kind, Microsteps steps, MillimetersPerSecond speed, std::function<void()> then);
-  // What is left of the last run.
+  // Makes the remaining steps of the last run.
   void run_on();
-  // The motor without current, where a line does that; false where none does. Where the plate is nobody knows
-  // then. REQUIRES: no motion.
+  // Switches the motor's current off by the enable line; the plate's position is unknown then. Returns false
+  // if there is no enable line or it could not be set. REQUIRES: the motor rests.
   bool release();
-  // What is left of the run is not run: it ended where it should.
+  // Drops the remaining steps: the run ended where it should.
   void end_run();
-  // Between runs; in place of what waits already.
+  // Calls `call` after the wait; for use between runs. Replaces an earlier wait.
   void after(Duration wait, std::function<void()> call);
 
-  // Slows the motion down to rest, for good.
+  // Slows the motion down to rest and ends it.
   void stop();
-  // Until the emergency stop is known not to be pressed.
+  // Slows the run down to rest until it is known that the emergency stop is not pressed.
   void slow_down();
-  // The run was halted for this.
+  // Sets the fault that this run, which was halted, ends with.
   void halted_for(AxisFault cause) { run_.cause = std::move(cause); }
-  // No further step, and where the plate is nobody knows.
+  // Makes no further step and forgets the plate's position.
   void halt() noexcept;
-  // The motion is over; what waits is dropped.
+  // Ends the motion and drops pending calls.
   void forget() noexcept;
 
-  // The engine's ended() is readable.
+  // To be called when the engine's ended() is readable.
   void engine_ended();
-  // What waits for the motor to rest, or for the emergency stop, looks again.
+  // Retries a call that waits for the motor to rest or for the emergency stop to settle.
   void go_on();
 
-  // A run is under kind, or nothing has come of its end yet.
+  // True during a run, and until its end has been handled.
   [[nodiscard]] bool turning() const noexcept { return engine_.moving() || run_.turning || run_.end; }
-  // Looks whether the encoder can be believed, and tells. False also when who was told has ended the motion.
+  // Checks that the encoder is plausible and reports it if not. False also if a callback has ended the
+  // motion.
   [[nodiscard]] bool encoder_is_believed();
-  // A line could not be set.
+  // True if the kernel has refused to set a line.
   [[nodiscard]] bool line_refused() const noexcept { return line_refused_; }
 
  private:
@@ -90,9 +92,9 @@ class AxisDrive {
     Microsteps target{};
     MillimetersPerSecond speed{0};
     std::function<void()> then;
-    bool turning = false;              // its end is not taken yet
-    std::optional<StepEnd> end{};      // how it ended, until something has come of it
-    std::optional<AxisFault> cause{};  // of a halt
+    bool turning = false;              // until engine_ended()
+    std::optional<StepEnd> end{};      // how the run ended, until that has been handled
+    std::optional<AxisFault> cause{};  // the cause of a halt
   };
 
   void when_ready(std::function<void()> call);
@@ -100,8 +102,8 @@ class AxisDrive {
   void drop_rules() noexcept;
   void take_end();
   void fail_stalled();
-  void tell_stall();
-  [[nodiscard]] std::string stall_words() const;
+  void report_stall();
+  [[nodiscard]] std::string stall_text() const;
   [[nodiscard]] double pull_in() const;
   void follow();
 
@@ -115,9 +117,9 @@ class AxisDrive {
 
   Wanted wanted_ = Wanted::Nothing;
   bool enabled_ = false, line_refused_ = false;
-  std::uint64_t stalls_told_ = 0;
+  std::uint64_t stalls_reported_ = 0;
   Run run_;
-  // Waits until a halted run has come to its end, and until it is known whether the emergency stop is
+  // The call that waits until a halted run has ended, or until it is known whether the emergency stop is
   // pressed.
   std::function<void()> ready_;
   std::unique_ptr<Timer> wait_, following_;

@@ -9,8 +9,7 @@
 namespace contourd {
 namespace {
 
-// How far behind the motor what the encoder says may be in time: its edges are counted half a millisecond
-// late.
+// The allowed delay of the encoder's count after the motor; edges are counted half a millisecond late.
 constexpr double kEncoderLag_s = 0.005;
 
 double mm(Nanometers length) {
@@ -49,17 +48,18 @@ AxisEncoder::Finding AxisEncoder::check(const EncoderReading& now, bool position
   index_pulses_seen_ = now.index_pulses;
   const auto off = plausibility_.index_error(now.index_count);
   if (!off) return {};
-  const std::string what = "the encoder's index (" + describe(*config_.index) + ") says that its count is " +
-                           millimeters(std::fabs(*off) / config_.counts_per_mm) + " off";
+  const std::string what = "the encoder's index (" + describe(*config_.index) +
+                           ") shows that its count is off by " +
+                           millimeters(std::fabs(*off) / config_.counts_per_mm);
   if (!corrects()) return {what, {}};
   if (const auto why = plausibility_.index_refusal(*off)) return {what + "; " + *why, {}};
   agreed_count_ += *off;
-  return {{}, what + "; it is put right"};
+  return {{}, what + "; the count is corrected"};
 }
 
 std::optional<std::string> AxisEncoder::runaway(const EncoderReading& now, std::int64_t plate,
                                                 bool position_known) const {
-  // While the position is unknown the screw's play is, too.
+  // While the position is unknown, the screw's play is unknown too.
   const Nanometers play = position_known ? Nanometers{0} : backlash_;
   const Nanometers allowed =
       position_known && corrects() ? std::max(config_.tolerance, config_.most_correction) : config_.tolerance;
@@ -78,14 +78,15 @@ AxisEncoder::Finding AxisEncoder::compare(const EncoderReading& now, std::int64_
   if (!corrects()) return {what, {}};
   if (const auto why = plausibility_.refusal(off)) return {what + "; " + *why, {}};
   return {{},
-          what + "; they are made good, as " + millimeters(plausibility_.corrected_mm()) + " since homing"};
+          what + "; corrected by further steps, " + millimeters(plausibility_.corrected_mm()) +
+              " in all since homing"};
 }
 
 std::string AxisEncoder::difference(const EncoderReading& now, std::int64_t plate_by_steps,
                                     bool position_known) const {
   const double from_mm = position_known ? 0 : static_cast<double>(agreed_plate_) / steps_per_mm_;
-  return "the encoder says " + millimeters(plate(now) / steps_per_mm_ - from_mm) +
-         " where the motor's steps make " +
+  return "the encoder measures " + millimeters(plate(now) / steps_per_mm_ - from_mm) +
+         " but the motor's steps make " +
          millimeters(static_cast<double>(plate_by_steps) / steps_per_mm_ - from_mm) +
          ": steps were lost, or the encoder does not count";
 }

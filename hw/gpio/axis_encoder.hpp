@@ -1,6 +1,5 @@
-// What an encoder on the plate says beside the motor's steps: where the plate is, how far that is from where
-// the steps put it, and what is to be made of the difference. Plate positions are in microsteps. Pure value;
-// event loop's thread only.
+// An encoder on the plate: the measured position, its difference from the position by the motor's steps, and
+// the verdict on that difference. Plate positions are in microsteps. Pure value; event loop's thread only.
 #pragma once
 
 #include <cstdint>
@@ -12,40 +11,40 @@
 
 namespace contourd {
 
-// What has been counted of its lines so far.
+// The counts of an encoder's lines so far.
 struct EncoderReading {
-  std::int64_t count = 0;  // up while A leads B
+  std::int64_t count = 0;  // rises while A leads B
   std::uint64_t illegal_edges = 0;
   std::uint64_t index_pulses = 0;
-  std::int64_t index_count = 0;  // at the last of them
+  std::int64_t index_count = 0;  // `count` at the last index pulse
 };
 
 class AxisEncoder {
  public:
-  // At most one of them; neither when all is as it should be.
+  // The result of a check: at most one of the two is set, neither if all is well.
   struct Finding {
-    std::optional<std::string> fault;   // the plate is not where the steps say, or nobody knows
-    std::optional<std::string> notice;  // that was put right, or is to be
+    std::optional<std::string> fault;   // the plate is not where the steps put it, or its position is unknown
+    std::optional<std::string> notice;  // an error that was corrected or is to be corrected
   };
 
-  // `encoder` is that of the axis.
   AxisEncoder(const GpioAxisConfig& axis, const EncoderConfig& encoder);
 
-  // The steps put the plate at `plate`, and it is there.
+  // Records that the plate is at `plate`, where the steps put it.
   void agree(const EncoderReading& now, std::int64_t plate);
   void move_begins(const EncoderReading& now) noexcept { plausibility_.move_begins(now.illegal_edges); }
 
-  // Where the plate is.
+  // Returns the measured position of the plate.
   [[nodiscard]] double plate(const EncoderReading& now) const;
 
-  // Whether it can be believed: by its edges and, while the plate's position is known, by its index, which
-  // puts the count right where that is the policy.
+  // Checks that the encoder is plausible: by its edges and, while the plate's position is known, by its
+  // index. With the policy Correct the index corrects the count.
   [[nodiscard]] Finding check(const EncoderReading& now, bool position_known);
-  // While the motor turns, `plate` being where its steps put the plate: that it is elsewhere, and not only
-  // late; nothing as a rule.
+  // To be called while the motor turns; `plate` is the position by its steps. Returns a sentence if the
+  // measured position differs by more than the encoder's delay explains.
   [[nodiscard]] std::optional<std::string> runaway(const EncoderReading& now, std::int64_t plate,
                                                    bool position_known) const;
-  // The same at rest, the position being known. A notice: what is missing is to be made good.
+  // Compares the positions at rest, while the position is known. A notice means that the caller is to correct
+  // the difference by further steps.
   [[nodiscard]] Finding compare(const EncoderReading& now, std::int64_t plate);
 
  private:
@@ -59,7 +58,7 @@ class AxisEncoder {
   Nanometers backlash_;
   MillimetersPerSecond top_speed_;
   EncoderPlausibility plausibility_;
-  // Where the encoder and the steps agreed.
+  // The count and the position at which encoder and steps agreed.
   double agreed_count_ = 0;
   std::int64_t agreed_plate_ = 0;
   std::uint64_t index_pulses_seen_ = 0;

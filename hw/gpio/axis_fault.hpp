@@ -1,4 +1,4 @@
-// What ends a motion of the axis, or keeps one from beginning. A value type.
+// A fault that ends a motion of the axis or prevents one. A value type.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 namespace contourd {
 
 struct AxisFault {
-  HomingResult homing = HomingResult::Fault;  // what homing answers
+  HomingResult homing = HomingResult::Fault;  // the result of a homing that it ends
   std::string what;                           // one sentence, with the line
-  bool owner_decides = false;                 // the emergency stop: nothing moves by itself after that
+  bool owner_decides = false;                 // the emergency stop: nothing moves until the operator decides
 };
 
 }  // namespace contourd

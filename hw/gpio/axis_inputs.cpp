@@ -9,14 +9,14 @@
 namespace contourd {
 namespace {
 
-// How often levels are read while something moves, and of safety inputs always, in case the kernel had no
-// room for an edge.
+// How often levels are read, in case the kernel had no room for an edge: while a switch is watched, and
+// always if there is a safety input.
 constexpr Duration kReadLevels{std::chrono::milliseconds{20}};
-// The light is cut once more this long after a first edge: the event loop may have been about to turn it on,
-// and have lost its processor before it could see that it was cut.
+// The light is cut a second time this long after a first edge. The event loop may have been turning it on and
+// have lost its processor before it could see the first cut.
 constexpr Duration kCutAgain{std::chrono::milliseconds{2}};
 
-// Those that cannot wait come first.
+// The contacts in the order of urgency.
 constexpr std::array kContacts{AxisInput::EmergencyStop, AxisInput::Lid, AxisInput::LimitSwitch,
                                AxisInput::SecondSwitch};
 constexpr std::array kSafetyInputs{AxisInput::EmergencyStop, AxisInput::Lid};
@@ -66,15 +66,15 @@ void AxisInputs::watch_second_switch(bool watched) noexcept {
 
 void AxisInputs::set_light_cutoff(LightCutoff* cutoff) noexcept {
   cutoff_ = cutoff;
-  // Sequentially consistent on both sides: either the thread sees the new one, or this sees the old one in
-  // use.
+  // Sequentially consistent on both sides: either the input thread sees the new cutoff, or this loop sees
+  // that the old one is in use.
   while (cutting_)
     sched_yield();
   release_light();
 }
 
-// Both look again behind what they have undone: the thread says that an input is unsafe before it inhibits
-// and cuts.
+// let_go() and release_light() check the inputs again after undoing: the input thread marks an input as
+// unsafe before it inhibits and cuts.
 
 void AxisInputs::let_go() noexcept {
   const auto stopped = [this] {
@@ -98,17 +98,17 @@ bool AxisInputs::unsafe() const noexcept {
 
 std::optional<InputChange> AxisInputs::take_change() noexcept {
   const std::uint32_t taken = taken_.load(std::memory_order_relaxed);
-  if (taken == told_.load(std::memory_order_acquire)) return std::nullopt;
+  if (taken == added_.load(std::memory_order_acquire)) return std::nullopt;
   const InputChange change = ring_[taken % kChanges];
   taken_.store(taken + 1, std::memory_order_release);
   return change;
 }
 
-void AxisInputs::tell(const InputChange& change) noexcept {
-  const std::uint32_t told = told_.load(std::memory_order_relaxed);
-  if (told - taken_.load(std::memory_order_acquire) == kChanges) return lose();
-  ring_[told % kChanges] = change;
-  told_.store(told + 1, std::memory_order_release);
+void AxisInputs::add_change(const InputChange& change) noexcept {
+  const std::uint32_t added = added_.load(std::memory_order_relaxed);
+  if (added - taken_.load(std::memory_order_acquire) == kChanges) return lose();
+  ring_[added % kChanges] = change;
+  added_.store(added + 1, std::memory_order_release);
   changed_.signal();
 }
 
@@ -133,7 +133,7 @@ void AxisInputs::cut_again(TimePoint now) noexcept {
 
 std::array<pollfd, AxisInputs::kDescriptors> AxisInputs::descriptors() const noexcept {
   const auto waited = [](const InputLine* line) {
-    return pollfd{line != nullptr ? line->descriptor() : -1, POLLIN, 0};  // poll() passes over a negative one
+    return pollfd{line != nullptr ? line->descriptor() : -1, POLLIN, 0};  // poll() ignores negative ones
   };
   std::array<pollfd, kDescriptors> all{};
   for (std::size_t i = 0; i < kAxisInputs; ++i)
@@ -188,7 +188,7 @@ void AxisInputs::take_edges(AxisInput which) noexcept {
   InputLine* line = lines_.contacts[index(which)].line;
   if (line == nullptr) return;
   std::array<LineEdge, 16> edges;
-  // Not without end, even where edges come faster than they can be read.
+  // A limited number of rounds, in case edges come faster than they can be read.
   for (int rounds = 0; rounds < 16; ++rounds) {
     const std::size_t count = line->read_edges(edges);
     edges_[index(which)] += count;
@@ -222,7 +222,8 @@ void AxisInputs::put(AxisInput which, SafetyState state) noexcept {
   active_[index(which)] = state != SafetyState::Safe;
 }
 
-// A safety input that cannot be read is unsafe.
+// Reads the level. A safety input that cannot be read counts as unsafe; a switch that cannot be read loses
+// the inputs and keeps its last level.
 bool AxisInputs::level_of(AxisInput which) noexcept {
   const std::optional<bool> level = lines_.contacts[index(which)].line->level();
   unreadable_[index(which)] = !level;
@@ -232,7 +233,7 @@ bool AxisInputs::level_of(AxisInput which) noexcept {
   return last_level(which);
 }
 
-// One that is not the last known level has come without an event.
+// Reads the level. A change since the last known level counts as an edge whose event is missing.
 bool AxisInputs::look_at(AxisInput which) noexcept {
   const bool level = level_of(which);
   if (level != last_level(which)) ++edges_[index(which)];
@@ -248,7 +249,7 @@ void AxisInputs::read_levels(TimePoint now) noexcept {
   for (const AxisInput which : kContacts) {
     if (lines_.contacts[index(which)].line == nullptr) continue;
     const bool level = look_at(which);
-    // No later than this; if its event is still to come, that has its time.
+    // The edge was no later than now. If its event is still to come, that has the exact time.
     if (level != last_level(which)) at_edge(which, {level, now_()});
   }
 }
@@ -256,15 +257,15 @@ void AxisInputs::read_levels(TimePoint now) noexcept {
 void AxisInputs::settle_switch(AxisInput which, TimePoint now) noexcept {
   Debounce& contact = switches_[index(which)];
   if (!contact.due() || now < *contact.due()) return;
-  const bool level = look_at(which);  // the truth
+  const bool level = look_at(which);  // the level counts, not the events
   contact.read(level, now_());
   const auto settled = contact.settle(now);
   if (!settled) return;
   active_[index(which)] = settled->level;
-  tell({.which = which,
-        .active = settled->level,
-        .halted = std::exchange(halted_[index(which)], false),
-        .at = settled->since});
+  add_change({.which = which,
+              .active = settled->level,
+              .halted = std::exchange(halted_[index(which)], false),
+              .at = settled->since});
 }
 
 void AxisInputs::settle_safety(AxisInput which, TimePoint now) noexcept {
@@ -274,12 +275,12 @@ void AxisInputs::settle_safety(AxisInput which, TimePoint now) noexcept {
   while (const auto change = contact.change(now)) {
     put(which, change->to);
     if (which == AxisInput::EmergencyStop && change->to == SafetyState::Unsafe) engine_.inhibit();
-    tell({.which = which,
-          .active = change->to != SafetyState::Safe,
-          .at = change->since,
-          .from = change->from,
-          .to = change->to,
-          .readable = readable(which)});
+    add_change({.which = which,
+                .active = change->to != SafetyState::Safe,
+                .at = change->since,
+                .from = change->from,
+                .to = change->to,
+                .readable = readable(which)});
   }
 }
 
@@ -290,15 +291,15 @@ bool AxisInputs::out_of_place(std::int64_t position) const noexcept {
 void AxisInputs::apply_rules() noexcept {
   const Debounce& limit = switches_[index(AxisInput::LimitSwitch)];
   if (limit_rule_ == LimitRule::AtContact && limit.raw()) at_edge(AxisInput::LimitSwitch, {true, now_()});
-  // What a halt is for is told first, so that it never comes without its cause.
+  // The cause is queued before the halt, so that no halt is seen without its cause.
   if (limit_rule_ == LimitRule::Beyond && limit.settled() && out_of_place(engine_.position())) {
     limit_rule_ = LimitRule::Never;
-    tell({.which = AxisInput::LimitSwitch, .active = true, .halted = true, .at = now_()});
+    add_change({.which = AxisInput::LimitSwitch, .active = true, .halted = true, .at = now_()});
     engine_.halt_soon();
   }
   if (second_watched_ && switches_[index(AxisInput::SecondSwitch)].settled()) {
     second_watched_ = false;
-    tell({.which = AxisInput::SecondSwitch, .active = true, .halted = true, .at = now_()});
+    add_change({.which = AxisInput::SecondSwitch, .active = true, .halted = true, .at = now_()});
     engine_.halt_soon();
   }
 }

@@ -1,27 +1,27 @@
-// The axis' switches, emergency stop, lid and encoder: what the thread that reads their edges does, without
-// the waiting. It halts the steps and cuts the light itself where that cannot wait, and tells the owner (the
-// event loop) what has settled. What runs on the thread neither allocates, locks, logs nor throws.
+// The axis' switches, emergency stop, lid and encoder: the work of the input thread, which reads their edges,
+// without its waiting. The input thread halts the steps and cuts the light itself where that is urgent, and
+// queues settled changes for the event loop. Its functions neither allocate, lock, log nor throw.
 //
-// The emergency stop and the lid are safety inputs: the light is cut at their first edge, or when their level
-// cannot be read, and stays so until they have settled safe and the owner has let it go. An emergency stop
-// that lasts inhibits the steps, too. A switch that cannot be read leaves nothing to be known of the inputs:
+// The emergency stop and the lid are safety inputs. The light is cut at their first edge, or when their level
+// cannot be read, and stays cut until they have settled safe and the event loop has called let_go(). An
+// emergency stop that lasts also inhibits the steps. If a switch cannot be read, no input can be relied on:
 // see lost().
 //
-// Invariants of what the two threads share:
-//  1. Only the thread raises told_, behind the entry that it counts; only the owner raises taken_, behind
-//     having read it. told_ - taken_ is kChanges at most: one more change loses the inputs instead.
+// Invariants of the state that the two threads share:
+//  1. Only the input thread increments added_, after writing the entry that it counts. Only the event loop
+//     increments taken_, after reading the entry. added_ - taken_ is at most kChanges; a further change loses
+//     the inputs instead.
 //  2. lost_ stays true once it is.
-//  3. The thread says that an input is unsafe before it cuts and inhibits; the owner looks again after
-//  letting
-//     go. So whoever is last leaves the light cut and the steps inhibited while an input is unsafe.
-//  4. A halt by the rule Beyond or by the second switch is told before the steps are halted. One by the rule
-//     AtContact is told when the contact has settled, with the time of its first edge.
-//  5. A rule that has halted is Never from then on, a second switch that has is no longer watched: one halt a
-//     rule.
-//  6. The thread uses cutoff_ only while cutting_ is set.
+//  3. The input thread marks an input as unsafe before it cuts the light and inhibits the steps; the event
+//     loop checks the inputs again after let_go() has undone both. So whichever acts last leaves the light
+//     cut and the steps inhibited while an input is unsafe.
+//  4. A halt by the rule Beyond or by the second switch is queued before the steps are halted. A halt by the
+//     rule AtContact is queued when the contact has settled, with the time of its first edge.
+//  5. Each rule halts once: afterwards the limit rule is Never, and the second switch is no longer watched.
+//  6. The input thread uses cutoff_ only while cutting_ is set.
 //
-// It is larger than other classes: its thread may neither lock nor wait, so that what it knows of the
-// contacts and of the encoder, and what it hands over, are in one place.
+// It is larger than other classes: the input thread may neither lock nor wait, so all its knowledge of
+// contacts and encoder, and all that it shares with the event loop, is in one place.
 #pragma once
 
 #include <poll.h>
@@ -44,27 +44,27 @@ namespace contourd {
 enum class AxisInput : std::uint8_t { LimitSwitch, SecondSwitch, EmergencyStop, Lid };
 inline constexpr std::size_t kAxisInputs = 4;
 
-// A switch has come to rest, or a safety input's state has changed.
+// A change of the inputs: a switch has settled, or a safety input's state has changed.
 struct InputChange {
   AxisInput which = AxisInput::LimitSwitch;
   bool active = false;
-  bool halted = false;                                           // the steps were halted for it
+  bool halted = false;                                           // the steps were halted because of it
   TimePoint at{};                                                // the first edge to this level
-  SafetyState from = SafetyState::Safe, to = SafetyState::Safe;  // of a safety input
-  bool readable = true;                                          // the same
+  SafetyState from = SafetyState::Safe, to = SafetyState::Safe;  // for a safety input
+  bool readable = true;                                          // for a safety input
 };
 
-// When the limit switch halts the steps.
+// The condition under which the limit switch halts the steps.
 enum class LimitRule : std::uint8_t {
   Never,
-  AtContact,  // at its first edge: homing
-  Beyond,     // when it has settled and the motor stands where the switch should be open
+  AtContact,  // at its first edge, for homing
+  Beyond,     // when it has settled closed at a position where it should be open
 };
 
 class AxisInputs {
  public:
   struct Contact {
-    InputLine* line = nullptr;  // not owned; null: there is none
+    InputLine* line = nullptr;  // not owned; null if there is none
     Duration debounce{};
   };
   struct Lines {
@@ -72,42 +72,43 @@ class AxisInputs {
     InputLine *encoder_a = nullptr, *encoder_b = nullptr, *encoder_index = nullptr;
   };
 
-  // Reads every level. The engine and the lines must outlive this. Throws std::system_error (an eventfd).
+  // Reads every level. The engine and the lines must outlive this object. Throws std::system_error (an
+  // eventfd).
   AxisInputs(StepEngine& engine, const Lines& lines, StepEngine::Now now = monotonic_now);
 
-  // The owner's.
+  // Functions for the event loop's thread.
 
-  // From now on, and only while it is so: the rule holds once. `limit` is the last position at which a closed
-  // switch is in order, for the rule Beyond: below it or, with `from_above`, above it.
+  // Sets the limit switch's rule; it halts at most once. For the rule Beyond, `limit` is the last position at
+  // which the switch may be closed: it may be closed below or, with `from_above`, above this position.
   void set_limit_rule(LimitRule rule, std::int64_t limit = 0, bool from_above = false) noexcept;
-  // Whether the second switch, once settled, halts the steps.
+  // Sets whether the second switch halts the steps when it has settled closed.
   void watch_second_switch(bool watched) noexcept;
-  // What is cut from now on; null: nothing. The one before is no longer used once this has returned.
+  // Sets the light that is cut; null for none. The previous one is no longer used when this has returned.
   void set_light_cutoff(LightCutoff* cutoff) noexcept;
-  // Lets steps be made and the light go on again, as far as no input says otherwise by now.
+  // Allows steps and light again, unless an input is unsafe by now.
   void let_go() noexcept;
-  // A switch: closed. A safety input: not safe.
+  // True if a switch is closed, or a safety input is not safe.
   [[nodiscard]] bool active(AxisInput which) const noexcept { return active_[index(which)]; }
-  // A safety input has moved, and it is not known yet whether that lasts.
+  // True if a safety input has had an edge and it is not known yet whether the change lasts.
   [[nodiscard]] bool debouncing(AxisInput which) const noexcept {
     return states_[index(which)] == SafetyState::Debouncing;
   }
   [[nodiscard]] bool readable(AxisInput which) const noexcept { return !unreadable_[index(which)]; }
   [[nodiscard]] std::uint64_t edges(AxisInput which) const noexcept { return edges_[index(which)]; }
   [[nodiscard]] std::optional<InputChange> take_change() noexcept;
-  // Readable when there are changes to take.
+  // Returns a descriptor that is readable when there are changes to take.
   [[nodiscard]] EventDescriptor& changes() noexcept { return changed_; }
-  // Changes came faster than they were taken, a switch cannot be read, or a line's chip has gone: what is
-  // said of the inputs cannot be relied on any more. The steps are inhibited and the light is cut.
+  // True if the inputs can no longer be relied on: changes came faster than they were taken, a switch cannot
+  // be read, or a line's chip is gone. The steps are inhibited and the light is cut.
   [[nodiscard]] bool lost() const noexcept { return lost_; }
-  // Up while A leads B.
+  // Returns the count, which rises while A leads B.
   [[nodiscard]] std::int64_t encoder_count() const noexcept { return count_; }
   [[nodiscard]] std::uint64_t illegal_encoder_edges() const noexcept { return illegal_; }
-  // Of its lines.
+  // Returns the number of edges of one of the encoder's lines.
   [[nodiscard]] std::uint64_t encoder_edges(EncoderLine which) const noexcept {
     return encoder_edges_[static_cast<std::size_t>(which)];
   }
-  // How often the encoder's index was passed, and the count at which it was last, or at a later pass.
+  // The number of passes of the encoder's index, and the count at the last pass or at a later one.
   struct IndexPulse {
     std::uint64_t number = 0;
     std::int64_t count = 0;
@@ -117,16 +118,17 @@ class AxisInputs {
     return {number, index_count_};
   }
 
-  // The thread's.
+  // Functions for the input thread.
 
-  // Readable when the rules have changed.
+  // Returns a descriptor that is readable when the rules have changed.
   [[nodiscard]] EventDescriptor& work() noexcept { return work_; }
-  // Takes all edges there are and does what follows from them. Returns when to call again, edges or not.
+  // Reads all pending edges and acts on them. Returns the time of the next call, which is needed even without
+  // edges; nullopt if only edges require one.
   std::optional<TimePoint> serve() noexcept;
-  // What is to be waited for: the lines' edges, and work().
+  // Returns the descriptors to wait for: those of the lines, and work().
   static constexpr std::size_t kDescriptors = kAxisInputs + 4;
   [[nodiscard]] std::array<pollfd, kDescriptors> descriptors() const noexcept;
-  // A descriptor has failed: its chip has gone.
+  // To be called when a descriptor has failed because its chip is gone. lost() is true then.
   void lose() noexcept;
 
  private:
@@ -147,7 +149,7 @@ class AxisInputs {
   void cut_again(TimePoint now) noexcept;
   [[nodiscard]] std::optional<TimePoint> next_due() const noexcept;
   void apply_rules() noexcept;
-  void tell(const InputChange& change) noexcept;
+  void add_change(const InputChange& change) noexcept;
   [[nodiscard]] bool out_of_place(std::int64_t position) const noexcept;
   [[nodiscard]] bool watching() const noexcept;
 
@@ -160,22 +162,22 @@ class AxisInputs {
   std::atomic<std::int64_t> limit_{0};
   std::atomic<bool> from_above_{false}, second_watched_{false}, lost_{false};
   std::array<std::atomic<bool>, kAxisInputs> active_{}, unreadable_{};
-  std::array<std::atomic<SafetyState>, kAxisInputs> states_{};  // those of the safety inputs
+  std::array<std::atomic<SafetyState>, kAxisInputs> states_{};  // used for the safety inputs
   std::array<std::atomic<std::uint64_t>, kAxisInputs> edges_{};
   std::array<std::atomic<std::uint64_t>, kEncoderLines> encoder_edges_{};
   std::atomic<LightCutoff*> cutoff_{nullptr};
-  std::atomic<bool> cutting_{false};  // the thread uses it
+  std::atomic<bool> cutting_{false};  // the input thread is using cutoff_
   std::atomic<std::int64_t> count_{0};
   std::atomic<std::uint64_t> illegal_{0}, index_pulses_{0};
   std::atomic<std::int64_t> index_count_{0};
 
-  // A spike on a safety input makes three changes. Mains hum makes 50 spikes a second: there is room for more
-  // than a second of it.
+  // A spike on a safety input makes three changes and mains hum makes 50 spikes a second, so there is room
+  // for more than a second of hum.
   static constexpr std::uint32_t kChanges = 256;
   std::array<InputChange, kChanges> ring_{};
-  std::atomic<std::uint32_t> told_{0}, taken_{0};
+  std::atomic<std::uint32_t> added_{0}, taken_{0};
 
-  // The thread's.
+  // Members of the input thread.
   std::array<Debounce, kAxisInputs> switches_;
   std::array<SafetyContact, kAxisInputs> safety_;
   std::array<bool, kAxisInputs> halted_{};  // in this bout of edges

@@ -17,7 +17,7 @@ AxisInterlocks::AxisInterlocks(const GpioAxisConfig& config, const StepEngine& e
 
 void AxisInterlocks::take_changes() {
   inputs_.changes().clear();
-  if (inputs_.lost() && !loss_told_) blocked();
+  if (inputs_.lost() && !loss_reported_) blocked();
   while (const auto change = inputs_.take_change())
     take_change(*change);
 }
@@ -30,9 +30,9 @@ void AxisInterlocks::take_change(const InputChange& change) {
       return take_lid(change);
     case AxisInput::SecondSwitch:
       if (!change.halted) return;
-      return wiring_.halted_for({HomingResult::WrongSwitch, "the switch at the end that is not homed to (" +
-                                                                describe(config_.second_switch->line) +
-                                                                ") closed" + wiring_.where()});
+      return wiring_.halted_for(
+          {HomingResult::WrongSwitch,
+           "the second switch (" + describe(config_.second_switch->line) + ") closed" + wiring_.where()});
     case AxisInput::LimitSwitch:
       return take_limit_switch(change);
   }
@@ -41,11 +41,11 @@ void AxisInterlocks::take_change(const InputChange& change) {
 void AxisInterlocks::take_emergency_stop(const InputChange& change) {
   const std::string line = " (" + describe(config_.emergency_stop->line) + ")";
   if (change.to == SafetyState::Unsafe) {
-    if (!emergency_told_) blocked();
+    if (!emergency_reported_) blocked();
     return;
   }
   if (change.to == SafetyState::Debouncing) {
-    // The fault that it has become meanwhile says all.
+    // It has lasted meanwhile, and the fault that follows says so.
     if (engine_.inhibited()) return;
     wiring_.slow_down();
     return wiring_.report(
@@ -55,15 +55,15 @@ void AxisInterlocks::take_emergency_stop(const InputChange& change) {
   inputs_.let_go();
   if (inputs_.lost()) return;
   const bool lasted = change.from == SafetyState::Unsafe;
-  emergency_told_ = false;
+  emergency_reported_ = false;
   wiring_.report({Kind::Recovery,
-                  (lasted ? "the emergency stop was let go" : "the emergency stop is not pressed") + line,
+                  (lasted ? "the emergency stop was released" : "the emergency stop is not pressed") + line,
                   lasted});
 }
 
 void AxisInterlocks::take_lid(const InputChange& change) {
   const std::string line = " (" + describe(config_.lid->line) + ")";
-  if (change.to == SafetyState::Unsafe) return;  // told by its first edge
+  if (change.to == SafetyState::Unsafe) return;  // was reported at the first edge
   if (change.to == SafetyState::Debouncing) {
     return wiring_.report(
         {Kind::Interlock,
@@ -81,10 +81,10 @@ void AxisInterlocks::take_limit_switch(const InputChange& change) {
 
 void AxisInterlocks::blocked() {
   if (inputs_.lost()) {
-    loss_told_ = true;
+    loss_reported_ = true;
     return wiring_.fail({.what = loss()});
   }
-  emergency_told_ = true;
+  emergency_reported_ = true;
   const bool readable = inputs_.readable(AxisInput::EmergencyStop);
   wiring_.fail(
       {.what = (readable ? "the emergency stop is pressed (" : "the emergency stop cannot be read (") +
@@ -98,7 +98,7 @@ std::string AxisInterlocks::loss() const {
   if (!inputs_.readable(AxisInput::SecondSwitch))
     return "the second switch cannot be read (" + describe(config_.second_switch->line) + ")";
   return "the axis' inputs on " + config_.limit_switch.line.chip +
-         " can no longer be read: their chip has gone, or they change without end";
+         " can no longer be read: their chip is gone, or they change faster than they can be handled";
 }
 
 std::vector<std::string> AxisInterlocks::why_not_ready() const {

@@ -1,5 +1,5 @@
-// What an axis makes of its inputs' changes: the emergency stop and the lid, the switches where they should
-// not close, inputs that cannot be read. Tells each once, with its line. Event loop's thread only.
+// The reactions of an axis to changes of its inputs: emergency stop, lid, switches that close in the wrong
+// place, inputs that cannot be read. Each is reported once, with its line. Event loop's thread only.
 #pragma once
 
 #include <functional>
@@ -19,22 +19,22 @@ class AxisInterlocks {
   struct Wiring {
     std::function<void(const AxisFault&)> fail;
     std::function<void(const MachineEvent&)> report;
-    std::function<void()> slow_down;                   // what moves, until the emergency stop has settled
-    std::function<void(const AxisFault&)> halted_for;  // what moved; the fault when it rests
-    // The limit switch has halted the steps: whether homing wants to know.
+    std::function<void()> slow_down;                   // slows the motor until the emergency stop has settled
+    std::function<void(const AxisFault&)> halted_for;  // sets the fault of a halted run
+    // Called when the limit switch has halted the steps. True if homing or a nudge expected that.
     std::function<bool(const InputChange&)> takes_contact;
-    std::function<std::string()> where;  // " at 12.345 mm", or nothing
+    std::function<std::string()> where;  // " at 12.345 mm", or empty
   };
 
-  // Config, engine and inputs must outlive it.
+  // Config, engine and inputs must outlive this object.
   AxisInterlocks(const GpioAxisConfig& config, const StepEngine& engine, AxisInputs& inputs, Wiring wiring);
 
-  // The inputs' changes() is readable.
+  // To be called when the inputs' changes() is readable.
   void take_changes();
-  // The steps are inhibited, by the emergency stop or because the inputs are lost: the fault.
+  // Reports the fault for which the steps are inhibited: the emergency stop, or that the inputs are lost.
   void blocked();
 
-  // The emergency stop, the lid; a sentence each.
+  // Returns a sentence each for the emergency stop and the lid if they are not safe.
   [[nodiscard]] std::vector<std::string> why_not_ready() const;
 
  private:
@@ -48,7 +48,7 @@ class AxisInterlocks {
   const StepEngine& engine_;
   AxisInputs& inputs_;
   const Wiring wiring_;
-  bool emergency_told_ = false, loss_told_ = false;
+  bool emergency_reported_ = false, loss_reported_ = false;
 };
 
 }  // namespace contourd

@@ -25,7 +25,7 @@ std::optional<std::string> contradiction(const GpioAxisConfig& config) {
   char words[160];
   if (rate > kMaxStepsPerSecond) {
     std::snprintf(words, sizeof words,
-                  "the axis' top speed of %g mm/s is %.0f steps/s; a computer makes %.0f at most",
+                  "the axis' top speed of %g mm/s is %.0f steps/s; a computer makes at most %.0f",
                   config.top_speed.count(), rate, kMaxStepsPerSecond);
     return words;
   }
@@ -33,7 +33,7 @@ std::optional<std::string> contradiction(const GpioAxisConfig& config) {
   if (rate <= most) return std::nullopt;
   std::snprintf(
       words, sizeof words,
-      "the axis' top speed of %g mm/s is %.0f steps/s; pulses of %g us and pauses as long allow %.0f",
+      "the axis' top speed of %g mm/s is %.0f steps/s; pulses and pauses of %g us allow at most %.0f",
       config.top_speed.count(), rate, static_cast<double>(config.pulse_width.count()) / 1e3,
       std::floor(most));
   return words;

@@ -14,19 +14,20 @@
 
 namespace contourd {
 
-// What is wrong with the figures together, as a sentence; nothing when they fit.
+// Returns a sentence about figures in the config that contradict each other, or nullopt if they are
+// consistent.
 [[nodiscard]] std::optional<std::string> contradiction(const GpioAxisConfig& config);
 
-// The lines of an axis, those that its config names.
+// The lines of an axis; a line that the config does not name is null.
 struct AxisLines {
   std::unique_ptr<OutputLine> step, direction, enable;
   std::array<std::unique_ptr<InputLine>, kAxisInputs> inputs;  // by AxisInput
   std::unique_ptr<InputLine> encoder_a, encoder_b, encoder_index;
 };
-// Takes them all, the motor disabled. Throws HardwareError.
+// Takes all lines that the config names and leaves the motor disabled. Throws HardwareError.
 [[nodiscard]] AxisLines take_lines(const GpioAxisConfig& config);
 
-// Those that are inputs, read now, with the edges that `inputs` has seen.
+// Reads the present levels of all inputs, and the number of edges that `inputs` has seen.
 [[nodiscard]] std::vector<AxisInputState> read_inputs(const GpioAxisConfig& config, const AxisLines& lines,
                                                       const AxisInputs& inputs);
 

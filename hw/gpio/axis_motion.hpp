@@ -1,5 +1,5 @@
-// How a stepped axis moves, by its configuration alone: for the axis, and for estimates without it. Pure
-// functions.
+// Motion limits and durations of a stepped axis, computed from its config alone: used by the axis, and for
+// estimates without it. Pure functions.
 #pragma once
 
 #include <chrono>
@@ -11,13 +11,14 @@
 
 namespace contourd {
 
-// The encoder is looked at this long after the motor has come to rest.
+// The wait between the motor's last step and the check of the encoder.
 inline constexpr Duration kEncoderRest{std::chrono::milliseconds{20}};
 
-// In microsteps, of a move that is asked for at that speed.
+// Returns the limits, in microsteps, of a move that is requested at that speed.
 [[nodiscard]] MotionLimits motion_limits(const GpioAxisConfig& config, MillimetersPerSecond speed);
 
-// From the first step until the plate is known to be there: the way back for the backlash included.
+// Returns the time from the first step until the plate is known to be there, including the way back for the
+// backlash.
 [[nodiscard]] Duration move_duration(const GpioAxisConfig& config, Nanometers distance,
                                      MillimetersPerSecond speed);
 

@@ -1,4 +1,4 @@
-// A line and a length as the axis' messages name them.
+// Texts for a line and a length in the axis' messages.
 #pragma once
 
 #include <cstdio>

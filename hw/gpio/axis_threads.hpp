@@ -1,4 +1,4 @@
-// What runs an axis' steps and inputs: two real-time threads, or a test under its own time.
+// The threads that run an axis' steps and inputs: two real-time threads, or a test with its own clock.
 #pragma once
 
 #include <atomic>
@@ -16,9 +16,8 @@ class AxisThreads {
   AxisThreads() = default;
   AxisThreads(const AxisThreads&) = delete;
   AxisThreads& operator=(const AxisThreads&) = delete;
-  virtual ~AxisThreads() = default;  // what they run has ended by then
-
-  // A sentence for each thing that the system refused them.
+  virtual ~AxisThreads() = default;  // returns when the threads have ended
+  // Returns a sentence for each request of the threads that the system refused.
   [[nodiscard]] virtual std::vector<std::string> refusals() const = 0;
 };
 
@@ -36,13 +35,13 @@ class InputThread {
 
   AxisInputs& inputs_;
   std::atomic<bool> quit_{false};
-  RealtimeThread thread_;  // last: runs while the others are there
+  RealtimeThread thread_;  // last member: ends before the others are destroyed
 };
 
 class RealtimeAxisThreads final : public AxisThreads {
  public:
-  // The one that reads goes before the one that makes steps: where they share a processor that has no time
-  // left besides the steps, a switch must halt them all the same.
+  // The input thread has the higher priority: if both share a processor that the steps keep fully busy, a
+  // switch must still halt them.
   RealtimeAxisThreads(StepEngine& engine, AxisInputs& inputs, int priority)
       : steps_(engine, priority), inputs_(inputs, priority + 1) {}
 

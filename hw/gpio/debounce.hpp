@@ -1,4 +1,4 @@
-// A contact that bounces: its level counts when it has lasted. Pure value; neither allocates nor throws.
+// Debounces a contact: a level counts when it has lasted. Pure value; neither allocates nor throws.
 #pragma once
 
 #include <array>
@@ -15,21 +15,21 @@ class Debounce {
 
   struct Settled {
     bool level = false;
-    bool changed = false;  // or else it only bounced, and is where it was
+    bool changed = false;  // false after a bounce that returned to the old level
     TimePoint since{};     // the earliest edge to this level
   };
 
-  // An edge, by its own time. An edge to the level there was says that others were missed: it counts as well.
-  // They may come in another order than they were made in.
+  // Takes an edge with its own time stamp. An edge to the present level counts too, because it shows that
+  // others were missed. Edges may be passed in another order than they occurred in.
   void edge(bool level, TimePoint at) noexcept;
-  // The level as read: an edge of its own when it is not the last known one.
+  // Takes a level that was read. A level other than the last known one counts as an edge.
   void read(bool level, TimePoint at) noexcept {
     if (level != raw_) edge(level, at);
   }
 
-  // When to call settle(); nothing while nothing has moved.
+  // Returns when to call settle(), or nullopt if there was no edge since the contact settled.
   [[nodiscard]] std::optional<TimePoint> due() const noexcept;
-  // What it has settled to, once after each bout of edges.
+  // Returns the settled level, once after each burst of edges; nullopt otherwise.
   std::optional<Settled> settle(TimePoint now) noexcept;
 
   [[nodiscard]] bool raw() const noexcept { return raw_; }
@@ -40,7 +40,7 @@ class Debounce {
   bool raw_ = false, settled_ = false;
   bool moving_ = false;
   TimePoint last_{};
-  std::array<std::optional<TimePoint>, 2> first_{};  // edge to each level of this bout
+  std::array<std::optional<TimePoint>, 2> first_{};  // the first edge to each level in this burst
 };
 
 }  // namespace contourd

@@ -1,5 +1,5 @@
-// One digital output, one digital input: what the axis needs of a line, real or modelled. Levels are logical
-// ("active" is on, closed, pressed), whatever the polarity of the wire.
+// Interfaces of a digital output and a digital input, implemented by real lines and by models. Levels are
+// logical ("active" is on, closed, pressed), whatever the polarity of the wire.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,8 @@
 
 namespace contourd {
 
-// Any one thread at a time. An implementation's destructor leaves the line inactive.
+// An output. One thread at a time, which may be any. The implementation's destructor leaves the line
+// inactive.
 class OutputLine {
  public:
   OutputLine() = default;
@@ -17,25 +18,26 @@ class OutputLine {
   OutputLine& operator=(const OutputLine&) = delete;
   virtual ~OutputLine() = default;
 
-  // True when the line has that level now. Neither allocates nor locks: for real-time threads.
+  // Sets the level. True if the line has that level now. Neither allocates nor locks: for real-time threads.
   [[nodiscard]] virtual bool set(bool active) noexcept = 0;
 };
 
-// An output that any thread may make inactive, at any time, beside the one that sets it.
+// An output that any thread may make inactive at any time, in addition to the thread that sets it.
 class CuttableLine : public OutputLine {
  public:
-  // True when the line is inactive now. Neither allocates nor locks.
+  // Makes the line inactive. True if it is inactive now. Neither allocates nor locks.
   [[nodiscard]] virtual bool cut() noexcept = 0;
-  // What else it can be cut by (line_descriptor.hpp), the line's; -1 for a line that has none.
+  // Returns a descriptor by which the line can also be cut (line_descriptor.hpp). The line owns it; -1 if it
+  // has none.
   [[nodiscard]] virtual int descriptor() const noexcept = 0;
 };
 
 struct LineEdge {
-  bool active = false;  // the level from then on
-  TimePoint at{};       // CLOCK_MONOTONIC, by the kernel where it is a real line
+  bool active = false;  // the level after the edge
+  TimePoint at{};       // CLOCK_MONOTONIC; the kernel's time stamp for a real line
 };
 
-// Any one thread at a time; level() from any thread.
+// An input. One thread at a time, which may be any; level() may be called from any thread at any time.
 class InputLine {
  public:
   InputLine() = default;
@@ -43,11 +45,11 @@ class InputLine {
   InputLine& operator=(const InputLine&) = delete;
   virtual ~InputLine() = default;
 
-  // Readable while edges wait. The line's; -1 for a line that has none.
+  // Returns a descriptor that is readable while edges are pending. The line owns it; -1 if it has none.
   [[nodiscard]] virtual int descriptor() const noexcept = 0;
-  // The level now; nothing when it cannot be read.
+  // Returns the present level, or nullopt if it cannot be read.
   [[nodiscard]] virtual std::optional<bool> level() noexcept = 0;
-  // Takes edges that wait, oldest first, into `edges`; how many. Does not block, does not allocate.
+  // Moves pending edges, oldest first, into `edges`. Returns their number. Neither blocks nor allocates.
   [[nodiscard]] virtual std::size_t read_edges(std::span<LineEdge> edges) noexcept = 0;
 };
 

@@ -11,7 +11,7 @@ EncoderEdges::EncoderEdges(InputLine* a, InputLine* b, InputLine* index) noexcep
   b_.line = b;
   mark_.line = index;
   if (a == nullptr || b == nullptr) return;
-  // One that cannot be read shows by its edges, which do not fit.
+  // If a level cannot be read, the edges will not fit it and are counted as illegal.
   quadrature_ = Quadrature(a->level().value_or(false), b->level().value_or(false));
 }
 
@@ -32,7 +32,7 @@ void EncoderEdges::Channel::drop() noexcept {
 
 EncoderEdges::Channel* EncoderEdges::earliest() noexcept {
   Channel* first = nullptr;
-  // Of edges of the same time, the mark's is the last: it is at the count that they lead to.
+  // Among edges with the same time the mark's is last: it belongs to the count after the others.
   for (Channel* channel : {&a_, &b_, &mark_}) {
     if (channel->waits() && (first == nullptr || channel->first().at < first->first().at)) first = channel;
   }

@@ -1,7 +1,7 @@
-// The edges of an encoder's two lines in the order in which they happened. Each line hands its own over, so
-// an edge is kept until no earlier one of the other line can still come. Preallocated; neither allocates nor
-// throws. An index line, where there is one, tells at which count its mark is passed: the mark's flank that
-// is active above it, whichever way it is passed.
+// Counts the edges of an encoder's two lines in the order in which they occurred. Each line delivers only its
+// own edges, so an edge is kept until no earlier edge of the other line can still arrive. An index line, if
+// there is one, gives the count at which its mark is passed: always at the mark's flank above which the line
+// is active, in either direction. Preallocated; neither allocates nor throws.
 #pragma once
 
 #include <array>
@@ -19,20 +19,20 @@ inline constexpr std::size_t kEncoderLines = 3;
 
 class EncoderEdges {
  public:
-  // From an edge's time stamp until its line shows it: the kernel's own thread hands it over.
+  // The longest time from an edge's time stamp until its line delivers it, which a thread of the kernel does.
   static constexpr Duration kHandedOver{std::chrono::microseconds{500}};
 
-  // Not owned. Null: there is no encoder, or it has no index.
+  // The lines are not owned. Null lines mean that there is no encoder, or that it has no index.
   EncoderEdges(InputLine* a, InputLine* b, InputLine* index = nullptr) noexcept;
 
-  // Takes what the lines have and counts what is old enough.
+  // Reads the lines' edges and counts those that are old enough.
   void serve(TimePoint now) noexcept;
-  // When edges that are kept can be counted; nothing when none are.
+  // Returns when the next kept edge can be counted, or nullopt if none is kept.
   [[nodiscard]] std::optional<TimePoint> due() const noexcept;
   [[nodiscard]] const Quadrature& counted() const noexcept { return quadrature_; }
-  // That came in so far.
+  // Returns the number of edges that were read, including those that are not counted yet.
   [[nodiscard]] std::uint64_t edges(EncoderLine which) const noexcept;
-  // How often the mark was passed, and the count at which it was last.
+  // Return how often the mark was passed, and the count at the last pass.
   [[nodiscard]] std::uint64_t index_pulses() const noexcept { return index_pulses_; }
   [[nodiscard]] std::int64_t index_count() const noexcept { return index_count_; }
 
@@ -47,7 +47,7 @@ class EncoderEdges {
     [[nodiscard]] bool waits() const noexcept { return counted < kept; }
     [[nodiscard]] const LineEdge& first() const noexcept { return edges[counted]; }
   };
-  // That with the earliest edge that waits; null when none does.
+  // Returns the channel with the earliest pending edge, or null if none is pending.
   [[nodiscard]] Channel* earliest() noexcept;
   void count(const Channel& channel) noexcept;
 

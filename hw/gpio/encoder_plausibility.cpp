@@ -32,15 +32,16 @@ std::optional<std::string> EncoderPlausibility::wrong_edges(std::uint64_t illega
   if (static_cast<double>(edges) <= bound) return std::nullopt;
   return "the encoder (" + describe(config_.a) + ", " + describe(config_.b) + ") made " +
          std::to_string(edges) +
-         " edges in one move that cannot be: its lines are disturbed, or it is too fast, and its count may "
-         "be "
-         "off by more than the tolerance";
+         " impossible edges in one move: its lines are disturbed, or it is too fast, and its count may be "
+         "off "
+         "by more than the tolerance";
 }
 
 std::optional<std::string> EncoderPlausibility::refusal(double off_mm) {
   if (std::fabs(off_mm - off_mm_) < std::fabs(off_mm) / 2) {
-    return "that came by and by, and lost steps come at once: the encoder loses counts, or its counts_per_mm "
-           "or the axis' microsteps_per_mm is not what it is";
+    return "the difference grew over several moves, while lost steps appear in one: the encoder loses "
+           "counts, "
+           "or its counts_per_mm or the axis' microsteps_per_mm is wrong";
   }
   if (auto why = beyond_limits(std::fabs(off_mm))) return why;
   off_mm_ = 0;
@@ -51,11 +52,11 @@ std::optional<std::string> EncoderPlausibility::beyond_limits(double correction_
   corrected_in_move_mm_ += correction_mm;
   corrected_mm_ += correction_mm;
   if (corrected_in_move_mm_ > mm(config_.most_correction)) {
-    return "that is " + millimeters(corrected_in_move_mm_) + " to be made good in one move, and " +
+    return "it would need a correction of " + millimeters(corrected_in_move_mm_) + " in one move, and " +
            millimeters(mm(config_.most_correction)) + " are allowed";
   }
   if (corrected_mm_ > mm(config_.most_correction_sum)) {
-    return "that is " + millimeters(corrected_mm_) + " to be made good since homing, and " +
+    return "it would need a correction of " + millimeters(corrected_mm_) + " since homing, and " +
            millimeters(mm(config_.most_correction_sum)) + " are allowed";
   }
   return std::nullopt;

@@ -136,13 +136,14 @@ void GpioAxis::nudge(Nanometers distance, MillimetersPerSecond speed, std::funct
     const bool towards_switch = (steps > Microsteps{0}) == config_.homes_upwards;
     const bool at_switch = inputs_.active(AxisInput::LimitSwitch);
     if (at_switch && towards_switch) return end_move(MoveResult::AtSwitch);
-    // Away from a switch that is closed it opens on the way; else its first edge halts the motor.
+    // Away from a closed switch, the switch opens on the way; otherwise its first edge halts the motor.
     drive_.run(at_switch ? AxisDrive::RunKind::BackOff : AxisDrive::RunKind::Seek, steps, speed,
                [this] { end_move(MoveResult::Reached); });
   });
 }
 
-// Whether the limit switch's contact, which has halted the motor, is homing's or a nudge's.
+// Handles a contact of the limit switch that has halted the motor. False unless homing or a nudge expected
+// it.
 bool GpioAxis::takes_contact(const InputChange& change) {
   if (homing_.in_pass()) {
     homing_.contact(change);
@@ -154,7 +155,7 @@ bool GpioAxis::takes_contact(const InputChange& change) {
   return true;
 }
 
-// A nudge ends there, also when the contact did not last.
+// Passes the contact on to homing, or ends a nudge, even if the contact did not last.
 bool GpioAxis::take_contact() {
   if (homing_.under_way()) return homing_.take_contact();
   if (!nudge_met_switch_) return false;
@@ -193,7 +194,7 @@ void GpioAxis::end_move(MoveResult result) {
 
 void GpioAxis::fail(const AxisFault& fault) {
   if (moving()) drive_.halt();
-  // The one who is told may abort: nothing is left to answer then.
+  // The callback may abort the motion; then there is no answer left to give.
   report({MachineEvent::Kind::Fault, fault.what, fault.owner_decides});
   if (homing_.under_way()) return homing_.failed(fault.homing);
   if (move_done_) end_move(MoveResult::Fault);

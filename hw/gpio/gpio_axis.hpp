@@ -1,9 +1,10 @@
-// A Z axis of a stepper motor behind GPIO lines: step, direction, enable, limit switch and what else its
-// owner has fitted. Event loop's thread only; two threads of its own make the steps and read the inputs.
+// A Z axis with a stepper motor on GPIO lines: step, direction, limit switch, and optionally enable, second
+// switch, encoder, emergency stop and lid. Event loop's thread only; two threads of its own make the steps
+// and read the inputs.
 //
-// It has many functions, those of a ZAxis, and more members than other classes, its parts. It wires these:
-// the engine and the inputs, which those threads run; where the plate is; the motor; how it comes to a
-// height; homing; what its inputs' changes lead to.
+// It has many functions, those of a ZAxis, and more members than other classes. It connects its parts: the
+// step engine and the inputs, which the two threads run; the plate's position; the motor; the approach to a
+// height; homing; and the reactions to the inputs' changes.
 #pragma once
 
 #include <functional>
@@ -31,18 +32,18 @@ namespace contourd {
 
 class GpioAxis final : public ZAxis {
  public:
-  // Takes the lines and starts the threads. Clock (CLOCK_MONOTONIC's) and watcher must outlive the axis.
-  // Throws HardwareError and std::system_error.
+  // Takes the lines and starts the threads. The clock (CLOCK_MONOTONIC) and the watcher must outlive the
+  // axis. Throws HardwareError and std::system_error.
   GpioAxis(Clock& clock, DescriptorWatcher& watcher, const GpioAxisConfig& config);
 
-  // What a test puts in place of hardware and threads.
+  // Hardware and threads, which a test replaces.
   struct Parts {
     AxisLines lines;
     StepEngine::Now now = monotonic_now;
     std::function<std::unique_ptr<AxisThreads>(StepEngine&, AxisInputs&)> start_threads;
   };
   GpioAxis(Clock& clock, DescriptorWatcher& watcher, const GpioAxisConfig& config, Parts parts);
-  // Motor still and disabled.
+  // Stops the motor and disables it.
   ~GpioAxis() override;
 
   void home(std::function<void(HomingResult)> done) override;
@@ -52,7 +53,7 @@ class GpioAxis final : public ZAxis {
   void abort() noexcept override;
   bool release() override;
   [[nodiscard]] bool moving() const override { return homing_.under_way() || move_done_; }
-  // By the encoder where there is one, else by the steps made.
+  // Returns the height by the encoder if there is one, else by the steps made.
   [[nodiscard]] std::optional<Nanometers> height() const override { return position_.height(); }
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const override {
     return position_.height_at(time);
@@ -63,24 +64,24 @@ class GpioAxis final : public ZAxis {
     return contourd::move_duration(config_, distance, speed);
   }
 
-  // `call` runs for every machine event from now on: for the first edge of the emergency stop, the motor
-  // slowing down already, and when that lasts, with the motor still; for an open lid; for either when it is
-  // over; for a switch that closes where it must not, steps that were lost, a line that cannot be set. Before
-  // the `done` of a move that it ends. A move that an emergency stop has slowed down goes on when that did
-  // not last.
+  // Sets the callback for all machine events: the first edge of the emergency stop (the motor is slowing down
+  // already), an emergency stop that lasts (the motor has stopped), an open lid, the end of either, a switch
+  // that closes in the wrong place, lost steps, a line that cannot be set. It runs before the `done` of a
+  // move that the event ends. A move that was slowed down by an emergency stop continues if the stop did not
+  // last.
   void on_event(std::function<void(const MachineEvent&)> call) override { on_event_ = std::move(call); }
   void set_light_cutoff(LightCutoff* cutoff) noexcept override { inputs_.set_light_cutoff(cutoff); }
-  // The emergency stop, the lid.
+  // Returns a sentence each for the emergency stop and the lid if they are not safe.
   [[nodiscard]] std::vector<std::string> why_not_ready() const override {
     return interlocks_.why_not_ready();
   }
 
-  // Its chip has gone, or its lines can no longer be relied on: nothing moves any more.
+  // True if the lines' chip is gone or the lines can no longer be relied on; the axis does not move any more.
   [[nodiscard]] bool lost() const override { return inputs_.lost() || drive_.line_refused(); }
   [[nodiscard]] std::string description() const override {
     return "step line " + config_.step.line + " of " + config_.step.chip;
   }
-  // What the system refused the threads: priority, locked memory. None as a rule.
+  // Returns a sentence for each request of the threads that the system refused: priority, locked memory.
   [[nodiscard]] std::vector<std::string> warnings() const override { return threads_->refusals(); }
   [[nodiscard]] std::vector<AxisInputState> inputs() const override {
     return read_inputs(config_, lines_, inputs_);
@@ -109,9 +110,9 @@ class GpioAxis final : public ZAxis {
   AxisInterlocks interlocks_;
   std::function<void(const MachineEvent&)> on_event_;
   std::function<void(MoveResult)> move_done_;
-  bool nudged_ = false, nudge_met_switch_ = false;  // by the motion under way
+  bool nudged_ = false, nudge_met_switch_ = false;  // for the present motion
   std::unique_ptr<DescriptorWatcher::Watch> watch_end_, watch_inputs_;
-  std::unique_ptr<AxisThreads> threads_;  // last: they use the others
+  std::unique_ptr<AxisThreads> threads_;  // last member: the threads use the others
 };
 
 }  // namespace contourd

@@ -12,7 +12,8 @@ std::unique_ptr<CuttableLine> take_light(const GpioLineConfig& config) {
   auto line = std::make_unique<GpioOutput>(config, "light", false);
   if (line->descriptor() >= 0) return line;
   throw HardwareError("the light's line " + config.line + " of " + config.chip +
-                      " could not be turned off in time: its descriptor is not found in /proc/self/fd");
+                      " cannot be used: its descriptor, which turns it off in an emergency, was not found in "
+                      "/proc/self/fd");
 }
 
 }  // namespace
@@ -30,17 +31,17 @@ void GpioLightLine::on() {
     off();
     throw HardwareError(cannot_be_set());
   }
-  // Cut meanwhile, perhaps before it was on.
+  // The light was cut meanwhile, perhaps before it was on.
   if (!cut_at()) return;
   off();
   refuse_interlocked();
 }
 
 void GpioLightLine::cut(TimePoint now) noexcept {
-  // Before the line: whoever has just set it looks again.
+  // The time is set before the line is: on() looks at it after setting the line.
   Duration::rep not_cut = kNotCut;
   cut_at_.compare_exchange_strong(not_cut, now.time_since_epoch().count());
-  // What the kernel refuses here it refuses the event loop too, which tells.
+  // A refusal by the kernel is not reported here: the event loop meets it too, in off().
   if (!line_->cut()) return;
   not_cut = kNotCut;
   cut_by_.compare_exchange_strong(not_cut, clock_.now().time_since_epoch().count());
@@ -51,24 +52,23 @@ std::optional<TimePoint> GpioLightLine::time_of(Duration::rep time) {
 }
 
 void GpioLightLine::refuse_interlocked() const {
-  throw LightInterlocked(
-      "the light's " + words_ +
-      " stays off: the emergency stop, the lid or an input that cannot be read asks for it");
+  throw LightInterlocked("the light's " + words_ +
+                         " stays off because of the emergency stop, the lid or an input that cannot be read");
 }
 
 void GpioLightLine::off() noexcept {
   refuses_off_ = !line_->set(false);
   again_.reset();
   if (!refuses_off_) {
-    told_ = false;
+    refusal_reported_ = false;
     return;
   }
-  // From the event loop: whoever turns the light off has more to do first.
-  again_ = clock_.call_after(told_ ? kTryAgain : Duration{0}, [this] { insist(); });
+  // Retries from the event loop, so that the caller, who is turning the light off, can first do the rest.
+  again_ = clock_.call_after(refusal_reported_ ? kTryAgain : Duration{0}, [this] { insist(); });
 }
 
 void GpioLightLine::insist() {
-  if (!std::exchange(told_, true) && on_event_)
+  if (!std::exchange(refusal_reported_, true) && on_event_)
     on_event_({MachineEvent::Kind::Fault, "the light may be on: " + cannot_be_set()});
   off();
 }

@@ -1,5 +1,5 @@
-// The light by a GPIO line. Event loop's thread only, but for cut(), which goes past the library's object for
-// the line to the kernel.
+// The light on a GPIO line. Event loop's thread only, except cut(), which bypasses the library's object for
+// the line and calls the kernel.
 #pragma once
 
 #include <atomic>
@@ -19,21 +19,23 @@ namespace contourd {
 
 class GpioLightLine final : public LightLine, public LightCutoff {
  public:
-  // Takes the line, dark. Throws HardwareError. The clock must outlive it.
+  // Takes the line with the light off. Throws HardwareError. The clock must outlive this object.
   GpioLightLine(const GpioLineConfig& config, Clock& clock);
-  // Of a line that is there; `words` are what an owner calls it: "line 24 of gpiochip0".
+  // Uses an existing line; `words` is its name in messages: "line 24 of gpiochip0".
   GpioLightLine(std::unique_ptr<CuttableLine> line, std::string words, Clock& clock);
 
-  // Reports once that the line refuses to go off. Off is tried again until it works.
+  // Sets the callback for the fault that the line cannot be turned off. The fault is reported once; turning
+  // off is retried until it works.
   void on_event(std::function<void(const MachineEvent&)> call) { on_event_ = std::move(call); }
-  // Throws HardwareError too as long as the line refuses to go off.
+  // Throws HardwareError also as long as the line cannot be turned off.
   void on() override;
   void off() noexcept override;
   void cut(TimePoint now) noexcept override;
   void release() noexcept override { cut_at_ = cut_by_ = kNotCut; }
   [[nodiscard]] std::optional<TimePoint> cut_at() const override { return time_of(cut_at_); }
   [[nodiscard]] std::optional<TimePoint> cut_by() const override { return time_of(cut_by_); }
-  // For another process that is to turn the light off; the line's, and -1 for a line that has none.
+  // Returns the descriptor for another process that is to turn the light off. The line owns it; -1 if it has
+  // none.
   [[nodiscard]] int descriptor() const noexcept { return line_->descriptor(); }
   [[nodiscard]] std::string refusal() const override { return refuses_off_ ? cannot_be_set() : ""; }
 
@@ -50,7 +52,7 @@ class GpioLightLine final : public LightLine, public LightCutoff {
   std::atomic<Duration::rep> cut_at_{kNotCut}, cut_by_{kNotCut};
   std::function<void(const MachineEvent&)> on_event_;
   bool refuses_off_ = false;
-  bool told_ = false;  // of that
+  bool refusal_reported_ = false;
   std::unique_ptr<Timer> again_;
 };
 

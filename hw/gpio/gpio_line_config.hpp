@@ -1,4 +1,4 @@
-// One GPIO line as an owner names it. Value type.
+// The config of one GPIO line. Value type.
 #pragma once
 
 #include <string>

@@ -36,13 +36,13 @@ std::string why(int error) {
                         ": the user that contourd runs as must be in the group that owns it (gpio)");
   }
   if (error == ENOTTY || error == ENODEV || error == EINVAL) {
-    throw HardwareError(device.string() + " is no GPIO chip");
+    throw HardwareError(device.string() + " is not a GPIO chip");
   }
   throw HardwareError("cannot open GPIO chip " + device.string() + ": " + why(error));
 }
 
-// "there are gpiochip0 (pinctrl-bcm2711), gpiochip1 (raspberrypi-exp-gpio)"
-std::string chips_there_are(const fs::path& devices) {
+// "existing chips: gpiochip0 (pinctrl-bcm2711), gpiochip1 (raspberrypi-exp-gpio)"
+std::string existing_chips(const fs::path& devices) {
   std::string names;
   for (const fs::path& device : chip_devices(devices)) {
     if (!names.empty()) names += ", ";
@@ -53,7 +53,7 @@ std::string chips_there_are(const fs::path& devices) {
       names += " (" + why(error.code().value()) + ")";
     }
   }
-  return names.empty() ? "there is no GPIO chip below " + devices.string() : "there are " + names;
+  return names.empty() ? "there is no GPIO chip below " + devices.string() : "existing chips: " + names;
 }
 
 fs::path find_chip(const std::string& chip, const fs::path& devices) {
@@ -72,9 +72,9 @@ fs::path find_chip(const std::string& chip, const fs::path& devices) {
     }
   }
   if (refused == EACCES || refused == EPERM)
-    refuse_chip(refused_device, refused);  // it might have been that one
+    refuse_chip(refused_device, refused);  // this may be the wanted chip
   throw HardwareError("there is no GPIO chip \"" + chip + "\" by device name, path or label; " +
-                      chips_there_are(devices));
+                      existing_chips(devices));
 }
 
 std::string chip_words(const GpiodChip& chip) {
@@ -125,14 +125,14 @@ std::string line_words(const GpioLineReport& line) {
 }
 
 std::string used_by(const std::optional<std::string>& consumer) {
-  return consumer && !consumer->empty() ? "\"" + *consumer + "\"" : "something that does not say its name";
+  return consumer && !consumer->empty() ? "\"" + *consumer + "\"" : "a program that gives no name";
 }
 
 GpiodLine::Request request_of(const FoundLine& line, const GpioLineConfig& config, std::string_view use) {
   return {line.device, line.report.offset, config.active_low, "contourd " + std::string(use)};
 }
 
-// Takes the line by `take(request)`.
+// Finds the line and requests it by `take(request)`.
 template <typename Take>
 GpiodLine take_line(const GpioLineConfig& config, std::string_view use, const Take& take) {
   const FoundLine found = find_line(config, "/dev");
@@ -141,7 +141,7 @@ GpiodLine take_line(const GpioLineConfig& config, std::string_view use, const Ta
   } catch (const std::system_error& error) {
     const std::string what = line_words(found.report) + ", the " + std::string(use) + " line,";
     if (error.code().value() == EBUSY) {
-      // Whoever holds it may have come after the first look.
+      // The line is looked up again, because its holder may have taken it after the first look-up.
       throw HardwareError(what + " is used by " + used_by(find_line(config, "/dev").report.consumer));
     }
     throw HardwareError(what + " cannot be taken: " + why(error.code().value()));

@@ -1,5 +1,5 @@
-// GPIO lines by the kernel, found as their owner names them. What goes wrong is a HardwareError whose
-// sentence names the chip and the line, who holds it, and what there is instead.
+// The kernel's GPIO lines, found by the chip and line of the config. Errors are HardwareErrors whose sentence
+// names the chip and the line, the program that holds the line, and the chips or lines that exist.
 #pragma once
 
 #include <filesystem>
@@ -15,12 +15,12 @@
 
 namespace contourd {
 
-// Holds a line as an output. Any one thread at a time, but for cut(); destroying it makes the line inactive
-// and gives it back.
+// Holds a line as an output. One thread at a time, except cut(). The destructor makes the line inactive and
+// releases it.
 class GpioOutput final : public CuttableLine {
  public:
-  // Takes the line and sets its level in one act of the kernel: there is no moment at another level. `use` is
-  // the word that others are shown for it ("step"). Throws HardwareError.
+  // Requests the line and sets its level in one call of the kernel, so the line never has another level.
+  // `use` is the name that other programs see for it ("step"). Throws HardwareError.
   GpioOutput(const GpioLineConfig& config, std::string_view use, bool active);
   ~GpioOutput() override;
 
@@ -52,12 +52,12 @@ struct GpioLineReport {
   std::string chip;   // "gpiochip0"
   std::string label;  // "pinctrl-bcm2711"
   unsigned offset = 0;
-  std::string name;                     // empty when it has none
-  std::optional<std::string> consumer;  // who holds the line; nothing when it is free
+  std::string name;                     // empty if the line has none
+  std::optional<std::string> consumer;  // the holder of the line; nullopt if the line is free
   bool output = false;
 };
 
-// What the kernel says of a line; does not take it, changes nothing. Throws HardwareError.
+// Returns the kernel's description of a line without requesting or changing it. Throws HardwareError.
 [[nodiscard]] GpioLineReport report_line(const GpioLineConfig& config,
                                          const std::filesystem::path& devices = "/dev");
 

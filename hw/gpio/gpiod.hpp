@@ -1,6 +1,6 @@
-// libgpiod as far as contourd needs it, the same for its versions 1.6 (Debian 12; gpiod_1.cpp) and 2 (Debian
-// 13; gpiod_2.cpp): the build takes the source that fits the installed library. Throws std::system_error with
-// the kernel's errno and no words of its own; gpio_lines.hpp makes the sentences. One thread at a time.
+// A wrapper for the part of libgpiod that contourd needs, for versions 1.6 (Debian 12; gpiod_1.cpp) and 2
+// (Debian 13; gpiod_2.cpp); the build selects the source for the installed library. Throws std::system_error
+// with the kernel's errno and no text; gpio_lines.hpp makes the sentences. One thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ struct gpiod_chip;
 namespace contourd {
 
 struct GpiodLineInfo {
-  std::string name;  // empty when it has none
+  std::string name;  // empty if the line has none
   std::optional<std::string>
-      consumer;  // who holds the line; nothing when it is free, "" when it does not say
+      consumer;  // the holder of the line; nullopt if the line is free, "" if the holder gives no name
   bool output = false;
 };
 
@@ -44,29 +44,29 @@ class GpiodChip {
   unsigned line_count_ = 0;
 };
 
-// A line taken from its chip; given back when destroyed. Outlives the GpiodChip.
+// A line requested from its chip; the destructor releases it. May outlive the GpiodChip.
 class GpiodLine {
  public:
   struct Request {
-    std::filesystem::path device;  // of the chip
+    std::filesystem::path device;  // the chip's device
     unsigned offset = 0;
     bool active_low = false;
     std::string consumer;
   };
 
   [[nodiscard]] static GpiodLine output(const Request& request, bool active);
-  // With events for both edges, stamped with CLOCK_MONOTONIC.
+  // Requests an input with events for both edges, stamped with CLOCK_MONOTONIC.
   [[nodiscard]] static GpiodLine input(const Request& request, LineBias bias);
   GpiodLine(GpiodLine&&) noexcept;
   ~GpiodLine();
 
   [[nodiscard]] bool set(bool active) noexcept;
-  // Of an output, for line_descriptor.hpp; the line's. -1 where the library does not tell it and the kernel
-  // has no /proc to look it up in.
+  // Returns an output's descriptor, for line_descriptor.hpp. The line owns it. -1 if the library has no call
+  // for it and it is not found in /proc.
   [[nodiscard]] int descriptor() const noexcept;
-  // Nothing when the kernel refuses.
+  // Returns the level, or nullopt if the kernel refuses.
   [[nodiscard]] std::optional<bool> get() noexcept;
-  // Of an input; not blocking.
+  // Returns an input's descriptor, which is non-blocking.
   [[nodiscard]] int event_descriptor() const noexcept;
   [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept;
 

@@ -31,7 +31,7 @@ TimePoint time_point(const timespec& time) {
   return TimePoint{std::chrono::seconds{time.tv_sec} + std::chrono::nanoseconds{time.tv_nsec}};
 }
 
-// This process' descriptors that hold output lines, sorted.
+// Returns this process' descriptors that hold output lines, sorted.
 std::vector<int> line_handles() {
   std::vector<int> found;
   std::error_code ignored;
@@ -46,7 +46,7 @@ std::vector<int> line_handles() {
   return found;
 }
 
-// The one of them that was not there before.
+// Returns the descriptor of an output line that is not in `before`, or -1.
 int new_line_handle(const std::vector<int>& before) {
   for (const int descriptor : line_handles()) {
     if (!std::binary_search(before.begin(), before.end(), descriptor)) return descriptor;
@@ -78,7 +78,7 @@ GpiodLineInfo GpiodChip::line_info(unsigned offset) const {
   return info;
 }
 
-// A line belongs to its chip's handle in this version of the library: each has a chip of its own.
+// In this version of the library a line belongs to its chip's handle, so each line has a chip of its own.
 struct GpiodLine::Handle {
   explicit Handle(const Request& request) : chip(request.device) {}
   ~Handle() {
@@ -86,7 +86,7 @@ struct GpiodLine::Handle {
   }
   GpiodChip chip;
   gpiod_line* line = nullptr;
-  int descriptor = -1;  // of an output: this version of the library has no call for it
+  int descriptor = -1;  // an output's; this version of the library has no call for it
 };
 
 GpiodLine::GpiodLine(std::unique_ptr<Handle> handle) : handle_(std::move(handle)) {}
@@ -139,7 +139,7 @@ int GpiodLine::event_descriptor() const noexcept {
 }
 
 std::size_t GpiodLine::read_edges(std::span<LineEdge> edges) noexcept {
-  std::array<gpiod_line_event, 16> events;  // as many as the kernel keeps
+  std::array<gpiod_line_event, 16> events;  // the kernel keeps at most 16
   const std::size_t room = std::min(events.size(), edges.size());
   const int count =
       gpiod_line_event_read_fd_multiple(event_descriptor(), events.data(), static_cast<unsigned>(room));

@@ -37,7 +37,7 @@ using RequestConfig = Owned<gpiod_request_config, gpiod_request_config_free>;
 using LineRequest = Owned<gpiod_line_request, gpiod_line_request_release>;
 using EventBuffer = Owned<gpiod_edge_event_buffer, gpiod_edge_event_buffer_free>;
 
-constexpr std::size_t kEvents = 64;  // kept for us by the kernel, and taken at once
+constexpr std::size_t kEvents = 64;  // number of events that the kernel keeps and that one read returns
 
 gpiod_line_bias line_bias(LineBias bias) {
   switch (bias) {

@@ -12,7 +12,7 @@ namespace {
 using Event = HomingEvent;
 using Effect = HomingEffect;
 
-// After the debouncing, until its result has come across.
+// The time after debouncing until its result has reached this thread.
 constexpr Duration kAcross{std::chrono::milliseconds{2}};
 
 MillimetersPerSecond half(MillimetersPerSecond speed) {
@@ -54,7 +54,7 @@ void Homing::take(Event event) {
   state_ = row->to;
   for (const Effect effect : row->done()) {
     carry_out(effect);
-    if (state_ != row->to) return;  // what that led to has come in place of the rest
+    if (state_ != row->to) return;  // the effect led to another event, which replaces the remaining effects
   }
 }
 

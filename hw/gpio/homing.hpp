@@ -1,15 +1,16 @@
-// The axis' homing: takes what happens through the table of homing_states.hpp and does what its rows say.
-// Event loop's thread only.
+// The axis' homing: looks up each event in the table of homing_states.hpp and carries out the effects of its
+// row. Event loop's thread only.
 //
-// At the switch's first edge the reading thread halts the steps: the motor goes on for as many steps as fall
-// between the kernel's time stamp of the edge and that thread's waking, one as a rule at 4,000 steps/s. The
-// position is exact all the same: the step count at the time stamp. Then the plate moves to the switch's
-// height.
+// At the switch's first edge the input thread halts the steps. The motor still makes the steps that fall
+// between the kernel's time stamp of the edge and the wake-up of that thread, usually one at 4,000 steps/s.
+// The position is exact nevertheless, because it is the step count at the time stamp. Then the plate moves to
+// the switch's height.
 //
-// What the time stamp cannot tell: an edge while a step is being made, from the look at the clock to the
-// level on the line, is one of two steps. And the kernel keeps a line's last edge only until its thread for
-// the interrupt has run: of a contact that bounces sooner, the first edge is lost. On one processor no step
-// is made meanwhile, since the threads go before the steps; with more of them, as many as fall within.
+// The time stamp has two limits. An edge while a step is being made, between reading the clock and setting
+// the line, can belong to either of two steps. And the kernel keeps only a line's last edge until its
+// interrupt thread has run, so the first edge of a contact that bounces faster is lost. On one processor no
+// step is made in that time, since the interrupt thread has priority; on several processors the error is the
+// steps made in that time.
 #pragma once
 
 #include <functional>
@@ -30,22 +31,22 @@ class Homing {
   using Done = std::function<void(HomingResult)>;
   using Call = std::function<void()>;
 
-  // What it has the axis do. All but switch_closed return before what they begin is over.
+  // The actions of the axis. Those that begin something return before it is over.
   struct Wiring {
     std::function<void()> forget_position;
     std::function<void(Call ready)> get_ready;
-    std::function<bool()> switch_closed;  // once settled
-    // So far towards the switch; less than nothing: away from it.
+    std::function<bool()> switch_closed;  // the settled state
+    // Runs this far towards the switch; away from it if the distance is negative.
     std::function<void(AxisDrive::RunKind, Nanometers, MillimetersPerSecond, Call over)> run;
-    std::function<void()> run_on;   // what is left of it, if anything
-    std::function<void()> end_run;  // none of that
+    std::function<void()> run_on;   // makes the remaining steps of the run
+    std::function<void()> end_run;  // drops the remaining steps of the run
     std::function<bool()> turning;
     std::function<void(Duration, Call)> after;
     std::function<void(TimePoint edge)> take_position;
     std::function<void()> know_position;
-    std::function<void(Call there)> approach;  // to the switch's height
-    std::function<void()> stop;                // ends in stopped()
-    std::function<void()> forget;              // all of these that have begun
+    std::function<void(Call there)> approach;  // moves to the switch's height
+    std::function<void()> stop;                // stopped() is called when the motor rests
+    std::function<void()> forget;              // ends the motion and drops its pending calls
   };
 
   Homing(const GpioAxisConfig& config, Wiring wiring);
@@ -54,18 +55,18 @@ class Homing {
   void begin(Done done);
   [[nodiscard]] bool under_way() const { return state_ != HomingState::Idle; }
 
-  // Whether the limit switch's contact is its own, so that contact() is to hear of it.
+  // True during a pass, in which contact() must be called for the limit switch's contact.
   [[nodiscard]] bool in_pass() const { return is_in_pass(state_); }
-  // The contact that halts a pass has settled, closed or open. It counts when the motor rests.
+  // Takes the settled contact, closed or open, that halted a pass. It is handled when the motor rests.
   void contact(const InputChange& change);
-  // The motor does: whether a contact has come meanwhile.
+  // To be called when the motor rests. Handles the contact; false if none has come.
   bool take_contact();
 
   void stop() { take(HomingEvent::StopWanted); }
   void stopped() { take(HomingEvent::Stopped); }
-  // Whoever found the fault has told it, and halted the motor.
+  // Ends homing after a fault. The caller has reported the fault and halted the motor.
   void failed(HomingResult result);
-  // Nobody is answered.
+  // Ends homing without calling `done`.
   void abort() { take(HomingEvent::Aborted); }
 
  private:
@@ -81,8 +82,8 @@ class Homing {
   const Wiring wiring_;
   HomingState state_ = HomingState::Idle;
   Done done_;
-  std::optional<InputChange> contact_;  // while the motor turns
-  TimePoint edge_{};                    // of the last contact
+  std::optional<InputChange> contact_;  // kept until the motor rests
+  TimePoint edge_{};                    // the time of the last contact's first edge
   HomingResult failure_ = HomingResult::Fault;
 };
 

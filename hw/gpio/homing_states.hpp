@@ -1,8 +1,8 @@
-// Homing as one table: what each event does in each state. Nothing else decides where the motor goes before
-// the plate's position is known. `contourd --print-states` draws it.
+// Homing as one table of transitions. Only this table decides the motor's motion before the plate's position
+// is known. `contourd --print-states` draws it.
 //
-// Towards the limit switch at homing speed; 5 mm back; towards it again at half the speed, which finds the
-// position; to the switch's height.
+// Homing moves towards the limit switch at homing speed; 5 mm back; towards it again at half the speed, which
+// finds the position; then to the switch's height.
 #pragma once
 
 #include <span>
@@ -16,29 +16,29 @@ enum class HomingState {
   Idle,
   GettingReady,  // until the motor may turn
   FastPass,      // towards the switch, until its contact has settled
-  FastPassOver,  // the whole way, unless the switch closed with the last step
+  FastPassOver,  // all steps made; the switch may have closed with the last one
   BackingOff,
   BackedOff,  // until the switch has settled
   SlowPass,
   SlowPassOver,
   AtSwitch,      // until the plate rests
   Approaching,   // to the switch's height
-  PassStopping,  // stop was asked for in a pass: what the switch's contact comes to is no matter
-  Stopping,      // in any other state
+  PassStopping,  // after a stop request in a pass; the switch's contact is ignored
+  Stopping,      // after a stop request in any other state
 };
 
 enum class HomingEvent {
   HomeWanted,
-  SwitchOpen,    // found so,
-  SwitchClosed,  // when it was looked at
-  Contact,       // it closed in the pass, and stayed closed
-  Spike,         // it did not
-  WayOver,       // the run's
+  SwitchOpen,    // the result of LookAtSwitch
+  SwitchClosed,  // the result of LookAtSwitch
+  Contact,       // the switch closed in the pass and stayed closed
+  Spike,         // the switch closed in the pass but did not stay closed
+  WayOver,       // the run has made all its steps
   WaitOver,
   Arrived,
   StopWanted,
   Stopped,
-  Failed,  // a fault, told by its finder
+  Failed,  // a fault, which has been reported already
   Aborted,
 };
 
@@ -47,12 +47,12 @@ enum class HomingEffect {
   GetReady,
   SeekFast,
   SeekSlow,
-  SeekOn,  // what is left of the pass
+  SeekOn,  // makes the remaining steps of the pass
   BackOff,
   AwaitContact,
-  LookAtSwitch,  // when it has settled
+  LookAtSwitch,  // after it has had time to settle
   TakePosition,  // from the time at which the switch closed
-  AwaitRest,     // as far as an encoder has to see it
+  AwaitRest,     // only needed with an encoder
   KnowPosition,
   Approach,
   StopMotor,
@@ -66,10 +66,10 @@ enum class HomingEffect {
 
 using HomingTransition = StateTransition<HomingState, HomingEvent, HomingEffect>;
 
-// All rows. An event without a row in a state means nothing there: it comes too late.
+// Returns all rows. An event without a row in the present state comes too late and is ignored.
 [[nodiscard]] std::span<const HomingTransition> homing_transitions();
 
-// A contact of the switch is what the motor was halted for.
+// True for the states in which a contact of the switch halts the motor.
 [[nodiscard]] bool is_in_pass(HomingState state);
 
 [[nodiscard]] std::string_view name_of(HomingState state);

@@ -1,4 +1,4 @@
-// What a thread that cannot wait for the event loop turns the light off by.
+// An interface by which a thread that cannot wait for the event loop turns the light off.
 #pragma once
 
 #include "hw/clock.hpp"
@@ -12,10 +12,10 @@ class LightCutoff {
   LightCutoff& operator=(const LightCutoff&) = delete;
   virtual ~LightCutoff() = default;
 
-  // The light, which may be on until now, goes off and stays off until release(). Any thread; neither
-  // allocates, locks nor throws.
+  // Turns the light off and keeps it off until release(). May be called from any thread; neither allocates,
+  // locks nor throws.
   virtual void cut(TimePoint now) noexcept = 0;
-  // The light may go on again, which it does not by itself. Event loop's thread only.
+  // Allows the light again but does not turn it on. Event loop's thread only.
   virtual void release() noexcept = 0;
 };
 

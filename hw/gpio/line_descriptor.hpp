@@ -1,12 +1,12 @@
-// An output line by nothing but the descriptor that the kernel gave for it: for whoever may not use the
-// library's object for the line, another thread or another process that has inherited it.
+// Sets an output line by the kernel's descriptor alone, for callers that may not use the library's object for
+// the line: another thread, or another process that has inherited the descriptor.
 #pragma once
 
 namespace contourd {
 
-// One or two calls of the kernel, which takes them from any thread and process at any time, whatever
-// interface the line was taken by (libgpiod 1.6: the first; libgpiod 2: the second). True when the line is
-// inactive now; false for what is no line, too. Neither allocates nor locks.
+// Makes the line inactive by one or two kernel calls, which any thread or process may make at any time. Works
+// for both kernel interfaces: libgpiod 1.6 uses the first, libgpiod 2 the second. True if the line is
+// inactive now; false also if the descriptor is not a line. Neither allocates nor locks.
 [[nodiscard]] bool set_line_inactive(int descriptor) noexcept;
 
 }  // namespace contourd

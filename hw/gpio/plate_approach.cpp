@@ -11,7 +11,7 @@ PlateApproach::PlateApproach(AxisDrive& drive, PlatePosition& position, Wiring w
     : drive_(drive), position_(position), wiring_(std::move(wiring)) {}
 
 void PlateApproach::begin(Microsteps plate, MillimetersPerSecond speed, std::function<void()> there) {
-  expects(position_.known(), "where the plate is is known");
+  expects(position_.known(), "the plate's position is known");
   plate_ = plate;
   speed_ = speed;
   there_ = std::move(there);

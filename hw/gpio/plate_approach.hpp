@@ -1,6 +1,7 @@
-// Brings the plate to a position: from below, if the screw has backlash, so that it ends where it bears on
-// the screw. An encoder is asked whether it is there, and what is missing is made good where that is the
-// policy. Drive and position must outlive it. Event loop's thread only.
+// Brings the plate to a position. If the screw has backlash the plate comes from below, so that it ends
+// resting on the screw. If there is an encoder, it checks the position, and with the policy Correct a
+// difference is corrected by further steps. Drive and position must outlive this object. Event loop's thread
+// only.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +23,7 @@ class PlateApproach {
 
   PlateApproach(AxisDrive& drive, PlatePosition& position, Wiring wiring);
 
-  // To `plate`, within a motion of the drive; then calls `there`. REQUIRES: the position is
+  // Moves to `plate` within a motion of the drive, then calls `there`. REQUIRES: the plate's position is
   // known.
   void begin(Microsteps plate, MillimetersPerSecond speed, std::function<void()> there);
 

@@ -1,5 +1,5 @@
-// Where the plate is: by the steps made, over the screw, and by the encoder where there is one. Unknown until
-// the axis has homed. Engine and inputs must outlive it. Event loop's thread only.
+// The plate's position, from the steps made and the screw, and from the encoder if there is one. Unknown
+// until the axis has homed. Engine and inputs must outlive this object. Event loop's thread only.
 #pragma once
 
 #include <cstdint>
@@ -21,43 +21,44 @@ class PlatePosition {
 
   [[nodiscard]] bool known() const noexcept { return known_; }
   void forget() noexcept { known_ = counted_ = false; }
-  // It is unknown until take_switch() and become_known(); the steps are counted on where they were.
+  // Makes the position unknown until take_switch() and become_known(). Remembers whether it was known, so
+  // that the steps since then give homing_shift().
   void homing_begins() noexcept {
     counted_ = std::exchange(known_, false);
     homing_shift_.reset();
   }
-  // How much higher the switch closed than before that homing, by the steps; nothing where those were not
-  // counted.
+  // Returns how much higher than before the switch closed in the last homing, by the steps; nullopt if the
+  // position was unknown before that homing.
   [[nodiscard]] std::optional<Nanometers> homing_shift() const noexcept {
     return known_ ? homing_shift_ : std::nullopt;
   }
-  // The limit switch closed at `edge`, and the motor has run on a little since: the plate is as many steps
-  // from the switch's height. REQUIRES: the motor rests.
+  // Sets the position from the limit switch, which closed at `edge`: the plate is as far from the switch's
+  // height as the motor has moved since. REQUIRES: the motor rests.
   void take_switch(TimePoint edge);
-  // It is known from now on, and the encoder agrees. REQUIRES: the motor rests.
+  // Makes the position known and sets the encoder's position to it. REQUIRES: the motor rests.
   void become_known();
 
   [[nodiscard]] const Screw& screw() const noexcept { return screw_; }
-  // By the steps alone.
+  // Returns the position by the steps alone.
   [[nodiscard]] Screw::Rest by_steps() const { return screw_.moved(rest_, Microsteps{engine_.position()}); }
-  // REQUIRES: the motor rests.
+  // Records the position at which the motor rests. REQUIRES: the motor rests.
   void note_rest();
-  // Both note the rest that they begin from.
+  // Both record the position at which they begin, as note_rest().
   void move_begins();
   void run_begins();
 
-  // By the encoder where there is one, else by the steps; nothing while it is unknown.
+  // Both return the height by the encoder if there is one, else by the steps; nullopt while it is unknown.
   [[nodiscard]] std::optional<Nanometers> height() const;
   [[nodiscard]] std::optional<Nanometers> height_at(TimePoint time) const;
-  // " at 12.345 mm"; empty while it is unknown.
+  // Returns " at 12.345 mm", or an empty string while the height is unknown.
   [[nodiscard]] std::string where() const;
 
-  // What the encoder has to say, as in AxisEncoder: nothing where there is none.
+  // The encoder's checks, see AxisEncoder; without an encoder they find nothing.
   [[nodiscard]] bool has_encoder() const noexcept { return encoder_.has_value(); }
   [[nodiscard]] AxisEncoder::Finding check_encoder();
   [[nodiscard]] std::optional<std::string> runaway() const;
   [[nodiscard]] AxisEncoder::Finding compare_with_encoder();
-  // The plate is where the encoder says. REQUIRES: has_encoder(), the motor rests.
+  // Sets the position by the steps to that of the encoder. REQUIRES: has_encoder(), the motor rests.
   void take_encoder();
 
  private:
@@ -70,9 +71,9 @@ class PlatePosition {
   bool homes_upwards_;
   Screw screw_;
   std::optional<AxisEncoder> encoder_;
-  Screw::Rest rest_;  // before the run under way
+  Screw::Rest rest_;  // the last position at rest
   bool known_ = false;
-  bool counted_ = false;  // all steps since it was known, in homing
+  bool counted_ = false;  // during homing: the position was known before, and all steps since are counted
   std::optional<Nanometers> homing_shift_;
 };
 

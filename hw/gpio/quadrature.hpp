@@ -1,5 +1,5 @@
-// Two channels of an encoder, a quarter of a period apart, as a count: every edge of either counts one, up
-// while A leads B. Pure value; neither allocates nor throws.
+// Decodes an encoder's two channels, which are a quarter of a period apart: every edge of either changes the
+// count by one, up while A leads B. Pure value; neither allocates nor throws.
 #pragma once
 
 #include <cstdint>
@@ -23,9 +23,10 @@ class Quadrature {
   }
 
   [[nodiscard]] std::int64_t count() const noexcept { return count_; }
-  // Whether it counted up last.
+  // True if the last change of the count was upwards.
   [[nodiscard]] bool upwards() const noexcept { return upwards_; }
-  // Edges to the level that a channel already had: as many were missed in between, and the count is off.
+  // Returns the number of edges to the level that a channel already had. Before each of them an edge was
+  // missed, so the count is off.
   [[nodiscard]] std::uint64_t illegal() const noexcept { return illegal_; }
 
  private:

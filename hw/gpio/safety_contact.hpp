@@ -1,5 +1,5 @@
-// The contact of a safety input, an emergency stop or a lid: unsafe from its first edge on, whatever comes
-// behind it, and safe again only when it has been quiet at its safe level for the debounce time. Pure value;
+// The contact of a safety input, an emergency stop or a lid. It is unsafe from its first edge on, whatever
+// follows, and safe again only when it has been quiet at its safe level for the debounce time. Pure value;
 // neither allocates nor throws.
 #pragma once
 
@@ -12,14 +12,14 @@ namespace contourd {
 
 enum class SafetyState : std::uint8_t {
   Safe,
-  Debouncing,  // unsafe, and not yet known for how long
-  Unsafe,      // for the debounce time, or with edges for as long
+  Debouncing,  // unsafe for less than the debounce time
+  Unsafe,      // unsafe, or with edges, for the debounce time or longer
 };
 
 class SafetyContact {
  public:
   SafetyContact() = default;
-  // What is unsafe from the start has been so for long enough.
+  // A contact that is unsafe at the start counts as unsafe for longer than the debounce time.
   SafetyContact(Duration debounce, bool unsafe) noexcept
       : debounce_(debounce),
         state_(unsafe ? SafetyState::Unsafe : SafetyState::Safe),
@@ -28,26 +28,26 @@ class SafetyContact {
 
   struct Change {
     SafetyState from = SafetyState::Safe, to = SafetyState::Safe;
-    TimePoint since{};  // to Safe: the last edge; else the first of this bout
+    TimePoint since{};  // the last edge for a change to Safe; else the first edge of this burst
   };
 
-  // An edge, by its own time. An edge to the level there was says that others were missed: it counts as well.
-  // They may come in another order than they were made in.
+  // Takes an edge with its own time stamp. An edge to the present level counts too, because it shows that
+  // others were missed. Edges may be passed in another order than they occurred in.
   void edge(bool unsafe, TimePoint at) noexcept;
-  // The level as read: an edge of its own when it is not the last known one.
+  // Takes a level that was read. A level other than the last known one counts as an edge.
   void read(bool unsafe, TimePoint at) noexcept {
     if (unsafe != unsafe_) edge(unsafe, at);
   }
 
-  // When to call change(); nothing while nothing is to come without an edge.
+  // Returns when to call change(), or nullopt if there is no change without a further edge.
   [[nodiscard]] std::optional<TimePoint> due() const noexcept;
-  // What has come of it by now, a step a call, until it returns nothing: Debouncing once a bout, then Unsafe
-  // if it lasts, then Safe.
+  // Makes and returns the next change of state up to `now`; nullopt if there is none left. A burst of edges
+  // gives Debouncing, then Unsafe if it lasts, then Safe.
   std::optional<Change> change(TimePoint now) noexcept;
 
-  // Of the last change; an edge since then makes it unsafe all the same.
+  // Returns the state after the last change(). A later edge makes the contact unsafe before change() says so.
   [[nodiscard]] SafetyState state() const noexcept { return state_; }
-  // The last known level.
+  // Returns the last known level.
   [[nodiscard]] bool unsafe_level() const noexcept { return unsafe_; }
 
  private:
@@ -55,9 +55,9 @@ class SafetyContact {
 
   Duration debounce_{};
   SafetyState state_ = SafetyState::Safe;
-  bool moving_ = false;  // a bout of edges is under way
+  bool moving_ = false;  // in a burst of edges
   bool unsafe_ = false;
-  TimePoint first_{}, last_{};  // edges of this bout
+  TimePoint first_{}, last_{};  // the first and the last edge of this burst
 };
 
 }  // namespace contourd

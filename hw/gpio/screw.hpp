@@ -1,5 +1,5 @@
-// The screw between motor and plate: whole microsteps, and backlash, by which the plate lags behind a motor
-// that has turned back downwards. Positions are in microsteps. Pure value.
+// The screw between motor and plate. It moves in whole microsteps and has backlash: when the motor turns
+// downwards the plate follows later. Positions are in microsteps. Pure value.
 #pragma once
 
 #include <algorithm>
@@ -25,13 +25,14 @@ class Screw {
     return Nanometers{std::llround(steps / per_mm_ * 1e6)};
   }
 
-  // The motor has stood still at `motor`, the plate `play` above it, and moves one way from there.
+  // A position from which the motor moves in one direction: the motor is at `motor`, the plate `play` above
+  // it.
   struct Rest {
     Microsteps motor{};
-    Microsteps play{};  // 0 after a way up, the backlash after a way down
+    Microsteps play{};  // 0 after a motion upwards, the backlash after one downwards
     [[nodiscard]] Microsteps plate() const { return motor + play; }
   };
-  // Where it rests, or passes, when the motor is at `motor`.
+  // Returns the positions after the motor has moved from `from` to `motor`.
   [[nodiscard]] Rest moved(const Rest& from, Microsteps motor) const {
     return {motor, std::clamp(from.play - (motor - from.motor), Microsteps{0}, backlash_)};
   }

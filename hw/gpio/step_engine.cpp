@@ -51,7 +51,7 @@ void StepEngine::stop() noexcept {
   stop_ = true;
 }
 
-// The thread writes the one, then the other, between two times at which there is no start.
+// Seqlock: the step thread sets start_ns_ to 0 while it changes made_before_ramp_.
 StepEngine::Ramp StepEngine::ramp() const noexcept {
   for (;;) {
     const std::int64_t start = start_ns_, made = made_before_ramp_;
@@ -95,7 +95,7 @@ Stalls StepEngine::stalls() const noexcept {
 
 void StepEngine::halt() noexcept {
   halt_ = true;
-  // Sequentially consistent on both sides: either the thread sees the halt, or this sees the step being made.
+  // Sequentially consistent on both sides: either the step thread sees the halt, or this loop sees stepping_.
   while (stepping_)
     sched_yield();
 }
@@ -119,7 +119,7 @@ bool StepEngine::begin() noexcept {
     if (!direction_.set(direction > 0)) return finish(StepEnd::LineRefused), false;
     last_direction_ = direction;
   }
-  // The schedule begins behind the direction's setup, so no step can come within it.
+  // The schedule begins after the direction's setup time, so no step can come within it.
   const TimePoint now = now_();
   start_ns_ = (now + timing_.direction_setup).time_since_epoch().count();
   planned_ = plan_.next();
@@ -149,7 +149,7 @@ void StepEngine::rise() noexcept {
   due_ = now_() + timing_.pulse_width;
 }
 
-// False when the move has ended instead.
+// Makes a step. False if the move has ended instead.
 bool StepEngine::make_step(TimePoint now) noexcept {
   stepping_ = true;
   if (halted()) {
@@ -172,7 +172,7 @@ void StepEngine::note_lateness(Duration late) noexcept {
   if (late.count() > worst_ns_) worst_ns_ = late.count();
 }
 
-// Shifts the schedule when the step just made was late by more than a quarter of the interval behind it.
+// Shifts the schedule if the step just made was late by more than a quarter of the following interval.
 void StepEngine::keep_time(Duration late) noexcept {
   note_lateness(late);
   if (plan_.finished()) return;
@@ -192,9 +192,9 @@ void StepEngine::fall() noexcept {
   plan_rise(now_());
 }
 
-// Whether the motor has, while it waited for the step that is due.
+// True if the motor has come to rest while it waited for the step that is due.
 bool StepEngine::come_to_rest(Duration late) const noexcept {
-  if (plan_.done() == 0) return false;  // it has been at rest
+  if (plan_.done() == 0) return false;  // the motor was at rest before
   const double interval_s = 1 / plan_.speed_at(planned_);
   return seconds(late) > std::max(interval_s / 4, std::min(kIntervals * interval_s, seconds(kSwing)));
 }
@@ -219,7 +219,7 @@ void StepEngine::start_again(TimePoint now, Duration late) noexcept {
   plan_rise(now);
 }
 
-// From now on or, when a step is overdue, from that step on: it is due now.
+// Slows down from now on. If a step is overdue, shifts the schedule so that the step is due now.
 void StepEngine::slow_down(TimePoint now, Duration late) noexcept {
   stopped_ = true;
   if (late > Duration{0}) start_ns_ += late.count();

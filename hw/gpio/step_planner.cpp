@@ -14,7 +14,7 @@ Duration nearest_nanosecond(double s) {
   return Duration{static_cast<Duration::rep>(s * 1e9 + 0.5)};
 }
 
-// Steps whose middle lies within `distance`.
+// Returns the number of steps whose middle lies within `distance`.
 std::int64_t steps_within(double distance) {
   return static_cast<std::int64_t>(distance + 0.5);
 }

@@ -15,9 +15,9 @@ namespace contourd {
 namespace {
 
 constexpr std::size_t kStack = std::size_t{256} * 1024;
-constexpr std::size_t kStackTouched = std::size_t{64} * 1024;  // many times what a step takes
+constexpr std::size_t kStackTouched = std::size_t{64} * 1024;  // many times more than a step needs
 
-// Brings the stack into memory before it is locked there.
+// Brings the stack into memory before the memory is locked.
 [[gnu::noinline]] void touch_stack() noexcept {
   volatile char stack[kStackTouched];
   for (std::size_t i = 0; i < sizeof stack; i += 1024)
@@ -32,7 +32,8 @@ std::string words(int error) {
   return std::generic_category().message(error);
 }
 
-// Signals are the event loop's: a thread made meanwhile inherits that none reaches it.
+// Blocks all signals while it exists: a thread that is created meanwhile inherits that, so signals reach only
+// the event loop.
 class SignalsBlocked {
  public:
   SignalsBlocked() {
@@ -53,7 +54,7 @@ class SignalsBlocked {
 void* RealtimeThread::start(void* self) {
   auto& thread = *static_cast<RealtimeThread*>(self);
   touch_stack();
-  prctl(PR_SET_TIMERSLACK, 1UL);  // matters where SCHED_FIFO is refused: 50 us otherwise
+  prctl(PR_SET_TIMERSLACK, 1UL);  // matters if SCHED_FIFO is refused; the default is 50 us
   thread.started_.store(true, std::memory_order_release);
   thread.started_.notify_one();
   return thread.body_(thread.argument_);
@@ -79,12 +80,12 @@ RealtimeThread::RealtimeThread(const char* name, int priority, void* (*body)(voi
   if (const int error = pthread_setschedparam(thread_, SCHED_FIFO, &parameter)) {
     refusals_.push_back("the system refuses real-time priority " + std::to_string(priority) +
                         " to the thread " + name + " (" + words(error) +
-                        "): it works, its steps come late when the machine is busy");
+                        "): it works, but is late when the computer is busy");
   }
-  // Not MCL_FUTURE: a model of some hundred megabytes need not be locked, and may be more than is allowed.
+  // Not MCL_FUTURE: a model of some hundred megabytes need not be locked, and may exceed the limit.
   if (mlockall(MCL_CURRENT) != 0) {
     refusals_.push_back("the system refuses to lock the memory of the thread " + std::string(name) + " (" +
-                        words(errno) + "): it works, its steps come late when memory runs short");
+                        words(errno) + "): it works, but is late when memory runs short");
   }
 }
 
@@ -101,7 +102,7 @@ void DeadlineWait::sleep(TimePoint now, TimePoint due) noexcept {
   const timespec time{static_cast<time_t>(ns / std::chrono::seconds{1}),
                       static_cast<long>((ns % std::chrono::seconds{1}).count())};
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr);
-  // Down to the least at once, slowly up again.
+  // The lead follows a smaller delay at once and a larger one slowly.
   const Duration took = std::min(monotonic_now() - wake, kMaxLead);
   lead_ = took < lead_ ? std::max(took, Duration{0}) : lead_ + (took - lead_) / 64;
 }

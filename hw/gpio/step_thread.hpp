@@ -1,7 +1,7 @@
-// The thread that makes the steps: waits until each is due, by absolute deadlines on CLOCK_MONOTONIC, and
-// does what the engine says. Runs with SCHED_FIFO, on a stack that is in memory, with the program's memory as
-// it stands locked (what is allocated later, models above all, is not: the thread does not touch it). Where
-// the system refuses either, it runs all the same and says so.
+// The step thread: waits until each step is due, with absolute deadlines on CLOCK_MONOTONIC, and calls the
+// engine. It runs with SCHED_FIFO, on a stack that is in memory. The program's memory at its start is locked;
+// later allocations (mainly models) are not, as the thread does not touch them. If the system refuses the
+// priority or the lock, the thread runs all the same and reports that.
 #pragma once
 
 #include <pthread.h>
@@ -14,17 +14,17 @@
 
 namespace contourd {
 
-// A thread with a deadline to keep.
+// A thread with real-time priority and locked memory.
 class RealtimeThread {
  public:
-  // Starts a thread named `name` (15 letters at most) that runs `body(argument)` with SCHED_FIFO `priority`
-  // where that is allowed. Throws std::system_error when there can be no thread.
+  // Starts a thread named `name` (at most 15 letters) that runs `body(argument)`, with SCHED_FIFO `priority`
+  // if that is allowed. Throws std::system_error if no thread can be created.
   RealtimeThread(const char* name, int priority, void* (*body)(void*), void* argument);
   RealtimeThread(const RealtimeThread&) = delete;
   RealtimeThread& operator=(const RealtimeThread&) = delete;
   ~RealtimeThread();  // waits for the body to return
 
-  // A sentence for each thing that the system refused; none when all is as it should be.
+  // Returns a sentence for each request that the system refused.
   [[nodiscard]] const std::vector<std::string>& refusals() const { return refusals_; }
 
  private:
@@ -38,11 +38,11 @@ class RealtimeThread {
   std::vector<std::string> refusals_;
 };
 
-// Waits for deadlines. A thread wakes a little after the time it asked for: the wait is shortened by what
-// that took at the least lately, and the last microseconds are spent looking at the clock.
+// Waits for deadlines. A thread wakes a little after the requested time. So the sleep is shortened by the
+// smallest recent wake-up delay, and the last microseconds are spent polling the clock.
 class DeadlineWait {
  public:
-  // Returns at `due`, never before unless `interrupted()`; sleeps at most 10 ms without looking for that.
+  // Returns at `due`, or earlier if `interrupted()`, which is checked at least every 10 ms.
   template <typename Interrupted>
   void until(TimePoint due, Interrupted interrupted) noexcept {
     for (TimePoint now = monotonic_now(); now < due && !interrupted(); now = monotonic_now())
@@ -70,7 +70,7 @@ class StepThread {
   StepEngine& engine_;
   std::atomic<bool> quit_{false};
   DeadlineWait wait_;
-  RealtimeThread thread_;  // last: runs while the others are there
+  RealtimeThread thread_;  // last member: ends before the others are destroyed
 };
 
 }  // namespace contourd

@@ -9,7 +9,7 @@
 namespace contourd {
 namespace {
 
-// Lateness by the microsecond; what is later than all of them is with the last.
+// The number of wake-ups for each microsecond of lateness. The last entry includes all that are later.
 using Histogram = std::array<std::uint32_t, 10'000>;
 
 struct Measurement {
@@ -25,7 +25,8 @@ struct Measurement {
     worst = std::max(worst, late);
   }
 
-  // The thread's. As the steps': one that is late by more than a quarter of an interval shifts the rest.
+  // Runs on the thread. As with steps, a wake-up that is late by more than a quarter of an interval shifts
+  // the rest.
   void run() noexcept {
     DeadlineWait wait;
     TimePoint due = monotonic_now() + std::chrono::milliseconds{1};

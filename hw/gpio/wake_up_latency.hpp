@@ -1,5 +1,5 @@
-// The wake-up latency of a thread like the one that makes the steps, measured on this computer without a
-// step, and the step rate that it sustains.
+// The wake-up latency of a thread like the step thread, measured on this computer without making steps, and
+// the step rate that the latency sustains.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@ namespace contourd {
 
 struct WakeUpLatency {
   std::uint64_t count = 0;
-  Duration p99{};    // 99 of 100 came within it
-  Duration worst{};  // of all
-  // A sentence for each thing that the system refused the thread.
+  Duration p99{};    // 99 of 100 wake-ups came within this time
+  Duration worst{};  // the longest
+  // A sentence for each request of the thread that the system refused.
   std::vector<std::string> refusals{};
 
-  // The step rate that this latency sustains, in steps/s: 99 steps of 100 come within half an interval, and
-  // none so late that the motor has come to rest. At most `most`; 0 for none.
+  // Returns the step rate that this latency sustains, in steps/s: 99 steps of 100 come within half an
+  // interval, and none is so late that the motor has come to rest. At most `most`; 0 if no rate is sustained.
   [[nodiscard]] double sustainable_rate(double most) const;
 };
 
-// Wakes `rate` times a second, by absolute deadlines and with SCHED_FIFO `priority` where that is allowed.
-// Blocks for `lasting`. Throws std::system_error when there can be no thread.
+// Measures `rate` wake-ups per second, with absolute deadlines and with SCHED_FIFO `priority` if that is
+// allowed. Blocks for `lasting`. Throws std::system_error if no thread can be created.
 [[nodiscard]] WakeUpLatency measure_wake_up_latency(double rate, int priority, Duration lasting);
 
 }  // namespace contourd

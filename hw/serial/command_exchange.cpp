@@ -11,11 +11,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A reply that is late by more than the timeout again is not waited for: it would be taken for a later
-// command's.
+// Number of timeouts for which a reply, though late, is still assigned to its command. A reply that comes
+// later would be taken for a later command's.
 constexpr int kLateTimeouts = 2;
-// Light on's is longer: taken for light off's it would make a lit projector dark. The longest timeout that a
-// table can have.
+// Timeout assumed at least for late replies to light on: taken for light off's, such a reply would make a lit
+// projector count as dark. Equal to the longest timeout that a table can have.
 constexpr Duration kLateLightOn = 30s;
 
 }  // namespace
@@ -87,7 +87,7 @@ void CommandExchange::send() {
   const ProjectorCommand& command = *current_->command;
   const TimePoint first_byte = clock_.now();
   if (lost_ || !channel_.write(command.bytes)) {
-    // Not from inside the caller's own call.
+    // Deferred, so that the callback does not run inside the caller's call.
     timer_ = clock_.call_after(Duration{0}, [this] { give_up(); });
     return;
   }
@@ -106,7 +106,7 @@ void CommandExchange::send() {
 }
 
 void CommandExchange::hear(std::string_view bytes) {
-  // A copy: what is heard leads to calls that may lead back here.
+  // Copied, because handling the bytes may lead to calls that come back here.
   const std::string all(bytes);
   for (const char byte : all)
     take(reader_.take(byte, clock_.now()));
@@ -116,11 +116,11 @@ void CommandExchange::take(const ReplyReader::Heard& heard) {
   if (heard.unasked != nullptr) return listener_.unasked(*heard.unasked);
   if (!heard.reply) return;
   free_at_ = clock_.now() + table_.gap;
-  const bool own = current_ && heard.reply->request == current_->id;  // else late, and somebody else's
+  const bool own = current_ && heard.reply->request == current_->id;  // otherwise late, and another request's
   const Ambiguous if_ambiguous = current_ && current_->sent > 0 ? current_->if_ambiguous : Ambiguous::Counts;
-  // Of light off's and light on's nobody knows which this one is, where they look alike: light on's may have
-  // been lost, or come late, or twice. The next light off's will tell, sooner than a timeout. So it is with
-  // power off's.
+  // Where the replies to light on and light off look alike, this may be either's: light on's may have been
+  // lost, or come late or twice. The reply to another light off settles that sooner than a timeout. The same
+  // applies to power off.
   if ((if_ambiguous == Ambiguous::SendsAgainAnyway && !own) ||
       (if_ambiguous != Ambiguous::Counts && heard.reply->ambiguous)) {
     timer_ = clock_.call_at(free_at_, [this] { send(); });
@@ -156,9 +156,9 @@ std::string CommandExchange::no_answer(const Request& request) const {
   const std::string baud = std::to_string(table_.baud);
   if (reader_.unexplained().empty())
     return called() + " did not answer " + what + ": is it connected, and set to " + baud + " baud?";
-  return called() + " answered " + what + " with what is no reply of its kind, " +
-         readable_bytes(reader_.unexplained()) + ": is its baud rate " + baud +
-         ", and is it the projector of the table \"" + table_.name + "\"?";
+  return called() + " answered " + what + " with " + readable_bytes(reader_.unexplained()) +
+         ", which is not a reply to it: is its baud rate " + baud + ", and is the table \"" + table_.name +
+         "\" the right one for it?";
 }
 
 void CommandExchange::finish(Answer answer) {

@@ -17,10 +17,10 @@ ProjectorLight::ProjectorLight(CommandExchange& exchange, Clock& clock, const Pr
                                Wiring wiring)
     : exchange_(exchange), clock_(clock), table_(table), wiring_(std::move(wiring)) {}
 
-// Once: a light on that may have been obeyed is not sent again.
+// Sends light on without retries, because one that may have been obeyed is not sent again.
 void ProjectorLight::turn_on(Duration exposure, Projector::LightOn tell) {
   expects(table_.light_on && table_.light_off, "the table has a light on and off");
-  expects(dark(), "it is known to be dark");
+  expects(dark(), "the light is known to be off");
   exposure_ = exposure;
   tell_ = std::move(tell);
   exchange_.ask({.command = &*table_.light_on,
@@ -89,15 +89,15 @@ void ProjectorLight::carry_out(Effect effect) {
       if (table_.light_on) exchange_.drop(*table_.light_on);
       return;
     case Effect::TellLit:
-      return tell_on(ProjectorReply::Ok);
+      return answer_on(ProjectorReply::Ok);
     case Effect::TellUnlit:
-      return tell_on(on_reply_);
+      return answer_on(on_reply_);
     case Effect::TellDark:
       return tell_dark();
     case Effect::TellConfirmed:
-      return tell_off(ProjectorReply::Ok);
+      return answer_off(ProjectorReply::Ok);
     case Effect::TellUnconfirmed:
-      return tell_off(off_reply_);
+      return answer_off(off_reply_);
     case Effect::ReportOverdue:
       return wiring_.report(MachineEvent::Kind::Fault, "the light may be on: " + off_problem_);
     case Effect::ReportDark:
@@ -135,11 +135,11 @@ void ProjectorLight::ask_whether_lit() {
   });
 }
 
-// A reply to an earlier light off confirms this one only if no light on came in between. Once it is known
-// that light off is not heard, it must not keep power off waiting.
-void ProjectorLight::send_light_off(bool anew) {
+// Sends light off; with `new_request`, replies to earlier light offs do not confirm it, because light may
+// have come on in between. An overdue light off gets no retries, so that it does not keep power off waiting.
+void ProjectorLight::send_light_off(bool new_request) {
   retry_.reset();
-  if (anew) off_id_ = exchange_.new_id();
+  if (new_request) off_id_ = exchange_.new_id();
   exchange_.ask_first({.command = &*table_.light_off,
                        .done = [this](const Answer& answer) { light_off_answered(answer); },
                        .retries = overdue() ? 0 : table_.retries,
@@ -165,7 +165,8 @@ void ProjectorLight::light_off_answered(const Answer& answer) {
   take(unconfirmed(answer));
 }
 
-// As many do not confirm it while they are off.
+// Returns the event of a light off that was not confirmed. Many projectors do not confirm it while they are
+// off.
 ProjectorLight::Event ProjectorLight::unconfirmed(const Answer& answer) const {
   const bool refused = answer.reply == ProjectorReply::Refused;
   if (answer.garbled) return refused && table_.power ? Event::LightOffUnclear : Event::LightOffGarbled;
@@ -182,7 +183,7 @@ void ProjectorLight::ask_whether_on() {
 }
 
 ProjectorLight::Event ProjectorLight::whether_on(const Answer& power) const {
-  // As it warms up it may not call itself on yet.
+  // A projector that is warming up may not report itself as on yet.
   if (may_be_on() && clock_.now() < wiring_.warm_at()) return Event::SaysTooEarly;
   if (says(power, ReplyMeaning::Off)) return Event::SaysOff;
   return power.reply == ProjectorReply::Ok || power.garbled ? Event::SaysOn : Event::SaysNothing;
@@ -195,16 +196,16 @@ void ProjectorLight::tell_sent() {
 void ProjectorLight::tell_dark() {
   if (!dark_) return;
   tell_dark_ = clock_.call_after(Duration{0}, [this] {
-    if (!dark()) return;  // it is told when it is
+    if (!dark()) return;  // called again once it is dark
     if (const auto call = std::exchange(dark_, nullptr)) call();
   });
 }
 
-void ProjectorLight::tell_on(ProjectorReply reply) {
+void ProjectorLight::answer_on(ProjectorReply reply) {
   if (const auto done = std::exchange(tell_.done, nullptr)) done(reply);
 }
 
-void ProjectorLight::tell_off(ProjectorReply reply) {
+void ProjectorLight::answer_off(ProjectorReply reply) {
   if (const auto done = std::exchange(whether_dark_, nullptr)) done(reply);
 }
 

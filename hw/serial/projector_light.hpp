@@ -1,8 +1,8 @@
-// A serial projector's light: takes what happens through the table of projector_light_states.hpp and does
-// what its rows say. Event loop's thread only.
+// A serial projector's light: looks each event up in the table of projector_light_states.hpp and carries out
+// the effects of its row. Event loop's thread only.
 //
-// It has many functions, each of a few lines: one for each effect that is more than a call. Of its data all
-// but the state is who is to be told what, and when.
+// It has many functions, each of a few lines: one for each effect that is more than a call. All data except
+// the state are the callbacks to call, their arguments and their times.
 #pragma once
 
 #include <functional>
@@ -22,44 +22,45 @@ namespace contourd {
 class ProjectorLight {
  public:
   struct Wiring {
-    std::function<TimePoint()> warm_at;  // until then a light off that is refused is no fault
+    std::function<TimePoint()> warm_at;  // time until which a refused light off is not a fault
     std::function<void(MachineEvent::Kind, const std::string&)> report;
   };
 
-  // Exchange, clock and table must outlive it.
+  // The exchange, the clock and the table must outlive the light.
   ProjectorLight(CommandExchange& exchange, Clock& clock, const ProjectorTable& table, Wiring wiring);
 
-  // See Projector. REQUIRES: the table has a light on and off; dark().
+  // Turns the light on, see Projector::light_on(). REQUIRES: the table has a light on and off; dark().
   void turn_on(Duration exposure, Projector::LightOn tell);
-  // REQUIRES: the table has a light off.
+  // Turns the light off. REQUIRES: the table has a light off.
   void turn_off() {
     expects(table_.light_off.has_value(), "the table has a light off");
     take(Event::LightOffWanted);
   }
-  // Another light on is asked for than the one before, whether it comes to it or not.
+  // Forgets the last light on, because another is requested, which may not even be sent.
   void forget_last();
   void when_dark(std::function<void()> call);
-  // Calls `done` when light off is confirmed, or was not often enough; behind turn_off() or suspect().
+  // Calls `done` when light off is confirmed, or has failed often enough. To be called after turn_off() or
+  // suspect().
   void tell_whether_dark(Projector::Done done) { whether_dark_ = std::move(done); }
-  // Who waits for an answer is dropped.
+  // Drops the callbacks that wait for an answer.
   void drop();
 
-  // What happens.
+  // Events.
   void light_on_sent(TimePoint first_byte);
   void light_off_sent(TimePoint first_byte);
   void power_on_sent() { take(Event::PowerOnSent); }
   void suspect() { take(Event::Suspected); }
   void power_is_off() { take(Event::PowerIsOff); }
 
-  // As far as anybody can tell, and no light off is under way.
+  // True if the light is off as far as is known, and no light off is under way.
   [[nodiscard]] bool dark() const { return !may_be_on() && !off_waits(); }
   [[nodiscard]] bool may_be_on() const { return may_shine(state_); }
   [[nodiscard]] bool off_waits() const { return is_turned_off(state_); }
   [[nodiscard]] bool overdue() const { return is_overdue(state_); }
-  // Why it may be on; empty when it is off as far as anybody can tell.
+  // Returns why the light may be on; empty if it is off as far as is known.
   [[nodiscard]] std::string light_off_unconfirmed() const;
   [[nodiscard]] std::optional<LightSpan> last() const { return last_; }
-  // No light off is under way, or due by the exposure that was asked for before `duration` is over.
+  // True if no light off is under way, and the exposure of a light that is on lasts at least `duration` more.
   [[nodiscard]] bool leaves_time_for(Duration duration) const;
 
  private:
@@ -70,7 +71,7 @@ class ProjectorLight {
 
   void take(Event event);
   void carry_out(Effect effect);
-  void send_light_off(bool anew);
+  void send_light_off(bool new_request);
   void retry_later();
   void stop_sending();
   void ask_whether_lit();
@@ -81,8 +82,8 @@ class ProjectorLight {
   [[nodiscard]] Event whether_on(const Answer& power) const;
   void tell_sent();
   void tell_dark();
-  void tell_on(ProjectorReply reply);
-  void tell_off(ProjectorReply reply);
+  void answer_on(ProjectorReply reply);
+  void answer_off(ProjectorReply reply);
 
   CommandExchange& exchange_;
   Clock& clock_;
@@ -91,12 +92,12 @@ class ProjectorLight {
   State state_ = State::Dark;
   CommandExchange::RequestId off_id_ = 0;
   std::string off_problem_;                  // why light off was not confirmed
-  ProjectorReply on_reply_{}, off_reply_{};  // to light on and light off, the last
-  std::optional<LightSpan> last_;            // of the last turn_on(), once that was sent
-  Duration exposure_{};                      // that it was asked for
-  Projector::LightOn tell_;                  // who asked for it
+  ProjectorReply on_reply_{}, off_reply_{};  // the last replies to light on and light off
+  std::optional<LightSpan> last_;            // the light of the last turn_on(), once that was sent
+  Duration exposure_{};                      // from the last turn_on()
+  Projector::LightOn tell_;                  // from the last turn_on()
   Projector::Done whether_dark_;
-  std::function<void()> dark_;  // asked for by when_dark()
+  std::function<void()> dark_;  // from the last when_dark()
   std::unique_ptr<Timer> retry_, tell_sent_, tell_dark_;
 };
 

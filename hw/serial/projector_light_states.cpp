@@ -22,7 +22,7 @@ constexpr ProjectorLightTransition confirmed_at_last(S from, E on) {
   return row(from, on, S::Dark, F::NoteDark, F::TellDark, F::ReportDark, F::TellConfirmed);
 }
 
-// Asked often enough: told, and tried on and on.
+// Light off was sent often enough: this is reported, and light off is tried on and on.
 constexpr ProjectorLightTransition overdue(S from, E on) {
   return row(from, on, S::Overdue, F::RetryLater, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed);
 }
@@ -30,7 +30,7 @@ constexpr ProjectorLightTransition still_overdue(S from, E on) {
   return row(from, on, S::Overdue, F::RetryLater, F::DropLightOn, F::TellUnconfirmed);
 }
 
-// As it has no power it has no light.
+// A projector without power has no light.
 constexpr ProjectorLightTransition power_is_off(S from) {
   return row(from, E::PowerIsOff, S::Dark, F::StopSending, F::NoteDark, F::TellDark);
 }
@@ -46,25 +46,25 @@ constexpr auto kTable = std::to_array<ProjectorLightTransition>({
     row(S::ComingUp, E::LightOnSent, S::TurningOn, F::NoteLightOn),
     row(S::LitAskedWhetherOn, E::LightOnSent, S::TurningOn, F::NoteLightOn),
     row(S::LostLit, E::LightOnSent, S::TurningOn, F::NoteLightOn),
-    // It is to be off: one that slipped out is followed by a light off of its own.
+    // The light is meant to be off: a light on that slipped out is followed by a light off of its own.
     row(S::MakingSure, E::LightOnSent, S::TurningOff, F::NoteLightOn, F::SendLightOff, F::TellUnlit),
     row(S::TurningOff, E::LightOnSent, S::TurningOff, F::NoteLightOn, F::SendLightOff, F::TellUnlit),
     row(S::Overdue, E::LightOnSent, S::Overdue, F::NoteLightOn, F::SendLightOff, F::TellUnlit),
     row(S::TurningOn, E::LightOnConfirmed, S::Lit, F::NoteLit, F::TellLit),
     row(S::TurningOn, E::LightOnAmbiguous, S::Lit, F::TellLit),
     row(S::TurningOn, E::LightOnUnanswered, S::AskedWhetherLit, F::AskWhetherLit),
-    // Not confirmed is not off.
+    // A light on that is not confirmed may have been obeyed.
     row(S::TurningOn, E::LightOnFailed, S::TurningOff, F::SendLightOff, F::TellUnlit),
     row(S::AskedWhetherLit, E::SaysLit, S::Lit, F::NoteLit, F::TellLit),
     row(S::AskedWhetherLit, E::SaysUnlit, S::TurningOff, F::SendLightOff, F::TellUnlit),
-    // It was never sent.
+    // Light on was never sent.
     row(S::Dark, E::LightOnFailed, S::MakingSure, F::SendLightOff, F::TellUnlit),
     row(S::AskedWhetherOn, E::LightOnFailed, S::MakingSure, F::SendLightOff, F::TellUnlit),
 
     // Power on may be obeyed without an answer.
     row(S::Dark, E::PowerOnSent, S::ComingUp),
     row(S::AskedWhetherOn, E::PowerOnSent, S::LitAskedWhetherOn),
-    // A reply to a light off before it does not count any more.
+    // Replies to a light off that was sent before power on do not count any more.
     row(S::MakingSure, E::PowerOnSent, S::TurningOff, F::SendLightOff),
     row(S::TurningOff, E::PowerOnSent, S::TurningOff, F::SendLightOff),
     row(S::Overdue, E::PowerOnSent, S::Overdue, F::SendLightOff),
@@ -103,12 +103,12 @@ constexpr auto kTable = std::to_array<ProjectorLightTransition>({
     confirmed(S::MakingSure, E::LightOffConfirmed),
     confirmed(S::TurningOff, E::LightOffConfirmed),
     confirmed_at_last(S::Overdue, E::LightOffConfirmed),
-    // Whoever waits for darkness goes on waiting.
+    // The callback of when_dark() goes on waiting.
     row(S::MakingSure, E::LightOffTooEarly, S::MakingSure, F::RetryLater),
     row(S::TurningOff, E::LightOffTooEarly, S::TurningOff, F::RetryLater),
     row(S::Overdue, E::LightOffTooEarly, S::Overdue, F::RetryLater),
 
-    // Nothing says that there is light: it may be off.
+    // There is no sign of light: the projector may be off.
     row(S::MakingSure, E::LightOffUnanswered, S::AskedWhetherOn, F::TellDark, F::AskWhetherOn),
     row(S::MakingSure, E::LightOffRefused, S::AskedWhetherOn, F::TellDark, F::AskWhetherOn),
     row(S::MakingSure, E::LightOffFailed, S::Dark, F::TellDark, F::TellUnconfirmed),
@@ -116,7 +116,7 @@ constexpr auto kTable = std::to_array<ProjectorLightTransition>({
     row(S::MakingSure, E::LightOffUnclear, S::TurningOff, F::SendLightOff),
     row(S::MakingSure, E::LineLost, S::Dark, F::TellUnconfirmed),
 
-    // There may be light: only a confirmation ends it, or a projector that says that it is off.
+    // There may be light: only a confirmation ends this, or the projector's answer that it is off.
     overdue(S::TurningOff, E::LightOffUnanswered),
     overdue(S::TurningOff, E::LightOffFailed),
     overdue(S::TurningOff, E::LightOffGarbled),
@@ -142,7 +142,7 @@ constexpr auto kTable = std::to_array<ProjectorLightTransition>({
     still_overdue(S::OverdueAskedWhetherOn, E::SaysOn),
     still_overdue(S::OverdueAskedWhetherOn, E::SaysNothing),
     row(S::OverdueAskedWhetherOn, E::SaysTooEarly, S::Overdue, F::RetryLater),
-    // The answer came behind a power off that was confirmed.
+    // The answer came after a power off was confirmed.
     row(S::Dark, E::SaysOn, S::TurningOff, F::SendLightOff),
 
     power_is_off(S::Dark),

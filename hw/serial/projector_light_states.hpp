@@ -1,8 +1,8 @@
-// A serial projector's light as one table: what each event does in each state. Nothing else decides whether
-// light off is sent. `contourd --print-states` draws it.
+// A serial projector's light as one table: the effects of each event in each state. Only this table decides
+// whether light off is sent. `contourd --print-states` draws it.
 //
-// The light is taken as on from the first byte of light on, or of power on, until it is confirmed off. Light
-// on is never sent again: where its reply is lost the projector is asked, or its light is turned off.
+// The light counts as on from the first byte of light on, or of power on, until it is confirmed off. Light on
+// is never sent again: if its reply is lost the projector is asked, or its light is turned off.
 #pragma once
 
 #include <span>
@@ -13,80 +13,80 @@
 namespace contourd {
 
 enum class ProjectorLightState {
-  Dark,             // as far as anybody can tell
-  TurningOn,        // light on is sent, its reply is waited for
-  AskedWhetherLit,  // that was lost, or may be another command's
-  Lit,              // as far as anybody can tell
-  ComingUp,         // power on is sent: it comes up with a picture of its own
-  MakingSure,       // light off is sent though nothing says that there is light
+  Dark,             // as far as is known
+  TurningOn,        // light on was sent, its reply is pending
+  AskedWhetherLit,  // light on's reply was lost or ambiguous, so the projector was asked
+  Lit,              // as far as is known
+  ComingUp,         // power on was sent: the projector comes up with a picture of its own
+  MakingSure,       // light off is sent although there is no sign of light
   TurningOff,       // light off is sent until it is confirmed
-  Overdue,          // the same, and that it is not confirmed was reported
-  // Light off was not confirmed, as by many that are off: it is asked whether it is on at all.
+  Overdue,          // TurningOff, after the missing confirmation was reported
+  // Light off was not confirmed, which is usual for projectors that are off: asked whether it is on at all.
   AskedWhetherOn,
-  LitAskedWhetherOn,      // the same where there may be light
-  OverdueAskedWhetherOn,  // the same where that was reported
+  LitAskedWhetherOn,      // AskedWhetherOn, where there may be light
+  OverdueAskedWhetherOn,  // LitAskedWhetherOn, after the missing confirmation was reported
   LostLit,                // the line was lost before light off was confirmed
-  LostOverdue,            // the same where that was reported
+  LostOverdue,            // LostLit, after the missing confirmation was reported
 };
 
 enum class ProjectorLightEvent {
-  LightOnSent,  // its first byte
+  LightOnSent,  // the first byte was sent
   LightOnConfirmed,
-  LightOnAmbiguous,   // a reply that may be another command's; it cannot be asked whether it is lit
-  LightOnUnanswered,  // no reply, or such a one; it can be asked
-  LightOnFailed,      // refused, never sent, or no reply and it cannot be asked
+  LightOnAmbiguous,   // the reply may be another command's, and the table has no query for the light
+  LightOnUnanswered,  // no reply or an ambiguous one, but the table has a query for the light
+  LightOnFailed,      // refused, never sent, or no reply and no query for the light
   SaysLit,
-  SaysUnlit,  // or nothing
+  SaysUnlit,  // or no answer
   PowerOnSent,
-  Suspected,  // it has come up or its warm-up is over: its light may be on
+  Suspected,  // the projector has come up or its warm-up is over: its light may be on
   LightOffWanted,
   LightOffConfirmed,
-  LightOffTooEarly,    // not confirmed, but it warms up
-  LightOffUnanswered,  // no reply; it can be asked whether it is on
-  LightOffRefused,     // it can be asked whether it is on
-  LightOffFailed,      // neither confirmed, nor can it be asked
-  LightOffGarbled,     // the same, or no reply, and what came made no sense
-  LightOffUnclear,     // refused, but more came and made no sense; it can be asked
+  LightOffTooEarly,    // not confirmed, but the projector is warming up
+  LightOffUnanswered,  // no reply, but the table has a query for the power
+  LightOffRefused,     // refused, but the table has a query for the power
+  LightOffFailed,      // not confirmed, and no query for the power
+  LightOffGarbled,     // LightOffUnanswered or LightOffFailed, after bytes that made no sense
+  LightOffUnclear,     // LightOffRefused, after more bytes that made no sense
   LineLost,
   RetryDue,
   SaysOff,
-  SaysOn,  // or what makes no sense
+  SaysOn,  // or bytes that make no sense
   SaysNothing,
-  SaysTooEarly,  // anything, but it warms up
+  SaysTooEarly,  // any answer or none, while the projector is warming up
   PowerIsOff,
 };
 
 enum class ProjectorLightEffect {
   SendLightOff,    // now, ahead of all others; only replies to this one count
-  RepeatLightOff,  // now, ahead of all others; replies to the one before count too
+  RepeatLightOff,  // now, ahead of all others; replies to the previous one count too
   RetryLater,      // light off, after a pause
-  StopSending,     // light off, which waits
+  StopSending,     // drops a pending light off
   AskWhetherLit,
   AskWhetherOn,
-  NoteLightOn,  // the light counts from here, and who asked for it is told
-  NoteLit,      // it was on by now
-  NoteDark,     // it was off by now
-  DropLightOn,  // that waits: none behind a light off that failed
-  TellLit,      // who asked for the light
+  NoteLightOn,  // the light's time starts, and turn_on() is answered with `sent`
+  NoteLit,      // the light was on by now
+  NoteDark,     // the light was off by now
+  DropLightOn,  // drops a pending light on, which must not follow a light off that failed
+  TellLit,      // answers turn_on()
   TellUnlit,
-  TellDark,         // who waits for darkness
-  TellConfirmed,    // who waits for the answer to light off
-  TellUnconfirmed,  // the same
+  TellDark,         // answers when_dark()
+  TellConfirmed,    // answers tell_whether_dark()
+  TellUnconfirmed,  // answers tell_whether_dark()
   ReportOverdue,
-  ReportDark,  // behind that
+  ReportDark,  // after ReportOverdue
 };
 
 using ProjectorLightTransition =
     StateTransition<ProjectorLightState, ProjectorLightEvent, ProjectorLightEffect>;
 
-// All rows. An event without a row in a state means nothing there: it comes too late.
+// Returns all rows. An event without a row in a state is ignored there: it comes too late.
 [[nodiscard]] std::span<const ProjectorLightTransition> projector_light_transitions();
 
-// The light may be on.
+// True if the light may be on.
 [[nodiscard]] bool may_shine(ProjectorLightState state);
-// Light off is to be sent until it is confirmed.
+// True if light off is to be sent until it is confirmed.
 [[nodiscard]] bool is_turned_off(ProjectorLightState state);
-// That light off is not confirmed was reported, and nothing better since.
+// True if the missing confirmation of light off was reported, and has not come since.
 [[nodiscard]] bool is_overdue(ProjectorLightState state);
 
 [[nodiscard]] std::string_view name_of(ProjectorLightState state);

@@ -9,14 +9,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Between questions whether the projector is on by now, and how long after its warm-up it may say no.
+// Interval of the questions whether the projector is on yet, and how long after its warm-up it may say no.
 constexpr Duration kAskAgain = 2s;
 constexpr Duration kReadyGrace = 60s;
-// Between questions whether it still is.
+// Interval of the questions whether the projector is still on.
 constexpr Duration kWatchInterval = 5s;
-// Between attempts to turn it off, before and after that is told: once it does not do so this long after it
-// was told to, and was warm.
+// Interval of the attempts to turn the projector off, before and after their failure is reported.
 constexpr Duration kOffAgain = 5s, kOffAgainLater = 60s;
+// How long after power off was requested, and the projector was warm, the failure is reported.
 constexpr Duration kOffGrace = 30s;
 
 bool says(const CommandExchange::Answer& answer, ReplyMeaning meaning) {
@@ -65,7 +65,7 @@ void ProjectorPower::take(Event event) {
   state_ = row->to;
   for (const Effect effect : row->done()) {
     carry_out(effect);
-    if (state_ != row->to) return;  // what that led to has come in place of the rest
+    if (state_ != row->to) return;  // the effect led to another state, which replaces the other effects
   }
 }
 
@@ -127,7 +127,7 @@ void ProjectorPower::carry_out(Effect effect) {
   }
 }
 
-// One that cannot be asked is as it is known to be.
+// Asks whether the projector is on. Where the table has no query for that, the known state is the answer.
 void ProjectorPower::ask(bool known_on, std::function<Event(const Answer&)> meaning) {
   if (!table_.power) return take(known_on ? Event::SaysOn : Event::SaysNothing);
   exchange_.ask(*table_.power, [this, meaning = std::move(meaning)](const Answer& answer) {
@@ -209,7 +209,7 @@ void ProjectorPower::power_off_answered(const Answer& answer) {
   off_at_ = clock_.now();
   const bool accepted = answer.reply == ProjectorReply::Ok;
   if (accepted && !table_.power_off.replies.empty()) return take(Event::PowerOffConfirmed);
-  // Of one that neither answers nor can be asked, nobody will know more.
+  // Power off of a projector that neither answers nor can be asked will never be confirmed.
   if (exchange_.lost() || (accepted && !table_.power)) return take(Event::PowerOffUnknowable);
   if (accepted) exchange_.note_problem(exchange_.called() + " has not confirmed that it is off");
   why_ = exchange_.problem();
@@ -220,7 +220,7 @@ void ProjectorPower::power_off_answered(const Answer& answer) {
 void ProjectorPower::ask_whether_off() {
   if (!table_.power) return;
   exchange_.ask(*table_.power, [this](const Answer& answer) {
-    // As it warms up it may not call itself on yet.
+    // A projector that is warming up may not report itself as on yet.
     if (clock_.now() < warm_at_) return;
     if (says(answer, ReplyMeaning::Off)) take(Event::PowerOffConfirmed);
   });
@@ -247,20 +247,20 @@ void ProjectorPower::watch_later() {
   if (table_.power) watch_ = clock_.call_after(kWatchInterval, [this] { ask_whether_still_on(); });
 }
 
-// A lamp that fails, or a projector that turns itself off, may say nothing of it.
+// Asks by itself, because a projector whose lamp fails, or that turns itself off, may not report that.
 void ProjectorPower::ask_whether_still_on() {
   watch_later();
-  // What is asked now tells as much.
+  // A request under way reveals as much as this question would.
   if (!on() || exchange_.lost() || !exchange_.idle()) return;
   if (!wiring_.may_ask(table_.power->timeout + table_.gap)) return;
   const auto heard = [this](const Answer& answer) {
     const bool says_off = says(answer, ReplyMeaning::Off);
     if (!on() || exchange_.lost() || (answer.reply != ProjectorReply::NoAnswer && !says_off)) return;
     if (says_off)
-      exchange_.note_problem(exchange_.called() + " says that it is off, though nobody has turned it off");
+      exchange_.note_problem(exchange_.called() + " says that it is off, although it was not turned off");
     went_off(exchange_.problem());
   };
-  // Where light off is a command, that tells as much.
+  // Light off may drop this question where it is a command itself, which reveals as much.
   exchange_.ask(*table_.power, heard, !table_.light_off);
 }
 

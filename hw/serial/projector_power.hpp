@@ -1,5 +1,5 @@
-// A serial projector's power: takes what happens through the table of projector_power_states.hpp and does
-// what its rows say. Event loop's thread only.
+// A serial projector's power: looks each event up in the table of projector_power_states.hpp and carries out
+// the effects of its row. Event loop's thread only.
 //
 // It has many functions, each of a few lines: one for each effect that is more than a call.
 #pragma once
@@ -22,37 +22,37 @@ class ProjectorPower {
  public:
   using Done = Projector::Done;
 
-  // What it needs of the projector's light, and who wants to know.
+  // Functions of the projector's light that its power needs, and the receiver of events.
   struct Wiring {
-    std::function<void()> light_off;  // as its owner would
+    std::function<void()> light_off;  // as Projector::light_off()
     std::function<void()> suspect_light;
-    std::function<void(Done)> make_dark;  // suspect_light, and whether it is off then
-    std::function<void()> light_is_off;   // since its power is
-    // Whether a question that takes so long delays no light off.
+    std::function<void(Done)> make_dark;  // suspect_light, then answers whether the light is off
+    std::function<void()> light_is_off;   // called when the power is off, and so is the light
+    // True if a question of this duration delays no light off.
     std::function<bool(Duration)> may_ask;
     std::function<void(MachineEvent::Kind, const std::string&)> report;
   };
 
-  // Exchange, clock and table must outlive it. `brightness` is sent after every warm-up.
+  // The exchange, the clock and the table must outlive this object. `brightness` is sent after every warm-up.
   ProjectorPower(CommandExchange& exchange, Clock& clock, const ProjectorTable& table,
                  std::optional<ProjectorCommand> brightness, Wiring wiring);
 
-  // Where two wait, only the later one is answered.
+  // Turns the projector on. Only the last call is answered, if an earlier one is still pending.
   void turn_on(Done done);
   void turn_off();
   void turn_off_if_on();
-  // What waits for power is dropped.
+  // Drops a pending turn_on().
   void drop();
 
   void power_on_sent(TimePoint first_byte) { warm_at_ = first_byte + table_.warm_up; }
   void may_warm_up() { warm_at_ = clock_.now() + table_.warm_up; }
-  // The projector says by itself that it is off. Ignored when it was told to.
+  // Notes that the projector says by itself that it is off. Ignored if it was told to turn off.
   void went_off(const std::string& what);
 
   [[nodiscard]] bool on() const { return is_on(state_); }
   [[nodiscard]] bool off() const { return is_off(state_); }
   [[nodiscard]] bool off_waits() const { return is_turned_off(state_); }
-  // Until then its answers are those of a projector that warms up.
+  // Returns the time until which the projector answers as one that is warming up.
   [[nodiscard]] TimePoint warm_at() const { return warm_at_; }
 
  private:
@@ -91,14 +91,14 @@ class ProjectorPower {
   const Wiring wiring_;
   State state_ = State::Unknown;
   Done done_;
-  ProjectorReply reply_ = ProjectorReply::Ok;  // to what the state waited for
-  std::string why_;                            // it is off, or its lamp may be on
-  std::optional<TimePoint> off_at_;            // power off was answered last, or not
+  ProjectorReply reply_ = ProjectorReply::Ok;  // to the command that the state waited for
+  std::string why_;                            // why the projector is off, or its lamp may be on
+  std::optional<TimePoint> off_at_;            // when power off was last answered or given up
   TimePoint warm_at_{};
-  TimePoint ready_by_{};          // the latest that it may say no
-  TimePoint off_asked_at_{};      // first
-  std::unique_ptr<Timer> timer_;  // of the state
-  std::unique_ptr<Timer> watch_;  // to the next question whether it is still on
+  TimePoint ready_by_{};          // until when the projector may say that it is not on
+  TimePoint off_asked_at_{};      // when power off was first requested
+  std::unique_ptr<Timer> timer_;  // for the current state
+  std::unique_ptr<Timer> watch_;  // until the next question whether the projector is still on
 };
 
 }  // namespace contourd

@@ -15,17 +15,17 @@ constexpr ProjectorPowerTransition row(S from, E on, S to, Effects... effects) {
   return {from, on, to, {effects...}, sizeof...(effects)};
 }
 
-// On and warm; nobody knows of its light.
+// The projector is on and warm; the state of its light is unknown.
 constexpr ProjectorPowerTransition on(S from, E event) {
   return row(from, event, S::Darkening, F::WatchOver, F::MakeDark);
 }
 
-// Also where it does not answer: some are deaf to questions while they are off.
+// A projector that does not answer counts as not on, because some ignore questions while they are off.
 constexpr ProjectorPowerTransition not_on(S from, E event, S to) {
   return row(from, event, to, F::WaitUntilCool);
 }
 
-// The light goes first.
+// The light is turned off first.
 constexpr ProjectorPowerTransition turn_off(S from) {
   return row(from, E::PowerOffWanted, S::TurningOff, F::LightOff, F::SendPowerOff);
 }
@@ -69,7 +69,7 @@ constexpr auto kTable = std::to_array<ProjectorPowerTransition>({
     row(S::WarmingUp, E::Warm, S::AskingReady, F::AskWhetherReady),
     on(S::OnWarmingUp, E::Warm),
     on(S::AskingReady, E::SaysOn),
-    // It may have ignored power on because it still cooled down from before this program.
+    // The projector may have ignored power on because it was cooling down from before this program's start.
     row(S::AskingReady, E::SaysOff, S::StillOff, F::Pause),
     row(S::AskingReady, E::SaysUnclear, S::Unready, F::Pause),
     row(S::AskingReady, E::SaysNothing, S::Unknown, F::Tell),
@@ -105,7 +105,7 @@ constexpr auto kTable = std::to_array<ProjectorPowerTransition>({
     row(S::LeftOn, E::PauseOver, S::LeftOn, F::AskWhetherLeftOn),
     row(S::LeftOn, E::SaysOn, S::TurningOff, F::LightOff, F::SendPowerOff),
     row(S::LeftOn, E::NotOnYet, S::LeftOn, F::AskLeftOnSoon),
-    // It may be deaf while it is off, or its line is not plugged in yet.
+    // The projector may ignore questions while it is off, or its line is not plugged in yet.
     row(S::LeftOn, E::SaysNothing, S::LeftOn, F::AskLeftOnLater),
     row(S::LeftOn, E::SaysOff, S::Unknown),
     row(S::LeftOn, E::SaysUnclear, S::Unknown),
@@ -143,7 +143,7 @@ constexpr auto kTable = std::to_array<ProjectorPowerTransition>({
     row(S::OffOverdue, E::PowerOffLate, S::OffOverdue, F::PowerOffAgainLater, F::AskWhetherOff),
     row(S::OffOverdue, E::PowerOffUnknowable, S::Unknown),
     row(S::OffOverdue, E::PauseOver, S::OffOverdue, F::SendPowerOff),
-    // A power off that was sent before power on was wanted.
+    // Confirmation of a power off that was sent before power on was wanted.
     row(S::Unknown, E::PowerOffConfirmed, S::Off, F::NoteOff),
     row(S::Asking, E::PowerOffConfirmed, S::OffAsking, F::NoteOff),
     row(S::CoolingDown, E::PowerOffConfirmed, S::OffCoolingDown, F::NoteOff, F::WaitUntilCool),

@@ -1,7 +1,7 @@
-// A serial projector's power as one table: what each event does in each state. Nothing else decides whether
-// it is turned on or off. `contourd --print-states` draws it.
+// A serial projector's power as one table: the effects of each event in each state. Only this table decides
+// whether the projector is turned on or off. `contourd --print-states` draws it.
 //
-// What turns it on is dropped by light off; what turns it off goes on until that is confirmed, or power on is
+// Light off drops a power on that is under way. A power off goes on until it is confirmed, or power on is
 // wanted.
 #pragma once
 
@@ -14,26 +14,26 @@ namespace contourd {
 
 enum class ProjectorPowerState {
   Unknown,
-  LeftOn,  // a process that has died may have left it on: asked until it answers, then turned off
+  LeftOn,  // a crashed process may have left it on: asked until it answers, then turned off
   Off,
-  // Power on is wanted: it is asked whether it is on already,
-  Asking,
-  OffAsking,        // the same where it was off,
-  OnAsking,         // and where it was on,
-  CoolingDown,      // until it can be turned on again,
-  OffCoolingDown,   // the same where it is known to be off,
-  SwitchingOn,      // until power on is answered,
-  WarmingUp,        // until it is warm,
-  AskingReady,      // warm: whether it is on by now,
-  StillOff,         // before another power on,
-  Unready,          // before it is asked again,
-  OnWarmingUp,      // it says that it is on, but may warm up,
-  Darkening,        // on and warm: until its light is confirmed off,
-  SetsBrightness,   // until that is answered.
-  On,               // warm, and as far as anybody knows
+  // Power on is wanted in the states from here to SetsBrightness.
+  Asking,           // asked whether it is on already
+  OffAsking,        // Asking, while it was off
+  OnAsking,         // Asking, while it was on
+  CoolingDown,      // until it can be turned on again
+  OffCoolingDown,   // CoolingDown, while it is known to be off
+  SwitchingOn,      // until power on is answered
+  WarmingUp,        // until it is warm
+  AskingReady,      // warm: asked whether it is on by now
+  StillOff,         // pause before another power on
+  Unready,          // pause before it is asked again
+  OnWarmingUp,      // says that it is on, but may be warming up
+  Darkening,        // on and warm: until its light is confirmed off
+  SetsBrightness,   // until the brightness is answered
+  On,               // warm, and on as far as is known
   WarmingUpUnused,  // power on was answered, then dropped
   TurningOff,       // power off is sent until it is confirmed
-  OffOverdue,       // the same, and that it is not confirmed was reported
+  OffOverdue,       // TurningOff, after the missing confirmation was reported
 };
 
 enum class ProjectorPowerEvent {
@@ -42,12 +42,12 @@ enum class ProjectorPowerEvent {
   PowerOffWanted,
   LeftOnSuspected,
   SaysOn,
-  SaysOnEarly,  // the same, but it may warm up
+  SaysOnEarly,  // says that it is on, but may be warming up
   SaysOff,
-  SaysUnclear,  // neither
+  SaysUnclear,  // neither on nor off
   SaysNothing,
   NeverOn,   // off or unclear, long after it was turned on
-  NotOnYet,  // off, unclear or nothing, but it may warm up
+  NotOnYet,  // off, unclear or no answer, but it may be warming up
   LineLost,
   Cool,
   Warm,
@@ -57,11 +57,11 @@ enum class ProjectorPowerEvent {
   LightIsOff,
   LightOffFailed,  // refused, or not answered
   BrightnessAnswered,
-  WentOff,  // by itself, or it fell silent
+  WentOff,  // by itself, or fell silent
   PowerOffConfirmed,
   PowerOffUnanswered,  // or refused
-  PowerOffLate,        // the same, long after it was sent first
-  PowerOffUnknowable,  // it neither answers nor can be asked, or its line is lost
+  PowerOffLate,        // PowerOffUnanswered, long after it was first requested
+  PowerOffUnknowable,  // the projector neither answers nor can be asked, or its line is lost
 };
 
 enum class ProjectorPowerEffect {
@@ -74,7 +74,7 @@ enum class ProjectorPowerEffect {
   AskLeftOnLater,
   WaitUntilCool,
   SendPowerOn,
-  DropPowerOn,  // that waits
+  DropPowerOn,  // drops a pending power on
   SuspectLight,
   WaitUntilWarm,
   Pause,
@@ -85,8 +85,8 @@ enum class ProjectorPowerEffect {
   AskWhetherOff,
   PowerOffAgain,
   PowerOffAgainLater,
-  NoteOff,  // it needs no warm-up any more, and has no light
-  Tell,     // who wants it on
+  NoteOff,  // no warm-up is under way any more, and there is no light
+  Tell,     // answers turn_on()
   TellNeverOn,
   TellWentOff,
   ReportWentOff,
@@ -96,14 +96,14 @@ enum class ProjectorPowerEffect {
 using ProjectorPowerTransition =
     StateTransition<ProjectorPowerState, ProjectorPowerEvent, ProjectorPowerEffect>;
 
-// All rows. An event without a row in a state means nothing there: it comes too late. Where a row leads to
-// another state, what the first one waited for is not waited for any more.
+// Returns all rows. An event without a row in a state is ignored there: it comes too late. A row that leads
+// to another state ends the wait of the first one.
 [[nodiscard]] std::span<const ProjectorPowerTransition> projector_power_transitions();
 
-// As far as anybody knows.
+// True if the projector is on (off), as far as is known.
 [[nodiscard]] bool is_on(ProjectorPowerState state);
 [[nodiscard]] bool is_off(ProjectorPowerState state);
-// Power off is to be sent until it is confirmed.
+// True if power off is to be sent until it is confirmed.
 [[nodiscard]] bool is_turned_off(ProjectorPowerState state);
 
 [[nodiscard]] std::string_view name_of(ProjectorPowerState state);

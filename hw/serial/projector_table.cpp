@@ -5,7 +5,7 @@
 namespace contourd {
 
 ProjectorCommand BrightnessCommand::with(std::int32_t number) const {
-  expects(least <= number && number <= most, "the number is one of those that the projector takes");
+  expects(least <= number && number <= most, "the number is within the projector's range");
   ProjectorCommand numbered = command;
   if (as_byte) {
     numbered.bytes[number_at] = static_cast<char>(number);

@@ -1,4 +1,4 @@
-// What a make of projector speaks over its serial line. Value types; config/projectors/*.json has the tables.
+// The serial protocol of a make of projector. Value types; config/projectors/*.json has the tables.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ struct ExpectedReply {
 struct ProjectorCommand {
   std::string name;                    // "light off", for messages
   std::string bytes;                   // all that is sent, line end and checksum included
-  Duration timeout{};                  // for its reply, from the moment that it was sent
-  std::vector<ExpectedReply> replies;  // the first that fits counts; none: no reply is waited for
+  Duration timeout{};                  // for its reply, from when the command was sent
+  std::vector<ExpectedReply> replies;  // the first that fits counts; if empty, no reply is waited for
 };
 
 // A command with a number in it.
@@ -35,15 +35,15 @@ struct BrightnessCommand {
   std::int32_t least = 0;
   std::int32_t most = 0;
 
-  // REQUIRES: least <= number <= most.
+  // Returns the command with this number in it. REQUIRES: least <= number <= most.
   [[nodiscard]] ProjectorCommand with(std::int32_t number) const;
 };
 
 // A line that the projector sends by itself.
 struct UnaskedLine {
   enum class Kind {
-    Nothing,       // worth nothing
-    Off,           // it has turned itself off: a fault, unless it was told to
+    Nothing,       // has no meaning for contourd
+    Off,           // the projector has turned itself off: a fault, unless it was told to
     Interruption,  // see MachineEvent
     Fault,
   };
@@ -56,24 +56,25 @@ struct ProjectorTable {
   std::string name;  // "Optoma"
   int baud = 9600;
   bool echo = false;     // every command comes back before its reply
-  int retries = 2;       // after the first time
+  int retries = 2;       // after the first attempt
   Duration gap{};        // between a command or its reply and the next command, at least
   Duration latency{};    // from light on's first byte to its light, at least
   Duration warm_up{};    // from power on to light that can be used, at least
-  Duration cool_down{};  // after power off, for which power on is ignored
+  Duration cool_down{};  // time after power off during which power on is ignored
 
   ProjectorCommand power_on, power_off;
   std::optional<ProjectorCommand> light_on,
-      light_off;  // both or neither, but see LightConfig; each with an Accepted
+      light_off;  // both or neither, but see LightConfig; each has an Accepted reply
   std::optional<BrightnessCommand> brightness;
   std::optional<ProjectorCommand> light;       // query: On, Off; only beside light_on
   std::optional<ProjectorCommand> power;       // query: On, Off
   std::optional<ProjectorCommand> lamp_hours;  // query: Value
   std::vector<UnaskedLine> unasked;
 
-  // How long the command is on the wire.
+  // Returns how long the command is on the wire.
   [[nodiscard]] Duration wire_time(const ProjectorCommand& command) const;
-  // Without: the lamp shines as long as the projector is on, and something else must make it dark.
+  // True if the projector can switch its light. Otherwise the lamp shines as long as the projector is on, and
+  // something else must make it dark.
   [[nodiscard]] bool switches_light() const { return light_on && light_off; }
 };
 

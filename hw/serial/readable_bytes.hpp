@@ -1,5 +1,5 @@
-// What came over a line, fit for a message: printable ASCII as it is, all else as \r, \n or \xHH, in quotes.
-// Pure functions.
+// Received bytes in readable form, for messages: printable ASCII as it is, all else as \r, \n or \xHH, in
+// quotes. Pure functions.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace contourd {
 
-// Cut at 32 bytes.
+// Returns the bytes in readable form, cut at 32 bytes.
 [[nodiscard]] std::string readable_bytes(std::string_view bytes);
 
 }  // namespace contourd

@@ -42,7 +42,7 @@ void require_checksum(Checksum checksum) {
 }
 
 [[noreturn]] void reject(std::string_view token, const char* allowed) {
-  throw std::invalid_argument("\"" + std::string(token) + "\" is no byte; " + allowed);
+  throw std::invalid_argument("\"" + std::string(token) + "\" is not a byte; " + allowed);
 }
 
 std::optional<std::int64_t> number_in(std::string_view digits) {
@@ -91,11 +91,11 @@ ReplyPattern ReplyPattern::of_bytes(std::string_view hex, Checksum checksum) {
   std::size_t value_bytes = 0;
   for (const std::string_view token : tokens_of(hex)) {
     if (!pattern.bytes_.empty() && pattern.bytes_.back().kind == Byte::Kind::Checksum)
-      throw std::invalid_argument("\"sum\" must be the last");
+      throw std::invalid_argument("\"sum\" must come last");
     pattern.bytes_.push_back(parse_byte(token, checksum));
     if (pattern.bytes_.back().kind == Byte::Kind::Value) ++value_bytes;
   }
-  if (pattern.bytes_.empty()) throw std::invalid_argument("there are no bytes in it");
+  if (pattern.bytes_.empty()) throw std::invalid_argument("the text has no bytes");
   if (value_bytes > kMaxValueBytes) throw std::invalid_argument("a value has at most 4 bytes");
   return pattern;
 }
@@ -155,7 +155,7 @@ std::string parse_hex_message(std::string_view hex, Checksum checksum,
   std::string message;
   bool has_sum = false;
   for (const std::string_view token : tokens_of(hex)) {
-    if (has_sum) throw std::invalid_argument("\"sum\" must be the last");
+    if (has_sum) throw std::invalid_argument("\"sum\" must come last");
     if (token == "{}") {
       if (number_at) throw std::invalid_argument("there is more than one {}");
       number_at = message.size();
@@ -170,7 +170,7 @@ std::string parse_hex_message(std::string_view hex, Checksum checksum,
       reject(token, "write two hex digits, or \"sum\" for the checksum");
     }
   }
-  if (message.empty()) throw std::invalid_argument("there are no bytes in it");
+  if (message.empty()) throw std::invalid_argument("the text has no bytes");
   if (checksum == Checksum::None) return message;
   const char sum = checksum_of(std::string_view(message).substr(0, message.size() - 1), checksum);
   if (!has_sum && number_at) throw std::invalid_argument("with a {} in it, its checksum must be \"sum\"");

@@ -1,4 +1,4 @@
-// What a projector's reply looks like: a line of text by a regular expression, or raw bytes by their hex
+// The form of a projector's reply: a line of text, given as a regular expression, or raw bytes, given as hex
 // values. Value type; const use is thread-safe.
 #pragma once
 
@@ -17,18 +17,19 @@ enum class Checksum {
   SumAfterFirst,  // the last byte is the low byte of the sum of all before it but the first (ViewSonic)
 };
 
-// Of a message without its checksum byte. REQUIRES: a kind other than None.
+// Returns the checksum of a message that has no checksum byte yet. REQUIRES: a kind other than None.
 [[nodiscard]] char checksum_of(std::string_view message, Checksum kind);
 
 class ReplyPattern {
  public:
-  // An ECMAScript regular expression that the whole line matches, without its line end and the control
-  // characters and blanks around it. The first group, where there is one, is a decimal number: the reply's
-  // value. Throws std::invalid_argument with what is wrong.
+  // Makes a pattern of an ECMAScript regular expression that the whole line must match, without its line end
+  // and the control characters and blanks around it. The first group, if there is one, is a decimal number:
+  // the reply's value. Throws std::invalid_argument, which says what is wrong.
   [[nodiscard]] static ReplyPattern of_line(const std::string& expression);
 
-  // "05 14 .. (..) sum": a byte's value, any byte, any byte of the reply's value (least significant first),
-  // and at the end the checksum. Throws std::invalid_argument with what is wrong.
+  // Makes a pattern of bytes such as "05 14 .. (..) sum": a byte's value, any byte, any byte of the reply's
+  // value (least significant first), and at the end the checksum. Throws std::invalid_argument, which says
+  // what is wrong.
   [[nodiscard]] static ReplyPattern of_bytes(std::string_view hex, Checksum checksum);
 
   struct Match {
@@ -36,14 +37,14 @@ class ReplyPattern {
   };
 
   [[nodiscard]] bool is_of_bytes() const { return !bytes_.empty(); }
-  // How many values a match gives: groups, or 1 where there are value bytes.
+  // Returns the number of values that a match gives: the number of groups, or 1 if there are value bytes.
   [[nodiscard]] std::size_t values() const;
-  // Whether bytes that mean nothing fit it, such as those of a line at the wrong speed.
+  // True if meaningless bytes fit the pattern, such as those of a line at the wrong speed.
   [[nodiscard]] bool fits_noise() const;
 
-  // Nothing when the line is another, or its value no number that fits.
+  // Returns nullopt if the line does not match, or its value is not a number that fits.
   [[nodiscard]] std::optional<Match> match_line(std::string_view line) const;
-  // Nothing when the bytes received so far do not end in this reply.
+  // Returns nullopt if the bytes received so far do not end in this reply.
   [[nodiscard]] std::optional<Match> match_end(std::string_view received) const;
 
  private:
@@ -59,9 +60,9 @@ class ReplyPattern {
   Checksum checksum_ = Checksum::None;
 };
 
-// "2A FA 0D": the bytes; the last may be "sum", the checksum, and one "{}", for which a number is put later
-// and whose place is returned in `number_at`. A checksum that is written out is checked. Throws
-// std::invalid_argument with what is wrong.
+// Returns the bytes of a message such as "2A FA 0D". The last byte may be "sum", for the checksum, and one
+// byte may be "{}", for a number that is put in later; its place is returned in `number_at`. A checksum that
+// is written out is checked. Throws std::invalid_argument, which says what is wrong.
 [[nodiscard]] std::string parse_hex_message(std::string_view hex, Checksum checksum,
                                             std::optional<std::size_t>& number_at);
 

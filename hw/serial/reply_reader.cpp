@@ -53,7 +53,7 @@ void ReplyReader::expect(RequestId request, const ProjectorCommand& command, Tim
   owed_.push_back(std::move(next));
 }
 
-// As long as one may still be answered, so may those behind it.
+// Drops the requests that can no longer be answered. As long as one may still be, so may all later ones.
 void ReplyReader::give_up(TimePoint now) {
   const auto kept = std::ranges::find_if(owed_, [now](const Owed& owed) { return owed.until >= now; });
   owed_.erase(owed_.begin(), kept);
@@ -90,7 +90,7 @@ ReplyReader::Heard ReplyReader::end_line(TimePoint now) {
   return {};
 }
 
-// A projector may put a prompt before what it echoes.
+// True if the bytes received end in a command's echo. A projector may put a prompt before the echo.
 bool ReplyReader::is_echo(bool of_line) {
   for (Owed& owed : owed_) {
     const std::string_view sent = of_line ? trimmed(owed.bytes) : owed.bytes;

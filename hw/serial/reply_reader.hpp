@@ -1,5 +1,5 @@
-// Makes replies of the bytes that a projector sends, and tells whose they are. Takes echoes out. How the
-// bytes are portioned makes no difference. Not thread-safe.
+// Assembles the bytes that a projector sends into replies, and assigns each reply to its request. Removes
+// echoes. The portions in which the bytes come make no difference. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +20,11 @@ class ReplyReader {
     ReplyMeaning meaning;
     std::optional<std::int64_t> value;
     std::string text;  // the line, or the bytes it ended in, as received
-    // Another request was unanswered when the command was sent, had been sent more than once, or had a
-    // ambiguous reply itself: this may be its reply.
+    // True if this may be another request's reply: one that was unanswered when the command was sent, had
+    // been sent more than once, or had an ambiguous reply itself.
     bool ambiguous = false;
   };
-  struct Heard {  // one or neither
+  struct Heard {  // at most one of the two is set
     std::optional<Reply> reply;
     const UnaskedLine* unasked = nullptr;
   };
@@ -32,17 +32,17 @@ class ReplyReader {
   // The table must outlive the reader and stay where it is.
   explicit ReplyReader(const ProjectorTable& table) : table_(table) {}
 
-  // The command will have left by `sent`: a reply to it may come up to `patience` after that, or after the
-  // reply before it. Projectors answer in the order of the commands, so that a reply belongs to the oldest
-  // command that it fits, and commands before that one have gone unanswered. What had begun to come before
-  // this call is no reply to it. The command must outlive that time.
+  // Expects a reply to a command that will have left by `sent`: it may come up to `patience` after that, or
+  // after the previous reply. Projectors answer in the order of the commands, so a reply belongs to the
+  // oldest command that it fits, and older commands have gone unanswered. Bytes that had begun to come before
+  // this call are not a reply to this command. The command must outlive its reply.
   void expect(RequestId request, const ProjectorCommand& command, TimePoint sent, Duration patience);
 
   [[nodiscard]] Heard take(char byte, TimePoint now);
-  // Nothing more has come for a while: what there is of a line is all of it.
+  // Ends the current line, because no more bytes have come for a while.
   [[nodiscard]] Heard end_line(TimePoint now);
 
-  // What came since forget() and made no sense, the last 64 bytes of it.
+  // Returns the bytes that came since forget() and made no sense, at most the last 64.
   [[nodiscard]] const std::string& unexplained() const { return unexplained_; }
   void forget() { unexplained_.clear(); }
 
@@ -51,13 +51,13 @@ class ReplyReader {
     RequestId request;
     const ProjectorCommand* command;
     std::string bytes;    // as sent; empty once its echo has come
-    std::uint64_t heard;  // bytes, before it was sent
+    std::uint64_t heard;  // number of bytes heard before it was sent
     Duration patience;
-    std::vector<const ProjectorCommand*> before;  // of other requests, unanswered when it was sent
+    std::vector<const ProjectorCommand*> before;  // other requests' commands, unanswered when it was sent
     TimePoint until;
     bool repeated = false;  // the request was sent more than once
   };
-  // A reply to a request that was sent more than once, or an ambiguous one: another may follow.
+  // A request that was sent more than once, or got an ambiguous reply: another reply may follow.
   struct Repeat {
     RequestId request;
     const ProjectorCommand* command;
@@ -74,8 +74,8 @@ class ReplyReader {
   const ProjectorTable& table_;
   std::vector<Owed> owed_;  // oldest first
   std::vector<Repeat> repeats_;
-  std::uint64_t heard_ = 0;       // bytes
-  std::uint64_t line_begin_ = 0;  // of these, before the line's first that is no blank
+  std::uint64_t heard_ = 0;       // number of bytes
+  std::uint64_t line_begin_ = 0;  // number of bytes before the line's first non-blank byte
   std::string line_;              // since the last line end
   std::string received_;          // since the last reply, the last 64 bytes
   std::string unexplained_;

@@ -31,7 +31,7 @@ std::string text_of(int error) {
   return std::generic_category().message(error);
 }
 
-// Another process that has the device open, as far as the system lets us see: "agetty (process 612)".
+// Returns another process that has the device open, as far as the system lets us see: "agetty (process 612)".
 std::optional<std::string> other_user_of(const fs::path& device) {
   std::error_code error;
   const std::string self = std::to_string(::getpid());
@@ -39,7 +39,7 @@ std::optional<std::string> other_user_of(const fs::path& device) {
        process.increment(error)) {
     const std::string id = process->path().filename();
     if (id.find_first_not_of("0123456789") != std::string::npos || id == self) continue;
-    std::error_code hidden;  // another user's, or it has just ended
+    std::error_code hidden;  // the process is another user's, or has just ended
     for (fs::directory_iterator fd(process->path() / "fd", hidden), last; !hidden && fd != last;
          fd.increment(hidden)) {
       std::error_code gone;
@@ -57,13 +57,13 @@ std::string in_use(const fs::path& device) {
   return "is in use by " + user.value_or("another program") + "; a projector's line cannot be shared";
 }
 
-// Why sp_open() failed, by errno.
+// Returns why sp_open() failed, by errno.
 std::string open_failure(int error, const fs::path& device) {
   if (error == EACCES || error == EPERM)
     return "may not be opened: permission denied; add the user to the group \"dialout\" and log in again";
   if (error == EBUSY) return in_use(device);
   if (error == EIO || error == ENXIO || error == ENODEV)
-    return "has no device behind it: " + text_of(error) + "; " + serial_ports_there_are();
+    return "has no device connected: " + text_of(error) + "; " + serial_ports_there_are();
   return "cannot be opened: " + text_of(error);
 }
 
@@ -73,7 +73,8 @@ fs::path device_of(const std::string& path) {
   if (error == std::errc::no_such_file_or_directory)
     refuse(path, "does not exist; " + serial_ports_there_are());
   if (error) refuse(path, "cannot be opened: " + error.message());
-  if (!fs::is_character_file(device, error)) refuse(path, "is no serial port; " + serial_ports_there_are());
+  if (!fs::is_character_file(device, error))
+    refuse(path, "is not a serial port; " + serial_ports_there_are());
   return device;
 }
 
@@ -81,12 +82,12 @@ fs::path device_of(const std::string& path) {
 
 std::string serial_ports_there_are() {
   sp_port** ports = nullptr;
-  if (sp_list_ports(&ports) != SP_OK) return "the ports that there are cannot be listed";
+  if (sp_list_ports(&ports) != SP_OK) return "the existing serial ports cannot be listed";
   std::string text;
   for (sp_port** port = ports; *port != nullptr; ++port)
-    text += (text.empty() ? "there are " : ", ") + std::string(sp_get_port_name(*port));
+    text += (text.empty() ? "existing serial ports: " : ", ") + std::string(sp_get_port_name(*port));
   sp_free_port_list(ports);
-  return text.empty() ? "there are none" : text;
+  return text.empty() ? "no serial port exists" : text;
 }
 
 void SerialPort::Closer::operator()(sp_port* port) const {
@@ -98,7 +99,7 @@ SerialPort::SerialPort(const std::string& path, int baud, DescriptorWatcher& wat
   const fs::path device = device_of(path);
   sp_port* port = nullptr;
   if (sp_get_port_by_name(device.c_str(), &port) != SP_OK)
-    refuse(name_, "is no serial port that can be used; " + serial_ports_there_are());
+    refuse(name_, "is not a usable serial port; " + serial_ports_there_are());
   port_.reset(port);
   errno = 0;
   if (sp_open(port, SP_MODE_READ_WRITE) != SP_OK) refuse(name_, open_failure(errno, device));
@@ -110,15 +111,16 @@ SerialPort::SerialPort(const std::string& path, int baud, DescriptorWatcher& wat
 
 SerialPort::~SerialPort() = default;
 
-// TIOCEXCL keeps later programs out, but not root's; the lock keeps out those that ask (and a second
-// contourd); a program that was there before does neither, so it is looked for.
+// Claims the port for this process. TIOCEXCL keeps later programs out, but not root's; the lock keeps out
+// programs that check it (and a second contourd). A program that opened the port earlier is affected by
+// neither, so it is searched for.
 void SerialPort::claim(const std::string& device) {
   if (const auto user = other_user_of(device)) refuse(name_, in_use(device));
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) refuse(name_, in_use(device));
     refuse(name_, "cannot be locked: " + text_of(errno));
   }
-  if (::ioctl(descriptor_, TIOCEXCL) != 0) refuse(name_, "cannot be had alone: " + text_of(errno));
+  if (::ioctl(descriptor_, TIOCEXCL) != 0) refuse(name_, "cannot be opened exclusively: " + text_of(errno));
 }
 
 void SerialPort::set_up(int baud) {
@@ -129,12 +131,12 @@ void SerialPort::set_up(int baud) {
     refuse(name_, "cannot be set to 8 data bits, no parity, 1 stop bit: " + text_of(errno));
   if (sp_set_baudrate(port, baud) != SP_OK)
     refuse(name_, "cannot be set to " + std::to_string(baud) + " baud: " + text_of(errno));
-  sp_flush(port, SP_BUF_BOTH);  // what an earlier owner left unread
+  sp_flush(port, SP_BUF_BOTH);  // discards bytes that an earlier user left unread
 }
 
 bool SerialPort::write(std::string_view bytes) noexcept {
   if (descriptor_ < 0) return false;
-  // The kernel's buffer holds 4096 bytes: what does not go in at once is not going anywhere.
+  // The kernel's buffer holds 4096 bytes: if the bytes do not fit in at once, none are leaving the port.
   return sp_nonblocking_write(port_.get(), bytes.data(), bytes.size()) == static_cast<int>(bytes.size());
 }
 
@@ -156,8 +158,8 @@ void SerialPort::read() {
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
   if (count < 0) return lose(text_of(errno));
-  // Nothing to read: no more than that (termios(3), MIN and TIME 0), or a tty that was hung up, its adapter
-  // unplugged.
+  // A read of no bytes means just that (termios(3), MIN and TIME 0), or that the tty was hung up because its
+  // adapter was unplugged.
   pollfd state{descriptor_, POLLIN, 0};
   if (::poll(&state, 1, 0) == 1 && (state.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0)
     lose("it was unplugged or hung up");

@@ -15,16 +15,16 @@ namespace contourd {
 
 class SerialPort final : public ByteChannel {
  public:
-  // `path` is a device ("/dev/ttyUSB0") or a link to one ("/dev/serial/by-id/..."). Throws HardwareError when
-  // there is no such port, it cannot be opened or set, or somebody else has it. The watcher must outlive the
-  // port.
+  // Opens `path`, a device ("/dev/ttyUSB0") or a link to one ("/dev/serial/by-id/..."). Throws HardwareError
+  // if there is no such port, it cannot be opened or set up, or another program uses it. The watcher must
+  // outlive the port.
   SerialPort(const std::string& path, int baud, DescriptorWatcher& watcher);
   ~SerialPort() override;
 
   [[nodiscard]] const std::string& name() const override { return name_; }
   void listen(Listener listener) override { listener_ = std::move(listener); }
   [[nodiscard]] bool write(std::string_view bytes) noexcept override;
-  // The port's; -1 when it is lost.
+  // Returns the port's descriptor; -1 if the port is lost.
   [[nodiscard]] int descriptor() const noexcept override { return descriptor_; }
   void write_and_wait(std::string_view bytes, Duration pause) noexcept override;
 
@@ -45,7 +45,8 @@ class SerialPort final : public ByteChannel {
   std::unique_ptr<DescriptorWatcher::Watch> watch_;
 };
 
-// The serial ports that there are, for messages: "there are /dev/ttyS0, /dev/ttyUSB0", or "there are none".
+// Lists the serial ports for messages: "existing serial ports: /dev/ttyS0, /dev/ttyUSB0", or "no serial port
+// exists".
 [[nodiscard]] std::string serial_ports_there_are();
 
 }  // namespace contourd

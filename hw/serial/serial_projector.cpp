@@ -64,7 +64,7 @@ void SerialProjector::note_sent(const ProjectorCommand& command, TimePoint first
   if (table_.light_on && &command == &*table_.light_on) return light_.light_on_sent(first_byte);
   if (table_.light_off && &command == &*table_.light_off) return light_.light_off_sent(first_byte);
   if (&command != &table_.power_on) return;
-  // It may be obeyed without an answer, and comes up with a picture of its own.
+  // The projector may obey power on without an answer, and comes up with a picture of its own.
   power_.power_on_sent(first_byte);
   if (table_.light_off) light_.power_on_sent();
 }
@@ -102,7 +102,7 @@ void SerialProjector::light_on(Duration exposure, LightOn tell) {
   if (!power_.on() || !light_.dark()) {
     exchange_.note_problem(
         exchange_.called() +
-        (power_.on() ? " has not confirmed that its light is off, it is not turned on again" : " is not on"));
+        (power_.on() ? " has not confirmed that its light is off; it is not turned on again" : " is not on"));
     answer_ =
         clock_.call_after(Duration{0}, [done = std::move(tell.done)] { done(ProjectorReply::Refused); });
     return;
@@ -114,7 +114,7 @@ void SerialProjector::light_on(Duration exposure, LightOn tell) {
   });
 }
 
-// What turns it off goes on, behind light off where the light may still be on.
+// Turns the light off. A power off under way goes on, after light off where the light may still be on.
 void SerialProjector::light_off() noexcept {
   exchange_.preempt(!light_.may_be_on());
   answer_.reset();
@@ -153,7 +153,7 @@ void SerialProjector::ask_status(StatusDone done) {
       return done(status);
     }
     status.powered = answer.meaning == ReplyMeaning::On;
-    // Off, many do not answer this.
+    // Many projectors do not answer the question for lamp hours while they are off.
     if (!*status.powered) return done(status);
     ask_lamp_hours(status, std::move(done));
   });

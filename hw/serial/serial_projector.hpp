@@ -1,11 +1,11 @@
 // A projector on a serial line, as its table describes it. Event loop's thread only; must not be destroyed
-// from inside its own callbacks. Its destructor sends light off once more where that was never confirmed, and
-// power off where that still waits; that may block for a second.
+// from inside its own callbacks. The destructor sends light off once more if it was never confirmed, and
+// power off if it is still pending; this may block for a second.
 //
-// Light off is sent at once, or as soon as the table's gap has passed, ahead of all others, and again and
-// again until it is confirmed, from the moment that power on is sent, whatever comes of that. So is power
-// off. While it is on the projector is asked every few seconds whether it still is. The tables of
-// projector_power_states.hpp and projector_light_states.hpp say what follows what.
+// Light off is sent at once, or as soon as the table's gap has passed, ahead of all other commands, and is
+// repeated until it is confirmed, from the moment that power on is sent, whatever its outcome. Power off is
+// repeated in the same way. While the projector is on, it is asked every few seconds whether it still is. The
+// tables of projector_power_states.hpp and projector_light_states.hpp define the details.
 //
 // It has many functions, each of a few lines: those of its interface.
 #pragma once
@@ -34,13 +34,13 @@ class SerialProjector final : public Projector {
   // projector.
   SerialProjector(ByteChannel& channel, Clock& clock, ProjectorTable table,
                   std::optional<std::int32_t> brightness = {});
-  // With a channel of its own.
+  // Like the other constructor, but takes ownership of the channel.
   SerialProjector(std::unique_ptr<ByteChannel> channel, Clock& clock, ProjectorTable table,
                   std::optional<std::int32_t> brightness = {});
   ~SerialProjector() override;
 
-  // Asks first: a projector that is on already is not warmed up again, one that warms up already is waited
-  // for. Waits out an earlier power_off's cool-down.
+  // Asks first: a projector that is on already is not warmed up again, and one that is warming up already is
+  // waited for. Waits for the cool-down after an earlier power_off() to end.
   void power_on(Done done) override { power_.turn_on(std::move(done)); }
   void light_on(Duration exposure, LightOn tell) override;
   void light_off() noexcept override;
@@ -55,18 +55,18 @@ class SerialProjector final : public Projector {
   [[nodiscard]] std::string last_problem() const override { return exchange_.problem(); }
   [[nodiscard]] std::string light_off_unconfirmed() const override { return light_.light_off_unconfirmed(); }
 
-  // Of the table's light off.
+  // Returns the port, with the table's light off.
   [[nodiscard]] LightSerialPath light_off_path() const override;
 
-  // The line is: a new channel and a new projector may find it again.
+  // True if the serial line is lost: a new channel and a new projector may find it again.
   [[nodiscard]] bool lost() const override { return exchange_.lost(); }
-  // Since light off was given up as unconfirmed and reported, until it is confirmed.
+  // Not empty from the report that light off was not confirmed until it is confirmed.
   [[nodiscard]] std::vector<std::string> why_not_ready() const override;
   [[nodiscard]] std::string description() const override;
   [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
-  // The projector does not confirm that the light is off, where it is on or its answers make no sense
-  // (Recovery, when it has), or that its lamp is; it is off or silent though it was turned on; it says by
-  // itself that something is wrong; or its line is lost.
+  // Reports that the projector does not confirm that its light is off, although it is on or its answers make
+  // no sense (and a Recovery once it has confirmed it), or that its lamp is off; that it is off or silent
+  // although it was turned on; that it reports a problem by itself; or that its line is lost.
   void on_event(std::function<void(const MachineEvent&)> call) override { on_event_ = std::move(call); }
 
  private:
@@ -84,7 +84,7 @@ class SerialProjector final : public Projector {
   void make_dark(Done done);
   void ask_lamp_hours(ProjectorStatus status, StatusDone done);
 
-  std::unique_ptr<ByteChannel> own_channel_;  // null where it is somebody else's
+  std::unique_ptr<ByteChannel> own_channel_;  // null if the caller owns the channel
   ByteChannel& channel_;
   Clock& clock_;
   const ProjectorTable table_;
@@ -92,7 +92,7 @@ class SerialProjector final : public Projector {
   ProjectorPower power_;
   ProjectorLight light_;
   std::function<void(const MachineEvent&)> on_event_;
-  std::unique_ptr<Timer> answer_;  // that needs no command
+  std::unique_ptr<Timer> answer_;  // an answer that needs no command
 };
 
 }  // namespace contourd

@@ -1,4 +1,4 @@
-// What of a device another process can turn the light off with. Value types.
+// Handles with which another process can turn the light off. Value types.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace contourd {
 
-// Descriptors stay their owner's; -1 where there is no such device, or no longer.
+// The descriptors are borrowed; -1 if there is no such device, or no longer.
 struct LightSerialPath {
   int descriptor = -1;
   std::string light_off;
-  Duration gap{};  // from one light off to the next: the projector's, and the command's time on the wire
+  Duration gap{};  // from one light off to the next: the projector's gap plus the command's time on the wire
 };
 struct LightDisplayPath {
   int descriptor = -1;

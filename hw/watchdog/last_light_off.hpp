@@ -1,6 +1,6 @@
-// The light off as the last act of a process that cannot be relied on any more: by nothing but the
-// descriptors of its devices, from any thread, as the light watchdog does it from outside. The watchdog goes
-// on from there: it tells light off again when the process is gone.
+// Light off as the last act of a process that can no longer be relied on. Needs nothing but the descriptors
+// of the devices, and works from any thread, as the light watchdog does from outside. The watchdog takes over
+// from there: it sends light off again when the process is gone.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace contourd {
 
-// What turns the light off, as LightWatchdog offers it to its process. Descriptors stay their owner's; -1
-// where there is no such device, or no longer.
+// A device that can turn the light off, as LightWatchdog offers it to its process. The descriptor is
+// borrowed; -1 if there is no such device, or no longer.
 template <typename Message>
 struct LightOffer {
   int descriptor = -1;
@@ -30,22 +30,23 @@ class LastLightOff {
   // Event loop's thread only.
   void set(const LightOffers& offers) noexcept;
 
-  // Any thread; neither allocate, lock nor throw.
+  // The following run on any thread; they neither allocate, lock nor throw.
 
-  // By the line and the serial port. Does not block.
+  // Turns the light off by the line and the serial port. Does not block.
   void light_off() const noexcept;
-  // Blocks for two refreshes at most (10 s, the kernel's limit, if the driver hangs).
+  // Blanks the screen. Blocks for at most two refreshes (10 s, the kernel's limit, if the driver hangs).
   void display_black() const noexcept;
 
  private:
   [[nodiscard]] const LightOffers& now() const noexcept { return offers_[current_]; }
 
-  // One is written while the other is read: nobody reads for as long as the loop takes to write two.
+  // Double buffer: one entry is written while the other is read. No read lasts as long as the event loop
+  // takes to write both.
   std::array<LightOffers, 2> offers_;
   std::atomic<std::size_t> current_{0};
 };
 
-// This process's.
+// Returns the object of this process.
 [[nodiscard]] LastLightOff& last_light_off() noexcept;
 
 }  // namespace contourd

@@ -37,18 +37,18 @@ LightDeadline::Act LightDeadline::due(TimePoint now) {
   if (!tripped()) {
     if (reason == LightTrip::None) return act;
     act.trip = reason;
-    tell_off(now, act);
+    send_off(now, act);
   } else if (now >= again_) {
     again_ = now + kAgain;
-    if (times_ < kTimes || reason != LightTrip::None) tell_off(now, act);
+    if (times_ < kTimes || reason != LightTrip::None) send_off(now, act);
   }
   act.end = gone_ && times_ >= kTimes;
   return act;
 }
 
-// The display may keep us waiting for some refreshes: it comes when the second light off, which is the first
-// that is sure to be outside of the projector's gap, has been sent.
-void LightDeadline::tell_off(TimePoint now, Act& act) {
+// Blanking the display may block for some refreshes, so it waits for the second light off, which is the first
+// that is certain to be outside the projector's gap.
+void LightDeadline::send_off(TimePoint now, Act& act) {
   ++times_;
   act.light_off = true;
   act.display_black = times_ == 2;

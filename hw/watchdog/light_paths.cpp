@@ -14,7 +14,7 @@
 namespace contourd {
 namespace {
 
-// Where there is no serial port, the line is tried again after this.
+// Shortest time from one light off to the next; without a serial port, the line is retried after this.
 constexpr Duration kMinGap{std::chrono::milliseconds{20}};
 
 }  // namespace
@@ -32,7 +32,7 @@ void show_black(int card, const DisplayMessage& display) noexcept {
   if (card < 0) return;
   auto mode = std::bit_cast<drmModeModeInfo>(display.mode);
   std::uint32_t connector = display.connector;
-  // The legacy call, also for a card in atomic mode: it needs nothing prepared.
+  // The legacy call needs no preparation, and works for a card in atomic mode as well.
   (void)drmModeSetCrtc(card, display.crtc, display.black, 0, 0, &connector, 1, &mode);
 }
 

@@ -1,6 +1,6 @@
-// What the light watchdog turns the light off by: descriptors of the daemon's own devices, whose state they
-// share. They are given back when the daemon no longer has the device, or it could not be opened again. One
-// thread; neither allocates nor throws.
+// The descriptors with which the light watchdog turns the light off: duplicates of those of the daemon's own
+// devices, whose state they share. They are closed when the daemon loses a device, which could not be opened
+// again otherwise. One thread; neither allocates nor throws.
 #pragma once
 
 #include "hw/file_descriptor.hpp"
@@ -8,26 +8,26 @@
 
 namespace contourd {
 
-// By one descriptor, -1 for none. Any thread.
+// The following work on one descriptor, -1 for none. Any thread.
 
-// Does not block. True when there is a line, and it is off now.
+// Turns the light off by its line. Does not block. True if there is a line, and it is off now.
 bool turn_line_off(int line) noexcept;
-// Does not block: what the port does not take now it may take the next time.
+// Sends light off to the projector. Does not block: if the port takes no bytes now, it may the next time.
 void send_light_off(int port, const SerialMessage& serial) noexcept;
-// The screen black, whatever waits for its refresh. Blocks for two refreshes at most (10 s, the kernel's
+// Blanks the screen, whatever waits for a refresh. Blocks for at most two refreshes (10 s, the kernel's
 // limit, if the driver hangs).
 void show_black(int card, const DisplayMessage& display) noexcept;
 
 class LightPaths {
  public:
-  // True when the packet was about one of these.
+  // Takes the descriptor out of a packet that adds or withdraws one. True if the packet was of this kind.
   bool take(WatchdogPacket& packet);
 
-  // By the line and the serial port. True when there is a line, and it is off now.
+  // Turns the light off by the line and the serial port. True if there is a line, and it is off now.
   bool light_off() noexcept;
   void display_black() noexcept;
 
-  // From one light off to the next.
+  // Returns the time from one light off to the next.
   [[nodiscard]] Duration gap() const;
 
  private:

@@ -15,17 +15,17 @@ namespace {
 constexpr int kStartPatienceMs = 5'000;
 
 std::string refused(const char* what, int error) {
-  return std::string("the system refuses ") + what + " to the light watchdog (" +
-         std::generic_category().message(error) + "): it works, and may be late when the machine is busy";
+  return std::string("the system denies the light watchdog ") + what + " (" +
+         std::generic_category().message(error) + "): it works, but may be late when the machine is busy";
 }
 
 std::string sentence(LightTrip trip) {
   const std::string off = "the light watchdog has turned the light off: ";
   if (trip == LightTrip::Overrun) return off + "the exposure was over and contourd had not";
-  return off + "contourd had not answered it in time";
+  return off + "contourd had not answered in time";
 }
 
-// True when it is gone, or was never there.
+// Reaps the process. True if it is gone, or was never there.
 bool reap(pid_t process) {
   return process < 0 || ::waitpid(process, nullptr, WNOHANG) != 0;
 }
@@ -74,14 +74,15 @@ void LightWatchdog::give_up() {
   if (std::exchange(watched_, std::nullopt)) tell_trouble(problem_);
 }
 
-// Not from within a call of whoever has more to do first, such as turning the light off.
+// Reports from the event loop, because the caller may have more urgent things to do first, such as turning
+// the light off.
 void LightWatchdog::tell_trouble(const std::string& what) {
   tell_ = clock_.call_after(Duration{0}, [this, what] {
     if (trouble_) trouble_(what);
   });
 }
 
-// Not before the old one is gone, and with it the devices that it had: they could not be opened again.
+// Waits until the old process is gone: the devices that it still holds could not be opened again.
 void LightWatchdog::start_again() {
   if (!reap(process_.id)) {
     restart_ = clock_.call_after(kStartAgain, [this] { start_again(); });
@@ -108,7 +109,7 @@ std::vector<std::string> LightWatchdog::refusals() const {
   return all;
 }
 
-// --- What it turns the light off by ---
+// --- Descriptors that turn the light off ---
 
 template <typename Message>
 void LightWatchdog::offer(const LightOffer<Message>& offered) {
@@ -174,7 +175,7 @@ void LightWatchdog::disarm() {
 
 void LightWatchdog::heartbeat() {
   heartbeat_ = clock_.call_after(kHeartbeat, [this] { heartbeat(); });
-  // This process may have slept, and the answers lie there.
+  // This process may have been suspended while the answers arrived.
   hear_all();
   if (!watched_) return;
   if (watched_->unanswered < kMaxUnanswered) return tell(WatchdogMessageType::Heartbeat);
@@ -183,12 +184,12 @@ void LightWatchdog::heartbeat() {
 
 void LightWatchdog::tell(WatchdogMessageType type) {
   ++watched_->unanswered;
-  // Until light on is sent, the exposure has yet to begin.
+  // Until light on is sent the exposure has not begun, and its end moves on.
   if (!watched_->begun) watched_->exposure.end = clock_.now() + watched_->asked;
   if (problem_.empty()) send(ExposureMessage{type, watched_->exposure, clock_.now()});
 }
 
-// What it does not take is found out by the end of the socket, or by the answers that do not come.
+// A message that cannot be sent is noticed by the end of the socket, or by answers that do not come.
 template <typename Message>
 void LightWatchdog::send(const Message& message, int descriptor) {
   (void)send_message(process_.socket.get(), message, descriptor);

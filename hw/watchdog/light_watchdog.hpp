@@ -1,11 +1,11 @@
-// The daemon's side of the light watchdog: keeps the process running, hands it what turns the light off, has
-// it watch over an exposure, and tells it that the daemon lives. A watchdog that has died, or does not
-// answer, is replaced; until then no exposure can be watched, and none may begin.
+// The daemon's side of the light watchdog: keeps the process running, hands it the descriptors that turn the
+// light off, has it watch each exposure, and sends it the daemon's heartbeats. A watchdog that has died, or
+// does not answer, is replaced; until then no exposure can be watched, and none may begin.
 //
 // Event loop's thread only.
 //
-// It has more members than most: the process and the ways to it, what was handed to it, and the exposure that
-// it watches.
+// It has more members than most classes: the process and the connection to it, the descriptors handed to it,
+// and the exposure that it watches.
 #pragma once
 
 #include <sys/types.h>
@@ -24,11 +24,11 @@
 
 namespace contourd {
 
-// What the watchdog has done to an exposure.
+// An exposure that the watchdog has ended.
 struct WatchdogTrip {
   LightTrip reason = LightTrip::None;
-  TimePoint at{};         // light off was told for the first time
-  bool line_off = false;  // and the light's line, where there is one, was off from then on
+  TimePoint at{};         // when light off was sent for the first time
+  bool line_off = false;  // there is a light line, and it was off from `at` on
 };
 
 class LightWatchdog {
@@ -37,47 +37,49 @@ class LightWatchdog {
     FileDescriptor socket;
     pid_t id = -1;
   };
-  // Throws std::system_error.
+  // Starts the watchdog's process. Throws std::system_error.
   using Start = std::function<Process()>;
 
-  // Starts the process, and waits until it is ready, some milliseconds as a rule. A process that cannot be
-  // started is no error: see problem(). Clock and watcher must outlive it.
+  // Starts the process and waits until it is ready, usually some milliseconds. A process that cannot be
+  // started is not an error: see problem(). The clock and the watcher must outlive this object.
   LightWatchdog(Clock& clock, DescriptorWatcher& watcher, Start start);
-  // The process ends by itself; if an exposure is watched over, with the light off.
+  // Leaves the process to end by itself; if it watches an exposure, it turns the light off first.
   ~LightWatchdog();
 
+  // Hand the watchdog a device's descriptor; -1 withdraws the last one.
   void set_line(int descriptor);
-  // A light off that is too long for a message is ignored.
+  // Ignores a light off command that is too long for a message.
   void set_serial(const LightSerialPath& path);
   void set_display(const LightDisplayPath& path);
 
-  // Has an exposure watched that is yet to begin and then lasts this long. `armed` runs when the watchdog has
-  // confirmed: the light may go on. If it does not confirm, or something goes wrong later, on_trouble()
-  // tells.
+  // Has an exposure watched that is yet to begin, and then lasts `exposure`. Calls `armed` when the watchdog
+  // has confirmed: the light may go on. If it does not confirm, or something goes wrong later, on_trouble()
+  // reports that.
   void arm(Duration exposure, std::function<void()> armed);
-  // Light on was sent: the light is to be off by `end`.
+  // Notes that light on was sent, and that the light is to be off by `end`.
   void begins(TimePoint end);
-  // Light off was asked for.
+  // Notes that light off was requested.
   void off_asked();
-  // The light is confirmed off.
+  // Ends the watch: the light is confirmed off.
   void disarm();
 
-  // Of the last exposure that was armed. Also what has not been told yet.
+  // Returns how the watchdog ended the last exposure that was armed; nullopt if it did not. Reads messages
+  // that are still in the socket first.
   [[nodiscard]] const std::optional<WatchdogTrip>& trip();
 
-  // `call` gets, from the event loop, a sentence when an exposure under watch cannot go on: the watchdog has
-  // turned its light off, or has died. The light is to be turned off by all means.
+  // Calls `call` from the event loop, with a sentence, when an exposure under watch cannot go on: the
+  // watchdog has turned its light off, or has died. `call` must have the light turned off by all means.
   void on_trouble(std::function<void(const std::string&)> call) { trouble_ = std::move(call); }
-  // `call` gets, from the event loop, what the problem was when there is a watchdog again.
+  // Calls `call` from the event loop, with the former problem, when a watchdog is running again.
   void on_recovery(std::function<void(const std::string&)> call) { recovered_ = std::move(call); }
 
-  // Why no light may be turned on, in a sentence; else empty.
+  // Returns, in a sentence, why no light may be turned on; empty if it may.
   [[nodiscard]] const std::string& problem() const { return problem_; }
-  // What the system refused it, though it works; a sentence each.
+  // Returns what the system denied the watchdog although it works, one sentence each.
   [[nodiscard]] std::vector<std::string> refusals() const;
 
   static constexpr Duration kHeartbeat{std::chrono::milliseconds{50}};
-  // After so many heartbeats without an answer it counts as dead.
+  // Number of unanswered heartbeats after which the watchdog counts as dead.
   static constexpr int kMaxUnanswered = 10;
   static constexpr Duration kStartAgain{std::chrono::milliseconds{100}};
   static constexpr Duration kStartLater{std::chrono::seconds{5}};

@@ -23,16 +23,17 @@
 namespace contourd {
 namespace {
 
-// Above all that is not real-time, below the threads of the axis: they never keep a processor for long.
+// Priority above everything that is not real-time, and below the axis's threads, which never keep a processor
+// for long.
 constexpr int kPriority = 30;
 
 TimePoint now() noexcept {
   return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
 }
 
-// Returns what it has to tell of that.
+// Sets this process up. Returns the Ready message, with the errors of what the system refused.
 WatchdogReply prepare(int socket) noexcept {
-  // The manager sends these to every process of the unit, a terminal's Ctrl+C to every one before it.
+  // The service manager signals every process of the unit, and a terminal's Ctrl+C every process in it.
   sigset_t all;
   sigfillset(&all);
   sigprocmask(SIG_SETMASK, &all, nullptr);
@@ -61,7 +62,7 @@ class LightWatchdogProcess {
   }
 
  private:
-  // True at the end.
+  // True if the process is to end.
   bool act(const LightDeadline::Act& act) noexcept {
     const bool line_off = act.light_off && paths_.light_off();
     if (act.trip != LightTrip::None) reply(WatchdogMessageType::Tripped, act.trip, line_off);
@@ -78,7 +79,8 @@ class LightWatchdogProcess {
     ppoll(&readable, 1, next ? &time : nullptr, nullptr);
   }
 
-  // All that waits, before anything is judged by the time: it may have been this process that slept.
+  // Reads all pending messages before anything is judged by the time, because this process itself may have
+  // been suspended.
   void hear_all() noexcept {
     WatchdogPacket packet;
     for (Received got = Received::Packet; socket_ >= 0 && got == Received::Packet;) {
@@ -89,7 +91,7 @@ class LightWatchdogProcess {
   }
 
   void hang_up() noexcept {
-    socket_ = -1;  // poll() passes it over; the other end is closed, and this one when the process ends
+    socket_ = -1;  // poll() ignores -1; the other end is closed, and this one when the process ends
     deadline_.daemon_is_gone();
   }
 
@@ -105,7 +107,7 @@ class LightWatchdogProcess {
       reply(WatchdogMessageType::Heard);
   }
 
-  // A daemon that does not listen finds it later, or too many of these.
+  // Does not wait: the replies to a daemon that does not read stay in the socket until it is full.
   void reply(WatchdogMessageType type, LightTrip trip = LightTrip::None,
              bool line_off = false) const noexcept {
     WatchdogReply reply{};
@@ -126,9 +128,9 @@ void check(int error, const char* what) {
   if (error != 0) throw std::system_error(error, std::generic_category(), what);
 }
 
-constexpr int kSocket = 3;  // the first after the standard ones
+constexpr int kSocket = 3;  // the first descriptor after the standard ones
 
-// What a child that is this program begins with.
+// Descriptors and signal mask with which the child process starts.
 class SpawnSettings {
  public:
   explicit SpawnSettings(int socket) {
@@ -137,7 +139,7 @@ class SpawnSettings {
     for (int standard = 0; standard < kSocket; ++standard)
       check(posix_spawn_file_actions_addopen(&files_, standard, "/dev/null", O_RDWR, 0), "posix_spawn");
     check(posix_spawn_file_actions_adddup2(&files_, socket, kSocket), "posix_spawn");
-    // Deaf from its first instruction on.
+    // Block all signals from the child's first instruction on.
     sigset_t all;
     sigfillset(&all);
     check(posix_spawnattr_setsigmask(&attributes_, &all), "posix_spawn");
@@ -176,7 +178,7 @@ LightWatchdog::Process start_light_watchdog() {
 
 int serve_light_watchdog(int socket) noexcept {
   const WatchdogReply ready = prepare(socket);
-  // A daemon that has died meanwhile is found out below.
+  // If the daemon has died meanwhile, run() notices it.
   (void)send_message(socket, ready);
   LightWatchdogProcess process(socket);
   process.run();

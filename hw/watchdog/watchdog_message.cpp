@@ -8,8 +8,8 @@
 namespace contourd {
 namespace {
 
-// Room for one descriptor: the kernel closes what does not fit.
-struct DescriptorRoom {
+// Control buffer for one descriptor; the kernel closes those that do not fit.
+struct DescriptorBuffer {
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> bytes{};
 };
 
@@ -32,12 +32,12 @@ std::optional<WatchdogMessageType> WatchdogPacket::type() const {
 
 Received receive_packet(int socket, WatchdogPacket& packet) noexcept {
   iovec bytes{packet.bytes.data(), packet.bytes.size()};
-  DescriptorRoom room;
+  DescriptorBuffer control_buffer;
   msghdr message{};
   message.msg_iov = &bytes;
   message.msg_iovlen = 1;
-  message.msg_control = room.bytes.data();
-  message.msg_controllen = room.bytes.size();
+  message.msg_control = control_buffer.bytes.data();
+  message.msg_controllen = control_buffer.bytes.size();
   const ssize_t size = ::recvmsg(socket, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return Received::Nothing;
   if (size <= 0) return Received::End;
@@ -48,13 +48,13 @@ Received receive_packet(int socket, WatchdogPacket& packet) noexcept {
 
 bool send_packet(int socket, const void* bytes, std::size_t size, int descriptor) noexcept {
   iovec content{const_cast<void*>(bytes), size};
-  DescriptorRoom room;
+  DescriptorBuffer control_buffer;
   msghdr message{};
   message.msg_iov = &content;
   message.msg_iovlen = 1;
   if (descriptor >= 0) {
-    message.msg_control = room.bytes.data();
-    message.msg_controllen = room.bytes.size();
+    message.msg_control = control_buffer.bytes.data();
+    message.msg_controllen = control_buffer.bytes.size();
     cmsghdr* const control = CMSG_FIRSTHDR(&message);
     control->cmsg_level = SOL_SOCKET;
     control->cmsg_type = SCM_RIGHTS;

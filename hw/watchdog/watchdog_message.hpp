@@ -1,6 +1,6 @@
-// What the daemon and its light watchdog say to each other: fixed messages, one a packet of a SOCK_SEQPACKET
-// pair, with a descriptor where one is handed over. Both are the same program, so that they are sent as they
-// lie in memory. Nothing here blocks, allocates or throws.
+// Messages between the daemon and its light watchdog: of fixed size, one per packet of a SOCK_SEQPACKET pair,
+// with a descriptor where one is handed over. Both ends are the same program, so messages are sent as they
+// lie in memory. No function here blocks, allocates or throws.
 #pragma once
 
 #include <array>
@@ -17,25 +17,25 @@
 namespace contourd {
 
 enum class WatchdogMessageType : std::uint32_t {
-  Arm = 0x4c574401,  // the daemon's
+  Arm = 0x4c574401,  // from the daemon
   Heartbeat,
   Disarm,
   Line,
   Serial,
   Display,
-  Ready,  // the watchdog's
+  Ready,  // from the watchdog
   Heard,
   Tripped,
 };
 
-// Arm, Beat, Disarm.
+// Content of Arm, Heartbeat and Disarm.
 struct ExposureMessage {
   WatchdogMessageType type;
   WatchedExposure exposure;
   TimePoint sent;
 };
 
-// What turns the light off, with its descriptor; without one, it is no longer there.
+// A device that turns the light off, with its descriptor; a message without a descriptor withdraws it.
 struct LineMessage {
   WatchdogMessageType type;
 };
@@ -46,21 +46,21 @@ struct SerialMessage {
   Duration gap;  // from one light off to the next
   std::array<char, kMaxBytes> light_off;
 };
-// A display mode as the kernel has it (struct drm_mode_modeinfo), without that header.
+// A display mode in the kernel's layout (struct drm_mode_modeinfo), to do without that header.
 using DisplayModeBytes = std::array<std::byte, 68>;
 struct DisplayMessage {
   WatchdogMessageType type;
-  std::uint32_t crtc, connector, black;  // the kernel's numbers; `black` is a framebuffer's
+  std::uint32_t crtc, connector, black;  // the kernel's object ids; `black` is a framebuffer
   DisplayModeBytes mode;
 };
 
-// Ready, Heard (Arm or Beat), Tripped.
+// Content of Ready, Heard (after Arm or Heartbeat) and Tripped.
 struct WatchdogReply {
   WatchdogMessageType type;
   LightTrip trip;
   std::uint64_t exposure;
-  TimePoint at;                     // Tripped: light off was told
-  bool line_off;                    // and there is a line, which the kernel has set
+  TimePoint at;                     // Tripped: when light off was sent
+  bool line_off;                    // Tripped: there is a line, and the kernel has set it
   int no_priority, no_memory_lock;  // Ready: errno of what the system refused, else 0
 };
 
@@ -69,7 +69,7 @@ struct WatchdogPacket {
   std::size_t size = 0;
   FileDescriptor descriptor;
 
-  // Nothing when the packet is none of this kind.
+  // Returns the packet's content as a Message; nullopt if the packet has another size.
   template <typename Message>
   [[nodiscard]] std::optional<Message> as() const {
     static_assert(std::is_trivially_copyable_v<Message> && sizeof(Message) <= sizeof bytes);
@@ -84,7 +84,7 @@ struct WatchdogPacket {
 enum class Received { Packet, Nothing, End };
 [[nodiscard]] Received receive_packet(int socket, WatchdogPacket& packet) noexcept;
 
-// False when the other side takes no more, or is gone.
+// Sends a packet. False if the other side takes no more, or is gone.
 [[nodiscard]] bool send_packet(int socket, const void* bytes, std::size_t size, int descriptor) noexcept;
 template <typename Message>
 [[nodiscard]] bool send_message(int socket, const Message& message, int descriptor = -1) noexcept {

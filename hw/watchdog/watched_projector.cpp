@@ -12,9 +12,9 @@ void WatchedProjector::light_on(Duration exposure, LightOn tell) {
   offer_paths_();
   watchdog_.arm(exposure, [this, exposure, tell = std::move(tell)] {
     passed_on_ = true;
-    const auto sent = [this, exposure, told = tell.sent](TimePoint earliest) {
+    const auto sent = [this, exposure, report_sent = tell.sent](TimePoint earliest) {
       watchdog_.begins(earliest + exposure);
-      told(earliest);
+      report_sent(earliest);
     };
     projector_->light_on(exposure, {.sent = sent, .done = tell.done});
   });

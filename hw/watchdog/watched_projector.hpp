@@ -1,4 +1,4 @@
-// A projector whose light is on only under the light watchdog's eyes: from before light on is sent until
+// A projector whose light is on only while the light watchdog watches: from before light on is sent until
 // darkness is confirmed. Event loop's thread only.
 #pragma once
 
@@ -15,20 +15,20 @@ namespace contourd {
 
 class WatchedProjector final : public Projector {
  public:
-  // Both must outlive this. `offer_paths` hands the watchdog what the light can be turned off by, as it is
-  // now.
+  // The projector and the watchdog must outlive this object. `offer_paths` hands the watchdog the descriptors
+  // that can turn the light off at the moment.
   WatchedProjector(Projector& projector, LightWatchdog& watchdog, std::function<void()> offer_paths)
       : projector_(&projector), watchdog_(watchdog), offer_paths_(std::move(offer_paths)) {}
-  // Another takes its place. It must outlive this, or be replaced before it goes.
+  // Replaces the projector. The new one must outlive this object, or be replaced before it is destroyed.
   void watch(Projector& projector) { projector_ = &projector; }
 
   void power_on(Done done) override { projector_->power_on(std::move(done)); }
-  // Light on is sent when the watchdog has said that it watches. If it does not, LightWatchdog::on_trouble()
-  // tells, and `tell` hears nothing.
+  // Sends light on when the watchdog has confirmed that it watches. If it does not confirm,
+  // LightWatchdog::on_trouble() reports that, and `tell` is not called.
   void light_on(Duration exposure, LightOn tell) override;
   void light_off() noexcept override;
   void when_dark(std::function<void()> call) override;
-  // A light that the watchdog has turned off went off then.
+  // Returns when the last light shone; a light that the watchdog turned off went off at that time.
   [[nodiscard]] std::optional<LightSpan> last_light() const override;
   void power_off() noexcept override;
   void ask_status(StatusDone done) override { projector_->ask_status(std::move(done)); }
@@ -58,7 +58,7 @@ class WatchedProjector final : public Projector {
   std::function<void()> offer_paths_;
   std::function<void()> dark_;
   bool watched_ = false;    // since light_on(), until it is confirmed dark
-  bool passed_on_ = false;  // the last light_on(), to the projector
+  bool passed_on_ = false;  // the projector was given the last light_on()
 };
 
 }  // namespace contourd

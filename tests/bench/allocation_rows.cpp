@@ -10,7 +10,7 @@ Row row_of(const Bench& bench, const std::string& model, const std::filesystem::
   ContourEngine engine = fitted_engine(file, Pixels{1920}, Pixels{1080});
   const std::vector<Millimeters> heights = random_heights(engine.model().bounds(), bench.runs(300));
   long counted = 0;
-  for (int pass = 0; pass < 2; ++pass) {  // warm in the second
+  for (int pass = 0; pass < 2; ++pass) {  // the second pass is warm
     const long before = testing::allocations();
     for (const Millimeters z : heights)
       (void)engine.mask_at_z(z);

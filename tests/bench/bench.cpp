@@ -13,7 +13,8 @@ namespace {
 constexpr double kRadiusMm = 20, kPeriodMm = 10;
 constexpr int kCells = 110, kAsciiCells = 53, kQuickCells = 12;
 
-// Written under another name first, so that a run that was cut off leaves no half model for the next.
+// Writes the model under a temporary name first, so that an interrupted run leaves no incomplete model for
+// the next one.
 template <typename Write>
 std::filesystem::path make_once(const std::filesystem::path& path, Write&& write) {
   if (std::filesystem::exists(path)) return path;

@@ -10,7 +10,7 @@
 namespace contourd::bench {
 namespace {
 
-constexpr Nanometers kLayer{32'000};  // gives the layer counts that the thesis and Minetto et al. have
+constexpr Nanometers kLayer{32'000};  // results in the layer counts of the thesis and of Minetto et al.
 constexpr Millimeters kTolerance{0.05};
 constexpr int kQuickLayers = 20;
 
@@ -33,7 +33,7 @@ struct Totals {
   std::size_t layers = 0, segments = 0, loops = 0;
 };
 
-// One layer's contours in memory at a time, as printing needs them.
+// Keeps one layer's contours in memory at a time, as in printing.
 Totals link_all(const HeightIndex& model, bool quick) {
   Section section;
   ContourLinker linker;

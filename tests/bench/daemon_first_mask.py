@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Measures the running daemon, which contourd-bench cannot: from a file's close in incoming/ to the first mask.
+"""Measures the running daemon, which contourd-bench cannot do: from the close of a file in incoming/ to the first mask.
 
     tests/bench/daemon_first_mask.py [--bin build/bin] [--runs 5] [--cells 53]
 
-The figure is the daemon's own, from the print's report. A gyroid of 53 cells has 294,000 facets; one of 110, 1.3 million.
+The figure comes from the daemon's own report of the print. A gyroid of 53 cells has 294,000 facets; one of 110, 1.3 million.
 """
 
 import argparse
@@ -27,8 +27,8 @@ def configure(folder):
 
 
 def print_once(bin_folder, folder, model, job):
-    """Milliseconds from the model's arrival to its first mask."""
-    # Not copy(): the daemon may have moved the file before its mode is set.
+    """Returns the milliseconds from the model's arrival to its first mask."""
+    # copy() would set the mode afterwards, when the daemon may already have moved the file.
     shutil.copyfile(model, folder / f"spool/incoming/{job}.stl")
     subprocess.run([bin_folder / "contourctl", "watch", "--socket", folder / "control.sock", "--job", job],
                    check=True, stdout=subprocess.DEVNULL)

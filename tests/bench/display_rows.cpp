@@ -16,8 +16,8 @@ namespace {
 constexpr Pixels kWidth{1920}, kHeight{1080};
 constexpr double kTargetMs = 1.0;
 
-// Two masks that differ in as many neighbouring pixels of every row, from another column on in each: no row
-// is the same, which is the most work for so much change.
+// Two masks that differ in the same number of neighbouring pixels in every row, starting at a different
+// column in each: no two rows are equal, which is the most work for that amount of change.
 std::array<Mask, 2> masks_that_differ_by(double part) {
   std::array<Mask, 2> masks{Mask(kWidth, kHeight), Mask(kWidth, kHeight)};
   const auto length = static_cast<std::size_t>(part * kWidth.count());
@@ -33,7 +33,7 @@ std::array<Mask, 2> masks_that_differ_by(double part) {
   return masks;
 }
 
-// Memory for a picture, as a buffer of the card's would be.
+// Memory for a picture, like a buffer of a graphics card.
 struct Picture {
   explicit Picture(PixelFormat format)
       : stride_bytes(static_cast<std::size_t>(kWidth.count()) * bytes_per_pixel(format)),
@@ -42,7 +42,7 @@ struct Picture {
   std::vector<std::byte> memory;
 };
 
-// What there is to beat: every pixel of every frame.
+// The method to beat: converts every pixel of every frame.
 void write_all(const Mask& mask, Picture& picture) {
   auto* to = reinterpret_cast<std::uint32_t*>(picture.memory.data());
   for (const std::uint8_t grey : mask.pixels())

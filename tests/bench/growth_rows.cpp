@@ -14,7 +14,7 @@ ContourEngine engine_for(models::Facets facets, Point center) {
                        {PixelMap::true_scale(kDisplay, center)});
 }
 
-// Medians at random heights.
+// Returns the medians at random heights.
 struct Medians {
   double wall_us, cpu_us;
 };
@@ -23,12 +23,12 @@ template <typename Function>
 Medians medians_of(const Bench& bench, const ContourEngine& engine, Function&& at_height) {
   const std::vector<Millimeters> heights = random_heights(engine.model().bounds(), bench.runs(200));
   for (const Millimeters z : heights)
-    at_height(z);  // to warm up
+    at_height(z);  // warm-up
   const Times times = best_of_passes(3, heights, at_height);
   return {median(times.wall_s) * 1e6, median(times.cpu_s) * 1e6};
 }
 
-// A column whose walls are divided ever finer: every plane crosses 1000 facets.
+// Measures a column whose walls are divided ever more finely: every plane crosses 1000 facets.
 Row facets_row(const Bench& bench) {
   std::vector<Medians> medians;
   Row row{"growth-facets", "", "x"};
@@ -50,7 +50,7 @@ struct SegmentCosts {
   std::vector<double> segments, wall_us, cpu_us;
 };
 
-// Time a segment at 30,000 segments over that at 1,000.
+// Returns the time per segment at 30,000 segments, divided by that at 1,000.
 double per_segment(const std::vector<double>& segments, const std::vector<double>& times) {
   return times.back() / segments.back() / (times.front() / segments.front());
 }

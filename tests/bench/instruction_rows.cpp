@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kPlanes = 20;
 
-// What a child did: so many calls on so many parts (segments, facets, bytes) in all.
+// The work of a child process: number of calls, and of parts (segments, facets, bytes) in all.
 struct Work {
   int calls = 0;
   double parts = 0;
@@ -29,7 +29,7 @@ Work at_planes(const ContourEngine& engine, Function&& at_height) {
   Section section;
   Work work;
   for (const Millimeters z : heights) {
-    at_height(z);  // to warm up
+    at_height(z);  // warm-up
     slice_at(engine.model(), z, section);
     work.parts += static_cast<double>(section.segments.size());
   }
@@ -54,7 +54,7 @@ Work read(const std::filesystem::path& model) {
   return {1, static_cast<double>(std::filesystem::file_size(model))};
 }
 
-// 40 mm at 10 mm/s of a screw with 800 microsteps a mm.
+// A move of 40 mm at 10 mm/s on a screw with 800 microsteps a mm.
 constexpr std::int64_t kSteps = 32'000;
 MotionLimits step_limits(bool s_curve) {
   MotionLimits limits{8'000, 20'000};
@@ -77,9 +77,9 @@ class SunkLine final : public OutputLine {
  public:
   [[nodiscard]] bool set(bool) noexcept override { return true; }
 };
-TimePoint time_of_steps{};  // StepEngine wants a plain function
+TimePoint time_of_steps{};  // StepEngine takes a plain function
 
-// What the stepping thread does, but for its waits and the kernel's calls.
+// Does the stepping thread's work, except for its waits and system calls.
 Work make_steps(bool s_curve) {
   SunkLine step, direction;
   StepEngine engine(step, direction, {}, []() noexcept { return time_of_steps; });
@@ -94,7 +94,8 @@ Work make_steps(bool s_curve) {
   return {1, static_cast<double>(engine.position())};
 }
 
-// callgrind's "Collected : 123", in what the child and valgrind print.
+// Returns the number after a word, such as callgrind's "Collected : 123", in the output of the child and
+// valgrind.
 double number_after(const std::string& text, const std::string& word) {
   const std::size_t at = text.find(word);
   if (at == std::string::npos) throw std::runtime_error("no \"" + word + "\" in: " + text);
@@ -103,7 +104,7 @@ double number_after(const std::string& text, const std::string& word) {
 
 struct Thing {
   std::string id, what, part;
-  bool per_call;  // the figure is for a call; otherwise for a part
+  bool per_call;  // true: figure per call; false: per part
   std::string thing;
 };
 

@@ -17,7 +17,7 @@ double megabytes(const std::filesystem::path& file) {
   return static_cast<double>(std::filesystem::file_size(file)) / 1e6;
 }
 
-// The mask in the middle of the model: the bottom's would be almost empty.
+// Makes the mask in the middle of the model: one at the bottom would be almost empty.
 void first_mask(HeightIndex model) {
   const double middle = model.bounds().min_z + model.bounds().size_z() / 2;
   const PixelMap map = PixelMap::fit(kDisplay, model.bounds());

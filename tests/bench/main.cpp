@@ -1,5 +1,5 @@
-// contourd-bench: measures what the contour core promises, beside other slicers, and prints one table. Every
-// figure is of this run; --help says how it can be cut short.
+// contourd-bench: measures the performance that the contour core promises, compares it with other slicers,
+// and prints one table. All figures are from this run; --help lists options that shorten it.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -20,7 +20,7 @@ struct Options {
   bool quick = false, callgrind = false, no_peers = false;
   std::filesystem::path models, shared = CONTOURD_SHARED_DIR, json;
   std::vector<std::string> only;
-  // The program's own children:
+  // Options for the program's own child processes:
   std::filesystem::path memory_of, model;
   std::string measured;
 };
@@ -39,18 +39,18 @@ const std::vector<Group>& groups() {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_flag("--quick", options.quick, "See that everything works: few repetitions, no other programs");
-  app.add_flag("--no-peers", options.no_peers, "Leave the other slicers out");
-  app.add_flag("--callgrind", options.callgrind, "Count instructions too (needs valgrind; some minutes)");
-  app.add_option("--json", options.json, "Write the table to this file as well");
-  app.add_option("--models", options.models,
-                 "Keep the models that are made in this folder, for the next run");
-  app.add_option("--shared", options.shared, "Where models/ with those is that cannot be made");
+  app.add_flag("--quick", options.quick, "Check that everything works: few repetitions, no other programs");
+  app.add_flag("--no-peers", options.no_peers, "Do not run the other slicers");
+  app.add_flag("--callgrind", options.callgrind, "Also count instructions (needs valgrind; takes minutes)");
+  app.add_option("--json", options.json, "Also write the table to this file, as JSON");
+  app.add_option("--models", options.models, "Keep generated models in this folder for the next run");
+  app.add_option("--shared", options.shared,
+                 "Folder whose models/ holds the models that cannot be generated");
   std::vector<std::string> names;
   for (const Group& group : groups())
     names.push_back(group.name);
-  app.add_option("--only", options.only, "Some groups of rows")->check(CLI::IsMember(names));
-  // For the children of this program, hence in no group of the help.
+  app.add_option("--only", options.only, "Measure only these groups of rows")->check(CLI::IsMember(names));
+  // Hidden from the help: used for the program's child processes.
   app.add_option("--memory-of", options.memory_of)->group("");
   app.add_option("--measured", options.measured)->group("");
   app.add_option("--model", options.model)->group("");
@@ -64,7 +64,7 @@ bool is_wanted(const Options& options, const std::string& group) {
 
 void run(const Options& options) {
   if (is_wanted(options, "instructions") && !find_program("valgrind")) {
-    throw std::runtime_error("valgrind is not installed; its callgrind counts the instructions");
+    throw std::runtime_error("valgrind is not installed; --callgrind needs it to count instructions");
   }
   std::unique_ptr<testing::TemporaryFolder> temporary;
   std::filesystem::path folder = options.models;
@@ -91,7 +91,7 @@ void run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace contourd::bench;
   Options options;
-  CLI::App app("Measures the contour core, beside other slicers");
+  CLI::App app("Measures the contour core and compares it with other slicers");
   add_options(app, options);
   CLI11_PARSE(app, argc, argv);
   try {

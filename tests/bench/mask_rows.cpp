@@ -45,7 +45,7 @@ Times at_rising_heights(const Bench& bench, ContourEngine& engine) {
   return best_of_passes(kPasses, heights, [&](Nanometers height) { (void)engine.mask_at(height); });
 }
 
-// How many segments the random planes have: mean and 99th percentile.
+// Returns the number of segments in the random planes: mean and percentiles.
 std::string segments_of(const Bench& bench, const ContourEngine& engine) {
   Section section;
   std::vector<double> counts;

@@ -1,7 +1,7 @@
-// The function within which callgrind counts.
+// The function in which callgrind counts instructions.
 #pragma once
 
 #include <functional>
 
-// In a file of its own, so that no compiler merges it with its caller.
+// Calls `call`. Defined in a separate file, so that no compiler merges it with its caller.
 extern "C" void contourd_measured_call(const std::function<void()>& call);

@@ -15,8 +15,8 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// Nothing when the program is not installed. One that fails is left out too; our figures are still worth
-// having.
+// Returns nullopt if the program is not installed. A program that fails is skipped too; our figures are still
+// useful.
 std::optional<Peer> measured(const std::string& name, const Words& options) {
   const auto program = find_program(name);
   if (!program) return std::nullopt;
@@ -26,7 +26,7 @@ std::optional<Peer> measured(const std::string& name, const Words& options) {
     const ProcessResult result = run_process(command);
     return Peer{name, result.wall_s, false, result.cpu_s};
   } catch (const std::runtime_error& error) {
-    fmt::print(stderr, "contourd-bench: {} is left out: {}\n", name, error.what());
+    fmt::print(stderr, "contourd-bench: {} is skipped: {}\n", name, error.what());
     return std::nullopt;
   }
 }

@@ -1,4 +1,4 @@
-// Other slicers, run as whole processes where they are installed. Blocks while they run.
+// Runs other slicers as whole processes, if they are installed. Blocks while they run.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,11 @@
 
 namespace contourd::bench {
 
-// Debian's slic3r: the contours of all layers, to SVG. Nothing when it is not installed.
+// Runs Debian's slic3r: the contours of all layers, to SVG. Returns nullopt if it is not installed.
 [[nodiscard]] std::optional<Peer> run_slic3r(const std::filesystem::path& model, Nanometers layer);
 
-// Debian's prusa-slicer: all masks, supports and pad off, to an .sl1 archive of PNG files. In seconds.
-// Nothing when it is not installed.
+// Runs Debian's prusa-slicer: all masks, with supports and pad off, to an .sl1 archive of PNG files. The
+// figure is in seconds. Returns nullopt if it is not installed.
 [[nodiscard]] std::optional<Peer> run_prusa_slicer(const std::filesystem::path& model, Nanometers layer,
                                                    const DisplayGeometry& display);
 

@@ -43,7 +43,7 @@ Row masks_as_files(const Bench& bench, const std::filesystem::path& file) {
     row.skipped = "no contourctl beside this program";
     return row;
   }
-  // A quick run's layers are 10 mm: 20 files.
+  // The layers of a quick run are 10 mm thick: 20 files.
   const Nanometers layer = bench.quick ? Nanometers{10'000'000} : kLayer;
   std::vector<double> wall, cpu;
   for (int run = 0; run < bench.runs(2); ++run) {

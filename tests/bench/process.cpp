@@ -29,7 +29,7 @@ std::string read_to_end(int descriptor) {
   return text;
 }
 
-// Starts the program with both its outputs going into `output`.
+// Starts the program with standard output and error going to `output`.
 pid_t start(const std::vector<std::string>& command, int output) {
   std::vector<char*> arguments;
   for (const std::string& word : command)

@@ -1,4 +1,4 @@
-// Runs other programs, and this one again, for the benchmark. Not thread-safe.
+// Runs other programs, and this program as its own child, for the benchmark. Not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -10,21 +10,21 @@ namespace contourd::bench {
 
 struct ProcessResult {
   double wall_s = 0;
-  double cpu_s = 0;    // user and system, all its threads
+  double cpu_s = 0;    // user and system time of all threads
   std::string output;  // standard output and error
 };
 
-// Runs a program to its end; blocks. Throws std::runtime_error when it cannot be started or fails.
+// Runs a program to its end; blocks. Throws std::runtime_error if it cannot be started or fails.
 [[nodiscard]] ProcessResult run_process(const std::vector<std::string>& command);
 
-// The program's place on PATH, if it is there.
+// Returns the program's path, found on PATH; nullopt if it is not there.
 [[nodiscard]] std::optional<std::filesystem::path> find_program(const std::string& name);
 
-// This program's own file.
+// Returns the path of this program's executable.
 [[nodiscard]] std::filesystem::path this_program();
 
-// The most memory that this process has had in use at once since it was started, in bytes (VmHWM).
-// getrusage()'s ru_maxrss will not do: it begins with what the parent had in use.
+// Returns the peak memory of this process since its start, in bytes (VmHWM). getrusage()'s ru_maxrss would
+// not do: it starts from the parent's usage.
 [[nodiscard]] double peak_memory_bytes();
 
 }  // namespace contourd::bench

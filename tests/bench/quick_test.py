@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""contourd-bench --quick runs to its end and has a figure, or a reason for none, in every row. No figure is judged."""
+"""Checks that contourd-bench --quick ends with a figure, or a reason for none, in every row. Judges no figures."""
 
 import json
 import math
@@ -11,12 +11,12 @@ import unittest
 
 BENCH = os.path.join(os.environ["CONTOURD_BIN"], "contourd-bench")
 
-MADE = {  # rows of models that the benchmark makes itself: they are never skipped
+MADE = {  # rows of models that the benchmark generates: never skipped
     "mask-random-gyroid-p50", "mask-random-gyroid-p99", "mask-rising-gyroid-p99", "mask-4k-gyroid-p99", "first-mask",
     "ascii", "memory-gyroid", "allocations-gyroid", "growth-facets", "growth-segments-mask",
     "growth-segments-contours", "display-1", "display-10", "display-100", "supports-mask",
 }
-SHARED = {  # rows of models that must be at hand
+SHARED = {  # rows of models that must be available as files
     "contours-liver", "contours-liver-without-reading", "contours-femur", "contours-femur-without-reading",
     "contours-bunny", "contours-bunny-without-reading", "masks-liver", "png-liver", "mask-random-plate-p50",
     "mask-random-plate-p99", "mask-rising-plate-p99", "mask-4k-plate-p99", "memory-plate", "allocations-plate",
@@ -46,7 +46,7 @@ class QuickRun(unittest.TestCase):
         self.assertTrue(results["quick"])
         rows = {row["id"]: row for row in results["rows"]}
         self.assertEqual(set(rows), MADE | SHARED)
-        self.assertEqual(len(rows), len(results["rows"]), "an id comes twice")
+        self.assertEqual(len(rows), len(results["rows"]), "an id occurs twice")
         for row in rows.values():
             self.assertIn(row["what"], table)
             if "skipped" in row:

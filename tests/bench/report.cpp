@@ -29,7 +29,7 @@ std::string words_of(std::optional<bool> reached) {
   return !reached ? "" : *reached ? "yes" : "NO";
 }
 
-// No ratio to a figure of nothing, such as no allocations.
+// Returns nullopt for a figure of zero, such as no allocations.
 std::optional<double> ratio(const Row& row, const Peer& peer) {
   if (row.figure == 0) return std::nullopt;
   return peer.figure / row.figure;

@@ -11,7 +11,7 @@ TEST_CASE("A row's target is reached at its own value") {
   CHECK(reached({"", "", "MB/s", 249, {}, Target{Target::Kind::AtLeast, 250}}) == false);
 }
 
-TEST_CASE("A target that is a multiple of a peer's is judged only where that peer was run") {
+TEST_CASE("A target relative to a peer is judged only if the peer was run") {
   Row row{"", "", "s", 2, {}, Target{Target::Kind::TimesFirstPeer, 8}};
   CHECK_FALSE(reached(row).has_value());
   row.peers = {{"peer", 16, true}};
@@ -22,7 +22,7 @@ TEST_CASE("A target that is a multiple of a peer's is judged only where that pee
   CHECK(reached(row) == false);
 }
 
-TEST_CASE("Nothing is reached by a row that was skipped or has no target") {
+TEST_CASE("A row that was skipped or has no target has no result") {
   Row row{"", "", "s", 0, {}, Target{Target::Kind::AtMost, 1}};
   row.skipped = "no model";
   CHECK_FALSE(reached(row).has_value());

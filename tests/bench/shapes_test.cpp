@@ -23,7 +23,7 @@ Contours contours_at(const models::Facets& facets, double z, std::size_t expecte
   return contours;
 }
 
-// Of a regular polygon. Vertices are floats: 7 digits, two coordinates a product.
+// The area of a regular polygon. Vertices are floats: 7 digits, two coordinates in each product.
 double polygon_area(int sides, double radius) {
   return sides * radius * radius * std::sin(2 * std::numbers::pi / sides) / 2;
 }

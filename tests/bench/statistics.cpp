@@ -7,7 +7,7 @@
 namespace contourd::bench {
 
 double percentile(std::vector<double> values, double percent) {
-  // The factor keeps a product that is whole but for its rounding (0.99 * 1000) from the next rank up.
+  // The factor keeps a product that is whole except for rounding (0.99 * 1000) from getting the next rank.
   constexpr double kRounding = 1 - 1e-12;
   const double rank = std::ceil(percent / 100 * static_cast<double>(values.size()) * kRounding);
   const auto index = static_cast<std::size_t>(std::max(rank, 1.0)) - 1;

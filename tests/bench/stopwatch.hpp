@@ -1,5 +1,5 @@
-// Times what a function takes: by the steady clock, and the CPU time of all threads of this process (which
-// other programs on the machine disturb less). Not thread-safe.
+// Measures the duration of a function: by the steady clock, and as CPU time of all threads of this process,
+// which other programs on the machine disturb less. Not thread-safe.
 #pragma once
 
 #include <time.h>
@@ -34,7 +34,7 @@ void time_once(Times& times, Function&& function) {
   times.wall_s.push_back(std::chrono::duration<double>(end - start).count());
 }
 
-// A run to warm up, then `runs` timed ones.
+// Runs the function once to warm up, then `runs` times with the time taken.
 template <typename Function>
 [[nodiscard]] Times time_runs(int runs, Function&& function) {
   function();
@@ -44,9 +44,9 @@ template <typename Function>
   return times;
 }
 
-// Calls function(argument) for all arguments in turn, `passes` times, and keeps each argument's best time:
-// what the machine does besides falls away, what an argument costs by itself, with caches full of the others,
-// stays.
+// Calls function(argument) for all arguments in turn, `passes` times, and keeps each argument's best time.
+// That removes disturbances by other programs, but keeps the real cost of an argument, with caches full of
+// the others.
 template <typename Argument, typename Function>
 [[nodiscard]] Times best_of_passes(int passes, const std::vector<Argument>& arguments, Function&& function) {
   Times best;

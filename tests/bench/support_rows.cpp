@@ -48,7 +48,7 @@ std::vector<Row> support_rows(const Bench& bench) {
   const auto structure = std::make_shared<const SupportStructure>(supports());
   const Times bare = masks_of(models, display, nullptr, bench.runs(kHeights));
   const Times supported = masks_of(models, display, structure, bench.runs(kHeights));
-  Row row{"supports-mask", "supports of 2,000 primitives, 500 cut, what a mask 1920x1080 takes more, p50",
+  Row row{"supports-mask", "supports of 2,000 primitives, 500 cut, added time of a mask 1920x1080, p50",
           "ms"};
   row.figure = (percentile(supported.wall_s, 50) - percentile(bare.wall_s, 50)) * 1e3;
   row.cpu = (percentile(supported.cpu_s, 50) - percentile(bare.cpu_s, 50)) * 1e3;

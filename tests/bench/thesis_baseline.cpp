@@ -61,9 +61,9 @@ ThesisSlicer::Cut ThesisSlicer::cut_side(const Vertex& start, const Vertex& end,
           true};
 }
 
-// Table 3.1. No point: the facet lies in the plane (VI). Two: through two sides (I, III), or twice the same
-// vertex (V), which is no line. Three: through a vertex and a side (II), where two are the same: the longest
-// line is it.
+// Table 3.1 by the number of points. None: the facet lies in the plane (VI). Two: the plane passes through
+// two sides (I, III), or twice through the same vertex (V), which is no line. Three: it passes through a
+// vertex and a side (II), two points coincide, and the longest line counts.
 void ThesisSlicer::handle_case(const Cut (&cuts)[3]) {
   const auto length = [](const Point& a, const Point& b) { return std::hypot(a.x - b.x, a.y - b.y); };
   double longest = -1;
@@ -105,7 +105,8 @@ void ThesisSlicer::join() {
   }
 }
 
-// The first line at or after `first` that starts or ends in the point; the number of lines when none does.
+// Returns the first line at or after `first` that starts or ends in the point; the number of lines if there
+// is none.
 std::size_t ThesisSlicer::find(std::size_t first, const ThesisPixel& point) const {
   std::size_t i = first;
   while (i < lines_.size() && lines_[i].from != point && lines_[i].to != point)

@@ -1,7 +1,7 @@
-// The thesis's contour generation, as its chapter 3 describes it, for comparison: algorithm 1 goes through
-// all facets for every plane, tells the six cases of table 3.1 apart and maps to whole pixels (equations 3.6
-// to 3.19); algorithm 2 finds each line's neighbour by searching the rest of the list. Written from the text,
-// plain on purpose: what it costs is the method's cost. Not thread-safe.
+// The thesis's contour generation, as described in its chapter 3, for comparison: algorithm 1 goes through
+// all facets for every plane, distinguishes the six cases of table 3.1 and maps to whole pixels (equations
+// 3.6 to 3.19); algorithm 2 finds each line's neighbour by searching the rest of the list. Written from the
+// text and plain on purpose, so that its cost is the method's cost. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace contourd::bench {
 
-// Pixel coordinates are whole ("unsigned integer value", section 3.3.3): what stands after the point is lost.
+// A pixel in whole coordinates ("unsigned integer value", section 3.3.3): the fraction is dropped.
 struct ThesisPixel {
   std::uint16_t x = 0, y = 0;
   bool operator==(const ThesisPixel&) const = default;
@@ -20,7 +20,7 @@ struct ThesisPixel {
 
 struct ThesisLine {
   ThesisPixel from, to;
-  std::uint32_t loop = 0;  // the contour that algorithm 2 puts it in
+  std::uint32_t loop = 0;  // number of the contour, set by algorithm 2
 };
 
 class ThesisSlicer {
@@ -28,10 +28,10 @@ class ThesisSlicer {
   // REQUIRES: a model that has width, depth and height; a display of 2 to 65535 pixels a side.
   ThesisSlicer(std::span<const Facet> facets, std::uint16_t display_width, std::uint16_t display_height);
 
-  // Both algorithms at z, in the model's own coordinates. Valid until the next call.
+  // Runs both algorithms at z, in the model's own coordinates. Valid until the next call.
   const std::vector<ThesisLine>& contours_at(float z);
 
-  // Facets that step 1 of algorithm 1 took in the last call.
+  // Returns the number of facets that step 1 of algorithm 1 selected in the last call.
   [[nodiscard]] std::size_t intersecting_facets() const { return intersecting_.size(); }
 
  private:
@@ -54,7 +54,7 @@ class ThesisSlicer {
 
   std::vector<StoredFacet> facets_;
   Bounds bounds_;
-  double scale_x_ = 0, scale_y_ = 0;  // pixels at x_max and y_max: R V and R W of equations 3.18 and 3.19
+  double scale_x_ = 0, scale_y_ = 0;  // pixels at x_max and y_max: R V and R W in equations 3.18 and 3.19
   std::vector<const StoredFacet*> intersecting_;
   std::vector<ThesisLine> lines_;
 };

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint16_t kWidth = 640, kHeight = 480;
 
-// A single loop's area and length, in pixels.
+// Area and length of a single loop, in pixels.
 struct Outline {
   double area = 0, length = 0;
 };
@@ -52,8 +52,8 @@ void check_area_equals_ours(const models::Facets& facets, float z) {
   ContourEngine engine(std::move(index), EngineSettings{display, AntiAliasing::On}, {map});
   const double ours = engine.mask_at_z(Millimeters{z}).lit_area();
 
-  // Each of its points lost less than a pixel in x and in y, so the outline has moved by less than a pixel's
-  // diagonal.
+  // Each point of the outline lost less than a pixel in x and in y, so the outline has moved by less than a
+  // pixel's diagonal.
   const Outline theirs = outline_of(lines);
   CHECK(theirs.area > 0);
   CHECK_THAT(theirs.area, Catch::Matchers::WithinAbs(ours, theirs.length * std::numbers::sqrt2));
@@ -76,14 +76,14 @@ TEST_CASE("The baseline's contour of a ball has the area of our mask") {
   check_area_equals_ours(models::sphere(10, 40), -6.1F);
 }
 
-TEST_CASE("The baseline tells two cubes' contours apart") {
+TEST_CASE("The baseline separates the contours of two cubes") {
   models::Facets facets = models::box({0, 0, 0}, {20, 20, 20});
   const models::Facets other = models::box({30, 5, 0}, {40, 15, 20});
   facets.insert(facets.end(), other.begin(), other.end());
   CHECK(loops_of(ThesisSlicer(facets, kWidth, kHeight).contours_at(7)) == 2);
 }
 
-TEST_CASE("The baseline makes of each case of table 3.1 what the thesis says") {
+TEST_CASE("The baseline treats each case of table 3.1 as the thesis says") {
   CHECK(lines_through({{{{0, 0, 1}, {10, 0, 1}, {5, 5, 3}}}}) == 1);  // I: a side in the plane
   CHECK(lines_through({{{{0, 0, 1}, {10, 0, 0}, {5, 5, 3}}}}) == 1);  // II: through a vertex and a side
   CHECK(lines_through({{{{0, 0, 0}, {10, 0, 0}, {5, 5, 3}}}}) == 1);  // III: through two sides

@@ -1,4 +1,4 @@
-// Contours for the tests, and what a point of the plane is to them, worked out the plain way.
+// Contours for the tests, and the plain way to relate points of the plane to them.
 #pragma once
 
 #include <algorithm>
@@ -23,12 +23,12 @@ inline Contours contours_from(const std::vector<Loop>& loops) {
   return contours;
 }
 
-// Counter-clockwise.
+// Returns a rectangle, counter-clockwise.
 inline Loop rectangle(double left, double low, double right, double high) {
   return {{left, low}, {right, low}, {right, high}, {left, high}};
 }
 
-// Counter-clockwise.
+// Returns a regular polygon around a centre, counter-clockwise.
 inline Loop circle(Point center, double radius, int corners) {
   Loop loop;
   for (int i = 0; i < corners; ++i) {

@@ -1,5 +1,5 @@
-// What part of each pixel the non-zero set of polygons covers, by brute force: 64 lines through every row of
-// pixels, exact along each. Shares nothing with the core but its points.
+// The part of each pixel that the non-zero set of polygons covers, by brute force: 64 lines through every row
+// of pixels, exact along each. Shares only its points with the core.
 #pragma once
 
 #include <algorithm>
@@ -24,17 +24,17 @@ class ReferenceCoverage {
 
   void add(const std::vector<PixelPoint>& polygon) { polygons_.push_back(polygon); }
 
-  // Row by row, 0 to 1.
+  // Returns the coverage, 0 to 1, row by row.
   const std::vector<double>& compute() {
     for (int line = 0; line < height_ * kReferenceLines; ++line)
       add_line(line);
     return covered_;
   }
 
-  // After that: whether nothing is wound around more than once, or the wrong way.
+  // True, after compute(), if no point is wound around more than once or the wrong way.
   [[nodiscard]] bool winds_once() const { return winds_once_; }
-  // Whether a pixel's mean winding number says so, by more than a line in 64 may miss.
-  [[nodiscard]] bool tells() const {
+  // True if the mean winding number of some pixel shows this, by more than one line in 64 may miss.
+  [[nodiscard]] bool shows_overlap() const {
     constexpr double kSlack = 1.0 / kReferenceLines;
     return std::ranges::any_of(mean_winding_,
                                [](double mean) { return mean < -kSlack || mean > 1 + kSlack; });

@@ -1,4 +1,4 @@
-// What the contour tests share: a model's section and its loops in one call.
+// Fixture of the contour tests: a model's section and its loops in one call.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,8 @@ inline Contours contours_of(models::Facets facets, double z) {
   return contours;
 }
 
-// The facets' segments as they are: cut one by one, none can be mended by its neighbours.
+// Returns the facets' segments as they are in the file: cut one by one, no facet can be repaired to match its
+// neighbours.
 inline std::vector<Segment> segments_as_filed(const models::Facets& facets, double z) {
   std::vector<Segment> segments;
   for (const Facet& facet : facets) {
@@ -47,7 +48,7 @@ inline models::Facets inverted(models::Facets facets) {
   return facets;
 }
 
-// Positive when the loop runs counter-clockwise.
+// Returns the loop's area, positive if it runs counter-clockwise.
 inline double signed_area(std::span<const Point> points) {
   double twice = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -146,7 +146,7 @@ TEST_CASE("Whatever goes wrong while a job is prepared refuses that job, in a se
   desk.printer.uniformity.emplace(Pixels{3}, Pixels{2});
   std::string reason;
   CHECK_NOTHROW(reason = desk.refusal_of(kCube));
-  CHECK(reason == "the job cannot be prepared: the uniformity mask is not as large as the display");
+  CHECK(reason == "the job cannot be prepared: the uniformity mask does not have the display's size");
 }
 
 TEST_CASE("A ticket's position moves the part to the right and up") {

@@ -39,11 +39,11 @@ TEST_CASE("Supports are told by cause, and by what holds") {
 }
 
 TEST_CASE("Places that are not held are named, the first three of them") {
-  std::vector<UnheldPlace> places{{contact(ContactCause::Island, 1), "no way leads to the plate"}};
+  std::vector<UnheldPlace> places{{contact(ContactCause::Island, 1), "no path leads to the plate"}};
   CHECK(unheld_sentence({}).empty());
   CHECK(unheld_sentence(places) ==
         "1 place cannot be held: at 1.00, -2.00 mm from the plate's centre, 1.00 mm above the plate (island, "
-        "0.25 mm2): no way leads to the plate");
+        "0.25 mm2): no path leads to the plate");
   places.resize(5, {contact(ContactCause::Peel, 2), "there is no room"});
   const std::string sentence = unheld_sentence(places);
   CHECK(sentence.find("5 places cannot be held: at 1.00") == 0);

@@ -1,6 +1,6 @@
-// Fuzz target: any bytes to the control socket, in two portions (the first byte says where they part, and its
-// lowest bit whether the first line is longer than one may be). Every answer is a JSON-RPC message of ASCII;
-// there are no more of them than lines, and a good request behind it all is answered.
+// Fuzz target: any bytes to the control socket, in two portions (the first byte chooses where they are split,
+// and its lowest bit whether the first line exceeds the limit). Every answer is a JSON-RPC message in ASCII,
+// there are at most as many answers as lines, and a valid request at the end is answered.
 #include <sys/epoll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -26,7 +26,7 @@ namespace {
 using Json = ControlMethod::Json;
 
 constexpr std::string_view kLast = "{\"jsonrpc\":\"2.0\",\"method\":\"status\",\"id\":\"the last\"}\n";
-// A user's turns that come at once are 200; what comes beyond them waits for real time.
+// A user may send 200 requests at once; requests beyond that wait for real time.
 constexpr std::ptrdiff_t kMaxTurns = 190;
 
 ControlMethods methods() {
@@ -35,7 +35,7 @@ ControlMethods methods() {
            }}},
           {"echo",
            {[](const Json& parameters, const ControlCaller& caller) {
-              demand(caller.connection == 1, "a connection has another's number");
+              demand(caller.connection == 1, "a connection has a wrong number");
               return parameters;
             },
             {"value", "other"}}},
@@ -50,7 +50,7 @@ ControlMethods methods() {
            }}}};
 }
 
-// A client in the server's own loop: says all, and hears until the server has no more to say.
+// A client in the server's own loop: sends everything, and reads until the server closes.
 class Talk {
  public:
   Talk(EventLoop& loop, const std::string& socket, std::string first, std::string second)
@@ -61,7 +61,7 @@ class Talk {
     address.sun_family = AF_UNIX;
     std::memcpy(address.sun_path, socket.c_str(), socket.size() + 1);
     demand(::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0,
-           "no connection");
+           "the connection failed");
     say(first);
     source_ = loop.on_ready(socket_.get(), EPOLLIN, "the client", [this](std::uint32_t) { hear(); });
     rest_ = loop.at(std::chrono::steady_clock::now(), "the client's rest", [this] {
@@ -75,7 +75,7 @@ class Talk {
  private:
   void say(const std::string& bytes) {
     const auto sent = ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    demand(sent == static_cast<ssize_t>(bytes.size()), "the socket does not take all");
+    demand(sent == static_cast<ssize_t>(bytes.size()), "the socket does not take all bytes");
   }
   void hear() {
     std::array<char, 4096> buffer;
@@ -96,17 +96,17 @@ class Talk {
 };
 
 void demand_answer(const Json& message) {
-  demand(message.is_object() && message.value("jsonrpc", "") == "2.0", "an answer is no JSON-RPC message");
-  demand(message.contains("id"), "an answer says not to what");
+  demand(message.is_object() && message.value("jsonrpc", "") == "2.0", "an answer is not a JSON-RPC message");
+  demand(message.contains("id"), "an answer has no id");
   demand(message.contains("result") != message.contains("error"),
          "an answer is neither a result nor an error");
   if (!message.contains("error")) return;
   const Json& error = message["error"];
   demand(error.at("code").is_number_integer() && !error.at("message").get<std::string>().empty(),
-         "an error says nothing");
+         "an error has no code or no message");
 }
 
-// How many answers there were.
+// Checks the answers and returns their number.
 std::ptrdiff_t demand_answers(std::string_view heard) {
   demand(std::ranges::all_of(heard, [](char byte) { return byte == '\n' || (byte >= ' ' && byte <= '~'); }),
          "an answer is not ASCII");
@@ -114,7 +114,7 @@ std::ptrdiff_t demand_answers(std::string_view heard) {
   Json last;
   for (; !heard.empty(); ++lines) {
     const std::size_t end = heard.find('\n');
-    demand(end != std::string_view::npos, "an answer does not end");
+    demand(end != std::string_view::npos, "an answer has no end");
     last = Json::parse(heard.substr(0, end), nullptr, false);
     demand(!last.is_discarded(), "an answer is not JSON");
     demand(!last.is_array() || !last.empty(), "an answer to nothing");
@@ -127,7 +127,7 @@ std::ptrdiff_t demand_answers(std::string_view heard) {
   return lines;
 }
 
-// But for blank ones.
+// Returns the number of lines that are not blank.
 std::ptrdiff_t lines_in(std::string_view bytes) {
   std::ptrdiff_t lines = 0;
   while (!bytes.empty()) {
@@ -150,7 +150,7 @@ void check(std::uint8_t shape, std::string bytes) {
   ControlServer server(loop, socket, methods());
   Talk talk(loop, socket, bytes.substr(0, part), bytes.substr(part) + std::string(kLast));
   loop.run();
-  // One that is too long is answered even where it is blank.
+  // A line that is too long is answered even if it is blank.
   const bool is_blank = (shape & 1U) != 0 && lines_in(bytes.substr(0, bytes.find('\n'))) == 0;
   demand(demand_answers(talk.heard()) <= lines_in(bytes) + (is_blank ? 1 : 0) + 1,
          "there are more answers than lines");

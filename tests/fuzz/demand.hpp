@@ -1,4 +1,4 @@
-// What a fuzz target holds to be true: where it is not, the target ends as by a crash. Thread-safe.
+// A check of a fuzz target: if it fails, the target aborts as in a crash. Thread-safe.
 #pragma once
 
 #include <cstdio>

@@ -1,5 +1,4 @@
-// Writes the inputs that the fuzzers start from: make-fuzz-corpus FOLDER (which gets a folder for each
-// target).
+// Writes the initial inputs of the fuzzers: make-fuzz-corpus FOLDER (with a folder for each target in it).
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -55,7 +54,7 @@ void write_model_inputs(const fs::path& folder) {
   write(folder / "no_number.stl",
         std::string(
             "SOLID x\nFACET NORMAL nan inf -1e999\nOUTER LOOP\nVERTEX 1e38 -1e-45 +.5\nVERTEX 0x1 1 1\n"));
-  // Binary, but for a wrong count and a beginning that says otherwise.
+  // Binary files with a wrong count, and with a beginning that claims ASCII.
   auto bytes = models::to_binary_stl(box);
   bytes[80] = std::byte{200};
   write(folder / "wrong_count.stl", bytes);
@@ -147,7 +146,7 @@ void write_control_inputs(const fs::path& folder) {
   write(folder / "broken", std::string("\x10{\n\n[[[[\n\"\\ud800\"\n{\"id\":[]}\n\xff\n"));
 }
 
-// What the projector sends, as serial_fuzz plays it: at once, or when it was sent something.
+// Bytes that the projector sends in serial_fuzz: at once, or after a message was sent to it.
 std::string says(const std::string& bytes) {
   return "r" + std::string(1, static_cast<char>(bytes.size())) + bytes;
 }
@@ -155,8 +154,8 @@ std::string answers(const std::string& bytes) {
   return "R" + std::string(1, static_cast<char>(bytes.size())) + bytes;
 }
 
-// A table's number, and how its projector says yes, that it is off, and that it is on (nothing where nobody
-// asks).
+// The number of a table and its projector's replies for yes, off and on (empty if the table has no such
+// question).
 struct Language {
   char table;
   std::string yes, off, on;

@@ -1,5 +1,6 @@
-// Fuzz target: any facets, cut and filled. Whatever they are, the mask is the same every time, stays within
-// the model's outline, is dark above and below the model, and facets with their turned selves leave nothing.
+// Fuzz target: any facets, cut and filled. The mask is the same every time, stays within the model's outline
+// and is dark above and below the model; facets together with their reversed copies stay within the outline
+// too.
 #include <algorithm>
 #include <utility>
 
@@ -32,7 +33,7 @@ ContourEngine engine_for(const MaskInput& input, models::Facets facets, const Bo
 struct Extent {
   double low, high;
   Extent(double a, double b) {
-    // The rounding of a mapped coordinate, whose offset may be as large as it is.
+    // Rounding error of a mapped coordinate, whose offset may be as large as the coordinate itself.
     const double rounding = 1 + (std::fabs(a) + std::fabs(b)) * 1e-9;
     low = std::min(a, b) - rounding;
     high = std::max(a, b) + rounding;
@@ -74,20 +75,20 @@ void check(const MaskInput& input) {
   const Bounds bounds = bounds_of(input.facets);
   ContourEngine engine = engine_for(input, input.facets, bounds);
   const double part = input.settings.height_part / 65536.0;
-  const float own = input.settings.z;
+  const float extra_z = input.settings.z;
   std::vector<double> heights{bounds.min_z + part * bounds.size_z(), bounds.min_z};
-  if (std::isfinite(own)) heights.push_back(own);
+  if (std::isfinite(extra_z)) heights.push_back(extra_z);
   models::Facets double_sided = input.facets;
   models::invert(double_sided);
   double_sided.insert(double_sided.end(), input.facets.begin(), input.facets.end());
-  ContourEngine mended = engine_for(input, double_sided, bounds);
+  ContourEngine cancelled = engine_for(input, double_sided, bounds);
   const std::vector<Outline> outlines = outlines_of(input.settings, bounds);
   for (const double z : heights) {
     const Mask mask = engine.mask_at_z(Millimeters{z});
     demand_no_spill(mask, outlines);
     (void)engine.mask_at_z(Millimeters{bounds.min_z + bounds.size_z() / 3});
-    demand(engine.mask_at_z(Millimeters{z}) == mask, "the same height has another mask");
-    demand_no_spill(mended.mask_at_z(Millimeters{z}), outlines);
+    demand(engine.mask_at_z(Millimeters{z}) == mask, "the same height has a different mask");
+    demand_no_spill(cancelled.mask_at_z(Millimeters{z}), outlines);
   }
   demand(engine.mask_at_z(Millimeters{bounds.max_z}).lit_pixels() == 0, "there is light above the model");
   const double below = std::nextafter(bounds.min_z, -1e300);

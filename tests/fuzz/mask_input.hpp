@@ -1,4 +1,5 @@
-// What the mask fuzzer makes of its bytes: a display, settings, a height and any facets. Values; thread-safe.
+// The mask fuzzer's interpretation of its bytes: a display, settings, a height and any facets. Values;
+// thread-safe.
 #pragma once
 
 #include <array>
@@ -14,13 +15,13 @@
 
 namespace contourd::fuzz {
 
-// The first bytes; the facets follow, 36 bytes each, as they lie in memory.
+// The first bytes of the input; the facets follow, 36 bytes each, in memory layout.
 struct MaskSettings {
-  std::uint16_t width, height;  // of the display; see display_of()
-  std::uint16_t flags;          // bits of kFit and so on; the upper 8 bits: growth, see compensation_of()
-  std::uint16_t height_part;    // of the model's height, in 65536ths
+  std::uint16_t width, height;  // size of the display; see display_of()
+  std::uint16_t flags;          // bits such as kFit; the upper 8 bits: growth, see compensation_of()
+  std::uint16_t height_part;    // a height within the model, in 65536ths
   float pitch_um;
-  float z;  // a height of its own, in the model's coordinates
+  float z;  // another height, in the model's coordinates
 };
 static_assert(sizeof(MaskSettings) == 16);
 
@@ -41,7 +42,7 @@ inline std::vector<std::byte> to_bytes(const MaskInput& input) {
   return bytes;
 }
 
-// REQUIRES: at least as many bytes as the settings have.
+// Reads the settings and the finite facets. REQUIRES: at least as many bytes as the settings have.
 inline MaskInput from_bytes(std::span<const std::byte> bytes) {
   MaskInput input{};
   std::memcpy(&input.settings, bytes.data(), sizeof(MaskSettings));
@@ -52,13 +53,13 @@ inline MaskInput from_bytes(std::span<const std::byte> bytes) {
     bool finite = true;
     for (const Vertex& v : facet.vertices)
       finite = finite && std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-    // The reader refuses others.
+    // The model reader refuses facets that are not finite.
     if (finite) input.facets.push_back(facet);
   }
   return input;
 }
 
-// Up to 100 pixels a side, or one side as long as there are.
+// Returns a display of up to 100 pixels a side, or with one side of the maximum length.
 inline DisplayGeometry display_of(const MaskSettings& settings) {
   const bool is_long = (settings.flags & kLongDisplay) != 0;
   const bool sane = settings.pitch_um >= 0.001F && settings.pitch_um <= 1e6F;
@@ -68,7 +69,7 @@ inline DisplayGeometry display_of(const MaskSettings& settings) {
           (settings.flags & kMirrorY) != 0};
 }
 
-// The upper byte of the flags as a signed number of 10 um.
+// Returns the growth in the upper byte of the flags, a signed number of 10 um.
 inline Compensation compensation_of(const MaskSettings& settings) {
   return {.growth = Micrometers{static_cast<std::int8_t>(settings.flags >> 8) * 10.0}};
 }

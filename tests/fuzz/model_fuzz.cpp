@@ -1,6 +1,6 @@
-// Fuzz target: any bytes as a model's file, of whatever format. It is refused with a ModelError of one
-// sentence, or gives facets of finite numbers, no more than its outline says, which read back the same from
-// an STL file written with them.
+// Fuzz target: any bytes as a model file of any format. The file is refused with a ModelError of one
+// sentence, or gives finite facets, at most as many as its outline says, which read back the same from an STL
+// file written with them.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>

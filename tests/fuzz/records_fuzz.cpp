@@ -1,7 +1,7 @@
-// Fuzz target: any bytes where the daemon left something for its next start, by the first byte: o
-// plate-occupied, h queue-held, e ended-print, c what was copied, r what was being read, l light.json, p the
-// names in printing/ and beside it. What is kept reads back the same, what makes no sense is nothing, and no
-// file is lost. An '@' in c and r is the mark of a job that is there.
+// Fuzz target: any bytes in the records that the daemon leaves for its next start, chosen by the first byte:
+// o plate-occupied, h queue-held, e ended-print, c copied originals, r the file being read, l light.json, p
+// the names in printing/ and beside it. A valid record reads back the same, an invalid one is ignored, and no
+// file is lost. An '@' in c and r is replaced by the mark of an existing job.
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What StateRecords keeps and gives.
+// The functions that get and set a record of StateRecords.
 using Get = std::optional<std::string> (StateRecords::*)() const;
 using Set = void (StateRecords::*)(const std::optional<std::string>&) const;
 
@@ -33,15 +33,15 @@ void check_line(const char* name, Get get, Set set, std::string_view bytes) {
   static const testing::TemporaryFolder left, next;
   (void)left.write(name, bytes);
   const std::optional<std::string> read = (StateRecords(left.path()).*get)();
-  demand(read.has_value(), "a record that is there is not read");
-  demand(*read == bytes.substr(0, bytes.find('\n')), "a record is not its first line");
+  demand(read.has_value(), "an existing record is not read");
+  demand(*read == bytes.substr(0, bytes.find('\n')), "a record is more than its first line");
   (StateRecords(next.path()).*set)(read);
   demand((StateRecords(next.path()).*get)() == read, "a record does not read back");
   (StateRecords(next.path()).*set)(std::nullopt);
-  demand(!(StateRecords(next.path()).*get)(), "a record that was taken away is there");
+  demand(!(StateRecords(next.path()).*get)(), "a removed record still exists");
 }
 
-class Deaf final : public SpoolObserver {
+class SilentObserver final : public SpoolObserver {
   void model_arrived(const std::string&) override {}
   void model_withdrawn(const std::string&) override {}
   void plate_waits(const std::string&, const std::vector<std::string>&) override {}
@@ -54,14 +54,15 @@ class Deaf final : public SpoolObserver {
 void check_end(std::string_view bytes) {
   static const testing::TemporaryFolder folder;
   static EventLoop loop;
-  static Deaf deaf;
-  static const Spool spool(folder.path() / "spool", loop, deaf);
+  static SilentObserver observer;
+  static const Spool spool(folder.path() / "spool", loop, observer);
   for (const std::string job : {"part", "b\xE4r"}) {
     spool.records().keep_end_of_print(std::string(bytes));
     const std::optional<PrintEnd> end = recorded_end(spool, job);
     if (!end) continue;
-    demand(reason_text(*end).empty() == (end->outcome == PrintOutcome::Done), "a good print has a reason");
-    demand(!recorded_end(spool, job + "2"), "a print's end is another's");
+    demand(reason_text(*end).empty() == (end->outcome == PrintOutcome::Done),
+           "a print that is done has a reason");
+    demand(!recorded_end(spool, job + "2"), "the end of one print is taken for another's");
   }
 }
 
@@ -81,11 +82,11 @@ void check_copied(const testing::SpoolFixture& spool, std::string_view bytes) {
   const bool had = copied.contains(job);
   demand(CopiedOriginals(record).contains(job) == had, "what was copied does not read back");
   copied.keep_those_in(spool.folders.path(SpoolFolder::Incoming));
-  demand(copied.contains(job) == had, "an original that is there is forgotten");
+  demand(copied.contains(job) == had, "an existing original is forgotten");
   copied.add(mark);
-  demand(CopiedOriginals(record).contains(job), "an original that was copied is taken once more");
+  demand(CopiedOriginals(record).contains(job), "a copied original is taken again");
   copied.remove(mark);
-  demand(!CopiedOriginals(record).contains(job), "an original is never taken again");
+  demand(!CopiedOriginals(record).contains(job), "a removed mark still blocks its original");
 }
 
 void check_reading(const testing::SpoolFixture& spool, std::string_view bytes) {
@@ -95,8 +96,8 @@ void check_reading(const testing::SpoolFixture& spool, std::string_view bytes) {
   const fs::path file = spool.folder.write("reading", boot + "\n" + with_mark(bytes, job));
   ReadingRecord record(file);
   (void)record.take_ended(job);
-  demand(!record.take_ended(job), "an end is told twice");
-  demand(!ReadingRecord(file).take_ended(job), "an end that was told is told again");
+  demand(!record.take_ended(job), "an end is reported twice");
+  demand(!ReadingRecord(file).take_ended(job), "an end is reported again after a restart");
 }
 
 void check_light(const testing::TemporaryFolder& folder, const std::string& text) {
@@ -104,8 +105,8 @@ void check_light(const testing::TemporaryFolder& folder, const std::string& text
     const LightConfig light = read_light_record(folder.write("light.json", text));
     const LightConfig dark = read_light_record(folder.write("light.json", left_dark(text)));
     demand(dark.left_dark, "darkness does not read back");
-    demand(dark.line.has_value() == light.line.has_value(), "a light's line is lost");
-    demand(dark.projector.has_value() == light.projector.has_value(), "a light's projector is lost");
+    demand(dark.line.has_value() == light.line.has_value(), "the light line is lost");
+    demand(dark.projector.has_value() == light.projector.has_value(), "the light's projector is lost");
   } catch (const ConfigError& error) {
     demand_told(error);
   }
@@ -130,7 +131,7 @@ bool is_file_name(std::string_view name) {
          name != "." && name != "..";
 }
 
-// Every line is a folder's letter and a file's name there; P a plate's in printing/.
+// Creates a file for each line: a folder's letter and the file's name there; P for a plate in printing/.
 void put_files(const testing::SpoolFixture& spool, std::string_view lines) {
   for (std::size_t files = 0; !lines.empty() && files < 20; ++files) {
     const std::string_view line = lines.substr(0, lines.find('\n'));

@@ -1,6 +1,6 @@
-// Fuzz target: a projector that sends any bytes at any moment, while its owner switches it (see Play). The
-// first byte chooses its table. The light is never taken for dark without a reply that says so, to a command
-// that was sent behind the last one that may have lit it. What is told is one printable line.
+// Fuzz target: a projector that sends any bytes at any moment while a user switches it (see Play). The first
+// byte chooses its table. The light is never taken for dark without a reply that says so, to a command sent
+// after the last one that may have lit it. Every message is one printable line.
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -19,7 +19,8 @@
 namespace contourd::fuzz {
 namespace {
 
-// All that came back, and from where on it may say that it is dark. Knows nothing of whose reply is whose.
+// Everything that the projector sent, and from where on it may have reported darkness. Does not know which
+// reply belongs to which command.
 class Evidence {
  public:
   explicit Evidence(const ProjectorTable& table) : table_(table) {}
@@ -39,7 +40,7 @@ class Evidence {
     if (lit_ && says_dark()) lit_ = false;
   }
   [[nodiscard]] bool lit() const { return lit_; }
-  // As before the first command: nobody can tell.
+  // Sets the state before the first command, which is unknown.
   void suppose_lit(bool lit) { lit_ = lit; }
 
  private:
@@ -61,8 +62,8 @@ class Evidence {
     });
   }
 
-  // Whether any part of what came fits that ends in the last portion. A line may begin and end where the
-  // projector paused.
+  // True if any part of the received bytes that ends in the last portion fits the pattern. A line may begin
+  // and end where the projector paused.
   [[nodiscard]] bool came_now(const ReplyPattern& pattern) const {
     const std::string_view all = heard_;
     for (std::size_t end = starts_.back(); end <= all.size(); ++end) {
@@ -75,7 +76,7 @@ class Evidence {
   [[nodiscard]] bool is_end(std::size_t at) const {
     return at == heard_.size() || heard_[at] == '\r' || heard_[at] == '\n';
   }
-  // Without the control characters and blanks around it.
+  // Returns the text without the control characters and blanks around it.
   [[nodiscard]] std::string_view trimmed(std::size_t begin, std::size_t end) const {
     const auto is_blank = [this](std::size_t at) {
       return static_cast<unsigned char>(heard_[at]) <= ' ' || heard_[at] == '\x7F';
@@ -99,11 +100,11 @@ class Evidence {
   const ProjectorTable& table_;
   bool lit_ = false;
   std::string heard_;
-  std::vector<std::size_t> starts_;             // of portions
-  std::vector<const ProjectorCommand*> asked_;  // since it may have been lit
+  std::vector<std::size_t> starts_;             // start of each portion
+  std::vector<const ProjectorCommand*> asked_;  // commands sent since the light may have been lit
 };
 
-// A line without a projector: what is sent is noted, what is to come is said.
+// A serial line without a projector: records the sent bytes and passes on the bytes it is given.
 class FuzzedChannel final : public ByteChannel {
  public:
   explicit FuzzedChannel(Evidence& evidence) : evidence_(evidence) {}
@@ -117,7 +118,7 @@ class FuzzedChannel final : public ByteChannel {
     if (listener_.lost) listener_.lost("the serial port /dev/ttyUSB7 was lost: it was unplugged");
   }
 
-  // How many were to be sent.
+  // Returns the number of messages written.
   [[nodiscard]] int messages() const { return messages_; }
 
   [[nodiscard]] const std::string& name() const override { return name_; }
@@ -138,8 +139,9 @@ class FuzzedChannel final : public ByteChannel {
   int messages_ = 0;
 };
 
-// Plays bytes: each is what the owner does (see move()), or time that passes (t, T). After an r comes how
-// many bytes the projector sends, then those; an R waits until something was sent that nothing came back to.
+// Plays a sequence of moves. Each byte is a user action (see move()) or time that passes (t, T). After an r
+// comes the number of bytes that the projector sends, then those bytes; an R first waits until a message was
+// sent that has had no reply.
 class Play {
  public:
   explicit Play(const ProjectorTable& table)
@@ -173,9 +175,9 @@ class Play {
       case 'u':
         return channel_.unplug();
       case 'd':
-        // What somebody else may have left on is not spoken of.
+        // The light that another program may have left on is not covered here.
         return projector_.when_dark([this] {
-          if (!confirming_) demand_dark("somebody is told that it is dark");
+          if (!confirming_) demand_dark("darkness is reported while lit");
         });
       case 's':
         return projector_.ask_status([](const ProjectorStatus& status) {
@@ -198,7 +200,7 @@ class Play {
       demand_sound();
   }
 
-  // What is asked of one that somebody else may have left on: before anything else.
+  // Actions on a projector that another program may have left on: only before any other command.
   void at_first(bool whether_dark) {
     if (begun_) return;
     if (!whether_dark) return projector_.may_warm_up();
@@ -207,7 +209,7 @@ class Play {
     evidence_.suppose_lit(true);
     projector_.confirm_dark([this](ProjectorReply reply) {
       if (!confirming_) return;
-      if (reply == ProjectorReply::Ok) demand_dark("darkness is confirmed");
+      if (reply == ProjectorReply::Ok) demand_dark("darkness is confirmed while lit");
       stop_confirming();
     });
   }
@@ -226,7 +228,7 @@ class Play {
     if (what == 'x') return projector_.power_off();
     projector_.power_on([this](ProjectorReply reply) {
       powered_ = reply == ProjectorReply::Ok;
-      if (powered_) demand_dark("it is on, and called dark");
+      if (powered_) demand_dark("power on reports darkness while lit");
     });
   }
 
@@ -247,7 +249,7 @@ class Play {
     for (const std::string& why : projector_.why_not_ready())
       demand_sentence(why);
     if (!unconfirmed.empty()) return demand_sentence(unconfirmed);
-    if (!wanted_ && !confirming_) demand_dark("it is taken for dark, and nothing said so");
+    if (!wanted_ && !confirming_) demand_dark("the light is taken for dark without a reply that says so");
   }
 
   const ProjectorTable& table_;
@@ -255,11 +257,11 @@ class Play {
   Evidence evidence_;
   FuzzedChannel channel_;
   SerialProjector projector_;
-  int answered_ = 0;  // of the messages
+  int answered_ = 0;  // messages that had a reply
   bool begun_ = false, powered_ = false, wanted_ = false, confirming_ = false;
 };
 
-// The first two have all commands that there are.
+// The first two tables have all possible commands.
 std::vector<ProjectorTable> read_tables() {
   std::vector<ProjectorTable> tables{testing::text_table(), testing::bytes_table()};
   tables[0].light =

@@ -1,5 +1,5 @@
-// Fuzz target: any bytes as a model's ticket or a plate's (first byte t or p). They are refused in printable
-// sentences, or say what can be done: bounded figures, no two that exclude each other, and no file outside
+// Fuzz target: any bytes as a model's ticket or a plate's (first byte t or p). The ticket is refused in
+// printable sentences, or is possible: bounded figures, no two that exclude each other, and no file outside
 // the plate's folder.
 #include <cmath>
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace contourd::fuzz {
 namespace {
 
 void check(const DrainHole& hole) {
-  const Direction& way = hole.inwards;
-  const double length = std::hypot(way.x, way.y, way.z);
+  const Direction& inwards = hole.inwards;
+  const double length = std::hypot(inwards.x, inwards.y, inwards.z);
   demand(std::isfinite(length) && length > 0, "a hole without a direction");
   demand(hole.diameter_mm > 0 && hole.diameter_mm <= 1e4 && hole.depth_mm > 0 && hole.depth_mm <= 1e5,
          "a hole without a bound");

@@ -1,4 +1,4 @@
-// What an owner is told of a bad file, held to be readable. Thread-safe.
+// Demands that messages about a bad file are readable. Thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -11,19 +11,19 @@
 
 namespace contourd::fuzz {
 
-// One line that a terminal takes as it is. A text of a file, which may be in it, has up to 1024 bytes.
+// Demands one line that a terminal shows unchanged. It may quote a text from the file of up to 1024 bytes.
 inline void demand_sentence(const std::string& text) {
   demand(!text.empty(), "a sentence is empty");
-  demand(text.size() <= 4096, "a sentence is longer than anybody reads");
+  demand(text.size() <= 4096, "a sentence is too long to be read");
   demand(printable(text) == text, "a sentence is not printable");
 }
 
-// 31 lines at most, see ConfigError.
+// Demands a refusal of at most 31 readable lines, see ConfigError.
 inline void demand_told(const ConfigError& error) {
-  demand(!error.violations().empty(), "a refusal without a violation");
-  demand(error.violations().size() <= kMaxViolations, "more violations than are looked for");
+  demand(!error.violations().empty(), "a refusal has no violation");
+  demand(error.violations().size() <= kMaxViolations, "a refusal has more than kMaxViolations");
   for (const Violation& violation : error.violations())
-    demand(!violation.message.empty(), "a violation says nothing");
+    demand(!violation.message.empty(), "a violation has no message");
   const std::string what = error.what();
   demand(printable_lines(what) == what, "a refusal is not printable");
   demand(std::ranges::count(what, '\n') <= 30, "a refusal has too many lines");

@@ -1,5 +1,5 @@
-// Prints a digest of everything that the core computes for a broad set of models, heights and settings, a
-// line each. Two machines compute the same masks exactly when they print the same bytes (.ci/arm64 compares
+// Prints a digest of everything that the core computes for a broad set of models, heights and settings, one
+// per line. Two machines compute the same masks exactly if they print the same bytes (.ci/arm64 compares
 // two).
 #include <algorithm>
 #include <bit>
@@ -70,7 +70,7 @@ models::Facets together(models::Facets a, const models::Facets& b) {
   return a;
 }
 
-// Facets anywhere, at the ends of float's range and below its normal numbers too.
+// Returns random facets anywhere, including the limits of float's range and subnormal numbers.
 models::Facets soup(std::size_t count, double reach, models::Dice& dice) {
   models::Facets facets(count);
   for (Facet& facet : facets) {
@@ -117,7 +117,7 @@ struct Setting {
   DisplayGeometry display;
   bool fit = false;
   bool copies = false;
-  bool corrected = false;  // moved outwards, less at the foot, and the greys changed
+  bool corrected = false;  // outline grown, less at the foot, and greys changed
 };
 
 std::vector<Setting> settings() {
@@ -132,7 +132,7 @@ std::vector<Setting> settings() {
           {"grey corrected", AntiAliasing::On, straight, false, false, true}};
 }
 
-// Three quarters of the light at one edge, all of it at the other.
+// Returns a uniformity mask with three quarters of the light at one edge and all of it at the other.
 Mask uniformity_of(const DisplayGeometry& display) {
   Mask uniformity(display.width, display.height);
   const std::int32_t height = display.height.count();
@@ -165,7 +165,7 @@ std::vector<PixelMap> maps_of(const Setting& setting, const Bounds& bounds) {
 void print_layers(const std::string& name, const HeightIndex& model, const Setting& setting) {
   const Bounds& bounds = model.bounds();
   ContourEngine engine(model, engine_settings(setting), maps_of(setting, bounds));
-  // The bottom and the middle, where flat faces and vertices are, and heights between.
+  // The bottom and the middle, where flat faces and vertices are, and heights in between.
   for (const double part : {0.0, 0.07, 0.213, 0.41, 0.5, 0.6401, 0.83, 0.97}) {
     const double z = bounds.min_z + part * bounds.size_z();
     std::printf("%s, %s, %.2f: %016" PRIx64 "\n", name.c_str(), setting.name, part,
@@ -207,7 +207,7 @@ void print_orientation(const std::string& name, const models::Facets& facets) {
   std::printf("%s, %u ways up: %016" PRIx64 "\n", name.c_str(), choice.tried, digest.value());
 }
 
-// A model as a file's bytes, read back: the reader is part of what must agree.
+// Returns a model written to a file's bytes and read back, since the reader must agree too.
 models::Facets read_back(const models::Facets& facets, bool ascii) {
   if (!ascii) return read_model(models::to_binary_stl(facets)).facets;
   const std::string text = models::to_ascii_stl(facets);
@@ -235,7 +235,7 @@ void print_subject(const Subject& subject, const Orientation& orientation, const
   print_contours(name, model);
 }
 
-// Pillars, branches, level braces, tips and balls around a model that stands above the plate.
+// Pillars, branches, horizontal braces, tips and balls around a model above the plate.
 std::vector<SupportPrimitive> supports() {
   std::vector<SupportPrimitive> primitives;
   for (int i = 0; i < 40; ++i) {
@@ -299,7 +299,7 @@ void print_everything() {
   for (const auto& subjects : {good_models(), bad_models()}) {
     for (const Subject& subject : subjects) {
       print_subject(subject, {}, "as it is", true);
-      // Turned, float's greatest numbers would leave its range.
+      // Float's greatest numbers would overflow when rotated.
       if (subject.name == "huge") continue;
       print_subject(subject, turned, "turned", false);
       print_subject(subject, scaled, "scaled", false);

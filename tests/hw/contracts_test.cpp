@@ -1,4 +1,4 @@
-// That each header of hw checks what it requires.
+// Tests that each header of hw checks its preconditions.
 #include "hw/motion_curve.hpp"
 #include "hw/motion_profile.hpp"
 #include "hw/simulated_axis.hpp"
@@ -11,17 +11,17 @@ using namespace contourd;
 using namespace std::chrono_literals;
 using testing::contract_broken_by;
 
-TEST_CASE("MotionCurve goes a distance that is no less than nothing, within limits that are more") {
+TEST_CASE("MotionCurve requires a distance that is not negative, and positive limits") {
   const auto curve = [](double distance, const MotionLimits& limits) {
     return contract_broken_by([&] { MotionCurve(distance, limits); });
   };
   CHECK(curve(0, {1, 1, 1}).empty());
-  CHECK(curve(-1, {1, 1, 1}) == "a distance is no less than nothing");
+  CHECK(curve(-1, {1, 1, 1}) == "the distance is not negative");
   for (const MotionLimits& limits : {MotionLimits{0, 1, 1}, MotionLimits{1, 0, 1}, MotionLimits{1, 1, 0}})
-    CHECK(curve(1, limits) == "every limit is more than nothing");
+    CHECK(curve(1, limits) == "every limit is positive");
   CHECK(contract_broken_by([] {
           MotionProfile(Nanometers{-1'000'000}, MillimetersPerSecond{0}, MillimetersPerSecondSquared{1});
-        }) == "every limit is more than nothing");
+        }) == "every limit is positive");
 }
 
 TEST_CASE("ZAxis neither homes nor moves while it moves") {
@@ -32,14 +32,16 @@ TEST_CASE("ZAxis neither homes nor moves while it moves") {
   CHECK(contract_broken_by([&] {
           axis.move_to(Nanometers{0}, MillimetersPerSecond{1}, [](MoveResult) {});
         }) == "the axis does not move");
-  const auto nudge = [&axis](Nanometers way) { axis.nudge(way, MillimetersPerSecond{1}, [](MoveResult) {}); };
+  const auto nudge = [&axis](Nanometers distance) {
+    axis.nudge(distance, MillimetersPerSecond{1}, [](MoveResult) {});
+  };
   CHECK(contract_broken_by([&] { nudge(Nanometers{1}); }) == "the axis does not move");
   axis.abort();
   CHECK(contract_broken_by([&] { nudge(Nanometers{2'000'001}); }) == "a nudge is short");
   CHECK(contract_broken_by([&] { axis.home([](HomingResult) {}); }).empty());
 }
 
-TEST_CASE("MaskDisplay shows masks of its size alone") {
+TEST_CASE("MaskDisplay only shows masks of its own size") {
   VirtualClock clock;
   SimulatedPrinterConfig config;
   config.display.width = Pixels{8};

@@ -6,7 +6,7 @@
 
 using namespace contourd;
 
-TEST_CASE("Every outcome of the axis and the projector has words of its own") {
+TEST_CASE("Every outcome of the axis and the projector has a description of its own") {
   std::set<std::string_view> words;
   for (const HomingResult r :
        {HomingResult::Homed, HomingResult::NoTrigger, HomingResult::StillClosed, HomingResult::WrongSwitch,

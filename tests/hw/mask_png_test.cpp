@@ -13,7 +13,7 @@
 #include "tests/catch.hpp"
 #include "tests/random_shapes.hpp"
 
-// Here and not beside core's tests, which link no library that could read the pictures.
+// Tested here and not beside core's tests, which link no library that could read the pictures.
 
 using namespace contourd;
 
@@ -32,7 +32,8 @@ void expect(bool is_so, const char* what) {
   if (!is_so) throw std::runtime_error(what);
 }
 
-// The chunk's content, after its name and its checksum, zlib's, were found right; `at` moves past it.
+// Returns the chunk's content after checking its name and, with zlib, its checksum; moves `at` past the
+// chunk.
 Bytes chunk_at(Bytes png, std::size_t& at, const std::string& name) {
   const std::size_t length = number_at(png, at);
   expect(std::string(png.begin() + static_cast<std::ptrdiff_t>(at) + 4,
@@ -44,7 +45,7 @@ Bytes chunk_at(Bytes png, std::size_t& at, const std::string& name) {
   return png.subspan(at - length - 4, length);
 }
 
-// The picture, read strictly: three chunks and nothing else, with all checksums right.
+// Decodes the picture strictly: three chunks and nothing else, with all checksums right.
 Mask strictly_decoded(Bytes png) {
   expect(std::memcmp(png.data(), "\x89PNG\r\n\x1a\n", 8) == 0, "no PNG signature");
   std::size_t at = 8;
@@ -89,7 +90,7 @@ Mask noise(std::int32_t width, std::int32_t height) {
   return mask;
 }
 
-// Runs of all lengths and of the greys that masks have; many rows repeat the one above.
+// Draws a mask of runs of all lengths, with the greys that masks have; many rows repeat the row above.
 Mask draw_mask_of_runs() {
   Mask mask = mask_of(testing::draw(1, 1200), testing::draw(1, 8), 0);
   for (std::int32_t y = 0; y < mask.height().count(); ++y) {
@@ -149,12 +150,12 @@ TEST_CASE("A mask as large as masks can be, all lit or all dark, comes back from
     CHECK(comes_back(mask_of(16384, 16384, grey)));
 }
 
-TEST_CASE("Noise grows by an eighth as PNG and no more") {
+TEST_CASE("Noise grows by at most an eighth as PNG") {
   MaskPngEncoder encoder;
   const auto size = [&encoder](const Mask& mask) { return encoder.encode(mask).size(); };
   for (const std::int32_t side : {1, 7, 100, 500})
     CHECK(size(noise(side, side)) <= static_cast<std::size_t>(side * (side + 1) * 9 / 8 + 200));
-  // Pairs of the dearest grey are two literals each.
+  // Pairs of the costliest grey take two literals each.
   Mask pairs = mask_of(400, 400, 1);
   for (std::int32_t y = 0; y < 400; ++y) {
     for (std::size_t x = 0; x < 400; ++x)
@@ -171,7 +172,7 @@ TEST_CASE("A dark mask of full size is packed six hundredfold, and so are equal 
     for (std::size_t x = 0; x < 1920; x += 8)
       stripes.row(y)[x] = 255;
   }
-  // A row is 240 stripes of 3 codes; all others are one match of it and its filter's byte.
+  // The first row is 240 stripes of 3 codes; every other row is one match of it, with its filter's byte.
   CHECK(encoder.encode(stripes).size() < 1920 * 1080 / 200);
 }
 

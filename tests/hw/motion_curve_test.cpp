@@ -20,7 +20,7 @@ struct Drawn {
   [[nodiscard]] MotionCurve curve() const { return {distance, limits}; }
 };
 
-// Ways of a plate in millimetres or in microsteps, with and without a jerk limit.
+// Draws a plate's move in millimetres or in microsteps, with or without a jerk limit.
 Drawn draw_move() {
   const double scale = *rc::gen::element(1.0, 800.0);
   Drawn move{draw_real(0.0001, 200) * scale, {draw_real(0.1, 50) * scale, draw_real(1, 500) * scale}};
@@ -28,7 +28,8 @@ Drawn draw_move() {
   return move;
 }
 
-// Doubles carry 53 bits; a curve adds up to ten pieces, some of a root or a cube root.
+// Tolerance for rounding: doubles carry 53 bits; a curve adds up to ten pieces, some with a root or a cube
+// root.
 constexpr double kRounding = 1e-9;
 
 }  // namespace
@@ -84,7 +85,7 @@ TEST_CASE("A curve keeps within its speed, its acceleration and its jerk") {
       const double speed = curve.speed_at(i * step);
       RC_ASSERT(speed >= -kRounding * move.limits.speed);
       RC_ASSERT(speed <= move.limits.speed * (1 + kRounding));
-      // Mean values over a sample's time: of quantities within limits they are within limits.
+      // Mean values over a sample's time: those of quantities within limits are within the limits, too.
       const double acceleration = (speed - last_speed) / step;
       const double noise = kRounding * move.limits.speed / step;
       RC_ASSERT(std::fabs(acceleration) <= move.limits.acceleration + noise);
@@ -128,7 +129,7 @@ TEST_CASE("A jerk limit makes no move quicker") {
   }));
 }
 
-TEST_CASE("A stop comes to rest within the limits and not behind the end") {
+TEST_CASE("A stop comes to rest within the limits and not beyond the end") {
   CHECK(rc::check([] {
     const Drawn move = draw_move();
     const MotionCurve whole = move.curve();

@@ -15,7 +15,7 @@ using testing::draw_real;
 
 namespace {
 
-// Where and when a move ends that starts to decelerate at `elapsed`.
+// The end of a move that is stopped early.
 struct EarlyStop {
   Nanometers displacement;
   Duration duration;
@@ -34,7 +34,8 @@ MotionProfile profile(double distance_mm, double speed_mm_s, double acceleration
   return {mm(distance_mm), MillimetersPerSecond{speed_mm_s}, MillimetersPerSecondSquared{acceleration_mm_s2}};
 }
 
-// A whole nanosecond, rounded up, and the double's own rounding of seconds below 1e5: 1e-11 s.
+// True if the duration is `seconds`. The tolerance is a nanosecond for rounding up, and the rounding of a
+// double of seconds below 1e5: 1e-11 s.
 bool lasts(Duration duration, double seconds) {
   return std::fabs(std::chrono::duration<double>(duration).count() - seconds) <= 1e-9 + 1e-11;
 }
@@ -81,7 +82,7 @@ TEST_CASE("A move that just reaches full speed has no cruise") {
   CHECK(p.displacement(400ms) == mm(2));
 }
 
-TEST_CASE("A move over nothing takes no time") {
+TEST_CASE("A move over no distance takes no time") {
   const MotionProfile p = profile(0, 10, 25);
   CHECK(p.duration() == Duration{0});
   CHECK(p.displacement(1s) == Nanometers{0});
@@ -112,11 +113,12 @@ TEST_CASE("A move never goes back and never faster than its speed") {
     Duration one = draw_time(p), other = draw_time(p);
     if (other < one) std::swap(one, other);
     const double sign = move.distance_mm < 0 ? -1.0 : 1.0;
-    const double way_nm = sign * static_cast<double>((p.displacement(other) - p.displacement(one)).count());
-    RC_ASSERT(way_nm >= 0.0);
+    const double distance_nm =
+        sign * static_cast<double>((p.displacement(other) - p.displacement(one)).count());
+    RC_ASSERT(distance_nm >= 0.0);
     const double seconds = std::chrono::duration<double>(other - one).count();
     // Both ends are rounded to whole nanometres.
-    RC_ASSERT(way_nm <= move.speed * seconds * 1e6 + 1.0);
+    RC_ASSERT(distance_nm <= move.speed * seconds * 1e6 + 1.0);
   }));
 }
 
@@ -126,7 +128,7 @@ TEST_CASE("A move's second half mirrors its first") {
     const MotionProfile p = move.profile();
     const Duration t = draw_time(p);
     const std::int64_t sum = (p.displacement(t) + p.displacement(p.duration() - t)).count();
-    // Two roundings to a nanometre, and the way within the nanosecond by which the duration is rounded up.
+    // Two roundings to a nanometre, and the distance in the nanosecond by which the duration is rounded up.
     RC_ASSERT(std::llabs(sum - mm(move.distance_mm).count()) <= 2);
   }));
 }
@@ -151,7 +153,7 @@ TEST_CASE("A faster or a stronger machine is never slower") {
   }));
 }
 
-TEST_CASE("A stop while cruising takes a ramp's time and way") {
+TEST_CASE("A stop while cruising takes a ramp's time and distance") {
   const EarlyStop stop = stopped_at(profile(40, 10, 25), 2s);
   CHECK(stop.displacement == mm(18 + 2));
   CHECK(lasts(stop.duration, 2.4));
@@ -170,7 +172,7 @@ TEST_CASE("A stop while slowing down changes nothing") {
   const MotionProfile p = profile(40, 10, 25);
   for (const Duration t : {Duration{4s}, Duration{4200ms}, p.duration(), Duration{9s}}) {
     const EarlyStop stop = stopped_at(p, t);
-    // The way back from the speed is computed in doubles and rounded to the nearest nanometre.
+    // The braking distance is computed in doubles and rounded to the nearest nanometre.
     CHECK(std::llabs((stop.displacement - mm(40)).count()) <= 1);
     CHECK(lasts(stop.duration, 4.4));
   }
@@ -189,13 +191,13 @@ TEST_CASE("A stop ends between where the plate is and where it was going") {
     const Duration t = draw_time(p);
     const EarlyStop stop = stopped_at(p, t);
     const double sign = move.distance_mm < 0 ? -1.0 : 1.0;
-    const auto forward = [sign](Nanometers way) { return sign * static_cast<double>(way.count()); };
+    const auto forward = [sign](Nanometers distance) { return sign * static_cast<double>(distance.count()); };
     // Roundings to whole nanometres.
     RC_ASSERT(forward(stop.displacement) >= forward(p.displacement(t)) - 1.0);
     RC_ASSERT(forward(stop.displacement) <= std::fabs(move.distance_mm) * 1e6 + 1.0);
     RC_ASSERT(stop.duration >= t);
     RC_ASSERT(stop.duration <= p.duration() + 1ns);
-    // Braking from v over v / a takes half of v times that.
+    // Braking from v takes the time v / a, and half of v times that as distance.
     const double braking_s = std::chrono::duration<double>(stop.duration - t).count();
     const double braking_nm = move.acceleration * braking_s * braking_s / 2 * 1e6;
     // A nanosecond at 50 mm/s is 0.05 nm; the roundings of both positions.

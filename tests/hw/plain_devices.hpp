@@ -1,4 +1,4 @@
-// Devices of which a test wants only the work: nothing ever happens to them by themselves. Not thread-safe.
+// Devices for tests that only need their commands: they have no events of their own. Not thread-safe.
 #pragma once
 
 #include <functional>
@@ -23,7 +23,7 @@ class PlainDevice : public Interface {
   [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
 };
 
-// That nobody has left on.
+// A projector that no earlier process has left on.
 class PlainProjector : public PlainDevice<Projector> {
  public:
   void may_warm_up() override {}

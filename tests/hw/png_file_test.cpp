@@ -23,7 +23,7 @@ using namespace contourd;
 
 namespace {
 
-// What libpng reads from it, as 8-bit grey.
+// Decodes the bytes with libpng, as 8-bit grey.
 Mask decoded(const std::vector<std::uint8_t>& bytes) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
@@ -69,8 +69,8 @@ std::error_code code_of_writing(const std::filesystem::path& path, const Mask& m
   return {};
 }
 
-// A limit of this process for as long as it lives. Exceeding the file size is an error and no signal
-// meanwhile.
+// A resource limit of this process for as long as the object exists. Meanwhile exceeding the file size is an
+// error rather than a signal.
 class LoweredLimit {
  public:
   LoweredLimit(int resource, rlim_t limit)
@@ -180,7 +180,7 @@ TEST_CASE("A file that could not be opened is left as it was") {
   CHECK(std::filesystem::exists(path));
 }
 
-TEST_CASE("What stands in the way of a file is not removed") {
+TEST_CASE("A folder in the place of a file is not removed") {
   const testing::TemporaryFolder folder;
   const auto path = folder.path() / "mask.png";
   std::filesystem::create_directory(path);
@@ -190,7 +190,7 @@ TEST_CASE("What stands in the way of a file is not removed") {
 
 namespace {
 
-// Any picture that libpng can write, from bytes in its own order.
+// Returns a picture in any format that libpng can write, in the format's own order of bytes.
 std::string png_of(png_uint_32 format, png_uint_32 width, png_uint_32 height) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
@@ -270,7 +270,7 @@ TEST_CASE("A picture that is not 8-bit grey is refused") {
   CHECK(complaint_of_reading(png_of(PNG_FORMAT_GRAY, 3, 2)).empty());
 }
 
-TEST_CASE("A file that is no PNG, or is damaged, or ends early is refused") {
+TEST_CASE("A file that is not a PNG, is damaged or ends early is refused") {
   CHECK(complaint_of_reading("") == "the file is not a PNG file");
   CHECK(complaint_of_reading("GIF89a, truly") == "the file is not a PNG file");
   const std::string whole = text_of(encode_png(Mask(Pixels{40}, Pixels{30})));
@@ -298,7 +298,7 @@ TEST_CASE("A picture larger than any mask is refused before its pixels are read"
   CHECK(complaint_of_reading(bytes) == "the picture is 16385x1 pixels; the limit is 16384 a side");
 }
 
-TEST_CASE("A picture that is not there, or is no file, is an error that says so") {
+TEST_CASE("A picture that is missing, or is not a file, is an error that says so") {
   const testing::TemporaryFolder folder;
   CHECK_THROWS_AS(read_png(folder.path() / "none.png"), std::system_error);
   try {

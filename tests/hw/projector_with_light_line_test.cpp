@@ -35,7 +35,7 @@ class NotedLine final : public LightLine {
   [[nodiscard]] std::optional<TimePoint> cut_at() const override { return cut; }
   [[nodiscard]] std::optional<TimePoint> cut_by() const override { return cut; }
   bool stuck = false;
-  bool lit = true;  // as it may be found
+  bool lit = true;  // a line may be found on
   std::optional<TimePoint> cut;
   bool broken = false;
 
@@ -101,7 +101,7 @@ struct Bench {
 }  // namespace
 
 TEST_CASE(
-    "a light line is off before the projector is told anything, and on only after the projector's light") {
+    "a light line is off before the projector gets any command, and on only after the projector's light") {
   Log log;
   {
     Bench bench;
@@ -144,7 +144,7 @@ TEST_CASE("a light line that cannot be set turns the projector's light off again
   CHECK(bench.log.back() == "light off");
 }
 
-TEST_CASE("the light behind a line shone from the line's on to its off") {
+TEST_CASE("a light with a light line shone from the line's on to its off") {
   Bench bench;
   bench.light_on();
   const auto later = bench.clock.call_after(3s, [] {});
@@ -156,10 +156,10 @@ TEST_CASE("the light behind a line shone from the line's on to its off") {
   CHECK(light->most(bench.clock.now()) == 3s);
   bench.inner.reply = ProjectorReply::NoAnswer;
   bench.light_on();
-  CHECK_FALSE(bench.projector.last_light());  // not that of the time before
+  CHECK_FALSE(bench.projector.last_light());  // not the previous light's
 }
 
-TEST_CASE("a light that its line has cut is known to be off since then, before anybody turns it off") {
+TEST_CASE("a light that its line has cut counts as off from then on, even before it is turned off") {
   Bench bench;
   bench.light_on();
   CHECK_FALSE(bench.projector.last_light()->off_earliest);
@@ -173,7 +173,7 @@ TEST_CASE("a light that its line has cut is known to be off since then, before a
   CHECK(bench.projector.last_light()->most(bench.clock.now()) == 700ms);
 }
 
-TEST_CASE("a light behind a line is dark when both the projector and the line are") {
+TEST_CASE("a light with a light line is dark when both the projector and the line are") {
   Bench bench;
   bench.light_on();
   bench.line.stuck = true;
@@ -193,11 +193,11 @@ TEST_CASE("a light behind a line is dark when both the projector and the line ar
   CHECK(bench.dark);
   CHECK(bench.projector.last_light()->off_latest);
   CHECK(bench.projector.light_off_unconfirmed().empty());
-  bench.inner.unconfirmed = "nobody knows";
-  CHECK(bench.projector.light_off_unconfirmed() == "nobody knows");
+  bench.inner.unconfirmed = "not confirmed";
+  CHECK(bench.projector.light_off_unconfirmed() == "not confirmed");
 }
 
-TEST_CASE("a projector whose line was taken from before it calls nobody back") {
+TEST_CASE("a projector does not call back after its light line was taken away") {
   Log log;
   VirtualClock clock;
   NotedProjector inner(log);
@@ -210,7 +210,7 @@ TEST_CASE("a projector whose line was taken from before it calls nobody back") {
   CHECK_FALSE(inner.dark);
 }
 
-TEST_CASE("a light line that cannot be turned off is no projector to begin with") {
+TEST_CASE("power on is refused while the light line cannot be turned off") {
   Bench bench;
   bench.line.stuck = true;
   bench.line.lit = true;
@@ -220,7 +220,7 @@ TEST_CASE("a light line that cannot be turned off is no projector to begin with"
   CHECK(bench.projector.last_problem() == "the light's line is stuck");
 }
 
-TEST_CASE("a light engine that is only a line warms up by time, once, and is dark at its end") {
+TEST_CASE("a light engine that is only a line warms up by time, once, and is dark after its destruction") {
   Log log;
   VirtualClock clock;
   NotedLine line(log);
@@ -257,7 +257,7 @@ TEST_CASE("a light engine that is only a line warms up by time, once, and is dar
   CHECK_FALSE(line.lit);
 }
 
-TEST_CASE("what is asked of a projector behind a line is passed on to it, the line before it") {
+TEST_CASE("a projector with a light line passes the other calls on to the projector") {
   Bench bench;
   bench.log.clear();
   bench.projector.may_warm_up();
@@ -270,7 +270,7 @@ TEST_CASE("what is asked of a projector behind a line is passed on to it, the li
   CHECK(bench.projector.why_not_ready() == Log{"why"});
 }
 
-TEST_CASE("a projector behind a line is confirmed dark when both are") {
+TEST_CASE("a projector with a light line is confirmed dark when both are") {
   for (const bool stuck : {false, true}) {
     for (const ProjectorReply inner : {ProjectorReply::Ok, ProjectorReply::NoAnswer}) {
       CAPTURE(stuck, inner);

@@ -25,18 +25,18 @@ class NoDescriptors final : public DescriptorWatcher {
   }
 };
 
-// Devices that no computer has.
+// Returns a configuration of devices that no computer has.
 RealMachineConfig nowhere() {
   RealMachineConfig config;
   for (GpioLineConfig* line : {&config.axis.step, &config.axis.direction, &config.axis.limit_switch.line})
-    line->chip = "gpiochip-of-nobody";
+    line->chip = "gpiochip-missing";
   config.axis.step.line = "17";
   config.axis.direction.line = "27";
   config.axis.limit_switch.line.line = "23";
-  config.display.card = "/dev/dri/card-of-nobody";
-  config.light = GpioLineConfig{.chip = "gpiochip-of-nobody", .line = "24"};
-  config.projector = SerialProjectorConfig{.port = "/dev/tty-of-nobody", .table = {}, .brightness = {}};
-  config.projector->table.name = "Nobody";
+  config.display.card = "/dev/dri/card-missing";
+  config.light = GpioLineConfig{.chip = "gpiochip-missing", .line = "24"};
+  config.projector = SerialProjectorConfig{.port = "/dev/tty-missing", .table = {}, .brightness = {}};
+  config.projector->table.name = "Missing";
   return config;
 }
 
@@ -49,23 +49,23 @@ std::size_t count(const std::string& text, const std::string& word) {
 
 }  // namespace
 
-TEST_CASE("A machine whose devices are all missing is there, says what is missing, and does nothing") {
+TEST_CASE("A machine whose devices are all missing starts, says what is missing, and does nothing") {
   VirtualClock clock;
   NoDescriptors watcher;
   FileDescriptor process;
   LightWatchdog watchdog = testing::ready_watchdog(clock, watcher, process);
   RealMachine machine(clock, watcher, watchdog, nowhere());
   const std::string not_ready = machine.why_not_ready();
-  CHECK(count(not_ready, "gpiochip-of-nobody") >= 2);  // for the light, and for the axis
-  CHECK(count(not_ready, "/dev/dri/card-of-nobody") >= 1);
-  CHECK(count(not_ready, "/dev/tty-of-nobody") >= 1);
+  CHECK(count(not_ready, "gpiochip-missing") >= 2);  // for the light, and for the axis
+  CHECK(count(not_ready, "/dev/dri/card-missing") >= 1);
+  CHECK(count(not_ready, "/dev/tty-missing") >= 1);
   CHECK(machine.description().empty());
   make_safe(machine);
   CHECK_FALSE(machine.z_axis().height());
   CHECK(machine.z_axis().travel() == GpioAxisConfig{}.travel);
   CHECK(machine.display().width() == Pixels{1920});
 
-  // Each answers, from the clock, that it cannot.
+  // Each device answers, from the clock, with a failure.
   std::optional<HomingResult> homed;
   std::optional<MoveResult> moved;
   std::optional<ProjectorReply> lit;
@@ -90,25 +90,25 @@ TEST_CASE("A machine whose devices are all missing is there, says what is missin
 }
 
 TEST_CASE(
-    "Missing devices are looked for again and again, and nobody is told of those that are still missing") {
+    "Missing devices are searched for again and again, and those that are still missing are not reported") {
   VirtualClock clock;
   NoDescriptors watcher;
   FileDescriptor process;
   LightWatchdog watchdog = testing::ready_watchdog(clock, watcher, process);
   RealMachine machine(clock, watcher, watchdog, nowhere());
-  int told = 0;
-  machine.on_event([&](const MachineEvent&) { ++told; });
+  int reported = 0;
+  machine.on_event([&](const MachineEvent&) { ++reported; });
   for (int i = 1; i <= 3; ++i) {
     REQUIRE(clock.run_next());
     CHECK(clock.now() == TimePoint{} + i * RealMachine::kSearchInterval);
   }
-  CHECK(told == 0);
+  CHECK(reported == 0);
   CHECK_FALSE(machine.why_not_ready().empty());
 }
 
 namespace {
 
-// A machine of nothing but an axis, which is opened as a test wants it.
+// A machine of nothing but an axis, which a test can make missing.
 struct AxisBench {
   AxisBench() {
     config.light.reset();
@@ -117,7 +117,7 @@ struct AxisBench {
   void start() {
     machine = std::make_unique<RealMachine>(plant.clock, plant, watchdog, config,
                                             RealMachine::Openers{.axis = [this] { return open_axis(); }});
-    machine->on_event([this](const MachineEvent& event) { told.push_back(event); });
+    machine->on_event([this](const MachineEvent& event) { reported.push_back(event); });
   }
   std::unique_ptr<GpioAxis> open_axis() {
     ++opened;
@@ -130,7 +130,7 @@ struct AxisBench {
   testing::Plant plant{GpioAxisConfig{}};
   bool missing = false;
   int opened = 0;
-  std::vector<MachineEvent> told;
+  std::vector<MachineEvent> reported;
   FileDescriptor process;
   LightWatchdog watchdog = testing::ready_watchdog(plant.clock, plant, process);
   std::unique_ptr<RealMachine> machine;
@@ -138,23 +138,23 @@ struct AxisBench {
 
 }  // namespace
 
-TEST_CASE("An axis whose chip is pulled stands in the way from then on, and is looked for") {
+TEST_CASE("An axis whose chip is unplugged prevents printing from then on, and is searched for") {
   AxisBench bench;
   bench.start();
   CHECK(count(bench.machine->why_not_ready(), "axis") == 0);
   bench.missing = true;
   bench.plant.pull_chip();
-  REQUIRE(bench.told.size() == 1);
-  CHECK(bench.told[0].kind == MachineEvent::Kind::Fault);
+  REQUIRE(bench.reported.size() == 1);
+  CHECK(bench.reported[0].kind == MachineEvent::Kind::Fault);
   CHECK(count(bench.machine->why_not_ready(), "the axis' inputs on") == 1);
   CHECK(bench.opened == 1);
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
   CHECK(bench.opened >= 2);
   CHECK(count(bench.machine->why_not_ready(), "the axis is missing") == 1);
-  CHECK(bench.told.size() == 1);
+  CHECK(bench.reported.size() == 1);
 }
 
-TEST_CASE("An axis whose lines the kernel refuses to set is a lost one") {
+TEST_CASE("An axis whose lines the kernel refuses to set counts as lost") {
   AxisBench bench;
   bench.start();
   bench.plant.step->refuses = true;
@@ -168,22 +168,21 @@ TEST_CASE("An axis whose lines the kernel refuses to set is a lost one") {
   CHECK(bench.opened >= 2);
 }
 
-TEST_CASE("What an owner should know of a device that comes late is told when it is found") {
+TEST_CASE("The warnings of a device that comes late are reported when it is found") {
   AxisBench bench;
   bench.missing = true;
   bench.plant.refusals = {"no real-time priority"};
   bench.start();
   bench.missing = false;
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
-  REQUIRE(bench.told.size() == 1);
-  CHECK(bench.told[0].kind == MachineEvent::Kind::Recovery);
-  CHECK(bench.told[0].warnings == std::vector<std::string>{"no real-time priority"});
+  REQUIRE(bench.reported.size() == 1);
+  CHECK(bench.reported[0].kind == MachineEvent::Kind::Recovery);
+  CHECK(bench.reported[0].warnings == std::vector<std::string>{"no real-time priority"});
 }
 
 namespace {
 
-// A machine whose light is a line that may break.
-// A projector that can be powered and nothing else, and does not answer.
+// Returns a projector whose table has only power commands, which it does not answer.
 SerialProjectorConfig silent_projector() {
   SerialProjectorConfig config{.port = "/dev/ttyUSB7", .table = {}, .brightness = {}};
   config.table.power_on = {"power on", "on\r", std::chrono::seconds{1}, {}};
@@ -191,6 +190,7 @@ SerialProjectorConfig silent_projector() {
   return config;
 }
 
+// A machine whose light is a line that may break.
 struct LightBench {
   explicit LightBench(bool without_light = false, bool without_axis = false,
                       std::optional<SerialProjectorConfig> projector = std::nullopt)
@@ -203,7 +203,7 @@ struct LightBench {
                                       RealMachine::Openers{.axis = [this] { return open_axis(); },
                                                            .light = [this] { return open_light(); },
                                                            .projector = [this] { return open_projector(); }});
-    machine->on_event([this](const MachineEvent& event) { told.push_back(event); });
+    machine->on_event([this](const MachineEvent& event) { reported.push_back(event); });
   }
   std::unique_ptr<GpioAxis> open_axis() {
     if (axis_missing) throw HardwareError("the axis is missing");
@@ -239,7 +239,7 @@ struct LightBench {
     plant.press(AxisInput::Lid, open);
     plant.run_for(std::chrono::milliseconds{100});
   }
-  // As a light watchdog that lives.
+  // Answers as a live light watchdog would.
   void answer() {
     testing::watch_over_exposure(watchdog, process);
     answer_again = plant.clock.call_after(LightWatchdog::kHeartbeat, [this] { answer(); });
@@ -250,20 +250,20 @@ struct LightBench {
   testing::PlantOutput* line = nullptr;
   bool chip_gone, axis_missing;
   int opened = 0;
-  std::vector<MachineEvent> told;
+  std::vector<MachineEvent> reported;
   FileDescriptor process;
   LightWatchdog watchdog = testing::ready_watchdog(plant.clock, plant, process);
   std::unique_ptr<Timer> answer_again;
   std::unique_ptr<RealMachine> machine;
 };
 
-// When what is missing has been looked for, and nothing is looked for at the same time.
+// A time by which missing devices have been searched for, and at which no search is due.
 constexpr Duration kPastSearch = RealMachine::kSearchInterval + std::chrono::seconds{1};
 
 }  // namespace
 
 TEST_CASE(
-    "A light line that refuses to go off stands in the way, and its chip is opened again when it is back") {
+    "A light line that refuses to go off prevents printing, and its chip is opened again when it is back") {
   LightBench bench;
   CHECK(bench.light_on() == ProjectorReply::Ok);
   REQUIRE(bench.line->level);
@@ -271,8 +271,8 @@ TEST_CASE(
   bench.machine->projector().light_off();
   CHECK_FALSE(bench.machine->projector().light_off_unconfirmed().empty());
   bench.plant.run_for(std::chrono::milliseconds{100});
-  REQUIRE(bench.told.size() == 1);
-  CHECK(bench.told[0].kind == MachineEvent::Kind::Fault);
+  REQUIRE(bench.reported.size() == 1);
+  CHECK(bench.reported[0].kind == MachineEvent::Kind::Fault);
   CHECK(count(bench.machine->why_not_ready(), "the light may be on: the light's line 24 of gpiochip7") == 1);
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
   CHECK(bench.opened >= 2);
@@ -283,12 +283,12 @@ TEST_CASE(
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
   CHECK(count(bench.machine->why_not_ready(), "light") == 0);
   CHECK(bench.machine->projector().light_off_unconfirmed().empty());
-  REQUIRE(bench.told.size() == 2);
-  CHECK(bench.told[1].kind == MachineEvent::Kind::Recovery);
-  CHECK(bench.told[1].what == "found light: line 24 of gpiochip7");
+  REQUIRE(bench.reported.size() == 2);
+  CHECK(bench.reported[1].kind == MachineEvent::Kind::Recovery);
+  CHECK(bench.reported[1].what == "found light: line 24 of gpiochip7");
 }
 
-TEST_CASE("Before a projector, too, nobody says that it is dark while the light line that refused is gone") {
+TEST_CASE("A projector does not count as dark while its light line, which refused to go off, is gone") {
   LightBench bench(false, false, silent_projector());
   bench.power_on();
   REQUIRE(bench.light_on() == ProjectorReply::Ok);
@@ -311,7 +311,7 @@ TEST_CASE("Before a projector, too, nobody says that it is dark while the light 
   CHECK(bench.machine->projector().light_off_unconfirmed().empty());
 }
 
-TEST_CASE("A light line that goes off after all no longer stands in the way") {
+TEST_CASE("A light line that goes off after all no longer prevents printing") {
   LightBench bench;
   CHECK(bench.light_on() == ProjectorReply::Ok);
   bench.line->refuses = bench.chip_gone = true;
@@ -322,10 +322,10 @@ TEST_CASE("A light line that goes off after all no longer stands in the way") {
   bench.plant.run_for(2 * RealMachine::kSearchInterval);
   CHECK(bench.opened == 1);
   CHECK(count(bench.machine->why_not_ready(), "light") == 0);
-  CHECK(bench.told.back().kind == MachineEvent::Kind::Recovery);
+  CHECK(bench.reported.back().kind == MachineEvent::Kind::Recovery);
 }
 
-TEST_CASE("The lid cuts the light's line before the event loop hears of it, until it is closed again") {
+TEST_CASE("The lid cuts the light line before the event loop notices, until it is closed again") {
   LightBench bench;
   REQUIRE(bench.light_on() == ProjectorReply::Ok);
   REQUIRE(bench.line->level);
@@ -334,8 +334,8 @@ TEST_CASE("The lid cuts the light's line before the event loop hears of it, unti
   bench.plant.run_threads_for(std::chrono::milliseconds{100});
   CHECK_FALSE(bench.line->level);
   bench.machine->projector().light_off();
-  // Its exposure ended with the cut, 60 us for the thread to wake after the lid, not when the event loop came
-  // to it.
+  // The exposure ended with the cut, 60 us for the thread to wake after the lid was opened, not when the
+  // event loop noticed.
   const auto span = bench.machine->projector().last_light();
   REQUIRE((span && span->off_earliest));
   CHECK(*span->off_earliest - opened == std::chrono::microseconds{60});
@@ -348,7 +348,7 @@ TEST_CASE("The lid cuts the light's line before the event loop hears of it, unti
   CHECK(bench.light_on() == ProjectorReply::Ok);
 }
 
-TEST_CASE("A light's line that comes after the axis, before it, or anew, is cut by it, too") {
+TEST_CASE("A light line that is found after the axis, before it, or again is cut by the axis, too") {
   const bool light_late = GENERATE(false, true), axis_late = GENERATE(false, true);
   LightBench bench(light_late, axis_late);
   bench.chip_gone = bench.axis_missing = false;
@@ -367,7 +367,7 @@ TEST_CASE("A light's line that comes after the axis, before it, or anew, is cut 
   CHECK_FALSE(bench.line->level);
 }
 
-TEST_CASE("A light that was cut because the axis' chip went goes on again with the axis that comes back") {
+TEST_CASE("A light that was cut because the axis' chip went can go on again when the axis is back") {
   LightBench bench;
   REQUIRE(bench.light_on() == ProjectorReply::Ok);
   bench.axis_missing = true;
@@ -381,28 +381,27 @@ TEST_CASE("A light that was cut because the axis' chip went goes on again with t
   CHECK(bench.light_on() == ProjectorReply::Ok);
 }
 
-TEST_CASE(
-    "Nothing is printed while there is no light watchdog, and its owner hears when there is one again") {
+TEST_CASE("A missing light watchdog prevents printing, and its return is reported") {
   AxisBench bench;
   bench.start();
   CHECK(count(bench.machine->why_not_ready(), "watchdog") == 0);
   bench.process = FileDescriptor();
-  (void)bench.watchdog.trip();  // hears it
+  (void)bench.watchdog.trip();  // reads the end of the socket
   CHECK(count(bench.machine->why_not_ready(), "the light watchdog has died") == 1);
-  CHECK(bench.told.empty());  // no light was on
+  CHECK(bench.reported.empty());  // no light was on
   bench.plant.run_for(2 * LightWatchdog::kStartLater);
   (void)bench.watchdog.trip();
   CHECK(count(bench.machine->why_not_ready(), "watchdog") == 0);
-  REQUIRE(bench.told.size() == 1);
-  CHECK(bench.told[0].kind == MachineEvent::Kind::Recovery);
-  CHECK(bench.told[0].warnings.size() == 1);
+  REQUIRE(bench.reported.size() == 1);
+  CHECK(bench.reported[0].kind == MachineEvent::Kind::Recovery);
+  CHECK(bench.reported[0].warnings.size() == 1);
 }
 
-TEST_CASE("A look at the hardware tells of every device, whatever is wrong with the others") {
+TEST_CASE("The hardware check reports every device, whatever is wrong with the others") {
   VirtualClock clock;
   NoDescriptors watcher;
   RealMachineConfig config = nowhere();
-  config.axis.lid = GpioInputConfig{.line = {.chip = "gpiochip-of-nobody", .line = "5"}};
+  config.axis.lid = GpioInputConfig{.line = {.chip = "gpiochip-missing", .line = "5"}};
   HardwareCheck check(clock, watcher, config, [](double, int) { return WakeUpLatency{}; });
   std::vector<std::string> devices;
   bool done = false;
@@ -411,7 +410,7 @@ TEST_CASE("A look at the hardware tells of every device, whatever is wrong with 
         devices.push_back(finding.device);
         const bool computer = finding.device == "step thread";
         CHECK(finding.good == computer);
-        CHECK((finding.what.find("of-nobody") == std::string::npos) == computer);
+        CHECK((finding.what.find("-missing") == std::string::npos) == computer);
       },
       [&] { done = true; });
   while (clock.run_next()) {
@@ -421,7 +420,8 @@ TEST_CASE("A look at the hardware tells of every device, whatever is wrong with 
                                             "light", "display", "projector"});
 }
 
-TEST_CASE("A top speed that the computer does not keep is found, with what it keeps") {
+TEST_CASE(
+    "The hardware check finds a top speed that the computer cannot sustain, and names one that it can") {
   VirtualClock clock;
   NoDescriptors watcher;
   const auto finding_with = [&](const WakeUpLatency& wakes) {
@@ -444,8 +444,8 @@ TEST_CASE("A top speed that the computer does not keep is found, with what it ke
   const HardwareFinding slow = finding_with({.count = 12'000, .p99 = us(5), .worst = us(4'000)});
   CHECK_FALSE(slow.good);
   CHECK(slow.what ==
-        "8000 steps/s wanted, 10 mm/s; a thread wakes 5 us late at most 99 times of 100, 4000 us at worst: "
-        "this computer keeps 4000 steps/s, 5 mm/s");
+        "8000 steps/s needed (10 mm/s); 99 % of wake-ups are at most 5 us late, the worst is 4000 us late: "
+        "this computer sustains 4000 steps/s (5 mm/s)");
   const HardwareFinding refused =
       finding_with({.count = 12'000, .p99 = us(5), .worst = us(4'000), .refusals = {"no priority"}});
   CHECK((refused.good && refused.warning));
@@ -457,12 +457,12 @@ TEST_CASE("The light of a process that died is turned off as far as its devices 
   NoDescriptors watcher;
   const auto problems = [&](const LightConfig& config) {
     LightOff light(clock, watcher, config);
-    std::optional<std::vector<std::string>> told;
-    light.run([&](const std::vector<std::string>& what) { told = what; });
-    CHECK_FALSE(told);
-    while (!told && clock.run_next()) {
+    std::optional<std::vector<std::string>> reported;
+    light.run([&](const std::vector<std::string>& what) { reported = what; });
+    CHECK_FALSE(reported);
+    while (!reported && clock.run_next()) {
     }
-    return told.value();
+    return reported.value();
   };
   LightConfig light{.line = nowhere().light, .projector = nowhere().projector};
   CHECK(problems(light).size() == 1);  // this table switches no light
@@ -473,7 +473,7 @@ TEST_CASE("The light of a process that died is turned off as far as its devices 
 
 namespace {
 
-// A light engine on no serial line: it answers at once.
+// A light engine without a serial line, which answers at once.
 class OtherProjector final : public Projector {
  public:
   explicit OtherProjector(Clock& clock) : clock_(clock) {}
@@ -529,7 +529,7 @@ class OtherProjector final : public Projector {
 
 }  // namespace
 
-TEST_CASE("A projector that is on no serial line is made dark, told of, lost and found as any other") {
+TEST_CASE("A projector without a serial line is made dark, reported, lost and found like any other") {
   testing::Plant plant{GpioAxisConfig{}};
   FileDescriptor process;
   LightWatchdog watchdog = testing::ready_watchdog(plant.clock, plant, process);
@@ -543,8 +543,8 @@ TEST_CASE("A projector that is on no serial line is made dark, told of, lost and
                         engine = made.get();
                         return made;
                       }});
-  std::vector<MachineEvent> told;
-  machine.on_event([&](const MachineEvent& event) { told.push_back(event); });
+  std::vector<MachineEvent> reported;
+  machine.on_event([&](const MachineEvent& event) { reported.push_back(event); });
   std::unique_ptr<Timer> again;
   const std::function<void()> watch = [&] {
     testing::watch_over_exposure(watchdog, process);
@@ -569,13 +569,13 @@ TEST_CASE("A projector that is on no serial line is made dark, told of, lost and
 
   engine->is_lost = true;
   engine->tell({.kind = MachineEvent::Kind::Fault, .what = "the engine does not answer"});
-  REQUIRE(told.size() == 1);
+  REQUIRE(reported.size() == 1);
   CHECK(count(machine.why_not_ready(), "the engine does not answer") == 1);
   plant.run_for(RealMachine::kFirstSearch + std::chrono::milliseconds{100});
   CHECK(opened == 2);
   CHECK_FALSE(engine->lit);
   CHECK(count(machine.why_not_ready(), "engine") == 0);
-  REQUIRE(told.size() == 2);
-  CHECK(told[1].what == "found projector: engine at bus 1");
-  CHECK(told[1].warnings == std::vector<std::string>{"the engine is hot"});
+  REQUIRE(reported.size() == 2);
+  CHECK(reported[1].what == "found projector: engine at bus 1");
+  CHECK(reported[1].warnings == std::vector<std::string>{"the engine is hot"});
 }

@@ -17,13 +17,13 @@ class Wire final : public OutputLine {
   int rises = 0;
 };
 
-// Each look at the clock is far behind the step that is due.
+// A clock that is far past the next due step at every call.
 TimePoint later() noexcept {
   static TimePoint time{};
   return time += std::chrono::milliseconds{5};
 }
 
-// In a child: every engine of a process is still from then on.
+// Runs in a child process, because every step engine of a process stands still from then on.
 void check_still(int steps_before) {
   Wire step, direction;
   StepEngine engine(step, direction, {}, later);
@@ -42,12 +42,12 @@ void check_still(int steps_before) {
   engine.start({100, {10, 1'000}});
   while (engine.begin() || engine.running())
     engine.act();
-  expects(step.rises == steps_before, "nor is one of a later move");
+  expects(step.rises == steps_before, "no step of a later move is made");
 }
 
 }  // namespace
 
-TEST_CASE("A motor that is made safe at once makes no further step, of any move") {
+TEST_CASE("A motor that was made safe at once makes no further step of any move") {
   CHECK(testing::contract_broken_by([] { check_still(0); }).empty());
   CHECK(testing::contract_broken_by([] { check_still(7); }).empty());
 }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr MillimetersPerSecond kSpeed{10.0};
 
-// An axis on its own clock, with what its last home() or move_to() came to.
+// An axis on its own clock, with the results of its last home() and move_to().
 struct Bench {
   explicit Bench(const SimulatedAxisConfig& config = {}) : axis(clock, config) {}
 
@@ -26,7 +26,7 @@ struct Bench {
     while (clock.run_next()) {
     }
   }
-  // Runs other calls up to this time from now.
+  // Lets this time pass, and runs the calls that are due.
   void pass(Duration time) {
     bool over = false;
     const auto timer = clock.call_after(time, [&over] { over = true; });
@@ -98,7 +98,7 @@ TEST_CASE("Homing finds the switch at full speed and again at half") {
                                                     bench.axis.move_duration(mm(5), slow));
 }
 
-TEST_CASE("Homing from on the switch or below it backs off first") {
+TEST_CASE("Homing that starts on the switch or below it backs off first") {
   for (const std::int64_t start_mm : {0, -2}) {
     SimulatedAxisConfig config;
     config.start_height = mm(start_mm);
@@ -151,13 +151,13 @@ TEST_CASE("A move before homing is refused from the event loop and moves nothing
   CHECK(bench.clock.now() == TimePoint{});
 }
 
-TEST_CASE("A nudge goes from wherever the plate is, ends at the switch, and forgets the position") {
+TEST_CASE("A nudge starts wherever the plate is, ends at the switch, and forgets the position") {
   SimulatedAxisConfig config;
   config.start_height = mm(3);
   Bench bench(config);
-  const auto nudge = [&bench](std::int64_t way_mm) {
+  const auto nudge = [&bench](std::int64_t distance_mm) {
     bench.moved.reset();
-    bench.axis.nudge(mm(way_mm), MillimetersPerSecond{1},
+    bench.axis.nudge(mm(distance_mm), MillimetersPerSecond{1},
                      [&bench](MoveResult result) { bench.moved = result; });
     bench.run();
     return bench.moved.value();
@@ -184,7 +184,7 @@ TEST_CASE("A nudge that is stopped slows down, and says so") {
   CHECK(bench.moved == MoveResult::Stopped);
 }
 
-TEST_CASE("Homing from a known position tells that the switch is where it was, and else nothing") {
+TEST_CASE("Homing reports how far the switch has shifted, but only if the position was known before") {
   Bench bench;
   bench.home();
   CHECK_FALSE(bench.axis.homing_shift());
@@ -251,7 +251,7 @@ TEST_CASE("Positions are the whole steps nearest to their targets") {
   }));
 }
 
-TEST_CASE("Thousands of layers of a step that is no whole number of nanometres do not drift") {
+TEST_CASE("Thousands of layers do not drift when a step is not a whole number of nanometres") {
   SimulatedAxisConfig config;
   config.microsteps_per_mm = 3200 / 3.0;  // 937.5 nm
   Bench bench(config);
@@ -298,7 +298,7 @@ TEST_CASE("A stop leaves a known position on a whole step") {
     CHECK_FALSE(bench.axis.moving());
     const Nanometers end = bench.axis.height().value();
     CHECK(on_a_whole_step(end));
-    // It brakes within v^2 / 2a = 2 mm and v / a = 0.4 s; a step and a nanosecond for roundings.
+    // The axis brakes within v^2 / 2a = 2 mm and v / a = 0.4 s; a step and a nanosecond are for rounding.
     CHECK(end + Nanometers{1250} >= at_stop);
     CHECK(end <= at_stop + mm(2) + Nanometers{1250});
     CHECK(bench.clock.now() - stop_time <= 400ms + 1ns);
@@ -381,7 +381,7 @@ TEST_CASE("An abort ends all movement at once and makes the position unknown") {
   CHECK(bench.move(mm(1)) == MoveResult::Reached);
 }
 
-TEST_CASE("After an abort the plate is where it was and homing takes the way from there") {
+TEST_CASE("After an abort the plate stays where it was, and homing starts from there") {
   Bench bench;
   bench.home();
   bench.start_move(mm(40));
@@ -395,7 +395,7 @@ TEST_CASE("After an abort the plate is where it was and homing takes the way fro
                                           bench.axis.move_duration(mm(5), slow));
 }
 
-TEST_CASE("An aborted move and an aborted homing are never heard of again") {
+TEST_CASE("An aborted move or homing never calls back") {
   Bench moving;
   moving.home();
   moving.start_move(mm(40));
@@ -426,7 +426,7 @@ TEST_CASE("A move may be started from inside the end of another") {
   CHECK(bench.axis.height() == mm(2));
 }
 
-TEST_CASE("Its switch is reached at the bottom, and its edges are counted") {
+TEST_CASE("The limit switch closes at the bottom, and its edges are counted") {
   Bench bench;
   const auto limit_switch = [&bench] { return bench.axis.inputs().at(0); };
   CHECK(limit_switch().active == false);

@@ -37,7 +37,7 @@ SimulatedPrinterConfig small_display() {
   return config;
 }
 
-// A printer on its own clock, with what its last calls came to.
+// A printer on its own clock, with the results of its last calls.
 struct Bench {
   explicit Bench(const SimulatedPrinterConfig& config = small_display()) : printer(clock, config) {}
 
@@ -113,7 +113,7 @@ TEST_CASE("A mask is on the screen at the next refresh and not before") {
   CHECK(bench.printer.masks_shown() == 1);
 }
 
-TEST_CASE("A mask asked for at a refresh is on the screen at the one after") {
+TEST_CASE("A mask requested at a refresh is on the screen at the next one") {
   Bench bench;
   bench.pass(3 * kFrame);
   bench.start_show(mask_of_grey(200));
@@ -130,7 +130,7 @@ TEST_CASE("A mask asked for at a refresh is on the screen at the one after") {
   CHECK(bench.printer.screen_is_black());
 }
 
-TEST_CASE("Black at once drops what waits for the next refresh") {
+TEST_CASE("Black at once drops a mask that waits for the next refresh") {
   Bench bench;
   bench.start_show(mask_of_grey(200));
   bench.printer.display().black_now();
@@ -144,7 +144,7 @@ TEST_CASE("Black at once drops what waits for the next refresh") {
   CHECK(bench.printer.screen_is_black());
 }
 
-TEST_CASE("A display that is lost answers so and is black") {
+TEST_CASE("A lost display answers that it is lost, and is black") {
   SimulatedPrinterConfig config = small_display();
   config.display.lost_after_frames = 2;
   Bench bench(config);
@@ -161,30 +161,30 @@ TEST_CASE("A display that is lost answers so and is black") {
   CHECK(bench.printer.screen_is_black());
 }
 
-TEST_CASE("A display is unplugged once, tells of it, and comes back") {
+TEST_CASE("A display is unplugged once, reports that, and comes back") {
   SimulatedPrinterConfig config = small_display();
   config.display.lost_after_frames = 1;
   config.display.back_after = 60s;
   Bench bench(config);
-  std::vector<MachineEvent> told;
-  bench.printer.on_event([&](const MachineEvent& event) { told.push_back(event); });
+  std::vector<MachineEvent> reported;
+  bench.printer.on_event([&](const MachineEvent& event) { reported.push_back(event); });
   bench.start_show(mask_of_grey(200));
   bench.run();
   CHECK(bench.printer.why_not_ready().empty());
   bench.start_show(mask_of_grey(200));
-  while (told.empty())
+  while (reported.empty())
     REQUIRE(bench.clock.run_next());
-  CHECK(told[0].kind == MachineEvent::Kind::Interlock);
+  CHECK(reported[0].kind == MachineEvent::Kind::Interlock);
   CHECK(bench.printer.why_not_ready() == "the display is unplugged");
   CHECK(bench.printer.screen_is_black());
   bench.run();
-  REQUIRE(told.size() == 2);
-  CHECK(told[1].kind == MachineEvent::Kind::Recovery);
+  REQUIRE(reported.size() == 2);
+  CHECK(reported[1].kind == MachineEvent::Kind::Recovery);
   CHECK(bench.printer.why_not_ready().empty());
   bench.start_show(mask_of_grey(200));
   bench.run();
   CHECK(bench.presented.has_value());
-  CHECK(told.size() == 2);
+  CHECK(reported.size() == 2);
 }
 
 TEST_CASE("A display unplugged between a mask and its refresh never showed it") {
@@ -202,8 +202,8 @@ TEST_CASE("The lid is opened when the light has been on for long enough, and clo
   config.lid_open_for = 4s;
   VirtualClock clock;
   SimulatedPrinter printer(clock, config);
-  std::vector<std::pair<MachineEvent::Kind, TimePoint>> told;
-  printer.on_event([&](const MachineEvent& event) { told.emplace_back(event.kind, clock.now()); });
+  std::vector<std::pair<MachineEvent::Kind, TimePoint>> reported;
+  printer.on_event([&](const MachineEvent& event) { reported.emplace_back(event.kind, clock.now()); });
   printer.projector().power_on([](ProjectorReply) {});
   while (clock.run_next()) {
   }
@@ -216,12 +216,12 @@ TEST_CASE("The lid is opened when the light has been on for long enough, and clo
     }
   }
   // Two seconds of the first light, one of the second.
-  REQUIRE(told.size() == 2);
-  CHECK(told[0] == std::pair{MachineEvent::Kind::Interlock, lit + 1s});
-  CHECK(told[1] == std::pair{MachineEvent::Kind::Recovery, lit + 5s});
+  REQUIRE(reported.size() == 2);
+  CHECK(reported[0] == std::pair{MachineEvent::Kind::Interlock, lit + 1s});
+  CHECK(reported[1] == std::pair{MachineEvent::Kind::Recovery, lit + 5s});
 }
 
-TEST_CASE("A job's masks are kept as PNG files in its own folder") {
+TEST_CASE("A job's masks are saved as PNG files in its own folder") {
   const testing::TemporaryFolder folder;
   SimulatedPrinterConfig config = small_display();
   config.display.masks = folder.path() / "masks";
@@ -271,7 +271,7 @@ TEST_CASE("A folder for masks that cannot be made is an error") {
   CHECK_THROWS_AS(bench.printer.begin_job("cube"), std::filesystem::filesystem_error);
 }
 
-TEST_CASE("Without a folder for masks none are kept") {
+TEST_CASE("Without a folder for masks none are saved") {
   Bench bench;
   CHECK_FALSE(bench.printer.begin_job("cube").has_value());
   bench.start_show(mask_of_grey(1));
@@ -350,7 +350,7 @@ TEST_CASE("Power off puts the light out and the lamp must warm up again") {
   CHECK(bench.now() - before == 5s + 20ms);
 }
 
-TEST_CASE("A projector that falls silent is given up after its timeout and lights nothing") {
+TEST_CASE("A projector that falls silent is given up after its timeout and turns no light on") {
   SimulatedPrinterConfig config = small_display();
   config.projector.silent_after_commands = 2;
   Bench bench(config);

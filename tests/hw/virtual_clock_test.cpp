@@ -19,7 +19,7 @@ TEST_CASE("A new clock stands at its beginning and is idle") {
   CHECK(clock.now() == TimePoint{});
 }
 
-TEST_CASE("Calls are made in the order of their times and the clock shows each one's") {
+TEST_CASE("Calls are made in the order of their times, and the clock shows the time of each") {
   VirtualClock clock;
   std::string made;
   const auto b = clock.call_after(2s, [&] { made += 'b'; });
@@ -46,7 +46,7 @@ TEST_CASE("A call is never made from inside call_at") {
   CHECK(made);
 }
 
-TEST_CASE("Calls due at the same time are made in the order they were asked for") {
+TEST_CASE("Calls due at the same time are made in the order in which they were requested") {
   VirtualClock clock;
   std::vector<int> made;
   std::vector<std::unique_ptr<Timer>> timers;
@@ -59,7 +59,7 @@ TEST_CASE("Calls due at the same time are made in the order they were asked for"
     CHECK(made[static_cast<std::size_t>(i)] == i);
 }
 
-TEST_CASE("A call for a time gone by is made now behind those already due now") {
+TEST_CASE("A call for a time in the past is made now, after the calls already due now") {
   VirtualClock clock;
   std::string made;
   const auto first = clock.call_after(5s, [&] { made += '5'; });
@@ -101,7 +101,7 @@ TEST_CASE("A timer may be destroyed from inside its own call") {
   int seen = 0;
   timer = clock.call_after(1s, [&timer, &seen, kept_alive] {
     timer.reset();
-    seen = *kept_alive;  // what the call holds is still there
+    seen = *kept_alive;  // the call's captures still exist
   });
   clock.run_next();
   CHECK(seen == 7);
@@ -147,7 +147,7 @@ TEST_CASE("An idle clock wakes its loop once when it gets work") {
   CHECK(woken == 2);
 }
 
-TEST_CASE("Time never goes back whatever is asked for") {
+TEST_CASE("Time never goes back, whatever calls are requested") {
   CHECK(rc::check([] {
     VirtualClock clock;
     std::vector<std::unique_ptr<Timer>> timers;

@@ -1,5 +1,5 @@
-// What goes wrong with meshes on their way, done to good ones: the same damage from the same seed on every
-// machine. Thread-safe (no shared state).
+// Typical defects of meshes, applied to good ones: the same damage for the same seed on every machine.
+// Thread-safe (no shared state).
 #pragma once
 
 #include <cstdint>
@@ -8,42 +8,42 @@
 
 namespace contourd::models {
 
-// Numbers that look random (SplitMix64), the same on every machine.
+// Pseudo-random numbers (SplitMix64), the same on every machine.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : state_(seed) {}
   std::uint64_t roll();
-  // In [low, high).
+  // Returns a number in [low, high).
   double between(double low, double high);
-  // In [0, count). REQUIRES: count > 0.
+  // Returns a number in [0, count). REQUIRES: count > 0.
   std::size_t below(std::size_t count);
-  // A point in the ball of this radius around the origin.
+  // Returns a point in the ball of this radius around the origin.
   Vertex in_ball(double radius);
 
  private:
   std::uint64_t state_;
 };
 
-// Each facet's own copy of each of its vertices moves by up to `reach_mm`: cracks along every side.
+// Moves each corner of each facet on its own by up to `reach_mm`, which opens cracks along every side.
 void shake_corners(Facets& facets, double reach_mm, Dice& dice);
 
-// Each vertex moves by up to `reach_mm`, in all facets alike: the mesh stays closed.
+// Moves each vertex by up to `reach_mm`, the same in all facets: the mesh stays closed.
 void shake_vertices(Facets& facets, double reach_mm, Dice& dice);
 
-// Takes a share of the facets out, at least one, and returns them.
+// Removes a share of the facets, at least one, and returns them.
 Facets drop_facets(Facets& facets, double share, Dice& dice);
 
-// Swaps two corners of a share of the facets, each by chance: they face inwards.
+// Turns each facet inwards, by swapping two corners, with probability `share`.
 void turn_facets(Facets& facets, double share, Dice& dice);
 
-// Appends a share of the facets once more, as they are.
+// Appends copies of a share of the facets.
 void double_facets(Facets& facets, double share, Dice& dice);
 
-// Appends a share of the facets once more, turned round.
+// Appends reversed copies of a share of the facets.
 void double_facets_reversed(Facets& facets, double share, Dice& dice);
 
-// Splits one side of a share of the facets, at least one, and not the neighbour's (T-junctions); the new
-// vertex lies up to `reach_mm` beside the side's middle.
+// Splits one side of a share of the facets, at least one, but not of the neighbour (T-junctions); the new
+// vertex lies up to `reach_mm` from the side's middle.
 void split_sides(Facets& facets, double share, double reach_mm, Dice& dice);
 
 }  // namespace contourd::models

@@ -22,8 +22,8 @@ struct GridPoint {
   double value;
 };
 
-// Of two grid points always the same first, so that a vertex is the same bits for every tetrahedron that
-// shares it.
+// Returns the crossing between two grid points, computed in a fixed order, so that the vertex has the same
+// bits for every tetrahedron that shares it.
 Vertex crossing(const GridPoint& p, const GridPoint& q) {
   const bool in_order = p.index < q.index;
   const GridPoint& a = in_order ? p : q;
@@ -38,7 +38,7 @@ void add(Facets& facets, const Vertex& a, const Vertex& b, const Vertex& c) {
   facets.push_back({{a, b, c}});
 }
 
-// A tetrahedron of positive orientation (d sees a, b, c counter-clockwise).
+// Adds the facets in a tetrahedron of positive orientation (d sees a, b, c counter-clockwise).
 void march(Facets& facets, const std::array<GridPoint, 4>& t) {
   // The vertices inside, and an even permutation that brings them to the front.
   static constexpr std::array<std::array<std::size_t, 4>, 16> kOrder{{{0, 1, 2, 3},
@@ -137,8 +137,8 @@ Facets globe(double radius_mm, int bands, int sides) {
 
 Facets isosurface(const std::function<double(double, double, double)>& value, double half_side_mm,
                   int cells) {
-  // Six tetrahedra around a cube's diagonal from corner 0 to 7 (bit 0 is x, 1 is y, 2 is z): alike in every
-  // cube, so neighbours' faces match.
+  // Six tetrahedra around a cube's diagonal from corner 0 to 7 (bit 0 is x, 1 is y, 2 is z), the same in
+  // every cube, so that neighbours' faces match.
   constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
       {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
   const auto points = static_cast<std::size_t>(cells) + 1;
@@ -148,7 +148,7 @@ Facets isosurface(const std::function<double(double, double, double)>& value, do
     for (int j = 0; j <= cells; ++j) {
       for (int i = 0; i <= cells; ++i) {
         const double v = value(coordinate(i), coordinate(j), coordinate(k));
-        // Never exactly on a grid point: that would make facets without area.
+        // Keeps the value off 0 at grid points: vertices exactly there would make facets without area.
         plane[static_cast<std::size_t>(j) * points + static_cast<std::size_t>(i)] = v == 0 ? 1e-12 : v;
       }
     }
@@ -186,9 +186,9 @@ Facets sphere(double radius_mm, int cells) {
 }
 
 Facets gyroid_sphere(double radius_mm, double period_mm, int cells) {
-  constexpr double kHalfWall = 0.75;  // of the gyroid's value, which spans -1.5 to 1.5
+  constexpr double kHalfWall = 0.75;  // in the gyroid's value, which spans -1.5 to 1.5
   const double k = 2 * std::numbers::pi / period_mm;
-  // The core's own, so that the model is the same on every machine.
+  // Uses the core's sine and cosine, so that the model is the same on every machine.
   const auto turn = [=](double mm) { return sine_cosine(360.0 / period_mm * mm); };
   Facets facets = isosurface(
       [=](double x, double y, double z) {
@@ -221,7 +221,7 @@ std::vector<std::byte> to_binary_stl(std::span<const Facet> facets) {
   std::byte* at = bytes.data() + 80;
   append(at, static_cast<std::uint32_t>(facets.size()));
   for (const Facet& facet : facets) {
-    at += 12;  // the normal: nobody trusts it
+    at += 12;  // the normal, which readers ignore
     append(at, facet.vertices);
     at += 2;
   }

@@ -9,7 +9,7 @@
 namespace contourd::reference {
 namespace {
 
-// Layers that cover less are not judged: the rounding to 255 greys shows in them.
+// Layers with fewer pixels are not compared: rounding to 255 greys shows in them.
 constexpr double kMinPixels = 1000;
 
 constexpr int kSide = 640;

@@ -1,6 +1,6 @@
-// Masks of dirty models against the clean ones' reference: prints a line for each part and dirt with the
-// worst overlap of its layers, and ends with 1 where one is less than it should be. Without arguments
-// generated parts; with STL files those, as far as they are watertight.
+// Compares masks of dirty models with those of the clean originals: prints a line with the worst overlap for
+// each part and defect, and exits with 1 if an overlap is too small. Without arguments it uses generated
+// parts, otherwise the given STL files, if they are watertight.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kHeights[] = {0.11, 0.37, 0.5, 0.73, 0.9};
 
-// False when a layer is worse than it should be, and not told.
+// Returns false if a layer is worse than it should be and does not report it.
 bool check(const Part& part) {
   bool right = true;
   for (const Dirt& dirt : all_dirt()) {
@@ -38,7 +38,8 @@ bool check(const Part& part) {
   return right;
 }
 
-// To the display's size. A file that is not watertight has no clean model.
+// Checks a model scaled to the display's size. A file that is not watertight is skipped, since it has no
+// clean original.
 bool check_file(const char* path) {
   models::Facets facets = read_model_file(path).facets;
   if (!inspect_mesh(facets).watertight) {

@@ -22,7 +22,7 @@ Facets nested() {
   return facets;
 }
 
-// Parts of their own that touch in nothing.
+// Separate solids that do not touch.
 Facets apart() {
   Facets facets = models::globe(5, 24, 36);
   add(facets, models::globe(5, 24, 36), 12, 0, 1);
@@ -30,14 +30,14 @@ Facets apart() {
   return facets;
 }
 
-// A turned part with a groove all around and a hole in its foot.
+// A lathe part with a groove all around and a hole in its foot.
 Facets spindle() {
   const std::vector<Point> profile{{0, 4}, {3, 4},  {3, 0},   {9, 0},   {9, 6},
                                    {6, 6}, {6, 12}, {12, 12}, {12, 20}, {0, 20}};
   return models::lathe(profile, 180);
 }
 
-// Boxes on every place of a grid, or on every other one: they share walls, or edges.
+// Boxes at every place of a grid, or at every other one, so that they share walls or edges.
 Facets boxes(int step) {
   Facets facets;
   for (int i = 0; i < 64; ++i) {
@@ -64,7 +64,7 @@ std::vector<Dirt> all_dirt() {
   const auto turned = [](double share) {
     return [share](Facets& facets, Dice& dice) { models::turn_facets(facets, share, dice); };
   };
-  // One part of a thousand: the greys' rounding, and what 64 lines a pixel cannot see.
+  // A thousandth allows for the rounding of greys and the limited resolution of 64 lines a pixel.
   return {{"clean", 0.999, false, false, [](Facets&, Dice&) {}},
           {"1 % turned", 0.999, false, false, turned(0.01)},
           {"10 % turned", 0.999, false, false, turned(0.1)},
@@ -92,7 +92,7 @@ std::vector<Dirt> all_dirt() {
              models::turn_facets(facets, 0.2, dice);
              models::drop_facets(facets, 0.02, dice);
            }},
-          // A tenth of a pixel at each edge: of a thin strut that is two parts of a hundred.
+          // A tenth of a pixel at each edge is two hundredths of a thin strut.
           {"shaken by 5 um", 0.98, true, false,
            [](Facets& facets, Dice& dice) { models::shake_corners(facets, 0.005, dice); }}};
 }

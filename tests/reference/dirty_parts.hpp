@@ -1,4 +1,4 @@
-// Parts, and dirt as files have it: what the core should see through. Values; thread-safe.
+// Test parts, and defects as found in files, which the core should repair. Values; thread-safe.
 #pragma once
 
 #include <functional>
@@ -13,17 +13,17 @@ namespace contourd::reference {
 struct Part {
   std::string name;
   models::Facets facets;
-  // Its solids share edges or walls of two facets: little tells how they belong together.
+  // True if its solids share edges or walls of two facets, so that little shows how they belong together.
   bool joined = false;
 };
-// Closed, of a few thousand facets each, up to 30 mm wide.
+// Returns closed parts of a few thousand facets each, up to 30 mm wide.
 [[nodiscard]] std::vector<Part> clean_parts();
 
 struct Dirt {
   const char* name;
-  double wanted;     // the least overlap of a layer with the clean one
-  bool may_be_told;  // less will do where the layer's report says that it was guessed at
-  bool heavy;        // too much for solids that are joined
+  double wanted;     // least overlap of a layer with the clean one
+  bool may_be_told;  // less is accepted if the layer's report says that it was guessed
+  bool heavy;        // too much for joined solids
   std::function<void(models::Facets&, models::Dice&)> add;
 };
 [[nodiscard]] std::vector<Dirt> all_dirt();

@@ -13,7 +13,7 @@ struct Place {
   double x, y;
 };
 
-// Where a facet's outline passes the plane, upwards and downwards, in pixels.
+// The points at which a facet's outline passes the plane upwards and downwards, in pixels.
 struct Cut {
   Place up{}, down{};
   bool crossed = false;
@@ -35,9 +35,9 @@ Cut cut_of(const Facet& facet, double z, const Picture& picture) {
   return cut;
 }
 
-using Crossing = std::pair<double, int>;  // x, and how the winding number changes there
+using Crossing = std::pair<double, int>;  // x, and the change of the winding number there
 
-// By line from the top.
+// Returns the crossings of each line, from the top.
 std::vector<std::vector<Crossing>> crossings_of(std::span<const Facet> facets, double z,
                                                 const Picture& picture) {
   std::vector<std::vector<Crossing>> lines(static_cast<std::size_t>(picture.height * kLinesAPixel));

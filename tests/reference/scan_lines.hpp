@@ -1,5 +1,5 @@
-// What a model's masks should be, worked out the slow way: where its facets wind around other than 0 times,
-// along 64 lines a pixel, exact along each. Shares no code with the core. Thread-safe (no shared state).
+// A slow reference for a model's masks: the region where the facets' winding number is not 0, along 64 lines
+// a pixel, exact along each line. Shares no code with the core. Thread-safe (no shared state).
 #pragma once
 
 #include <cstddef>
@@ -11,17 +11,18 @@
 
 namespace contourd::reference {
 
-// True scale: (center_x, center_y) lies in the picture's middle, y points up in the model and down in it.
+// A picture at true scale: (center_x, center_y) lies in its middle; y points up in the model and down in the
+// picture.
 struct Picture {
   int width, height;
   double pixels_per_mm, center_x, center_y;
 };
 
-// The covered part of each pixel, row by row, just above z. REQUIRES: a closed model.
+// Returns the covered share of each pixel, row by row, just above z. REQUIRES: a closed model.
 [[nodiscard]] std::vector<double> coverage_at(std::span<const Facet> facets, double z,
                                               const Picture& picture);
 
-// Their intersection over their union, by coverage; 1 where both are empty. `mask` in 255ths.
+// Returns intersection over union, by coverage; 1 if both are empty. `mask` is in 255ths.
 [[nodiscard]] double overlap_of(std::span<const double> coverage, std::span<const std::uint8_t> mask);
 
 }  // namespace contourd::reference

@@ -17,11 +17,12 @@ namespace contourd::reference {
 namespace {
 
 constexpr Nanometers kLayer{50'000};
-// A part has a pixel that half the light reaches; it hangs together, and on what is below, by pixels that a
-// quarter reaches: a hair's rim is greyer here and brighter there by where its pixels lie.
+// A part contains a pixel with at least half the light. It is connected, in itself and to what is below, by
+// pixels with at least a quarter: the rim of a hair may be greyer in one layer and brighter in the next,
+// depending on the pixel grid.
 constexpr std::uint8_t kSolid = 128, kLit = 64;
 
-// How often a rule is broken, and where first.
+// The number of violations of a rule, and the first place.
 struct Breaches {
   int count = 0;
   PlatePoint first;
@@ -41,7 +42,7 @@ double distance(const PlatePoint& a, const PlatePoint& b) {
   return std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z));
 }
 
-// --- parts that begin on nothing: each is flooded from pixel to pixel, across corners too
+// --- parts with nothing below: each is flooded from pixel to pixel, also across corners
 
 void find_floating(const Mask& below, const Mask& mask, double z_mm, const DisplayGeometry& display,
                    Breaches& breaches) {
@@ -77,7 +78,7 @@ void find_floating(const Mask& below, const Mask& mask, double z_mm, const Displ
   }
 }
 
-// --- facets by cubes of a millimetre
+// --- facets indexed by cubes of a millimetre
 
 class FacetCubes {
  public:
@@ -88,7 +89,7 @@ class FacetCubes {
     }
   }
 
-  // Of the surface from a point, as far as `most`.
+  // Returns the distance of the surface from a point, up to `most`.
   [[nodiscard]] double distance_from(const PlatePoint& p, double most) const {
     double least = most;
     for (int x = cube(p.x - most); x <= cube(p.x + most); ++x) {
@@ -145,7 +146,7 @@ class FacetCubes {
     return distance(p, {a.x + t * x, a.y + t * y, a.z + t * z});
   }
 
-  // From the plane, where the point's foot is inside all three sides; else from the nearest side.
+  // The distance from the plane if the point's foot is inside all three sides, else from the nearest side.
   static double distance_to(const Triangle& t, const PlatePoint& p) {
     const double ux = t.b.x - t.a.x, uy = t.b.y - t.a.y, uz = t.b.z - t.a.z;
     const double vx = t.c.x - t.a.x, vy = t.c.y - t.a.y, vz = t.c.z - t.a.z;
@@ -173,7 +174,7 @@ struct Sample {
   double radius_mm;
 };
 
-// Along the axis, 0.1 mm apart.
+// Points along the axis, 0.1 mm apart.
 std::vector<Sample> samples_of(const SupportPrimitive& primitive) {
   if (const auto* ball = std::get_if<Ball>(&primitive)) return {{ball->center, ball->radius_mm}};
   const auto& f = std::get<Frustum>(primitive);
@@ -188,7 +189,7 @@ std::vector<Sample> samples_of(const SupportPrimitive& primitive) {
   return samples;
 }
 
-// What ends as thin as a tip: a tip, or what stands on a model.
+// True if the primitive ends as thin as a tip: a tip, or a foot on a model.
 bool is_tip(const SupportPrimitive& primitive, const SupportSettings& settings) {
   const auto* f = std::get_if<Frustum>(&primitive);
   return f != nullptr &&
@@ -208,10 +209,10 @@ void find_outside(const SupportedPrint& print, Breaches& breaches) {
   }
 }
 
-// Once for each primitive, where it is nearest. A branch may begin at a tip's thick end, which is a tip's
-// length from the surface. A flat end counts as if it were round. What is looked at is 0.1 mm apart and may
-// be that much nearer between: 0.02 mm of slack, as samples on an axis are never more than 0.05 mm from the
-// nearest point.
+// Reports each primitive once, at its nearest place. A branch may begin at a tip's thick end, which is a
+// tip's length from the surface. A flat end counts as if it were round. Samples are 0.1 mm apart, so the
+// primitive may be slightly nearer in between: 0.02 mm of slack, since no point is more than 0.05 mm from a
+// sample on the axis.
 void find_near(const SupportedPrint& print, Breaches& breaches) {
   const FacetCubes facets(print.models, print.display);
   const double clearance = print.settings.clearance.count();
@@ -227,7 +228,7 @@ void find_near(const SupportedPrint& print, Breaches& breaches) {
   }
 }
 
-// A pixel that is a support's and a model's has to be where a tip is.
+// A pixel that belongs to both a support and a model must be at a tip.
 void find_inside(const SupportedPrint& print, const Mask& model, const Mask& support, double z_mm,
                  Breaches& breaches) {
   const std::int32_t width = model.width().count();
@@ -237,7 +238,7 @@ void find_inside(const SupportedPrint& print, const Mask& model, const Mask& sup
       if (model.row(y)[column] != 255 || support.row(y)[column] == 0) continue;
       const Point p = on_plate(print.display, {x + 0.5, y + 0.5});
       const PlatePoint place{p.x, p.y, z_mm};
-      // From its axis: its radius where it is thickest, and a pixel.
+      // Distance from the axis: the greatest radius, and a pixel.
       const bool at_a_tip = std::ranges::any_of(print.primitives, [&](const SupportPrimitive& primitive) {
         if (!is_tip(primitive, print.settings)) return false;
         return std::ranges::any_of(samples_of(primitive), [&](const Sample& at) {
@@ -273,10 +274,10 @@ std::vector<std::string> broken_rules(const SupportedPrint& print) {
     if (contact.load_mm2 > print.settings.tip_holds_mm2 * (1 + 1e-9)) overloaded.add(contact.place);
   }
   std::vector<std::string> broken;
-  floating.tell("parts of layers begin on nothing", broken);
+  floating.tell("parts of layers begin with nothing below", broken);
   inside.tell("pixels of supports are in a model away from tips", broken);
   near.tell("primitives are nearer to a model than the clearance", broken);
-  outside.tell("primitives reach out of the build volume", broken);
+  outside.tell("primitives are outside the build volume", broken);
   overloaded.tell("contacts hold more than they can", broken);
   return broken;
 }

@@ -1,5 +1,5 @@
-// What must hold of every print with supports, looked for in its masks and its primitives by code that shares
-// nothing with what makes them. Pure; thread-safe. Blocks for as long as all masks take.
+// Rules for every print with supports, checked on its masks and primitives by code that is independent of the
+// code that makes them. Pure; thread-safe. Blocks for as long as all masks take.
 #pragma once
 
 #include <string>
@@ -20,9 +20,9 @@ struct SupportedPrint {
   std::vector<SupportContact> contacts;
 };
 
-// A sentence for each rule that is broken, with how often and where first. The rules: each part of a layer
-// lies on something of the layer below, 50 um beneath; supports are in a model only where a tip is, and
-// elsewhere no nearer than the clearance; all of them is above the plate, within the display; no contact
+// Returns a sentence for each broken rule, with the number of violations and the first place. The rules: each
+// part of a layer lies on something in the layer 50 um below; supports are in a model only at tips, and
+// elsewhere no nearer than the clearance; all of them are above the plate and within the display; no contact
 // holds more than it can.
 [[nodiscard]] std::vector<std::string> broken_rules(const SupportedPrint& print);
 

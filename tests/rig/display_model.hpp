@@ -1,5 +1,5 @@
-// A screen: what is really on it, from which refresh on. Tells the loop so, if nothing comes in between. Not
-// thread-safe.
+// A model of the screen, which knows the visible picture and the refresh from which on it is visible. Reports
+// to the loop unless an event is lost. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -16,19 +16,19 @@ namespace contourd::rig {
 
 class DisplayModel final : public testing::PlainDisplay {
  public:
-  using Picture = std::optional<int>;  // the mask's number; nothing: black
+  using Picture = std::optional<int>;  // number of the mask; nullopt: black
 
   DisplayModel(VirtualClock& world, Loop& loop, Pixels width, Pixels height)
       : world_(world), loop_(loop), width_(width), height_(height) {}
 
-  // What the next mask shown is called.
+  // Returns the number of the next mask shown.
   std::function<int()> number = [] { return 0; };
   std::function<void()> changed = [] {};
 
   [[nodiscard]] const Picture& picture() const { return picture_; }
   [[nodiscard]] bool there() const { return there_; }
-  // Something was put on it since it was plugged in: before, it is black, and who shines through it may not
-  // have heard yet.
+  // True if something was shown since the screen was plugged in. Before that it is black, and whoever lights
+  // through it may not know yet.
   [[nodiscard]] bool in_use() const { return there_ && in_use_; }
 
   void lose_next_event() { loses_event_ = true; }
@@ -51,7 +51,7 @@ class DisplayModel final : public testing::PlainDisplay {
     flip_ = world_.call_at(next_refresh(), [this] { flip(std::nullopt); });
   }
 
-  // A flip that does not come is told after this.
+  // A missing flip is reported after this time.
   static constexpr Duration kFlipDeadline{std::chrono::milliseconds{500}};
   static constexpr Duration kFrame{16'666'667};
 
@@ -62,7 +62,7 @@ class DisplayModel final : public testing::PlainDisplay {
   }
   void put(Picture picture, Presented done) {
     done_ = std::move(done);
-    ++asked_;
+    ++requests_;
     if (!there_) return answer(std::nullopt);
     if (std::exchange(loses_flip_, false)) {
       lost_ = world_.call_after(kFlipDeadline, [this] { answer(std::nullopt); });
@@ -80,9 +80,9 @@ class DisplayModel final : public testing::PlainDisplay {
     changed();
   }
   void answer(std::optional<TimePoint> at) {
-    event_ = world_.call_after(Duration{0}, [this, at, asked = asked_] {
-      loop_.post([this, at, asked] {
-        if (asked != asked_) return;
+    event_ = world_.call_after(Duration{0}, [this, at, request = requests_] {
+      loop_.post([this, at, request] {
+        if (request != requests_) return;
         if (const auto done = std::exchange(done_, nullptr)) done(at);
       });
     });
@@ -93,7 +93,7 @@ class DisplayModel final : public testing::PlainDisplay {
   Pixels width_, height_;
   Picture picture_;
   Presented done_;
-  std::uint64_t asked_ = 0;
+  std::uint64_t requests_ = 0;
   bool there_ = true, in_use_ = true, loses_event_ = false, loses_flip_ = false;
   std::unique_ptr<Timer> flip_, event_, lost_;
 };

@@ -1,5 +1,5 @@
-// An event loop in a world of virtual time: what is due while it is held up is made when it goes on, in the
-// kernel's order or another. The world goes on meanwhile. Not thread-safe.
+// An event loop in virtual time. Calls that become due while the loop is held up run when it continues, in
+// the kernel's order or another, while the world goes on. Not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -26,17 +26,17 @@ class Loop final : public Clock {
     return std::make_unique<Handle>(std::move(pending));
   }
 
-  // A device has become readable.
+  // Queues a call for a device that has become readable.
   void post(std::function<void()> call) {
     take(std::make_shared<Pending>(Pending{std::move(call), false, {}}));
   }
 
-  // Nothing is made for so long.
+  // Runs no calls for that time.
   void hold_up(Duration time) {
     busy_until_ = std::max(busy_until_, world_.now() + time);
     release_ = world_.call_at(busy_until_, [this] { drain(); });
   }
-  // The same in the middle of a call: the world goes on, by `turn`, before this returns.
+  // Holds the loop up in the middle of a call: the world goes on, by `turn`, before this returns.
   void hold_up_here(Duration time, const std::function<void()>& turn) {
     if (inside_) return;
     inside_ = true;
@@ -49,12 +49,12 @@ class Loop final : public Clock {
   }
   [[nodiscard]] bool held_up() const { return inside_ || world_.now() < busy_until_; }
 
-  // Of what is due at once: timers before devices, or behind them; as it came, when neither.
+  // Order of calls that are due at the same time.
   enum class Order { AsItCame, TimersFirst, DevicesFirst } order = Order::AsItCame;
 
  private:
   struct Pending {
-    std::function<void()> call;  // empty when it was cancelled
+    std::function<void()> call;  // empty if it was cancelled
     bool is_timer;
     std::unique_ptr<Timer> timer;
   };
@@ -73,14 +73,14 @@ class Loop final : public Clock {
   void take(const std::shared_ptr<Pending>& due) {
     if (held_up() || draining_ || !waiting_.empty()) {
       waiting_.push_back(due);
-      // Behind what the loop is about to do, if it is.
+      // Runs after the calls that the loop is about to make, if any.
       if (!held_up() && !draining_) release_ = world_.call_after(Duration{0}, [this] { drain(); });
       return;
     }
     make(due);
   }
   static void make(const std::shared_ptr<Pending>& due) {
-    // It may cancel itself.
+    // The call may cancel itself.
     if (const auto call = std::exchange(due->call, nullptr)) call();
   }
   void drain() {

@@ -10,13 +10,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Light off, and whether it is on, three tries of a second each, and some warm-up.
+// Time for the first answers: light off and the query of the light, three tries of a second each, and some
+// warm-up.
 constexpr Duration kFirstAnswers = 7s;
 constexpr Pixels kWidth{16}, kHeight{12};
-// Four full steps, of a motor that is driven by full ones.
+// Four full steps, for a motor driven in full steps.
 constexpr std::int64_t kFieldPeriod = 4;
 
-// A coarse screw, so that a step is long and a print short of them: 12.5 um.
+// A coarse screw, so that a step is long (12.5 um) and a print takes few of them.
 GpioAxisConfig axis_of(const Scenario& scenario) {
   GpioAxisConfig config;
   config.travel = Nanometers{5'000'000};
@@ -62,8 +63,8 @@ MachineModel::MachineModel(const Scenario& scenario)
   plant.loop = &loop;
   plant.loop_is_held_up = [this] { return loop.held_up(); };
   plant.motor = 160;
-  // GpioAxis' is that of homing's end. How fast the motor was is not known to the step: braking, four steps
-  // ago it was faster by two fifths.
+  // GpioAxis assumes the pull-in speed of homing's end. The motor's speed is not known to the step: while
+  // braking, four steps earlier it was faster by two fifths.
   plant.pull_in = 1.4 * plant.config.homing_speed.count() / 2 * kStepsPerMm;
   plant.swing_s += 0.4 / plant.pull_in;
   plant.overrun = 1 + kFieldPeriod;
@@ -117,7 +118,7 @@ void MachineModel::open_adapter() {
   serial_->may_warm_up();
 }
 
-// Taken dark.
+// Opens the light line in the dark state.
 void MachineModel::open_line() {
   auto output = std::make_unique<testing::PlantOutput>();
   output_ = output.get();
@@ -142,7 +143,7 @@ void MachineModel::unplug_adapter(Duration time) {
   });
 }
 
-// As RealMachine: what is lost is closed when it is looked for.
+// Closes lost devices and looks for them, as RealMachine does.
 void MachineModel::search() {
   const bool line_lost = has_line(kind_) && (!line_ || !line_->refusal().empty());
   const bool serial_lost = serial_ && serial_->lost();
@@ -169,7 +170,7 @@ void MachineModel::search() {
   const bool missing = (has_line(kind_) && !line_) || (serial_ && serial_->lost());
   if (missing) search_ = loop.call_after(5s, [this] { search(); });
   if (projector_came || (line_lost && line_))
-    tell({.kind = MachineEvent::Kind::Recovery, .what = "found what was missing"});
+    tell({.kind = MachineEvent::Kind::Recovery, .what = "found a missing device"});
 }
 
 void MachineModel::lose_display(Duration time) {

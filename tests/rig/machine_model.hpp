@@ -1,5 +1,5 @@
-// The machine of a world: the daemon's own axis, projector and light line over models of what they drive. It
-// loses devices and finds them again as RealMachine does. Not thread-safe.
+// The machine of a simulated printer: the daemon's own axis, projector and light line on models of the
+// hardware. It loses devices and finds them again as RealMachine does. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -33,39 +33,39 @@ class MachineModel final : public Machine {
   [[nodiscard]] std::string why_not_ready() const override;
   std::optional<std::filesystem::path> begin_job(std::string_view) override { return std::nullopt; }
 
-  // What is asked of the devices, before they are.
+  // Called before a request is passed to the devices.
   std::function<void(Duration exposure)> light_asked = [](Duration) {};
   std::function<void()> light_unasked = [] {};
-  std::function<void()> stop_asked = [] {};  // motion is to end
+  std::function<void()> stop_asked = [] {};  // called when motion is to end
   std::function<void()> move_asked = [] {};
 
-  // The light has changed, or the screen.
+  // Called when the light or the screen has changed.
   std::function<void()> changed = [] {};
 
-  // What goes over the serial line, for a story.
+  // Sets a callback for messages on the serial line, for the log.
   void on_message(std::function<void(const std::string&)> call) { model_->tell = std::move(call); }
 
   // Happenings.
   void unplug_adapter(Duration time);
   void lose_display(Duration time);
-  // The line stays as it is for so long.
+  // Keeps the light line's state for that time.
   void refuse_line(Duration time);
   void hold_up_next_write(Duration time) { write_takes_ = time; }
-  // Everything works from now on.
+  // Makes everything work from now on.
   void heal();
 
-  // That the light may be on is told, or nobody can know better yet: a projector that was just found has not
-  // said anything.
+  // True if the machine reports that the light may be on, or cannot know better yet, since a projector that
+  // was just found has not answered.
   [[nodiscard]] bool light_off_unconfirmed() const;
 
-  // The truth.
+  // The true state.
   [[nodiscard]] bool lit() const;
   [[nodiscard]] bool stray() const { return kind_ == LightKind::Serial && model_->came_up_lit(); }
   [[nodiscard]] bool lamp_is_on() const { return serial_ && model_->powered(); }
   [[nodiscard]] Nanometers plate() const;
   [[nodiscard]] std::uint64_t line_faults() const { return model_->faults_made(); }
 
-  // One thing of the world happens.
+  // Runs the next event of the world.
   void turn();
 
   static constexpr double kStepsPerMm = 80;
@@ -76,7 +76,7 @@ class MachineModel final : public Machine {
   DisplayModel screen;
 
  private:
-  // Whatever stands for the light at the time: it may go and come again.
+  // Passes calls to the present projector, which may be lost and found again.
   class NotedProjector final : public testing::PlainProjector {
    public:
     explicit NotedProjector(MachineModel& machine) : machine_(machine) {}
@@ -154,7 +154,7 @@ class MachineModel final : public Machine {
   bool adapter_there_ = true, line_level_ = false, line_refuses_ = false;
   Duration write_takes_{};
   TimePoint found_at_{};
-  bool heard_ = false;  // of the projector, since then
+  bool heard_ = false;  // true if the projector has answered since it was found
   testing::PlantOutput* output_ = nullptr;
   AbsentLightLine no_line_;
   std::unique_ptr<Timer> search_, plug_, screen_timer_, line_timer_;

@@ -1,4 +1,4 @@
-// print-rig: many random prints, or one by its seed.
+// print-rig: runs many random prints, or one by its seed.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -22,14 +22,12 @@ double ms(Duration time) {
 void tell(const Figures& figures, double took_s) {
   fmt::print(
       "{} prints in {:.0f} s: {} done, {} cancelled, {} failed; {} layers in {} parts, {} interruptions; {} "
-      "faults "
-      "on the line, {} other happenings\n",
+      "faults on the line, {} other happenings\n",
       figures.prints, took_s, figures.done, figures.canceled, figures.failed, figures.layers, figures.parts,
       figures.interruptions, figures.line_faults, figures.happenings);
   fmt::print(
-      "a record's bounds are {:.1f} ms apart at most, light is {:.1f} ms beyond what was asked at most, "
-      "within its "
-      "record; nobody confirmed the end of the light of {} layers\n",
+      "a record's bounds are at most {:.1f} ms apart; light is at most {:.1f} ms longer than requested, "
+      "within its record; the end of the light is unconfirmed for {} layers\n",
       ms(figures.widest), ms(figures.most_over), figures.unconfirmed);
 }
 
@@ -39,13 +37,13 @@ int main(int argc, char** argv) {
   std::uint64_t first = 1, prints = 10'000, shown = 5;
   bool one = false, as_drawn = false;
   std::string rule;
-  CLI::App app("Random prints with random faults, held against what is true of light and plate");
-  app.add_option("--prints", prints, "so many worlds, each with one print or two");
-  app.add_option("--seed", first, "the first world's; the others count on from it");
-  app.add_flag("--one", one, "that world alone, and all that happens in it");
-  app.add_flag("--as-drawn", as_drawn, "do not make smaller what breaks a rule");
-  app.add_option("--show", shown, "so many worlds that break a rule are told in full");
-  app.add_option("--rule", rule, "of those that break this rule, by its letter");
+  CLI::App app("Run random prints with random faults and check the records against the true light and plate");
+  app.add_option("--prints", prints, "Run N worlds, each with one print or two");
+  app.add_option("--seed", first, "Seed of the first world; the others count up from it");
+  app.add_flag("--one", one, "Run only that world and show all its events");
+  app.add_flag("--as-drawn", as_drawn, "Do not reduce scenarios that break a rule");
+  app.add_option("--show", shown, "Show at most N worlds that break a rule in full");
+  app.add_option("--rule", rule, "Show only worlds that break this rule, given by its letter");
   CLI11_PARSE(app, argc, argv);
 
   if (one) {

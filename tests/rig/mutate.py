@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Puts defects that were mended back, one at a time, and sees that print-rig finds each: a rig that finds nothing
-proves nothing. It works in a copy of what is committed, in a new folder.
+"""Reintroduces fixed defects, one at a time, and checks that print-rig finds each: a rig that finds nothing proves
+nothing. Works on a copy of the committed sources, in a new folder.
 
     tests/rig/mutate.py FOLDER [--prints N] [--only PART_OF_A_NAME]
 """
@@ -22,32 +22,32 @@ STATES = "daemon/print_states.cpp"
 LINE = "hw/projector_with_light_line.cpp"
 ENGINE = "hw/gpio/step_engine.cpp"
 
-# Name, file, what stands there once, what stands there instead; the latter two as often as it takes.
+# Name, file, then pairs of a text that occurs exactly once and its replacement.
 MUTATIONS = [
-    ("a lost reply is answered by a second light on", LIGHT, "                 .retries = 0});",
+    ("after a lost reply light on is sent again", LIGHT, "                 .retries = 0});",
      "                 .retries = table_.retries});"),
-    ("light counts from the reply to light on", "hw/projector.hpp",
+    ("light is counted from the reply to light on", "hw/projector.hpp",
      "off_latest.value_or(now) - on_earliest", "off_latest.value_or(now) - on_latest.value_or(on_earliest)"),
     ("the exposure begins when light on is answered", PROCESS,
      "    exposure_end_ = earliest + exposure_left();",
      "    exposure_end_ = earliest + exposure_left() + std::chrono::milliseconds{500};"),
-    ("nobody waits for darkness", PROCESS,
+    ("the print does not wait for darkness", PROCESS,
      "  machine_.projector().when_dark([this] { is_dark(); });",
      "  wait_ = clock_.call_after(Duration{0}, [this] { is_dark(); });"),
-    ("a late or doubled reply to light on makes dark", EXCHANGE, "(if_ambiguous != Ambiguous::Counts && heard.reply->ambiguous)",
-     "false"),
-    ("any reply makes dark", EXCHANGE, "  const bool own = current_ && heard.reply->request == current_->id;",
+    ("a late or doubled reply to light on counts as darkness", EXCHANGE,
+     "(if_ambiguous != Ambiguous::Counts && heard.reply->ambiguous)", "false"),
+    ("any reply counts as darkness", EXCHANGE, "  const bool own = current_ && heard.reply->request == current_->id;",
      "  const bool own = current_.has_value();"),
     ("light off is sent once", LIGHT_STATES,
      "S::Overdue, F::RetryLater, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed",
      "S::Overdue, F::DropLightOn, F::ReportOverdue, F::TellUnconfirmed"),
-    ("a light on that failed is taken for off", LIGHT_STATES,
+    ("the light is taken for off after a failed light on", LIGHT_STATES,
      "row(S::TurningOn, E::LightOnFailed, S::TurningOff, F::SendLightOff, F::TellUnlit)",
      "row(S::TurningOn, E::LightOnFailed, S::Dark, F::TellUnlit)"),
     ("power off is sent once", POWER_STATES, "S::TurningOff, F::PowerOffAgain, F::AskWhetherOff", "S::Unknown"),
-    ("a projector that warms up is off because it says so", LIGHT,
+    ("a projector that says off while it warms up is believed", LIGHT,
      "  if (may_be_on() && clock_.now() < wiring_.warm_at()) return Event::SaysTooEarly;\n", ""),
-    ("a reply is owed by its own time alone", READER,
+    ("a late reply does not extend the time of those after it", READER,
      "  const auto kept = std::ranges::find_if(owed_, [now](const Owed& owed) { return owed.until >= now; });\n"
      "  owed_.erase(owed_.begin(), kept);",
      "  std::erase_if(owed_, [now](const Owed& owed) { return owed.until < now; });"),
@@ -57,31 +57,31 @@ MUTATIONS = [
     ("an interrupted part is not counted", PROCESS,
      "  record_.exposure_least += light_->least();",
      "  if (!light_->off_latest) return;\n  record_.exposure_least = light_->least();"),
-    ("a resumed layer gets what it had at least once more", PROCESS,
+    ("a resumed layer's rest is computed from its least exposure", PROCESS,
      "  record_.exposure_most += light_->most(clock_.now());",
      "  record_.exposure_most += light_->least();"),
-    ("an end that nobody confirmed is taken for one", PROCESS,
+    ("an unconfirmed end of light counts as confirmed", PROCESS,
      "record_.dark_confirmed = record_.dark_confirmed && light_->off_latest;",
      "record_.dark_confirmed = record_.dark_confirmed || light_->off_latest;"),
     ("a projector found in place of a lost one answers for its light", PROCESS,
      "  if (known && known->on_earliest == light_->on_earliest) light_ = known;", "  light_ = known;"),
-    ("a light behind a line is dark when the projector is", LINE,
-     "projector_.when_dark([this, call = std::move(call)] { behind_line_.when_dark(call); });",
+    ("a light behind a line counts as dark when the projector is dark", LINE,
+     "projector_.when_dark([this, call = std::move(call)] { line_projector_.when_dark(call); });",
      "projector_.when_dark(std::move(call));"),
-    ("a repeated reply is owed once", READER, "if (owed->repeated || reply.ambiguous)\n",
+    ("only one reply is expected to a repeated command", READER, "if (owed->repeated || reply.ambiguous)\n",
      "if (reply.ambiguous)\n"),
-    ("an end that is interrupted forgets its light", PROCESS, "if (light_asked_ && !light_) light_ =",
+    ("an interrupted end forgets its light", PROCESS, "if (light_asked_ && !light_) light_ =",
      "if (light_asked_) light_ ="),
-    ("a light line that refuses is asked by nobody", LINE,
+    ("a light line that refuses is not asked again", LINE,
      "    if (!line_.refusal().empty()) return look_whether_dark(kLookAgain);\n", ""),
-    ("a stop goes by the clock, however late the steps", ENGINE,
+    ("a stop follows the clock, however late the steps are", ENGINE,
      "  if (late > harmless_ && come_to_rest(late)) return start_again(now, late);\n"
      "  if (stop_ && !stopped_) return slow_down(now, late);",
      "  if (stop_ && !stopped_) return slow_down(now, Duration{0});"),
-    ("a motor that stood still goes on at full rate", ENGINE,
+    ("a motor that stood still continues at full rate", ENGINE,
      "  if (late > harmless_ && come_to_rest(late)) return start_again(now, late);\n", ""),
     ("a stall leaves the position known", ENGINE, "  if (speed > move_.pull_in) {", "  if (speed > 1e9) {"),
-    ("the encoder is followed without limit", "hw/gpio/axis_encoder.cpp", "plausibility_.refusal(off)",
+    ("the encoder is corrected without limit", "hw/gpio/axis_encoder.cpp", "plausibility_.refusal(off)",
      "plausibility_.refusal(0)"),
     ("every edge restarts a safety input's debounce", "hw/gpio/safety_contact.cpp",
      "  if (state_ == SafetyState::Safe) return first_;", "  if (state_ == SafetyState::Safe) return last_ + debounce_;",
@@ -102,7 +102,7 @@ def copy_head(folder):
 def mutated(name, text, changes):
     for old, new in zip(changes[::2], changes[1::2]):
         if text.count(old) != 1:
-            sys.exit(f"{name}: {text.count(old)} times: {old}")
+            sys.exit(f"{name}: this text occurs {text.count(old)} times instead of once: {old}")
         text = text.replace(old, new)
     return text
 
@@ -110,11 +110,11 @@ def mutated(name, text, changes):
 def broken_rules(source, build, prints):
     made = subprocess.run([source / ".ci/build", build, "--", "print-rig"], capture_output=True, text=True)
     if made.returncode != 0:
-        sys.exit(f"it does not build:\n{made.stdout[-3000:]}{made.stderr[-3000:]}")
+        sys.exit(f"the build failed:\n{made.stdout[-3000:]}{made.stderr[-3000:]}")
     rig = subprocess.run([build / "bin/print-rig", "--prints", str(prints), "--show", "0"],
                          capture_output=True, text=True)
     rules = [line for line in rig.stdout.splitlines() if line.startswith("BROKEN")]
-    return rules or ([f"it ended with {rig.returncode}"] if rig.returncode not in (0, 1) else [])
+    return rules or ([f"print-rig exited with {rig.returncode}"] if rig.returncode not in (0, 1) else [])
 
 
 def main():

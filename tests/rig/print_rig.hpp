@@ -1,5 +1,5 @@
-// Prints by their seeds. What one shows is made smaller: everything is taken away that it does not need to
-// show it.
+// Runs the print of a seed. A scenario that breaks a rule is reduced: everything not needed to break it is
+// removed.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,11 @@ namespace contourd::rig {
 
 [[nodiscard]] Verdict print(const Scenario& scenario);
 
-// Breaks the same rule still: the first that begins so. REQUIRES: the scenario breaks one.
+// Returns a reduced scenario that still breaks the same rule: the first whose name begins with `rule_begin`.
+// REQUIRES: the scenario breaks one.
 [[nodiscard]] Scenario smaller(Scenario scenario, const std::string& rule_begin = {});
 
-// The scenario, the rules broken, and what happened.
+// Returns the scenario, the log of events and the broken rules.
 [[nodiscard]] std::string report(const Scenario& scenario);
 
 }  // namespace contourd::rig

@@ -5,9 +5,9 @@
 using namespace contourd::rig;
 using namespace std::chrono_literals;
 
-TEST_CASE("Whatever goes wrong in a print, its light and its plate are what they are said to be") {
+TEST_CASE("Whatever goes wrong in a print, its records of light and plate are true") {
   Figures figures;
-  // print-rig --seed N --one tells all of one.
+  // print-rig --seed N --one shows everything about one print.
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     const Scenario scenario = draw_scenario(seed);
     const Verdict verdict = print(scenario);
@@ -15,14 +15,15 @@ TEST_CASE("Whatever goes wrong in a print, its light and its plate are what they
     if (verdict.violations().empty()) continue;
     FAIL_CHECK(report(smaller(scenario)));
   }
-  // The rig has had something to look at.
+  // The rig must have had enough events to judge.
   CHECK(figures.done > 100);
   CHECK(figures.failed > 30);
   CHECK(figures.line_faults > 100);
 }
 
-TEST_CASE("A layer that was cut by the lid while the loop was held up beyond its end gets the rest") {
-  constexpr int kExposing = 8;  // the print's states up to there
+TEST_CASE(
+    "A layer interrupted by the lid while the loop was held up beyond its end gets the rest of its light") {
+  constexpr int kExposing = 8;  // number of the print's states up to the exposure
   Scenario scenario;
   scenario.light = LightKind::Line;
   scenario.exposure = 500ms;

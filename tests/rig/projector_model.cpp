@@ -13,12 +13,13 @@ using namespace std::chrono_literals;
 using contourd::testing::text_command;
 
 constexpr Duration kCooling = 3s;
-// After its command, or after the reply before it. What is later belongs to nobody any more (ReplyReader).
+// Latest time of a reply after its command, or after the reply before it. A later reply belongs to no command
+// any more (ReplyReader).
 constexpr Duration kLatest = 1'900ms, kLatestOfLightOn = 20s;
 
 void garble(std::string& bytes, Dice& dice) {
   const auto at = static_cast<std::size_t>(dice.between(0, static_cast<std::int64_t>(bytes.size()) - 1));
-  // No reply and no command has one.
+  // A '#' occurs in no reply and no command.
   if (dice.chance(0.3)) {
     bytes.erase(at, 1);
   } else {
@@ -95,7 +96,7 @@ ProjectorModel::Command ProjectorModel::command_in(const std::string& line) cons
   return Command::Unknown;
 }
 
-// One after the other, in their order.
+// Takes a command; commands are obeyed one after the other, in their order.
 void ProjectorModel::take_line(const std::string& line, TimePoint first_byte) {
   const Command command = command_in(line);
   TimePoint when = world_.now();
@@ -153,7 +154,7 @@ void ProjectorModel::obey(Command command, TimePoint came) {
     case Command::AskLight:
       return is_on ? answer(muted_ ? "BL1" : "BL0") : answer("F");
     case Command::Unknown:
-      // Noise.
+      // Noise is sometimes answered.
       if (dice_.chance(0.5)) answer("F");
       return;
   }
@@ -165,7 +166,7 @@ void ProjectorModel::warm() {
   changed();
 }
 
-// Whether it comes whole.
+// Sends a reply and returns true if it arrives complete.
 bool ProjectorModel::reply(const std::string& text, TimePoint sent_at, TimePoint latest) {
   if (happens(faults_.reply_late)) sent_at += dice_.spread(10ms, kLatestOfLightOn);
   replied_ = std::max(std::min(sent_at, latest), replied_);

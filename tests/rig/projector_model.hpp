@@ -1,5 +1,5 @@
-// A projector at the far end of a serial line, and the line: it knows when its light is really on. Commands
-// and replies may be lost, garbled, late or doubled on their way. Not thread-safe.
+// A model of a projector and its serial line, which knows when the light is really on. Commands and replies
+// may be lost, garbled, late or doubled on the line. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@
 
 namespace contourd::rig {
 
-// Of each message: how often it meets with what.
+// Probability of each fault, for each message.
 struct LineFaults {
   double command_lost = 0, command_garbled = 0;
   double reply_lost = 0, reply_garbled = 0, reply_late = 0, reply_doubled = 0;
-  bool from_light_on = false;  // none before the first
+  bool from_light_on = false;  // no faults before the first light on
 
   [[nodiscard]] bool any() const {
     return command_lost + command_garbled + reply_lost + reply_garbled + reply_late + reply_doubled > 0;
@@ -30,45 +30,45 @@ struct LineFaults {
 };
 
 struct ProjectorTraits {
-  bool answers_light = false;  // it can be asked whether its light is on
+  bool answers_light = false;  // the light's state can be queried
   bool echoes = false;
-  Duration latency{};         // to its light, as the table says
-  Duration slower{};          // its light comes up to so much later than that
-  Duration darkening{};       // its light goes up to so long after its command came
-  Duration thinks{};          // up to so long from obeying to its reply
-  Duration lights_late{};     // and up to so much longer to that to light on
-  Duration gap{};             // as the table says
-  Duration warms_up{};        // really; the table says 5 s
-  bool comes_up_lit = true;   // warm, its light is on
-  bool left_on = false;       // by whoever was there before
-  bool warming_is_on = true;  // what it says while it warms up
+  Duration latency{};         // delay until the light, according to the table
+  Duration slower{};          // greatest additional delay of the light
+  Duration darkening{};       // greatest delay from the command until it is dark
+  Duration thinks{};          // greatest delay from obeying to the reply
+  Duration lights_late{};     // greatest additional delay of the reply to light on
+  Duration gap{};             // gap according to the table
+  Duration warms_up{};        // true warm-up time; the table says 5 s
+  bool comes_up_lit = true;   // the light is on once the projector is warm
+  bool left_on = false;       // was left on by an earlier program
+  bool warming_is_on = true;  // the answer to the power query while the projector warms up
   enum class WhileWarm { Refuses, Silent, Obeys } off_while_warming = WhileWarm::Refuses;
 };
 
-// What the daemon is told of it.
+// Returns the table with which the daemon drives the projector.
 [[nodiscard]] ProjectorTable table_of(const ProjectorTraits& traits, bool switches_light);
 
 class ProjectorModel {
  public:
-  // `world` is real time, not the loop's. Both must outlive the model; `changed` is called whenever the light
-  // has changed.
+  // `world` runs in real time, not in the loop's. Both must outlive the model; `changed` is called whenever
+  // the light has changed.
   ProjectorModel(VirtualClock& world, const ProjectorTraits& traits, bool switches_light,
                  const LineFaults& faults, std::uint64_t seed);
 
   std::function<void()> changed = [] {};
   std::function<void(std::string bytes)> answers = [](const std::string&) {};
 
-  // What goes over the line, for a story.
+  // Called with each message on the line, for the log.
   std::function<void(const std::string& what)> tell = [](const std::string&) {};
 
-  // Bytes leave the computer.
+  // Takes the bytes sent by the computer.
   void receive(const std::string& bytes);
 
   [[nodiscard]] bool lit() const { return power_ == Power::On && !muted_; }
   [[nodiscard]] bool powered() const { return power_ == Power::On || power_ == Power::Warming; }
-  // By itself: nobody has asked for this light.
+  // True if the light is on without a request.
   [[nodiscard]] bool came_up_lit() const { return lit() && !asked_; }
-  // No faults from now on.
+  // Ends all faults.
   void heal() { faults_ = {}; }
   [[nodiscard]] std::uint64_t faults_made() const { return made_; }
 
@@ -100,16 +100,16 @@ class ProjectorModel {
   bool muted_ = true, asked_ = false, light_on_sent_ = false;
   std::string line_;
   TimePoint line_began_{}, obeyed_{}, replied_{};
-  TimePoint answered_{};  // by the last reply that came whole; an echo is none
+  TimePoint answered_{};  // end of the last complete reply; an echo does not count
   std::unique_ptr<Timer> power_timer_;
   std::uint64_t next_timer_ = 0;
   std::map<std::uint64_t, std::unique_ptr<Timer>> timers_;
 };
 
-// The computer's end: one adapter, until it is unplugged.
+// The computer's end of the line: one adapter, until it is unplugged.
 class LineEnd final : public ByteChannel {
  public:
-  // The model must outlive the end. `write` is called before bytes go out.
+  // The model must outlive the end. `before_write` is called before bytes go out.
   LineEnd(ProjectorModel& model, std::function<void()> before_write)
       : model_(model), before_write_(std::move(before_write)) {}
 
@@ -126,7 +126,7 @@ class LineEnd final : public ByteChannel {
   }
   [[nodiscard]] int descriptor() const noexcept override { return -1; }
 
-  // From the loop.
+  // Delivers bytes; called by the loop.
   void bring(const std::string& bytes) {
     if (plugged_ && listener_.bytes) listener_.bytes(bytes);
   }

@@ -20,7 +20,7 @@ struct KindTraits {
   Kind kind;
   std::string_view name;
   int weight;
-  Duration shortest, longest;  // zero: it does not last
+  Duration shortest, longest;  // zero for a momentary happening
 };
 
 constexpr std::array kKinds{
@@ -62,7 +62,7 @@ Kind draw_kind(Dice& dice) {
 }
 
 constexpr std::int64_t kStates = 36;
-// Of the worlds.
+// Share of the scenarios that have a theme.
 constexpr double kThemed = 0.5;
 
 Happening draw_happening(Dice& dice) {
@@ -84,7 +84,7 @@ ProjectorTraits draw_projector(Dice& dice) {
   if (dice.chance(0.5)) traits.slower = dice.spread(1ms, 300ms);
   if (dice.chance(0.5)) traits.darkening = dice.spread(1ms, 100ms);
   traits.thinks = dice.spread(5ms, 400ms);
-  // A doubled reply has come before the next command goes.
+  // The gap is long enough for a doubled reply to arrive before the next command is sent.
   traits.gap = dice.spread(10ms, 200ms);
   traits.warms_up = dice.between(1s, 5s);
   traits.comes_up_lit = dice.chance(0.7);
@@ -142,8 +142,8 @@ bool Scenario::has(std::initializer_list<Kind> any) const {
   });
 }
 
-// What an encoder that loses many counts at once seems to say is made good where that is the policy, up to a
-// sum: no program can know better. Nor where the motor runs on by as much as the encoder loses.
+// If the policy is to correct, corrections for an encoder that loses many counts at once are accepted up to a
+// sum, since no program can know better. The same holds if the motor runs on by as much as the encoder loses.
 Nanometers Scenario::plate_tolerance(Nanometers step) const {
   if (encoder == EncoderKind::None) return step;
   const EncoderConfig limits;
@@ -152,8 +152,8 @@ Nanometers Scenario::plate_tolerance(Nanometers step) const {
   return step + limits.tolerance + (misled ? limits.most_correction_sum : Nanometers{0});
 }
 
-// By a line 5 ms; by commands what is under way, the gap, which a reply that comes within it begins anew, one
-// command's time on the wire and the projector's own.
+// A light line takes 5 ms. Commands take the time of the message under way, the gap (which a reply within it
+// restarts), one command's time on the wire and the projector's own delays.
 std::optional<Duration> Scenario::darkening_after_edge() const {
   if (has({Kind::InputsHeldUp, Kind::LineRefuses})) return std::nullopt;
   if (light != LightKind::Serial) return 5ms;
@@ -189,7 +189,7 @@ std::string describe(const Scenario& scenario) {
       p.thinks / 1us, p.lights_late / 1us, p.gap / 1us, p.warms_up / 1ms,
       static_cast<int>(p.off_while_warming), 100 * f.command_lost, 100 * f.command_garbled,
       100 * f.reply_lost, 100 * f.reply_garbled, 100 * f.reply_late, 100 * f.reply_doubled,
-      f.from_light_on ? ", from light on on" : "");
+      f.from_light_on ? ", after the first light on" : "");
   for (const Happening& happening : scenario.happenings)
     text += "  " + describe(happening) + "\n";
   return text;

@@ -1,5 +1,5 @@
-// One print, or two, with all that will go wrong: drawn from a seed, told in a line, made smaller when it has
-// shown something. Value types.
+// Scenarios: one print, or two, with all failures that will happen. A scenario is drawn from a seed,
+// described in a few lines, and reduced if it breaks a rule. Value types.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 namespace contourd::rig {
 
 enum class LightKind {
-  Serial,          // switched by commands
-  SerialAndLine,   // the same, and a line before it
-  PoweredAndLine,  // the projector can be powered only; a line before it
-  Line,            // nothing but a line
+  Serial,          // light switched by commands
+  SerialAndLine,   // light switched by commands, behind a light line
+  PoweredAndLine,  // the projector can only be powered, behind a light line
+  Line,            // a light line alone
 };
 
 struct Happening {
@@ -32,22 +32,22 @@ struct Happening {
     ChatteringLid,
     ChatteringStop,
     LoopHeldUp,
-    LoopHeldUpInWrite,  // within the next call that sends something
+    LoopHeldUpInWrite,  // within the next call that sends bytes
     StepsHeldUp,
     InputsHeldUp,
     AdapterUnplugged,
-    FlipEventLost,  // of the next picture: nobody is told of it
-    FlipLost,       // the next picture does not come up, and that is told after a while
+    FlipEventLost,  // the next picture comes up, but its event is lost
+    FlipLost,       // the next picture does not come up, which is reported after a while
     DisplayLost,
-    LineRefuses,   // to change
-    EncoderLoses,  // some of its counts
+    LineRefuses,   // the light line cannot be changed
+    EncoderLoses,  // some counts are lost
     EncoderLosesUpwards,
   };
   Kind kind;
-  int state = 0;      // once the print has entered so many states
-  Duration after{};   // and so long after that
-  Duration length{};  // where it lasts
-  int times = 1;      // of an input that chatters
+  int state = 0;      // the number of states that the print has entered before
+  Duration after{};   // delay after that
+  Duration length{};  // duration of a happening that lasts
+  int times = 1;      // cycles of a chattering input
 };
 
 enum class EncoderKind { None, Faults, Corrects };
@@ -59,20 +59,20 @@ struct Scenario {
   LineFaults line;
   EncoderKind encoder = EncoderKind::None;
   bool backlash = false;
-  bool interrupts_beyond_tolerance = false;  // the resin's exposure_doubt
+  bool interrupts_beyond_tolerance = false;  // exposure_doubt of the resin
   int prints = 1;
   int layers = 2;
   Duration exposure{};
   Duration settle{}, rest{};
   std::vector<Happening> happenings;
 
-  // Nothing on the line, and nothing that holds anything up: the light is to be as asked.
+  // True if there are no line faults and no happenings, so that the light must be as requested.
   [[nodiscard]] bool undisturbed() const;
   [[nodiscard]] bool has(std::initializer_list<Happening::Kind> any) const;
-  // How far the plate may be from where it is said to be, a motor's step included.
+  // Returns how far the plate may be from its reported place, including one motor step.
   [[nodiscard]] Nanometers plate_tolerance(Nanometers step) const;
-  // How long after a safety input's first edge the light goes off; nothing: it depends on what else goes
-  // wrong.
+  // Returns how long after a safety input's first edge the light goes off; nullopt if that depends on other
+  // failures.
   [[nodiscard]] std::optional<Duration> darkening_after_edge() const;
 };
 

@@ -9,9 +9,10 @@ namespace {
 using namespace std::chrono_literals;
 using Kind = Happening::Kind;
 
-// States that a print enters, its own beginning included; a layer has ten. Nothing else has happened before.
-// Behind a layer the next one's lowering comes, or parking.
-constexpr int kExposing = 8, kLifting = 12, kBehindALayer = 14, kStatesOfALayer = 10;
+// The number of states that a print has entered, including its first, when it exposes, lifts, or begins after
+// a layer (the next layer's lowering, or parking). A layer has ten states. The numbers assume that nothing
+// happened before.
+constexpr int kExposing = 8, kLifting = 12, kAfterALayer = 14, kStatesOfALayer = 10;
 
 int in_a_layer(Dice& dice, const Scenario& scenario, int state) {
   return state + kStatesOfALayer * static_cast<int>(dice.between(0, scenario.layers - 1));
@@ -22,7 +23,8 @@ Kind one_of(Dice& dice, const std::array<Kind, N>& kinds) {
   return kinds[dice.next() % N];
 }
 
-// Of a line that refuses nobody but the line itself can say so, whatever the projector behind it confirms.
+// A light line refuses while lit. Only the line itself can report that, whatever the projector behind it
+// confirms.
 void refuse_in_light(Dice& dice, Scenario& scenario) {
   constexpr std::array kLights{LightKind::SerialAndLine, LightKind::PoweredAndLine, LightKind::Line};
   scenario.light = kLights[dice.next() % kLights.size()];
@@ -32,7 +34,7 @@ void refuse_in_light(Dice& dice, Scenario& scenario) {
   scenario.happenings = {refuses};
 }
 
-// For so long that a debounce which every edge begins anew is seen.
+// A safety input chatters long enough to reveal a debounce that every edge restarts.
 void chatter_in_light(Dice& dice, Scenario& scenario) {
   scenario.line = {};
   scenario.exposure = std::max<Duration>(scenario.exposure, 500ms);
@@ -44,7 +46,7 @@ void chatter_in_light(Dice& dice, Scenario& scenario) {
   scenario.happenings = {chatters};
 }
 
-// Over so many layers that what is made good adds up.
+// The encoder loses counts over enough layers for the corrections to add up.
 void lose_counts(Dice& dice, Scenario& scenario) {
   scenario.encoder = EncoderKind::Corrects;
   scenario.layers = static_cast<int>(dice.between(5, 8));
@@ -52,10 +54,10 @@ void lose_counts(Dice& dice, Scenario& scenario) {
   scenario.happenings = {{kind, static_cast<int>(dice.between(1, kLifting)), {}, 10min, 1}};
 }
 
-// In moves, where the motor is fast.
+// The steps are held up during moves, when the motor is fast.
 void stall(Dice& dice, Scenario& scenario) {
   for (std::int64_t i = dice.between(1, 3); i > 0; --i) {
-    const int state = dice.chance(0.3) ? kLifting : kBehindALayer;
+    const int state = dice.chance(0.3) ? kLifting : kAfterALayer;
     Happening stalls{Kind::StepsHeldUp, in_a_layer(dice, scenario, state), {}, {}, 1};
     stalls.after = dice.between(Duration{0}, Duration{1s});
     stalls.length = dice.spread(1ms, 500ms);
@@ -63,7 +65,7 @@ void stall(Dice& dice, Scenario& scenario) {
   }
 }
 
-// Replies that look alike, in an order that tells nothing.
+// Identical replies arrive in an order from which nothing can be concluded.
 void confuse_replies(Dice& dice, Scenario& scenario) {
   scenario.light = dice.chance(0.8) ? LightKind::Serial : LightKind::SerialAndLine;
   scenario.projector.thinks = dice.spread(50ms, 400ms);
@@ -81,8 +83,8 @@ void confuse_replies(Dice& dice, Scenario& scenario) {
   scenario.happenings = {ends};
 }
 
-// Light on is obeyed at once and answered so late that the print has ended; the replies to what was sent
-// meanwhile come behind that one, and are not power off's.
+// Light on is obeyed at once but answered only after the print has ended. The replies to the commands sent
+// meanwhile come after that one, and are not those to power off.
 void answer_light_late(Dice& dice, Scenario& scenario) {
   scenario.light = LightKind::Serial;
   scenario.projector.thinks = dice.spread(200ms, 1s);
@@ -96,7 +98,7 @@ void answer_light_late(Dice& dice, Scenario& scenario) {
   scenario.happenings = {ends};
 }
 
-// A light that is lost in an exposure, found again before the print has ended, and the end interrupted.
+// A light is lost during an exposure and found again before the print has ended, and the end is interrupted.
 void interrupt_end(Dice& dice, Scenario& scenario) {
   const bool serial = scenario.light == LightKind::Serial;
   Happening loss{

@@ -1,5 +1,5 @@
-// Worlds with an emphasis: what goes wrong rarely where things go wrong at random, or only when two things
-// come together. Pure functions.
+// Themes: scenarios for failures that are rare when failures are drawn at random, or that need two failures
+// at once. Pure functions.
 #pragma once
 
 #include "tests/rig/dice.hpp"
@@ -7,7 +7,7 @@
 
 namespace contourd::rig {
 
-// Changes the scenario to one of them; what the theme does not need stays as it was drawn.
+// Changes the scenario to a random theme; settings that the theme does not need stay as they were drawn.
 void draw_theme(Dice& dice, Scenario& scenario);
 
 }  // namespace contourd::rig

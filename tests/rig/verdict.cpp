@@ -14,13 +14,13 @@ double um(Nanometers length) {
   return static_cast<double>(length.count()) / 1000;
 }
 
-// States in which the process means its light to be on, or has just told it to be.
+// True in the states in which the process means the light to be on, or has just turned it on.
 bool may_be_lit(PrintState state) {
   return state == PrintState::Igniting || state == PrintState::Exposing;
 }
 
-// A plate that gives way by so much under a light that does not go off has not been moved: corrections by an
-// encoder.
+// A plate that yields by up to this under a light that does not go off counts as not moved: an encoder's
+// corrections.
 constexpr Nanometers kGiving{100'000};
 
 }  // namespace
@@ -76,7 +76,7 @@ void Verdict::light_begins(const Scene& scene) {
   lit_since_ = scene.now;
   highest_ = lit_at_ = scene.plate;
   if (!stray_ && !layer_)
-    break_rule("c: light belongs to a layer", "light that was never asked for", scene.now);
+    break_rule("c: light belongs to a layer", "light that was never requested", scene.now);
 }
 
 void Verdict::check_light(const Scene& scene) {
@@ -132,7 +132,7 @@ void Verdict::close(TimePoint now) {
                  fmt::format("layer {}: {:.3f} ms of light, no record", number, ms(truly)), now);
     if (!layer.record || !layer.record->dark_confirmed) continue;
     if (truly > layer.record->exposure_most)
-      break_rule("c: no light behind a record",
+      break_rule("c: no light after a record",
                  fmt::format("layer {}: {:.3f} ms of light, {:.3f} ms in its record", number, ms(truly),
                              ms(layer.record->exposure_most)),
                  now);

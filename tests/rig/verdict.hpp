@@ -1,5 +1,5 @@
-// What is true of a print, beside what the daemon believes of it: each layer's light, the screen, the plate.
-// Holds both against the rules and keeps what broke one. Not thread-safe.
+// The truth about a print besides the daemon's records: each layer's light, the screen, the plate. Checks
+// both against the rules and keeps the violations. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,58 +13,58 @@
 
 namespace contourd::rig {
 
-// Of all prints of a world, or of many.
+// Totals over the prints of one world or of many.
 struct Figures {
   std::uint64_t prints = 0, done = 0, canceled = 0, failed = 0;
   std::uint64_t layers = 0, parts = 0, interruptions = 0, line_faults = 0, happenings = 0;
-  std::uint64_t unconfirmed = 0;  // records whose darkness nobody confirmed
-  Duration widest{};              // of a record's bounds
-  Duration most_over{};           // true light beyond what was asked, all of it recorded
+  std::uint64_t unconfirmed = 0;  // records without confirmed darkness
+  Duration widest{};              // widest bounds of a record
+  Duration most_over{};           // true light beyond the requested time, all of it recorded
   void add(const Figures& other);
 };
 
 struct Violation {
-  std::string rule;  // its letter and what it is: "b: bounds"
+  std::string rule;  // letter and name of the rule: "b: bounds contain the light"
   std::string what;
   TimePoint at{};
 };
 
 class Verdict {
  public:
-  // `step`: how far the plate may be from where it is said to be.
+  // Allows the plate to be `step` away from its reported place.
   explicit Verdict(Nanometers step) : step_(step) {}
 
   struct Scene {
     TimePoint now{};
     bool lit = false;            // true light
-    bool stray = false;          // which nobody has asked for
-    std::optional<int> picture;  // on the screen
+    bool stray = false;          // true light that was never requested
+    std::optional<int> picture;  // number of the mask on the screen; nullopt: black
     bool screen_is_in_use = true;
-    Nanometers plate{};  // truly, above the film
+    Nanometers plate{};  // true height above the film
     PrintState state = PrintState::Idle;
-    bool light_off_unconfirmed = false;  // the machine says that the light may be on
+    bool light_off_unconfirmed = false;  // the machine reports that the light may be on
   };
-  // After everything that happened.
+  // Checks the rules; call it after every event.
   void look(const Scene& scene);
 
-  // The daemon means to expose, from now on, this layer at this height.
+  // Records that the daemon means to expose this layer at this height from now on.
   void light_asked(int layer, Nanometers height, Duration part);
   void light_unasked() { wanted_ = false; }
   void recorded(int layer, const LayerRecord& record, TimePoint now);
-  // All is over and was given time.
+  // Checks the records after everything has ended.
   void close(TimePoint now);
   void break_rule(const std::string& rule, const std::string& what, TimePoint now);
 
   [[nodiscard]] const std::vector<Violation>& violations() const { return violations_; }
-  // Light of a layer may be longer than asked by this, where nothing went wrong; nothing: by any time.
+  // Longest light of a layer beyond the requested time if nothing went wrong; nullopt: unlimited.
   std::optional<Duration> slack;
-  // How much less each part of a whole layer may have had; nothing: that depends on what goes wrong.
+  // Most light that each part of a complete layer may lack; nullopt: unlimited.
   std::optional<Duration> shortfall;
   Figures figures;
 
  private:
   struct Layer {
-    Duration light{};  // true; what is on is not in it yet
+    Duration light{};  // true light, without light that is still on
     Duration asked{};
     std::optional<LayerRecord> record;
   };
@@ -74,12 +74,13 @@ class Verdict {
 
   Nanometers step_;
   std::map<int, Layer> layers_;
-  std::optional<int> layer_;  // that the last light was asked for
-  Nanometers height_{};       // and at which
-  bool wanted_ = false;       // and nobody has taken that back
+  std::optional<int> layer_;  // layer for which light was last requested
+  Nanometers height_{};       // height for which it was requested
+  bool wanted_ = false;       // the request has not been withdrawn
   bool lit_ = false, stray_ = false;
   TimePoint lit_since_{};
-  Nanometers lit_at_{}, highest_{};  // of the plate, under this light: at first, and since
+  Nanometers lit_at_{},
+      highest_{};  // plate heights under this light: at its beginning, and the highest since
   std::vector<Violation> violations_;
 };
 

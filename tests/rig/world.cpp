@@ -16,11 +16,11 @@ using Kind = Happening::Kind;
 
 constexpr Nanometers kLayer{50'000};
 constexpr double kLostCounts = 0.05, kLostCountsUpwards = 0.15;
-// How long a print that ends waits for darkness.
+// How long an ending print waits for darkness.
 constexpr Duration kEnding = 5s;
-// An hour is a projector's longest warm-up, all else together takes minutes.
+// Longest duration of a print: a projector warms up for at most an hour, and everything else takes minutes.
 constexpr Duration kLongestPrint = 2h;
-// Of the light, when everything works again: a light off is tried every timeout.
+// Longest time until the light is off once everything works again: light off is retried after every timeout.
 constexpr Duration kLongestDarkening = 10min;
 
 double seconds(Duration time) {
@@ -31,7 +31,7 @@ double seconds(Duration time) {
 
 World::World(const Scenario& scenario)
     : scenario_(scenario),
-      owner_(scenario.seed, 2),
+      user_(scenario.seed, 2),
       encoder_(scenario.seed, 3),
       machine_(scenario),
       verdict_(scenario.plate_tolerance(MachineModel::kStep)),
@@ -58,12 +58,13 @@ World::World(const Scenario& scenario)
     if (stopped_at_ || !machine_.plant.axis->moving()) return;
     stopped_at_ = machine_.plant.motor;
   };
-  // A line's light is known to the microsecond, and what lacks less than a millisecond is whole.
+  // Light behind a line is known to the microsecond, and a layer that lacks less than a millisecond counts as
+  // complete.
   if (scenario.light != LightKind::Serial && !scenario.has({Kind::LineRefuses, Kind::InputsHeldUp}))
     verdict_.shortfall = 1ms;
   if (scenario.undisturbed()) {
     const ProjectorTraits& traits = scenario.projector;
-    // The gap, ten bytes at 9600 baud and what the projector takes.
+    // The gap, ten bytes at 9600 baud, and the projector's own delays.
     verdict_.slack = traits.gap + traits.slower + traits.darkening + traits.thinks + 15ms;
   }
 }
@@ -92,9 +93,10 @@ PrintPlan World::plan() const {
 void World::run() {
   const bool ended = print_all();
   if (!ended)
-    verdict_.break_rule("g: a print ends or waits for its owner",
-                        fmt::format("\"{}\" for longer than any print takes", name_of(process_.state())),
-                        machine_.loop.now());
+    verdict_.break_rule(
+        "g: a print ends or waits for the user",
+        fmt::format("state \"{}\" for longer than any print takes", name_of(process_.state())),
+        machine_.loop.now());
   tell("everything works from now on");
   machine_.heal();
   const auto dark = [this] {
@@ -105,13 +107,13 @@ void World::run() {
         "g: the light goes off in the end",
         machine_.lit() ? "it is on" : "it is off: " + machine_.projector().light_off_unconfirmed(),
         machine_.loop.now());
-  // A reply to light off that is late and comes twice, behind one that was lost, cannot be told from power
-  // off's.
-  const bool can_be_told = scenario_.line.reply_late == 0 || scenario_.line.reply_doubled == 0;
+  // After a lost reply, a late and doubled reply to light off cannot be distinguished from the reply to power
+  // off.
+  const bool is_decidable = scenario_.line.reply_late == 0 || scenario_.line.reply_doubled == 0;
   const auto lamp_off = [this] { return !machine_.lamp_is_on(); };
-  if (ended && can_be_told && !run_until(lamp_off, kLongestDarkening))
+  if (ended && is_decidable && !run_until(lamp_off, kLongestDarkening))
     verdict_.break_rule("g: the lamp goes off in the end", "it is on", machine_.loop.now());
-  // What is on its way still comes.
+  // Gives messages under way time to arrive.
   static_cast<void>(run_until([] { return false; }, 40s));
   verdict_.close(machine_.loop.now());
   verdict_.figures.line_faults = machine_.line_faults();
@@ -120,13 +122,13 @@ void World::run() {
 bool World::print_all() {
   for (print_ = 0; print_ < scenario_.prints; ++print_) {
     const auto ready = [this] { return machine_.why_not_ready().empty(); };
-    if (!run_until(ready, kLongestPrint)) return true;  // it waits, and says why
+    if (!run_until(ready, kLongestPrint)) return true;  // the print waits and reports why
     states_ = 0;
     tell("starts");
     process_.start(plan());
     if (!run_until([this] { return process_.state() == PrintState::Idle; }, kLongestPrint)) return false;
-    // The owner takes the part off.
-    static_cast<void>(run_until([] { return false; }, owner_.between(0s, 8s)));
+    // The user takes the part off.
+    static_cast<void>(run_until([] { return false; }, user_.between(0s, 8s)));
   }
   return true;
 }
@@ -134,7 +136,7 @@ bool World::print_all() {
 bool World::run_until(const std::function<bool()>& done, Duration longest) {
   const TimePoint end = machine_.loop.now() + longest;
   while (!done()) {
-    // A timer at the end keeps the world going that far.
+    // A timer at the end keeps the world running until then.
     if (machine_.loop.now() >= end) return false;
     const auto at_end = machine_.plant.clock.call_at(end, [] {});
     step();
@@ -164,14 +166,15 @@ void World::look() {
 void World::look_at_motion() {
   const std::int64_t motor = machine_.plant.motor;
   if (stopped_at_) {
-    // What the fastest move of the print may take, from 5 mm/s at 50 mm/s^2, and a step.
+    // Braking distance of the print's fastest move, from 5 mm/s at 50 mm/s^2, and a step.
     constexpr double kBraking_mm = 5.0 * 5.0 / 2 / 50;
     const double ran_mm = std::fabs(static_cast<double>(motor - *stopped_at_)) / MachineModel::kStepsPerMm;
     const double most_mm = kBraking_mm + 1 / MachineModel::kStepsPerMm;
     if (ran_mm > most_mm)
-      verdict_.break_rule("e: a stop is within the braking distance",
-                          fmt::format("{:.3f} mm after stop, {:.3f} mm are the profile's", ran_mm, most_mm),
-                          machine_.loop.now());
+      verdict_.break_rule(
+          "e: a stop is within the braking distance",
+          fmt::format("{:.3f} mm after stop, the profile needs at most {:.3f} mm", ran_mm, most_mm),
+          machine_.loop.now());
   }
   const ZAxis& axis = machine_.z_axis();
   if (axis.moving()) return;
@@ -190,8 +193,7 @@ void World::state_changed(PrintState state) {
   const PrintState before = std::exchange(state_, state);
   if (before != PrintState::Ending && state == PrintState::Ending) ending_since_ = machine_.loop.now();
   if (state == PrintState::Paused || state == PrintState::Held)
-    owner_timer_ =
-        machine_.loop.call_after(owner_.between(Duration{500ms}, Duration{5s}), [this] { tend(); });
+    user_timer_ = machine_.loop.call_after(user_.between(Duration{500ms}, Duration{5s}), [this] { tend(); });
   if (print_ > 0) return;
   for (const Happening& happening : scenario_.happenings) {
     if (happening.state != states_) continue;
@@ -200,12 +202,12 @@ void World::state_changed(PrintState state) {
   }
 }
 
-// The owner looks after a print that waits.
+// Acts as a user in front of a waiting print.
 void World::tend() {
   if (process_.state() != PrintState::Paused && process_.state() != PrintState::Held) return;
   if (!machine_.why_not_ready().empty()) {
-    owner_timer_ = machine_.loop.call_after(1s, [this] { tend(); });
-  } else if (owner_.chance(0.85)) {
+    user_timer_ = machine_.loop.call_after(1s, [this] { tend(); });
+  } else if (user_.chance(0.85)) {
     process_.resume();
   } else {
     process_.cancel();
@@ -269,14 +271,14 @@ void World::press(AxisInput input, const Happening& happening) {
   }
 }
 
-// After a safety input's first edge, where nothing else is in the way.
+// Checks that the light goes off after a safety input's first edge, if no other event interferes.
 void World::expect_dark_soon() {
   const std::optional<Duration> within = scenario_.darkening_after_edge();
   if (!machine_.lit() || machine_.stray() || !within) return;
   timers_.push_back(machine_.plant.clock.call_after(*within, [this, within] {
     if (machine_.lit())
       verdict_.break_rule("i: light goes off at a safety input's first edge",
-                          fmt::format("it is on {:.1f} ms later", seconds(*within) * 1000),
+                          fmt::format("it is still on {:.1f} ms later", seconds(*within) * 1000),
                           machine_.loop.now());
   }));
 }
@@ -305,12 +307,13 @@ void World::interrupted(const std::string& what) {
 void World::print_ended(PrintOutcome outcome, const std::string& reason, PrintPlan) {
   tell(fmt::format("{} {}", name_of(outcome), reason));
   const TimePoint now = machine_.loop.now();
-  // One that was found in place of a lost one answers for itself.
-  const bool can_be_told = !scenario_.has({Kind::AdapterUnplugged});
-  if (machine_.lit() && !machine_.stray() && can_be_told && now - ending_since_ < kEnding)
+  // A projector found in place of a lost one is responsible only for itself.
+  const bool is_decidable = !scenario_.has({Kind::AdapterUnplugged});
+  if (machine_.lit() && !machine_.stray() && is_decidable && now - ending_since_ < kEnding)
     verdict_.break_rule(
         "c: a print ends in the dark, or has waited for it",
-        fmt::format("it ends lit, {:.3f} s after its end began", seconds(now - ending_since_)), now);
+        fmt::format("it ends with the light on, {:.3f} s after its end began", seconds(now - ending_since_)),
+        now);
   Figures& figures = verdict_.figures;
   ++figures.prints;
   figures.done += outcome == PrintOutcome::Done ? 1 : 0;

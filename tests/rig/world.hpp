@@ -1,5 +1,5 @@
-// A printer in a world of its own: the real print process on a machine of models, an owner, and everything
-// that goes wrong. Not thread-safe.
+// A simulated printer: the real print process on a machine of models, a user, and everything that goes wrong.
+// Not thread-safe.
 #pragma once
 
 #include <memory>
@@ -17,11 +17,11 @@ class World final : private PrintObserver {
  public:
   explicit World(const Scenario& scenario);
 
-  // Prints all that is to be printed, and gives what is left of it time to end.
+  // Runs all prints, then gives pending actions time to end.
   void run();
 
   [[nodiscard]] const Verdict& verdict() const { return verdict_; }
-  // What happened, a line each; kept only if wanted.
+  // The log of events, a line each; empty unless keep_story() was called.
   [[nodiscard]] const std::vector<std::string>& story() const { return story_; }
   void keep_story();
 
@@ -46,17 +46,17 @@ class World final : private PrintObserver {
   [[nodiscard]] int number() const { return print_ * 1000 + process_.layer(); }
 
   const Scenario scenario_;
-  Dice owner_, encoder_;
+  Dice user_, encoder_;
   MachineModel machine_;
   Verdict verdict_;
   PrintProcess process_;
   int print_ = 0, states_ = 0;
   std::vector<std::unique_ptr<Timer>> timers_;
-  std::unique_ptr<Timer> owner_timer_;
-  std::optional<std::int64_t> stopped_at_;  // motor's position when motion was to end
+  std::unique_ptr<Timer> user_timer_;
+  std::optional<std::int64_t> stopped_at_;  // motor position when the stop was requested
   TimePoint encoder_loses_until_{}, encoder_loses_upwards_until_{};
   PrintState state_ = PrintState::Idle;
-  TimePoint ending_since_{};  // of the state of that name, the last time
+  TimePoint ending_since_{};  // start of the last PrintState::Ending
   bool keeps_story_ = false;
   std::vector<std::string> story_;
 };

@@ -1,5 +1,5 @@
-// Preloaded into a daemon by the soak: while there is the file $GIVE_BACK, what the daemon has freed goes
-// back to the kernel, and what is left is what it holds.
+// Preloaded into the daemon by the soak. While the file $GIVE_BACK exists, memory that the daemon has freed is returned
+// to the kernel, so that the remaining memory is what the daemon holds.
 #include <malloc.h>
 #include <pthread.h>
 #include <signal.h>
@@ -17,7 +17,7 @@ void give_back_while_asked(const char* file) {
   }
 }
 
-// The daemon's signals are for the daemon's own threads.
+// Blocks signals in this thread, so that the daemon's own threads get them.
 __attribute__((constructor)) void start() {
   const char* const file = std::getenv("GIVE_BACK");
   if (file == nullptr) return;

@@ -1,4 +1,4 @@
-"""Good jobs: what each comes to when it is printed alone, and whether it came to the same among all the rest."""
+"""Good jobs: the result of each when it is printed alone, and checks that it has the same result during the soak."""
 
 import hashlib
 import itertools
@@ -7,22 +7,22 @@ import os
 
 from harness import ascii_stl, binary_stl, wedge
 
-# What a report says of wall time, or of where and when it was printed.
+# A report's keys that depend on wall time, or on when and where the job was printed.
 OF_ITS_TIME = ("job", "started", "ended", "print_time_s", "states_s", "interruptions", "pauses", "pause_count", "late_steps", "loop_busy_ms_worst_lit", "reading_ms",
                "indexing_ms", "first_mask_ms", "arrival_to_first_mask_ms", "masks_folder", "analysis")  # fmt: skip
 OF_ITS_TIME_IN_A_LAYER = ("shown_at_s", "mask_ms", "exposure_least_ms", "exposure_most_ms", "exposure_parts")
 
-# Doubles that say milliseconds are good to far less.
+# Tolerance for milliseconds as doubles, whose rounding errors are far smaller.
 ROUNDING_MS = 1e-6
 
 
 class Kind:
-    """A model with its ticket, or a plate: `files` by their names, of which one alone is a model."""
+    """A model with its ticket, or a plate. `files` maps names to contents; a single file is a model."""
 
     def __init__(self, name, files, ticket=None, immovable=False):
         self.name, self.files, self.ticket = name, files, ticket
-        self.immovable = immovable  # a member's own folder, which the service can only copy
-        self.masks = self.report = None  # as it is alone
+        self.immovable = immovable  # a member's own folder, which the service can copy but not move
+        self.masks = self.report = None  # those of the job alone
 
     @property
     def is_plate(self):
@@ -33,7 +33,7 @@ class Kind:
 
 
 def kinds(rng, gyroid):
-    """Nine jobs whose masks differ from layer to layer, as far as a model can see to that."""
+    """Returns nine jobs whose masks differ from layer to layer, as far as possible."""
     def solid():
         return wedge(rng.uniform(4, 9), rng.uniform(3, 6), rng.uniform(0.8, 2))
     def plate(models, **more):
@@ -54,7 +54,7 @@ def kinds(rng, gyroid):
 
 
 def digests(folder):
-    """Of the masks in a folder, in their order."""
+    """Returns the digests of the masks in a folder, in order."""
     found = []
     for name in sorted(os.listdir(folder)):
         with open(os.path.join(folder, name), "rb") as file:
@@ -67,10 +67,10 @@ def runs(masks):
 
 
 def masks_trouble(masks, alone, interruptions):
-    """What is wrong with a print's masks; nothing where they are the same. A layer that was interrupted is shown again."""
+    """Returns a sentence if a print's masks are wrong, or None. An interrupted layer may be shown again."""
     if [mask for mask, _ in runs(masks)] != [mask for mask, _ in runs(alone)]:
         first = next((i for i, (a, b) in enumerate(itertools.zip_longest(masks, alone)) if a != b), 0)
-        return f"{len(masks)} masks are not the {len(alone)} of the job alone; the first that differs is {first + 1}"
+        return f"{len(masks)} masks differ from the {len(alone)} of the job alone, first at mask {first + 1}"
     more = [count - count_alone for (_, count), (_, count_alone) in zip(runs(masks), runs(alone))]
     if min(more) < 0 or sum(more) > interruptions:
         return f"{len(masks)} masks for {len(alone)} alone, with {interruptions} interruptions"
@@ -85,7 +85,7 @@ def without_its_time(report):
 
 
 def report_trouble(report, alone):
-    """Which of a report's figures differ that may not."""
+    """Returns a sentence if a figure in a report differs that must not, or None."""
     ours, theirs = without_its_time(report), without_its_time(alone)
     if report["analysis"] and alone["analysis"]:
         ours["analysis"], theirs["analysis"] = report["analysis"], alone["analysis"]
@@ -100,14 +100,14 @@ def report_trouble(report, alone):
 
 
 def light_off_asked(layer):
-    """By how many ms a layer's light was off what was asked for, at the worst that its bounds allow."""
+    """Returns the largest error of a layer's exposure in ms that its bounds allow."""
     return max(abs(layer["exposure_most_ms"] - layer["exposure_asked_ms"]), abs(layer["exposure_asked_ms"] - layer["exposure_least_ms"]))
 
 
 def light_trouble(report, tolerated_ms):
     for layer in report["layer_records"]:
         if not layer["complete"]:
-            return f"layer {layer['layer']} is not complete in a print that is done"
+            return f"layer {layer['layer']} is incomplete in a print that is done"
         if light_off_asked(layer) > tolerated_ms:
             return (f"layer {layer['layer']} had light for {layer['exposure_least_ms']} to {layer['exposure_most_ms']} ms, "
                     f"{layer['exposure_asked_ms']} ms were asked for")  # fmt: skip

@@ -1,6 +1,6 @@
-"""Speaks to the control socket as nobody should, as a member of the group may, until it is killed: hostile_clients.py RIGHTS
-SEED SOCKET. It says on a line each what it did. It asks, watches and floods; it pauses, resumes and cancels nothing, for that
-a member may do."""
+"""Sends hostile requests to the control socket with the rights of a member of the group, until it is killed:
+hostile_clients.py RIGHTS SEED SOCKET. Prints a line for each action. It asks, watches and floods but does not pause, resume or
+cancel, because a member may do that."""
 
 import json
 import random
@@ -34,7 +34,7 @@ def connect(keep=False):
 
 
 def push(client, data, seconds):
-    """As much of the data as the daemon takes in the time; what comes back is not read."""
+    """Sends as much of the data as the daemon accepts in the time, without reading the answers."""
     end = time.monotonic() + seconds
     while data and time.monotonic() < end:
         try:
@@ -110,7 +110,7 @@ def come_and_go():
 
 
 def flood():
-    """Asks and reads as fast as it can."""
+    """Asks and reads as fast as possible."""
     end = time.monotonic() + rng.random()
     with connect() as client:
         while time.monotonic() < end:
@@ -130,7 +130,7 @@ def main():
         try:
             action()
             result = ""
-        except OSError as error:  # it was shown out, or there is no daemon just now
+        except OSError as error:  # the daemon closed the connection, or does not run
             result = f" ({error.strerror})"
         print(f"{time.monotonic():.3f} {action.__name__}{result}", flush=True)
         while len(held) > 200 or (held and rng.random() < 0.2):

@@ -1,5 +1,5 @@
-"""Drops what nobody should drop, as a member of the group may, until it is killed: hostile_files.py RIGHTS SEED INCOMING HOME
-SECRETS. It says on a line each what it did."""
+"""Drops hostile files with the rights of a member of the group, until it is killed: hostile_files.py RIGHTS SEED INCOMING HOME
+SECRETS. Prints a line for each action."""
 
 import json
 import os
@@ -25,7 +25,7 @@ def name():
 
 
 def facets(count, scale=5.0):
-    """Random facets, which are no solid."""
+    """Returns random facets that do not form a solid."""
     return b"".join(struct.pack("<12fH", 0, 0, 0, *(rng.random() * scale for _ in range(9)), 0) for _ in range(count))
 
 
@@ -40,7 +40,7 @@ def write(path, data):
 
 
 def at_home(file):
-    """A path that is free."""
+    """Returns a path in home that does not exist."""
     path = os.path.join(home, file)
     if os.path.lexists(path):
         os.unlink(path)
@@ -48,7 +48,7 @@ def at_home(file):
 
 
 def move_in(file, data):
-    """Whole, or not at all."""
+    """Moves a complete file into incoming at once."""
     os.rename(write(at_home("staging"), data), os.path.join(incoming, file))
 
 
@@ -109,7 +109,7 @@ def many_tiny():
 
 
 def soup():
-    """It is read, repaired, checked and, if that comes to something, printed."""
+    """Drops a file that is read, repaired, checked and, if something is left, printed."""
     move_in(name() + ".stl", stl(rng.choice((1, 4, 100)), scale=rng.choice((0.5, 5, 1e3, 1e30))))
 
 
@@ -127,7 +127,7 @@ def ticket_of_mistakes():
 
 
 def swapped():
-    """A sound file that becomes something else as soon as somebody may have looked at it."""
+    """Drops a good file and replaces it by something else while the daemon may be reading it."""
     path = os.path.join(incoming, name() + ".stl")
     for _ in range(rng.randint(5, 40)):
         move_in(os.path.basename(path), stl(200))
@@ -159,7 +159,7 @@ def slow_copy():
 
 
 def plate():
-    """Of a folder that cannot be moved, or not read, or that has more than is good in it."""
+    """Drops a plate in a folder that cannot be moved or read, or that contains hostile entries."""
     path = os.path.join(incoming, name())
     os.mkdir(path)
     write(os.path.join(path, "part.stl"), stl(30))
@@ -182,7 +182,7 @@ def folders():
 
 
 def planted():
-    """Where the daemon writes."""
+    """Makes fifos at paths to which the daemon writes."""
     for folder in ("done", "failed"):
         for suffix in ("report.json", "reason.txt", "stl"):
             os.mkfifo(os.path.join(spool, folder, f"bad{seed}-{next(numbers) + 3}.{suffix}"))

@@ -1,4 +1,4 @@
-"""What the soak judges by: a judge who finds nothing proves nothing."""
+"""Tests of the soak's checks: checks that never find anything prove nothing."""
 
 import os
 import sys
@@ -23,26 +23,26 @@ def report(**changes):
 class Masks(unittest.TestCase):
     ALONE = ["a", "b", "b", "c"]
 
-    def test_the_same_masks_are_good(self):
+    def test_equal_masks_are_good(self):
         self.assertIsNone(masks_trouble(self.ALONE, self.ALONE, 0))
 
-    def test_a_missing_another_a_further_and_an_exchanged_mask_are_found(self):
+    def test_missing_wrong_additional_and_exchanged_masks_are_found(self):
         for masks in (["a", "b", "b"], ["a", "b", "c"], ["a", "b", "b", "d"], ["a", "b", "b", "c", "c"], ["a", "b", "b", "c", "a"],
                       ["b", "a", "b", "c"], []):  # fmt: skip
             with self.subTest(masks):
                 self.assertIsNotNone(masks_trouble(masks, self.ALONE, 0))
 
-    def test_an_interrupted_layer_may_be_shown_again_as_often_as_it_was_interrupted(self):
+    def test_a_layer_may_be_shown_again_as_often_as_it_was_interrupted(self):
         self.assertIsNone(masks_trouble(["a", "a", "b", "b", "c"], self.ALONE, 1))
         self.assertIsNotNone(masks_trouble(["a", "a", "b", "b", "c", "c"], self.ALONE, 1))
         self.assertIsNotNone(masks_trouble(["a", "a", "b", "c"], self.ALONE, 1))
 
 
 class Report(unittest.TestCase):
-    def test_what_is_of_its_time_may_differ(self):
+    def test_figures_that_depend_on_time_may_differ(self):
         self.assertIsNone(report_trouble(report(job="b", print_time_s=9, layer_records=[layer(1, shown_at_s=7), layer(2, mask_ms=2)]), report()))
 
-    def test_a_figure_a_key_and_a_layer_that_differ_are_found(self):
+    def test_different_figures_keys_and_layers_are_found(self):
         for changes in ({"layers": 3}, {"new": 1}, {"layer_records": [layer(1)]}, {"layer_records": [layer(1), layer(2, area_mm2=4)]},
                         {"analysis": {"islands": 1}}):  # fmt: skip
             with self.subTest(changes):
@@ -60,12 +60,12 @@ class Report(unittest.TestCase):
 
 
 class Waiting(unittest.TestCase):
-    def test_the_most_within_a_time_is_found(self):
+    def test_the_longest_wait_within_a_time_is_found(self):
         waits = Waits()
         waits.close()
         waits._times = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
         waits._waited = [0.0, 0.0, 0.5, 0.6, 0.6, 0.6, 0.6]
-        self.assertAlmostEqual(waits.most_within(0.8, 0, 10), 0.5)  # sampling adds a moment at both ends
+        self.assertAlmostEqual(waits.most_within(0.8, 0, 10), 0.5)  # sampling adds a period at both ends
         self.assertAlmostEqual(waits.most_within(1.8, 0, 10), 0.6)
         self.assertEqual(waits.most_within(0.1, 5, 10), 0.0)
 

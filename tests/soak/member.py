@@ -4,7 +4,7 @@ import os
 
 
 def become_member(rights):
-    """ "USER,GROUP": that user from now on, with that group besides his own. Nothing where there is but one user."""
+    """Becomes the user of "USER,GROUP", with that group in addition to the user's own. Does nothing if `rights` is empty."""
     if not rights:
         return
     user, group = map(int, rights.split(","))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Puts defects into the daemon, one at a time, and sees that the soak finds each: a soak that finds nothing proves nothing. It
-works in a copy of what is committed, in a new folder.
+"""Puts defects into the daemon, one at a time, and checks that the soak finds each: a soak that finds nothing proves nothing.
+It works on a copy of the committed sources in a new folder.
 
     tests/soak/mutate.py FOLDER [--minutes N] [--seed S] [--only PART_OF_A_NAME]
 """
@@ -18,7 +18,7 @@ CONTROL = "daemon/control_server.cpp"
 PROCESS = "daemon/print_process.cpp"
 COPIES = "daemon/printing_copies.cpp"
 
-# Name, file, what stands there once, what stands there instead.
+# Name, file, the text that occurs once in it, the replacement.
 MUTATIONS = [
     ("a descriptor of each client stays open", CONTROL, "  const int key = socket.get();",
      "  const int key = ::dup(socket.get());"),
@@ -47,7 +47,7 @@ MUTATIONS = [
 def found(source, build, options):
     made = subprocess.run([source / ".ci/build", build, "--", "contourd", "make-model", "slow-disk", "give-back"], capture_output=True, text=True)
     if made.returncode != 0:
-        sys.exit(f"it does not build:\n{made.stdout[-3000:]}{made.stderr[-3000:]}")
+        sys.exit(f"the build failed:\n{made.stdout[-3000:]}{made.stderr[-3000:]}")
     soak = subprocess.run([source / "tests/soak/soak", "--bin", build / "bin", "--minutes", str(options.minutes), "--seed", str(options.seed)],
                           capture_output=True, text=True)  # fmt: skip
     if soak.returncode == 0:

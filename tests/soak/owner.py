@@ -1,4 +1,4 @@
-"""The printer's owner: puts good jobs in, says what an owner says, puts what was interrupted in again, and keeps account."""
+"""The printer's user: drops good jobs, gives a user's commands, drops interrupted jobs again, and keeps account."""
 
 import json
 import os
@@ -10,10 +10,10 @@ from good_jobs import ROUNDING_MS, digests, light_off_asked, light_trouble, mask
 from printer import AS_ROOT, GROUP, MEMBER, SERVICE, remove
 
 OUTSTANDING = 6
-# No job stands still for longer, whatever else there is in the queue. A disk that was full is tried again after 30 s.
+# No job takes longer without progress, whatever else is in the queue. A full disk is tried again after 30 s.
 LONGEST_JOB_S = 150
 
-# What may end a job, and what the reason beside it says then.
+# The causes that may end a job, with the text that its reason file contains then.
 REASONS = {
     "kill": "The print was interrupted: the power was cut, or contourd was killed or crashed|contourd ended while it read this: it was killed",
     "stop": "contourd was stopped",
@@ -24,7 +24,7 @@ REASONS = {
 
 
 class Broken(Exception):
-    """What must not be."""
+    """A violated rule of the soak."""
 
 
 class Attempt:
@@ -32,7 +32,7 @@ class Attempt:
         self.kind, self.name = kind, name
         self.file = kind.file_of(name)
         self.dropped = time.monotonic()
-        self.causes = set()  # of what happened meanwhile
+        self.causes = set()  # the causes that occurred meanwhile
         self.pace = None
 
 
@@ -42,7 +42,7 @@ class Owner:
         self.outstanding, self.closed = [], set()
         self.to_repeat = []
         self.names = (f"good{number}" for number in range(1 << 30))
-        self.causes, self.pace = set(), "fast"  # of the life under way
+        self.causes, self.pace = set(), "fast"  # those of the present life
         self.last_done = time.monotonic()
         self.figures = {"done": 0, "masks": 0, "again": 0, "without_report": 0, "refused_commands": 0}
         self.most_off_ms = {"fast": 0.0, "realtime": 0.0}
@@ -69,7 +69,7 @@ class Owner:
 
     def _drop(self, attempt):
         spool, kind = self.printer.daemon.file, attempt.kind
-        staging = spool("incoming", "." + attempt.name)  # hidden: none of the daemon's
+        staging = spool("incoming", "." + attempt.name)  # hidden, so the daemon ignores it
         try:
             if kind.is_plate:
                 os.mkdir(staging)
@@ -90,13 +90,13 @@ class Owner:
             raise
 
     def _give_to_somebody(self, path, kind):
-        """The service is given no lease on what is not its own: it looks at that for longer."""
+        """Gives the files a random user. The service gets no lease on other users' files and has to watch them for longer."""
         user = MEMBER if kind.immovable else self.rng.choice((SERVICE, SERVICE, SERVICE, MEMBER))
         for each in [path, *(os.path.join(path, name) for name in kind.files if kind.is_plate)]:
             os.chown(each, user, GROUP)
 
     def happens(self, cause):
-        """To all that is under way, and all that comes in this life."""
+        """Adds the cause to all outstanding jobs and to all later jobs of this life."""
         self.causes.add(cause)
         for attempt in self.outstanding:
             attempt.causes.add(cause)
@@ -113,7 +113,7 @@ class Owner:
         return [folder for folder in folders if os.path.lexists(self.printer.daemon.file(folder, attempt.file))]
 
     def count_places(self):
-        """When nobody moves anything: every job is somewhere, and at one place."""
+        """Checks, while no process moves files, that every job is in exactly one folder."""
         for attempt in self.outstanding:
             places = self.places(attempt)
             waits = attempt.kind.immovable and os.path.exists(self.printer.daemon.file("incoming", attempt.file))
@@ -121,7 +121,7 @@ class Owner:
                 raise Broken(f"{attempt.name} ({attempt.kind.name}) lies in {places or 'no folder'}")
 
     def look(self):
-        """At what has ended."""
+        """Handles the jobs that have ended."""
         for attempt in list(self.outstanding):
             ended_in = [folder for folder in self.places(attempt) if folder in ("done", "failed")]
             if ended_in and not self._is_being_filed(attempt):
@@ -135,7 +135,7 @@ class Owner:
                 self._known(folder, name)
 
     def _is_being_filed(self, attempt):
-        """Its ticket comes last."""
+        """True while the daemon files the job: the ticket is moved last."""
         return os.path.lexists(self.printer.daemon.file("printing", attempt.name + ".json"))
 
     def _known(self, folder, name):
@@ -143,9 +143,9 @@ class Owner:
         if not match:
             return
         if match[2]:
-            raise Broken(f"{folder}/{name}: it was taken a second time")
+            raise Broken(f"{folder}/{name}: the job was taken a second time")
         if match[1] in self.closed and folder != "incoming":
-            raise Broken(f"{folder}/{name}: it has ended before, and was taken away")
+            raise Broken(f"{folder}/{name}: the job had ended before and was removed")
 
     def _ended(self, attempt, folder):
         read = lambda suffix: self._read(folder, attempt.name + suffix)  # noqa: E731
@@ -178,7 +178,7 @@ class Owner:
         self.figures["masks"] += len(masks)
         if report is None:
             if not attempt.causes & {"disk", "kill", "stop"}:
-                raise Broken(f"{who} is done and has no report")
+                raise Broken(f"{who} is done but has no report")
             self.figures["without_report"] += 1
             return
         if trouble := report_trouble(report, kind.report):
@@ -188,11 +188,11 @@ class Owner:
     def _light(self, attempt, report, who):
         busy = report["loop_busy_ms_worst_lit"]
         excused = 1000 * self.printer.waits.most_within(busy / 1000, attempt.dropped, time.monotonic())
-        # In real time the light goes off as late as the loop comes to it.
+        # In real time the light goes off when the loop gets to it, which may be late.
         tolerated = ROUNDING_MS if attempt.pace == "fast" else LONGEST_TURN_MS + 1000 * self.printer.waits.most_within(
             1.0, attempt.dropped, time.monotonic())  # fmt: skip
         if trouble := light_trouble(report, tolerated):
-            raise Broken(f"{who}: {trouble}, {tolerated:g} ms are excused")
+            raise Broken(f"{who}: {trouble}; {tolerated:g} ms are tolerated")
         off = max(light_off_asked(layer) for layer in report["layer_records"])
         self.by_pace[attempt.pace] += 1
         self.most_off_ms[attempt.pace] = max(self.most_off_ms[attempt.pace], off)
@@ -228,7 +228,7 @@ class Owner:
         return status
 
 
-# How long one turn of the loop may take while the light is on, by the wall clock less what the loop waited for a processor.
-# The daemon itself warns of 10 ms; a turn of the soak's, with its flood of clients, takes less than that on any computer of
-# the last ten years, and five times as much on the slowest that builds this.
+# The longest turn of the loop while the light is on, by the wall clock minus the time that the loop waited for a processor.
+# The daemon itself warns above 10 ms. In the soak, with its flood of clients, a turn takes less than that on any computer of
+# the last ten years, and five times as much on the slowest computer that builds this.
 LONGEST_TURN_MS = 50

@@ -1,5 +1,5 @@
-"""The printer that is soaked: a contourd that is started, disturbed and killed again and again. As root, it has a user of its
-own and its folders have the rights that they have on a printer; hostile programs run as a member of its group."""
+"""The printer under test: a contourd that is started, disturbed and killed repeatedly. If run as root, contourd has its own user
+and its folders have the permissions of a real printer; hostile programs run as a member of its group."""
 
 import contextlib
 import json
@@ -15,12 +15,12 @@ import unicodedata
 from harness import BIN, NIMBLE_AXIS, NIMBLE_RESIN, SANITIZED, SOURCE, Daemon, merge
 from process_figures import Waits, memory_mb
 
-GROUP, SERVICE, MEMBER = 64000, 64001, 64002  # nobody else's
+GROUP, SERVICE, MEMBER = 64000, 64001, 64002  # ids that no one else uses
 AS_ROOT = os.geteuid() == 0
 HERE = os.path.dirname(os.path.abspath(__file__))
 DISK_MB = 200
 
-# A machine whose jobs take seconds in real time, and a display whose masks are soon written.
+# A machine whose jobs take seconds in real time, with a display that is small, so that masks are written fast.
 MACHINE = {
     "z_axis": {**NIMBLE_AXIS, "travel_mm": 12}, "projector": {"warm_up_s": 0}, "display": {"width_px": 480, "height_px": 270},
     "simulation": {"start_height_mm": 0}, "memory_limit_mb": 300,
@@ -29,7 +29,7 @@ RESIN = {**NIMBLE_RESIN, "exposure_ms": 20, "bottom_exposure_ms": 50}
 
 
 class Folder:
-    """What the harness's daemon asks of a test: a folder, and what to do in the end."""
+    """The part of a test that the harness's daemon needs: a folder, and clean-up calls."""
 
     def __init__(self, path, on_exit):
         self.folder, self.addCleanup = path, on_exit.callback
@@ -43,13 +43,13 @@ def new_daemon(folder):
 
 
 def small_disk(path, on_exit):
-    """A disk of its own for the spool, which can be full; why not, where that is not possible."""
+    """Mounts a separate disk for the spool, which can become full. Returns the reason if that is not possible."""
     os.mkdir(path)
     if not AS_ROOT:
-        return "only root can mount a disk that is full at times"
+        return "only root can mount a disk that becomes full"
     mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={DISK_MB}m", "soak", path], capture_output=True, check=False)
     if mounted.returncode != 0:
-        return f"no disk can be mounted that is full at times: {mounted.stderr.decode().strip()}"
+        return f"cannot mount a disk that becomes full: {mounted.stderr.decode().strip()}"
     on_exit.callback(subprocess.run, ["umount", "-l", path], check=False)
     return None
 
@@ -95,7 +95,7 @@ class Printer:
         for path in (self.state, self.path("run"), self.path("masks")):
             os.chown(path, SERVICE, GROUP)
         for path in (self.folder, self.path("slow")):
-            os.chmod(path, 0o777)  # the harness's notify socket; what a slow disk says
+            os.chmod(path, 0o777)  # contains the harness's notify socket and the control of the slow disk
         daemon.rights = {"user": SERVICE, "group": GROUP, "extra_groups": [], "umask": 0o002}
 
     def path(self, *parts):
@@ -109,7 +109,7 @@ class Printer:
         daemon.config = merge(json.loads(self.plain), changes)
         daemon.write_config()
         daemon.environment = {"STATE_DIRECTORY": self.state}
-        if not SANITIZED:  # AddressSanitizer wants to be loaded first
+        if not SANITIZED:  # AddressSanitizer must be loaded first
             libraries = ["give-back", *(["slow-disk"] if slow_disk else [])]
             daemon.environment["LD_PRELOAD"] = " ".join(os.path.join(BIN, f"lib{name}.so") for name in libraries)
             daemon.environment |= {"SLOW_DISK": self.slow, "GIVE_BACK": self.give_back}
@@ -124,21 +124,21 @@ class Printer:
         return self.daemon.process.pid
 
     def memory_held_mb(self):
-        """What is freed counts no more."""
+        """Returns the daemon's memory in MB, without memory that it has freed."""
         with open(self.give_back, "wb"):
-            time.sleep(0.3)  # twice as long as the daemon's library takes, and more
+            time.sleep(0.3)  # more than twice the period of the preloaded library
         os.unlink(self.give_back)
         return memory_mb(self.pid)
 
     def status(self):
-        """With how long the answer took, in s."""
+        """Returns the status, and how long the answer took in s."""
         asked = time.monotonic()
         self.client.seen.clear()
         result = self.call("status")["result"]
         return result, time.monotonic() - asked
 
     def call(self, method):
-        """Root's connection stays; that of a flood's own user may have to be made again."""
+        """Sends a command. Root's connection persists; that of the flood's user may have to be opened again."""
         while True:
             try:
                 return self.client.call(method)
@@ -154,13 +154,13 @@ class Printer:
         self.waits.stopped_for(seconds)
 
     def log_trouble(self):
-        """What is wrong with this life's log: a terminal would do something with it, or it is beyond measure."""
+        """Returns a sentence if this life's log has a line that could affect a terminal or is too long, or None."""
         with open(self.daemon.log_path, "rb") as file:
             for line in file:
                 try:
                     text = line.decode("utf-8").rstrip("\n")
                 except UnicodeDecodeError:
-                    return f"the log has a line that is no UTF-8: {line[:200]!r}"
+                    return f"the log has a line that is not UTF-8: {line[:200]!r}"
                 if any(does_something(char) for char in text):
                     return f"the log has a line that cannot be printed: {line[:200]!r}"
                 if text.startswith("break"):  # the second half of a hostile name
@@ -170,7 +170,7 @@ class Printer:
         return None
 
     def busiest_turns(self):
-        """What the log says of turns that were too long: {job: (ms, ms of computing)}."""
+        """Returns the turns that the log reports as too long: {job: (ms, ms of computing)}."""
         found = re.compile(r"(\S+): .* kept the event loop busy for ([\d.]+) ms, of which ([\d.]+) ms were computing")
         with open(self.daemon.log_path, encoding="utf-8", errors="replace") as file:
             return {m[1]: (float(m[2]), float(m[3])) for m in map(found.search, file) if m}
@@ -202,7 +202,7 @@ class Printer:
         return next((process for process in self.hostile if process.poll() is not None), None)
 
     def remove_hostile_files(self, folder):
-        """As an owner does who finds them: all that is called bad."""
+        """Removes all hostile files, like a user who finds them."""
         for name in os.listdir(self.daemon.file(folder)):
             if name.startswith(("bad", ".contourd-")) or folder == "incoming" and name.startswith("."):
                 remove(self.daemon.file(folder, name))
@@ -214,7 +214,7 @@ class Printer:
             return
         with open(path, "wb") as file:
             size = 0
-            for block in (1 << 20, 1 << 12):  # others write meanwhile
+            for block in (1 << 20, 1 << 12):  # other processes write meanwhile
                 with contextlib.suppress(OSError):
                     while True:
                         os.posix_fallocate(file.fileno(), size, block)
@@ -222,7 +222,7 @@ class Printer:
 
 
 def does_something(char):
-    """To a terminal, or to how the rest of the line looks: controls, line ends, and what turns the direction."""
+    """True for a character that affects a terminal or the display of a line: controls, line ends, direction marks."""
     return unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") or unicodedata.bidirectional(char) in (
         "LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")  # fmt: skip
 

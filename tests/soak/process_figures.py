@@ -1,4 +1,4 @@
-"""What the kernel says of a process: its memory, its descriptors, and how long its loop had to wait for a processor."""
+"""A process' figures from the kernel: its memory, its descriptors, and how long its loop waited for a processor."""
 
 import bisect
 import os
@@ -12,7 +12,7 @@ def _lines(path):
 
 
 def memory_mb(pid):
-    """What it has taken for itself; pages of files, which the kernel may take back, are not counted."""
+    """Returns the process' own memory in MB, without pages of files, which the kernel may reclaim."""
     return next(int(line.split()[1]) for line in _lines(f"/proc/{pid}/status") if line.startswith("RssAnon")) / 1024
 
 
@@ -25,7 +25,7 @@ def threads(pid):
 
 
 def watched_folders(pid):
-    """By inotify."""
+    """Returns the number of inotify watches."""
     count = 0
     for number in os.listdir(f"/proc/{pid}/fdinfo"):
         try:
@@ -36,8 +36,8 @@ def watched_folders(pid):
 
 
 class Waits:
-    """How long the loop did not run though it could have: behind others on its processor, or while another machine had it
-    (stolen time), or stopped by us. Sampled all the time on a thread of its own."""
+    """The times during which the loop was ready but did not run: because other threads had its processor, the hypervisor ran
+    another machine (stolen time), or we had stopped it. Sampled continuously on a separate thread."""
 
     PERIOD_S = 0.05
 
@@ -49,7 +49,7 @@ class Waits:
         self._thread.start()
 
     def watch(self, pid):
-        """From now on that process. REQUIRES: a kernel that counts it (CONFIG_SCHED_INFO)."""
+        """Samples this process from now on. REQUIRES: a kernel with CONFIG_SCHED_INFO."""
         self._last = self._own(pid) + self._stolen()
         self._pid = pid
 
@@ -61,7 +61,7 @@ class Waits:
         self._thread.join()
 
     def most_within(self, seconds, since, until):
-        """The most that was waited in any such time between two moments, in s."""
+        """Returns the longest wait in s within any period of `seconds` between two times."""
         most, first = 0.0, bisect.bisect_left(self._times, since)
         for i in range(max(0, first - 2), len(self._times)):
             if self._times[i] > until:

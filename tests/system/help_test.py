@@ -107,7 +107,7 @@ class Help(FolderTest):
 
     def test_in_a_terminal_the_users_pager_gets_it(self):
         code, text = in_terminal("safety", PAGER="sed 's/^/> /'; exit 3")
-        self.assertEqual((code, text.splitlines()[0]), (3, "> Light that nobody wants"))
+        self.assertEqual((code, text.splitlines()[0]), (3, "> Light safety"))
         self.assertTrue(all(line.startswith("> ") for line in text.splitlines()))
         self.assertEqual(in_terminal("safety", PAGER="printf %s $LESS", LESS="X")[1], "X")
         self.assertEqual(in_terminal("safety", PAGER="printf %s $LESS")[1], os.environ.get("LESS", "FRX"))
@@ -116,11 +116,11 @@ class Help(FolderTest):
         for environment in ({"PAGER": ""}, {"PAGER": "cat"}, {"PAGER": "false", "TERM": "dumb"}):
             code, text = in_terminal("safety", **environment)
             self.assertEqual(code, OK)
-            self.assertTrue(text.startswith("Light that nobody wants\n==="), text[:80])
+            self.assertTrue(text.startswith("Light safety\n==="), text[:80])
 
     def test_it_needs_no_file_beside_the_program(self):
         result = subprocess.run([self.reachable(CONTOURCTL), "help", "trouble"], capture_output=True, text=True, check=True, cwd="/")
-        self.assertIn("It waits\n--------\n", result.stdout)
+        self.assertIn("A job waits\n-----------\n", result.stdout)
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ class Install(FolderTest):
         (self.etc / "projectors/acer.json").unlink()
         told = self.install()
         self.assertEqual({name: (self.etc / name).read_text(encoding="utf-8") for name in own}, own)
-        self.assertIn(f"Left as it is: {self.etc}/contourd.json", told)
+        self.assertIn(f"Keeping: {self.etc}/contourd.json", told)
         self.assertEqual((self.etc / "projectors/acer.json").read_bytes(), (self.shipped / "projectors/acer.json").read_bytes())
 
     def test_a_link_of_the_owners_is_not_written_through(self):

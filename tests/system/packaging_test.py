@@ -77,14 +77,14 @@ class UpgradeTest(FolderTest):
                     told, does = self.upgraded(False, runs, from_version)
                     self.assertEqual(does, [])
                     self.assertIn("contourd.json: line 1", told)
-                    self.assertIn("none starts with this configuration; mend it, then: systemctl reload-or-restart contourd", told)
+                    self.assertIn("contourd cannot start with it. Correct it, then run: systemctl reload-or-restart contourd", told)
 
     def test_one_that_runs_takes_the_new_program_over_and_one_that_was_stopped_stays_so(self):
         self.assertEqual(self.upgraded(True, True), ("", ["systemctl reload contourd.service"]))
         self.assertEqual(self.upgraded(True, False, ""), ("", ["deb-systemd-invoke start contourd.service"]))
         told, does = self.upgraded(True, False)
         self.assertEqual(does, [])
-        self.assertIn("it does not run, and is not started", told)
+        self.assertIn("the service is stopped and stays stopped", told)
 
 
 class UnitsTest(unittest.TestCase):

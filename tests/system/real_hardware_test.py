@@ -45,14 +45,14 @@ class Check(RealHardwareTest):
         # The computer is there, and may be too slow for the printer that is not.
         computer = [line for line in lines if line[5:].startswith("step thread")]
         self.assertEqual(len(computer), 1)
-        self.assertRegex(computer[0], r"^(ok  |warn|BAD ) step thread +4000 steps/s wanted, 5 mm/s; .* keeps \d+ steps/s")
+        self.assertRegex(computer[0], r"^(ok  |warn|BAD ) step thread +4000 steps/s needed \(5 mm/s\); .* sustains \d+ steps/s")
         lines.remove(computer[0])
         devices = [re.match(r"BAD  (step|direction|enable|limit switch|display|projector) +\S", line) for line in lines]
         self.assertEqual([match and match.group(1) for match in devices],
                          ["step", "direction", "enable", "limit switch", "display", "projector"])  # fmt: skip
         for line in lines:
             self.assertIn("of-nobody", line)
-        self.assertIn("there ", lines[-1])  # the ports that there are, or that there are none
+        self.assertRegex(lines[-1], "existing serial ports: |no serial port exists")
         self.assertEqual(last, f"{6 + computer[0].startswith('BAD')} of these keep it from printing")
 
     def test_a_simulated_printer_has_nothing_to_look_at(self):
@@ -252,7 +252,7 @@ class LightWatchdog(RealHardwareTest):
         daemon.start()
         (watchdog,) = light_watchdogs(daemon)
         os.kill(watchdog, signal.SIGKILL)
-        wait_until(lambda: "there is a light watchdog again" in daemon.log(), "another light watchdog")
+        wait_until(lambda: "the light watchdog is running again" in daemon.log(), "another light watchdog")
         self.assertIn("the light watchdog has died; no light is turned on without it", daemon.log())
         (another,) = light_watchdogs(daemon)
         self.assertNotEqual(another, watchdog)

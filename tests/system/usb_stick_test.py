@@ -157,13 +157,13 @@ class UsbStick(FolderTest):
         self.assertIn("cannot be read: its file system (ext4) is broken", result.stderr)
         result = self.offer(self.device(self.write("nothing", b"\0" * (1 << 20))))
         self.assertEqual(result.returncode, FAILED, result)
-        self.assertIn("contourd reads sticks with FAT, exFAT or ext4, and this has nothing that is known", result.stderr)
+        self.assertIn("contourd reads sticks with FAT, exFAT or ext4; this one has an unknown file system", result.stderr)
         used = self.device(self.image())
         os.mkdir(self.path("used"))
         subprocess.run(["mount", "-o", "ro", used, self.path("used")], check=True)
         self.addCleanup(subprocess.run, ["umount", self.path("used")], check=True)
         result = self.offer(used)
-        self.assertEqual((result.returncode, result.stdout, result.stderr), (OK, f"{used} is mounted already, and left alone\n", ""))
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (OK, f"{used} is mounted already and is ignored\n", ""))
         self.assertEqual(self.incoming(), [])
 
 

@@ -1,4 +1,4 @@
-// That each header of core/analysis checks what it requires.
+// Checks that each header of core/analysis enforces its requirements.
 #include "core/analysis/island_finder.hpp"
 #include "core/analysis/print_analysis.hpp"
 #include "core/analysis/void_finder.hpp"
@@ -8,7 +8,7 @@
 using namespace contourd;
 using testing::contract_broken_by;
 
-TEST_CASE("PrintAnalysis takes masks of the display's size alone") {
+TEST_CASE("PrintAnalysis takes only masks of the display's size") {
   const DisplayGeometry display{Pixels{8}, Pixels{6}, Micrometers{50.0}};
   PrintAnalysis analysis(display);
   CHECK(contract_broken_by([&] { analysis.add_layer(Mask(Pixels{8}, Pixels{6}), {}); }).empty());
@@ -17,7 +17,7 @@ TEST_CASE("PrintAnalysis takes masks of the display's size alone") {
   CHECK(contract_broken_by([&] { analysis.add_layer(Mask(Pixels{7}, Pixels{6}), {}); }) == size);
 }
 
-TEST_CASE("IslandFinder takes the runs of masks of one size alone") {
+TEST_CASE("IslandFinder takes only the runs of masks of the same size") {
   MaskRuns layer, taller;
   layer.extract(Mask(Pixels{4}, Pixels{4}));
   taller.extract(Mask(Pixels{4}, Pixels{5}));
@@ -26,7 +26,7 @@ TEST_CASE("IslandFinder takes the runs of masks of one size alone") {
   CHECK(contract_broken_by([&] { (void)finder.find(layer, taller, {1, 0}); }) == "all masks have one size");
 }
 
-TEST_CASE("VoidFinder takes the runs of masks of one size alone") {
+TEST_CASE("VoidFinder takes only the runs of masks of the same size") {
   MaskRuns layer, taller;
   layer.extract(Mask(Pixels{4}, Pixels{4}));
   taller.extract(Mask(Pixels{4}, Pixels{5}));

@@ -13,7 +13,7 @@ using testing::draw;
 
 namespace {
 
-// Rows of text: '.' is dark, a digit d has the grey value 25 d + 30, '#' is fully lit.
+// Builds a mask from rows of text: '.' is dark, a digit d has the grey value 25 d + 30, '#' is fully lit.
 Mask mask_of(const std::vector<std::string>& rows) {
   Mask mask(Pixels{static_cast<std::int32_t>(rows[0].size())},
             Pixels{static_cast<std::int32_t>(rows.size())});
@@ -43,13 +43,13 @@ std::vector<MaskIsland> islands_of(const Mask& layer, const Mask& beneath, std::
   return {found.begin(), found.end()};
 }
 
-// Whatever lies beneath carries.
+// Finds islands with limits at which any lit pixel beneath carries.
 std::vector<MaskIsland> islands_of(const Mask& layer, const Mask& beneath) {
   return islands_of(layer, beneath, 1, 1);
 }
 
-// The definition itself: flood every group, pixel by pixel. Each island as (left, top, right, bottom, pixels,
-// grey), sorted.
+// The definition of an island, as a reference: floods every group pixel by pixel. Each island as (left, top,
+// right, bottom, pixels, grey), sorted.
 using Figures =
     std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int64_t, std::uint64_t>;
 
@@ -110,7 +110,7 @@ Mask draw_mask(Pixels width, Pixels height, std::int64_t lit_of_ten) {
 
 }  // namespace
 
-TEST_CASE("A group with one pixel over a lit one is held and one beside it is not") {
+TEST_CASE("A group with one pixel over a lit one is held, a group beside it is not") {
   const Mask beneath = mask_of({".......", "..#....", "......."});
   CHECK(islands_of(mask_of({".......", "###....", "#......"}), beneath).empty());
   // Neighbours of the lit pixel, but not over it.
@@ -137,7 +137,7 @@ TEST_CASE("Pixels that touch by a corner are one group") {
   CHECK(islands_of(mask_of({"#..#", "....", ".##."}), dark).size() == 3);
 }
 
-TEST_CASE("Arms that meet further down are one group and its box holds all of it") {
+TEST_CASE("Arms that meet further down are one group, whose box contains all of it") {
   const auto islands = islands_of(mask_of({"#.#.#", "#.#.#", ".#.#.", "....."}), Mask(Pixels{5}, Pixels{4}));
   REQUIRE(islands.size() == 1);
   CHECK(std::tuple(islands[0].left, islands[0].top, islands[0].right, islands[0].bottom) ==
@@ -157,9 +157,9 @@ TEST_CASE("The islands found are those of a flood fill") {
   }));
 }
 
-TEST_CASE("What rests on a faint pixel only is an island") {
+TEST_CASE("A part that rests only on a faint pixel is an island") {
   const Mask layer = mask_of({"........", ".######.", ".######.", "........"});
-  const Mask faint = mask_of({"........", ".000000.", ".000000.", "........"});  // grey 30
+  const Mask faint = mask_of({"........", ".000000.", ".000000.", "........"});  // the digits have grey 30
   CHECK(islands_of(layer, faint, 64, 4).size() == 1);
   CHECK(islands_of(layer, faint, 30, 4).empty());
   const Mask one = mask_of({"........", "......1.", "........", "........"});
@@ -167,7 +167,7 @@ TEST_CASE("What rests on a faint pixel only is an island") {
   CHECK(islands_of(layer, one, 64, 1).size() == 1);
 }
 
-TEST_CASE("What rests on a corner only is an island") {
+TEST_CASE("A part that rests only on a corner is an island") {
   const Mask layer = mask_of({"........", ".######.", ".######.", "........"});
   const Mask corner = mask_of({"##......", "##......", "........", "........"});
   CHECK(islands_of(layer, corner, 64, 4).size() == 1);
@@ -186,7 +186,7 @@ TEST_CASE("A thin pin stands on itself") {
 
 namespace {
 
-// How many islands there are of each layer but the first; up to two full pixels are a speck.
+// Returns the number of islands in each layer but the first; up to two full pixels are a speck.
 std::vector<std::size_t> islands_in(const std::vector<std::vector<std::string>>& layers) {
   IslandFinder finder;
   std::vector<std::size_t> counts(layers.size(), 0);
@@ -213,7 +213,7 @@ TEST_CASE("A speck may be as bright as its limit and no brighter") {
   CHECK(islands_in({{"####....."}, {"####..##4"}, {"####....."}}) == Counts{0, 1, 0});
 }
 
-TEST_CASE("A speck under an island is not told beside it") {
+TEST_CASE("A speck under an island is not reported in addition") {
   CHECK(islands_in({{"####......"}, {"####....#."}, {"####..####"}}) == Counts{0, 0, 1});
 }
 
@@ -221,7 +221,7 @@ TEST_CASE("A speck that something else carries in the next layer is no island") 
   CHECK(islands_in({{"####...."}, {"####..#."}, {"#######."}}) == Counts{0, 0, 0});
 }
 
-TEST_CASE("A speck that goes on by itself is an island of its first layer") {
+TEST_CASE("A speck that continues by itself is an island of its first layer") {
   CHECK(islands_in({{"####...."}, {"####..#."}, {"####..#."}, {"#######."}}) == Counts{0, 1, 0, 0});
   CHECK(islands_in({{"####...."}, {"####..#."}, {"####.###"}, {"####.###"}}) == Counts{0, 1, 0, 0});
 }
@@ -231,23 +231,23 @@ TEST_CASE("Specks that grow together with nothing else are islands") {
   CHECK(islands_in({{"####......"}, {"####..#.#."}, {"#########."}}) == Counts{0, 0, 0});
 }
 
-TEST_CASE("What is faint connects nothing") {
+TEST_CASE("Faint pixels connect nothing") {
   const Mask standing = mask_of({".###......"}), both = mask_of({".###0####."});
   CHECK(islands_of(both, standing, 64, 4).size() == 1);
   CHECK(islands_of(both, standing, 30, 4).empty());
 }
 
-TEST_CASE("What begins faintly is an island where it becomes bright") {
+TEST_CASE("A part that begins faintly is an island where it becomes bright") {
   CHECK(islands_in({{"####....."}, {"####..0.."}, {"####..##."}, {"####..##."}}) == Counts{0, 0, 1, 0});
 }
 
-TEST_CASE("What is larger than a speck is an island at once") {
+TEST_CASE("A part larger than a speck is an island at once") {
   CHECK(islands_in({{"####....."}, {"####..###"}, {"#########"}}) == Counts{0, 1, 0});
 }
 
 namespace {
 
-// By pixel, from the top row down: the number of its group; -1 where it is dark.
+// The group number of each pixel, from the top row down; -1 where it is dark.
 class Labels {
  public:
   explicit Labels(const Mask& mask) : mask_(mask), of_(mask.pixels().size(), -1) {
@@ -278,7 +278,8 @@ class Labels {
   int groups_ = 0;
 };
 
-// The second layer's specks that are islands, by the definition, pixel by pixel. All that is lit carries.
+// Counts the second layer's specks that are islands, pixel by pixel by their definition. All lit pixels
+// carry.
 std::size_t outlasting(const Mask& first, const Mask& second, const Mask& third, std::uint64_t speck_grey) {
   const Labels here(second), above(third);
   std::vector<std::uint64_t> grey(here.groups());
@@ -307,7 +308,7 @@ std::size_t outlasting(const Mask& first, const Mask& second, const Mask& third,
 
 }  // namespace
 
-TEST_CASE("Specks are islands by the definition") {
+TEST_CASE("The specks found to be islands are those of the definition") {
   CHECK(rc::check([] {
     const Pixels width{static_cast<std::int32_t>(draw(1, 30))},
         height{static_cast<std::int32_t>(draw(1, 12))};

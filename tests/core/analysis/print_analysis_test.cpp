@@ -20,7 +20,7 @@ namespace {
 constexpr Nanometers kLayer{500'000};
 const DisplayGeometry kDisplay{Pixels{480}, Pixels{440}, Micrometers{50.0}};
 
-// The model's plate centre is its point (0, 0).
+// The model's point (0, 0) lies on the plate's centre.
 ContourEngine engine_for(models::Facets facets, const DisplayGeometry& display = kDisplay) {
   return ContourEngine(HeightIndex(std::move(facets)), EngineSettings{display, AntiAliasing::On},
                        {PixelMap::true_scale(display, {0, 0})});
@@ -37,7 +37,7 @@ bool near(double a, double b, double tolerance) {
   return std::fabs(a - b) <= tolerance;
 }
 
-// Sums of whole grey values over 255, scaled.
+// Tolerance for scaled sums of whole grey values over 255.
 constexpr double kRounding = 1e-9;
 
 models::Facets ball(float x, float y, float z, double radius, int cells = 32) {
@@ -50,7 +50,7 @@ Facet facet(Vertex a, Vertex b, Vertex c) {
   return {{a, b, c}};
 }
 
-// A pyramid of four sides on its tip, from (0, 0, 0) up to a square of side 2 * half at z = height.
+// Returns a pyramid of four sides on its tip, from (0, 0, 0) up to a square of side 2 * half at z = height.
 models::Facets inverted_pyramid(float half, float height) {
   const Vertex tip{0, 0, 0}, a{-half, -half, height}, b{half, -half, height}, c{half, half, height},
       d{-half, half, height};
@@ -60,7 +60,7 @@ models::Facets inverted_pyramid(float half, float height) {
 
 }  // namespace
 
-TEST_CASE("A box is its volume and its area and nothing else") {
+TEST_CASE("A box has its volume and its area and no other findings") {
   const PrintFindings found = analyze(models::box({-5, -4, 0}, {5, 4, 10}));
   CHECK(found.layers() == 20);
   CHECK(near(found.volume_mm3, 800, 800 * 1e-12));
@@ -79,13 +79,13 @@ TEST_CASE("An inverted pyramid is largest at its top and stands on its tip") {
   CHECK(found.layers() == 20);
   CHECK(found.island_count == 0);
   CHECK(found.largest_area_layer == 19);
-  // The middle of the last layer: 0.25 mm below the top. A side of a hundred pixels or more in which every
-  // edge pixel is rounded to 1/255.
+  // The last layer is cut 0.25 mm below the top. Each edge pixel of a side of a hundred pixels or more is
+  // rounded to 1/255.
   const double side = 16 * 9.75 / 10;
   CHECK(near(found.largest_area_mm2, side * side, 0.01));
 }
 
-TEST_CASE("The middle of a bridge is no island and what hangs from it is one") {
+TEST_CASE("The middle of a bridge is no island, but a part that hangs from it is") {
   const models::Facets bridge =
       together(together(models::box({-8, -2, 0}, {-6, 2, 8}), models::box({6, -2, 0}, {8, 2, 8})),
                models::box({-8, -2, 8}, {8, 2, 10}));
@@ -101,7 +101,7 @@ TEST_CASE("The middle of a bridge is no island and what hangs from it is one") {
   CHECK(near(hung.islands[0].pixel.y, 220, kRounding));
 }
 
-TEST_CASE("An island is where it is on the plate whatever the mirrors") {
+TEST_CASE("Mirrors do not change an island's place on the plate") {
   const models::Facets model =
       together(models::box({-8, -8, 0}, {-6, -6, 8}), models::box({4, 5, 4}, {6, 7, 8}));
   for (const bool mirror_x : {false, true}) {
@@ -118,7 +118,7 @@ TEST_CASE("An island is where it is on the plate whatever the mirrors") {
   }
 }
 
-TEST_CASE("Of two towers that both stand on the plate none is an island") {
+TEST_CASE("Two towers that both stand on the plate are no islands") {
   CHECK(analyze(together(models::box({-8, 0, 0}, {-5, 3, 9}), models::box({5, 0, 0}, {8, 3, 5})))
             .island_count == 0);
 }
@@ -126,16 +126,16 @@ TEST_CASE("Of two towers that both stand on the plate none is an island") {
 TEST_CASE("A floating ball is one island where it begins") {
   const PrintFindings found = analyze(together(models::box({-8, -8, 0}, {8, 8, 1}), ball(3, -2, 6, 3)));
   REQUIRE(found.islands.size() == 1);
-  // The ball begins at 3 mm, 4 layers of which are dark above the slab's two.
+  // The ball begins at 3 mm; 4 layers of that, above the slab's two, are dark.
   CHECK(found.islands[0].layer == 6);
-  // The marched ball's lowest point is a vertex of a grid of 0.2 mm.
+  // The lowest point of the ball (a marching-cubes mesh) is a vertex of a grid of 0.2 mm.
   CHECK(near(found.islands[0].plate_mm.x, 3, 0.2));
   CHECK(near(found.islands[0].plate_mm.y, -2, 0.2));
   CHECK(found.empty_layers == std::vector<std::int32_t>{2, 3, 4, 5});
 }
 
-TEST_CASE("Dark layers at the end of a print are empty ones") {
-  // The engine knows no more than the model; the stack goes on above it.
+TEST_CASE("Dark layers at the end of a print are empty layers") {
+  // The engine knows only the model; the print goes on above it.
   ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
   const auto found =
       analyze_print(engine, kDisplay, std::vector(10, kLayer), [](std::int32_t) { return 1s; });
@@ -145,20 +145,20 @@ TEST_CASE("Dark layers at the end of a print are empty ones") {
   CHECK(found->layer_time == 10s);
 }
 
-TEST_CASE("A last layer that is cut above the model is no empty one") {
+TEST_CASE("A last layer that is cut above the model is not an empty layer") {
   const PrintFindings found = analyze(models::box({0, 0, 0}, {2, 2, 2.1F}));
   CHECK(found.layers() == 5);
   CHECK(found.area_mm2.back() == 0);
   CHECK(found.empty_layers.empty());
 }
 
-TEST_CASE("Of a print without any light every layer is empty") {
+TEST_CASE("Every layer of a print without light is empty") {
   CHECK(analyze(models::box({0, 0, 0}, {2, 2, 0.1F})).empty_layers == std::vector<std::int32_t>{0});
-  // Thinner than what a pixel can show.
+  // Thinner than a pixel can show.
   CHECK(analyze(models::box({0, 0, 0}, {2, 1e-5F, 1})).empty_layers == std::vector<std::int32_t>{0, 1});
 }
 
-TEST_CASE("A dark layer at the very bottom leaves all above it hanging") {
+TEST_CASE("A dark first layer makes the part above it an island") {
   PrintAnalysis analysis(kDisplay);
   Mask mask(kDisplay.width, kDisplay.height);
   analysis.add_layer(mask, {kLayer, 0s, {}});
@@ -169,12 +169,12 @@ TEST_CASE("A dark layer at the very bottom leaves all above it hanging") {
   CHECK(analysis.findings().island_count == 1);
 }
 
-TEST_CASE("A hollow ball has the resin of its wall and one island inside when something lies in it") {
+TEST_CASE("A hollow ball has the resin of its wall, and one island if something lies in it") {
   const models::Facets shell = together(ball(0, 0, 0, 8, 48), inverted(ball(0, 0, 0, 6, 48)));
   const PrintFindings found = analyze(shell, Nanometers{100'000});
   CHECK(found.island_count == 0);
-  // Layers of 0.1 mm cut at their middles: the error of the midpoint rule on pi (r^2 - z^2) is
-  // pi h^3 / 12 a layer, 0.04 mm3 in all; and of the grey values' rounding, 1/510 of the edge pixels' area.
+  // Layers of 0.1 mm cut at their middles: the error of the midpoint rule on pi (r^2 - z^2) is pi h^3 / 12 a
+  // layer, 0.04 mm3 in all; the grey values' rounding adds 1/510 of the edge pixels' area.
   const double mesh_volume = inspect_mesh(shell).volume_mm3;
   CHECK(near(found.volume_mm3, mesh_volume, 0.5));
   CHECK(near(found.volume_mm3, 4 * std::numbers::pi / 3 * (512 - 216), 15));  // facets cut corners
@@ -185,20 +185,20 @@ TEST_CASE("A hollow ball has the resin of its wall and one island inside when so
 
 namespace {
 
-// A box of 20 x 20 x 10 mm from z = 0 with something of 10 x 10 mm taken out, from one height to another.
+// Returns a box of 20 x 20 x 10 mm from z = 0 with a hollow of 10 x 10 mm from one height to another.
 models::Facets hollowed(float from, float to) {
   return together(models::box({-10, -10, 0}, {10, 10, 10}),
                   inverted(models::box({-5, -5, from}, {5, 5, to})));
 }
 
-// A duct of 2 x 2 mm from the hollow's middle out to x = 10. It takes away once what the hollow leaves.
+// Returns a duct of 2 x 2 mm from the hollow's wall out to x = 10, as an inverted box.
 models::Facets duct(float from, float to) {
   return inverted(models::box({5, -1, from}, {10, 1, to}));
 }
 
 }  // namespace
 
-TEST_CASE("A cup that opens towards the film sucks and one that opens towards the plate is on it") {
+TEST_CASE("A cup that opens towards the film sucks, and one that opens towards the plate is on the plate") {
   // Layers of 0.5 mm.
   const PrintFindings upright = analyze(hollowed(2, 10));
   CHECK(upright.resin_trap_count == 0);
@@ -218,7 +218,7 @@ TEST_CASE("A cup that opens towards the film sucks and one that opens towards th
   CHECK(down.suction_cups[0].last_layer == 15);
 }
 
-TEST_CASE("A tube on the plate is a cup up to its end and one above a gap is none") {
+TEST_CASE("A tube on the plate is a cup up to its end, a tube above a gap is none") {
   const PrintFindings tube = analyze(hollowed(0, 10));
   REQUIRE(tube.suction_cups.size() == 1);
   CHECK(tube.suction_cups[0].on_plate);
@@ -228,11 +228,11 @@ TEST_CASE("A tube on the plate is a cup up to its end and one above a gap is non
   models::Facets above = hollowed(0, 10);
   models::translate(above, 0, 0, 2);
   const PrintFindings lifted = analyze(together(above, models::box({-10, -10, 0}, {-9, -9, 2})));
-  // The gap is told by its own warnings.
+  // The gap is reported by warnings of its own.
   CHECK(lifted.suction_cup_count == 0);
 }
 
-TEST_CASE("A closed hollow sucks and then keeps resin and its duct decides when it does not") {
+TEST_CASE("A closed hollow sucks and then keeps resin; a duct ends the suction where it opens") {
   const PrintFindings closed = analyze(hollowed(2, 8));
   REQUIRE(closed.resin_traps.size() == 1);
   CHECK(closed.resin_trap_count == 1);
@@ -240,30 +240,31 @@ TEST_CASE("A closed hollow sucks and then keeps resin and its duct decides when 
   CHECK(closed.resin_traps[0].first_layer == 4);
   CHECK(closed.resin_traps[0].last_layer == 15);
   CHECK(closed.suction_cup_count == 1);
-  // At its lower end it never sucks.
+  // With a duct at its lower end the hollow never sucks.
   const PrintFindings low = analyze(together(hollowed(2, 8), duct(2, 3)));
   CHECK(low.resin_trap_count == 0);
   CHECK(low.suction_cup_count == 0);
-  // At its upper end it sucks up to there.
+  // With a duct at its upper end it sucks up to the duct.
   const PrintFindings high = analyze(together(hollowed(2, 8), duct(7, 8)));
   CHECK(high.resin_trap_count == 0);
   REQUIRE(high.suction_cups.size() == 1);
   CHECK(high.suction_cups[0].last_layer == 13);
 }
 
-TEST_CASE("A hollow ball keeps the resin of its inside") {
+TEST_CASE("A hollow ball traps the resin inside it") {
   const models::Facets shell = together(ball(0, 0, 0, 8, 48), inverted(ball(0, 0, 0, 6, 48)));
   const PrintFindings found = analyze(shell, Nanometers{100'000});
   REQUIRE(found.resin_traps.size() == 1);
-  // Of a pixel at the wall a quarter is left out on average, of 2 pi r / 0.05 mm of them a layer: 1 %.
+  // On average a quarter of each pixel at the wall is left out, and a layer has 2 pi r / 0.05 mm of them: 1
+  // %.
   const double volume_mm3 = 4 * std::numbers::pi / 3 * 216;
   CHECK(near(found.resin_traps[0].volume_mm3, volume_mm3, 0.02 * volume_mm3));
   CHECK(near(found.resin_traps[0].plate_mm.x, 0, 0.01));
-  // Its widest layer is that of its middle, where 0.1 mm are 0.0008 of its area.
+  // The widest layer is the middle one, where 0.1 mm of height changes the area by only 0.0008 of it.
   CHECK(near(found.suction_cups.at(0).widest_layer, 80, 5));
 }
 
-TEST_CASE("A bottle that stands on its floor sucks up to its neck's end and keeps nothing") {
+TEST_CASE("A bottle that stands on its floor sucks up to the end of its neck and keeps no resin") {
   // The floor is printed first, then the belly, then the neck of 4 x 4 mm.
   const models::Facets bottle =
       together(together(models::box({-8, -8, 0}, {8, 8, 8}), models::box({-3, -3, 8}, {3, 3, 12})),
@@ -277,8 +278,8 @@ TEST_CASE("A bottle that stands on its floor sucks up to its neck's end and keep
   CHECK(found.suction_cups[0].last_layer == 23);
 }
 
-TEST_CASE("A hollow that is too small to matter is none and the largest of many are kept") {
-  // Each of 1.5 x 1.5 mm and 0.4 mm high.
+TEST_CASE("Too small hollows are not reported, and the largest of many are kept") {
+  // Each hollow is 1.5 x 1.5 mm wide and 0.4 mm high.
   PrintAnalysis analysis(kDisplay, {}, {.cup_area_mm2 = 0, .cup_volume_mm3 = 0, .trap_volume_mm3 = 0});
   PrintAnalysis usual(kDisplay);
   Mask full(kDisplay.width, kDisplay.height), holes(kDisplay.width, kDisplay.height);
@@ -286,7 +287,7 @@ TEST_CASE("A hollow that is too small to matter is none and the largest of many 
     std::fill(full.row(y).begin() + 1, full.row(y).end() - 1, std::uint8_t{255});
     std::copy(full.row(y).begin(), full.row(y).end(), holes.row(y).begin());
   }
-  // 60 x 40 of them, in every tenth place twice as large.
+  // 60 x 40 hollows, every tenth of them twice as large.
   for (std::int32_t i = 0; i < 2400; ++i) {
     const std::int32_t x = 10 + i % 60 * 7, y = 10 + i / 60 * 10;
     for (std::int32_t dx = 0; dx < (i % 10 == 0 ? 4 : 2); ++dx)
@@ -307,7 +308,7 @@ TEST_CASE("A hollow that is too small to matter is none and the largest of many 
   CHECK(usual.findings().suction_cup_count == 0);
 }
 
-TEST_CASE("A hollow goes on through a layer whose mask was abandoned") {
+TEST_CASE("A hollow continues through a layer whose mask was abandoned") {
   PrintAnalysis analysis(kDisplay);
   Mask full(kDisplay.width, kDisplay.height);
   for (std::int32_t y = 100; y < 300; ++y)
@@ -324,7 +325,7 @@ TEST_CASE("A hollow goes on through a layer whose mask was abandoned") {
   REQUIRE(analysis.findings().resin_traps.size() == 1);
   CHECK(analysis.findings().resin_traps[0].first_layer == 1);
   CHECK(analysis.findings().resin_traps[0].last_layer == 3);
-  // 5 x 5 mm of two layers.
+  // 5 x 5 mm, two layers high.
   CHECK(near(analysis.findings().resin_traps[0].volume_mm3, 25, 1e-9));
 }
 
@@ -336,13 +337,13 @@ TEST_CASE("A gyroid's resin is its mesh's volume") {
   models::Facets facets = models::gyroid_sphere(9, 6, 48);
   const PrintFindings found = analyze(facets, Nanometers{50'000});
   const double mesh_volume = inspect_mesh(facets).volume_mm3;
-  // Grey values are rounded to 1/255 without bias, layers are thin against the gyroid's walls of a
+  // Grey values are rounded to 1/255 without bias, and layers are thin compared with the gyroid's walls of a
   // millimetre.
   CHECK(near(found.volume_mm3, mesh_volume, 1e-3 * mesh_volume));
   CHECK(found.layers() == static_cast<std::int32_t>(found.area_mm2.size()));
 }
 
-TEST_CASE("What the threshold leaves dark is neither area nor island nor support") {
+TEST_CASE("Pixels below the threshold count neither as area nor as island nor as support") {
   // A pin that covers a quarter of a pixel holds a plate 1 mm above another.
   const models::Facets facets =
       together(together(models::box({-2, -2, 0}, {2, 2, 1}), models::box({0, 0, 1}, {0.025F, 0.025F, 2})),
@@ -360,9 +361,9 @@ TEST_CASE("What the threshold leaves dark is neither area nor island nor support
                       cut = found_with({2.2, 65}, anything);
   CHECK(all.empty_layers.empty());
   CHECK(all.island_count == 0);
-  // Nor does the pin carry the plate, unless anything does.
+  // Nor does the pin carry the plate, unless any contact is enough.
   CHECK(found_with({}, {}).island_count == 1);
-  // 64 of 255 is what a quarter of a pixel is.
+  // A quarter of a pixel has grey 64 of 255.
   CHECK(bright.area_mm2 == all.area_mm2);
   CHECK(cut.area_mm2[2] == 0);
   CHECK(cut.area_mm2[4] == all.area_mm2[4]);
@@ -370,7 +371,7 @@ TEST_CASE("What the threshold leaves dark is neither area nor island nor support
   CHECK(cut.island_count == 1);
 }
 
-TEST_CASE("Cracks are summed and told by layer") {
+TEST_CASE("Cracks are summed and listed by layer") {
   models::Facets box = models::box({0, 0, 0}, {2, 2, 2});
   box.pop_back();
   const PrintFindings found = analyze(together(box, models::box({4, 4, 0}, {6, 6, 4})));
@@ -381,7 +382,7 @@ TEST_CASE("Cracks are summed and told by layer") {
   CHECK(found.cracks.widest_gap > Millimeters{1});
 }
 
-TEST_CASE("The time is that of all layers together") {
+TEST_CASE("The time is the sum over all layers") {
   ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
   const auto found = analyze_print(engine, kDisplay, std::vector(4, kLayer),
                                    [](std::int32_t layer) { return 2s + 100ms * layer; });
@@ -389,7 +390,7 @@ TEST_CASE("The time is that of all layers together") {
   CHECK(found->layer_time == 8600ms);
 }
 
-TEST_CASE("Islands beyond the most that are kept are still counted") {
+TEST_CASE("Islands beyond the maximum that is kept are still counted") {
   const DisplayGeometry display{Pixels{200}, Pixels{200}};
   PrintAnalysis analysis(display);
   Mask mask(display.width, display.height);
@@ -399,13 +400,13 @@ TEST_CASE("Islands beyond the most that are kept are still counted") {
       mask.row(y)[x] = 255;
   }
   analysis.add_layer(mask, {kLayer, 0s, {}});
-  analysis.add_layer(mask, {kLayer, 0s, {}});  // so that they are no specks of one layer
+  analysis.add_layer(mask, {kLayer, 0s, {}});  // so that the islands are no specks of one layer
   CHECK(analysis.findings().island_count == 10'000);
   CHECK(analysis.findings().islands.front().layer == 1);
   CHECK(analysis.findings().islands.size() == PrintFindings::kMaxIslands);
 }
 
-TEST_CASE("A speck of just 0.0125 mm2 is one whatever the pitch is rounded to") {
+TEST_CASE("A dot of exactly 0.0125 mm2 is a speck, however the pitch is rounded") {
   for (const auto& [pitch_um, pixels] : {std::pair(50.0, 5U), std::pair(25.0, 20U), std::pair(100.0, 1U)}) {
     CAPTURE(pitch_um);
     const DisplayGeometry display{Pixels{40}, Pixels{8}, Micrometers{pitch_um}};
@@ -421,7 +422,7 @@ TEST_CASE("A speck of just 0.0125 mm2 is one whatever the pitch is rounded to") 
   }
 }
 
-TEST_CASE("An analysis that is told to stop gives nothing") {
+TEST_CASE("A stopped analysis returns nothing") {
   ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
   std::stop_source source;
   std::int32_t asked = 0;
@@ -436,7 +437,7 @@ TEST_CASE("An analysis that is told to stop gives nothing") {
   CHECK(asked == 2);
 }
 
-TEST_CASE("On a first layer whose mask was abandoned nothing is an island, and above that it is told again") {
+TEST_CASE("Nothing above an abandoned first layer is an island, but islands further up are reported") {
   const DisplayGeometry display{Pixels{8}, Pixels{6}, Micrometers{50.0}};
   const auto lit_at = [&](std::int32_t row) {
     Mask mask(display.width, display.height);

@@ -56,15 +56,15 @@ const Rows kRing = {".....", ".###.", ".#.#.", ".###.", "....."};
 const Rows kOpenRing = {".....", ".#.#.", ".#.#.", ".###.", "....."};
 const Rows kNothing = {".....", ".....", ".....", ".....", "....."};
 
-// First, last and widest layer, pixels there, volume, on the plate, closed.
+// First, last and widest layer, pixels in the widest layer, volume, on the plate, closed.
 using Figures = std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int64_t, std::int64_t, bool, bool>;
 
 Figures figures_of(const MaskVoid& v) {
   return {v.first_layer, v.last_layer, v.widest_layer, v.widest_pixels, v.volume, v.on_plate, v.closed};
 }
 
-// The definition itself: after each layer, what of all layers so far is not reached from outside is flooded,
-// voxel by voxel.
+// The definition of a void, as a reference: after each layer, floods the region of all layers so far that is
+// not reached from outside, voxel by voxel.
 class Flood {
  public:
   explicit Flood(const std::vector<Mask>& layers)
@@ -80,7 +80,7 @@ class Flood {
       for (const Sucking& each : sucking_) {
         if (each.layer + 1 != top) continue;
         const int label = labels_[each.voxel];
-        // Still there, and on the newest layer too: it goes on.
+        // The void is still there and reaches the newest layer: it continues.
         if (label > 1 && is_on(top, label)) continue;
         found.push_back(ended(each, label > 1));
       }
@@ -97,12 +97,12 @@ class Flood {
   struct Sucking {
     std::size_t layer, voxel;
     std::vector<std::size_t> voxels;
-    std::int64_t pixels;  // on that layer
+    std::int64_t pixels;  // pixels of the void on that layer
   };
 
   [[nodiscard]] std::size_t layer_of(std::size_t voxel) const { return voxel / (width_ * height_); }
 
-  // 0: solid, or not printed yet; 1: outside; from 2 on: a void's.
+  // Labels: 0: solid, or not printed yet; 1: outside; from 2 on: a void.
   void label(std::size_t top) {
     labels_.assign(width_ * height_ * layers_.size(), 0);
     count_ = 1;
@@ -156,7 +156,7 @@ class Flood {
     }
   }
 
-  // All that sucked before and became part of it is it too.
+  // Returns the figures of an ended void, which includes everything that sucked before and became part of it.
   [[nodiscard]] Figures ended(const Sucking& last, bool closed) const {
     Figures figures{static_cast<std::int32_t>(layer_of(last.voxels.front())),
                     static_cast<std::int32_t>(last.layer),
@@ -213,7 +213,7 @@ TEST_CASE("A closed hollow is closed by the layer above it") {
   CHECK(figures_of(voids[0]) == Figures{1, 2, 1, 1, 200, false, true});
 }
 
-TEST_CASE("A hollow with a hole in its side sucks until the hole comes and is closed by nothing") {
+TEST_CASE("A hollow with a hole in its side sucks up to the hole and is never closed") {
   const auto voids = voids_of({kFull, kRing, kOpenRing, kRing, kRing, kFull});
   REQUIRE(voids.size() == 1);
   CHECK(figures_of(voids[0]) == Figures{1, 1, 1, 1, 100, false, false});
@@ -223,7 +223,7 @@ TEST_CASE("A hollow with a hole at its bottom never sucks") {
   CHECK(voids_of({kOpenRing, kRing, kRing, kFull}).empty());
 }
 
-TEST_CASE("Two hollows that meet are one from there on and none goes out by a corner") {
+TEST_CASE("Two hollows that meet are one from there on, and a corner is no way out") {
   const Rows two = {".......", ".#####.", ".#.#.#.", ".#####.", "......."};
   const Rows one = {".......", ".#####.", ".#...#.", ".#####.", "......."};
   const Rows roof = {".......", ".#####.", ".#####.", ".#####.", "......."};
@@ -234,7 +234,7 @@ TEST_CASE("Two hollows that meet are one from there on and none goes out by a co
   CHECK(voids_of({roof, corner, roof}).size() == 1);
 }
 
-TEST_CASE("A hollow that parts opens as a whole when one of its arms does") {
+TEST_CASE("A hollow that branches opens as a whole when one of its arms does") {
   const Rows one = {".......", ".#####.", ".#...#.", ".#####.", "......."};
   const Rows arms = {".......", ".#####.", ".#.#.#.", ".#####.", "......."};
   const Rows open = {".......", ".#####.", ".#.#...", ".#####.", "......."};
@@ -244,7 +244,7 @@ TEST_CASE("A hollow that parts opens as a whole when one of its arms does") {
   CHECK(figures_of(voids[0]) == Figures{1, 2, 1, 3, 500, false, false});
 }
 
-TEST_CASE("What touches the picture's edge is outside") {
+TEST_CASE("A gap that touches the picture's edge is outside") {
   CHECK(voids_of({{"#####", "#####", "#####"}, {"##.##", "#...#", "#####"}}).empty());
   CHECK(voids_of({{"#####", "#####", "#####"}, {"#####", "#...#", "##.##"}}).empty());
   CHECK(voids_of({{"#####", "#####", "#####"}, {"#####", "...##", "#####"}}).empty());

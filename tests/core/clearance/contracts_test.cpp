@@ -1,4 +1,4 @@
-// That each header of core/clearance checks what it requires.
+// Checks that each header of core/clearance enforces its requirements.
 #include "core/clearance/clearance_field.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
@@ -6,7 +6,7 @@
 using namespace contourd;
 using testing::contract_broken_by;
 
-TEST_CASE("A field's level is one of its own") {
+TEST_CASE("A field refuses levels that it does not have") {
   LayerStack layers;
   layers.begin({Pixels{104}, Pixels{104}, Micrometers{100.0}}, Nanometers{50'000});
   const DisplayGeometry area{Pixels{100}, Pixels{100}, Micrometers{100.0}};

@@ -19,7 +19,7 @@ using testing::together;
 
 namespace {
 
-// Sums of products of whole millimetres are exact but for a few roundings of numbers below 1000.
+// Sums of products of whole millimetres are exact, apart from a few roundings of numbers below 1000.
 constexpr double kRoundingMm2 = 1e-9;
 
 bool near(double a, double b, double tolerance) {
@@ -80,7 +80,7 @@ std::vector<Segment> soup_between_few_points() {
   return segments;
 }
 
-// A section without any fault in it.
+// Checks a section without any fault.
 void check_clean(const Contours& contours) {
   CHECK(contours.cracks.open_chains == 0);
   CHECK(contours.cracks.gaps_closed == 0);
@@ -89,7 +89,7 @@ void check_clean(const Contours& contours) {
   CHECK(contours.closed_loops() == contours.loops.size());
 }
 
-// A square prism whose front stands `crack` off at the bottom and not at all at the top.
+// Returns a square prism whose front stands off by `crack` at the bottom and not at all at the top.
 models::Facets cracked_box(float crack) {
   models::Facets facets = models::box({0, 0, 0}, {10, 10, 10});
   for (Facet& facet : facets) {
@@ -146,7 +146,7 @@ TEST_CASE("Two boxes that touch along an edge are two loops") {
   }
 }
 
-TEST_CASE("Two cavities that touch along an edge stay within one solid") {
+TEST_CASE("Two cavities that touch along an edge stay inside one solid") {
   auto facets =
       together(models::box({-5, -5, 0}, {25, 25, 10}), inverted(models::box({0, 0, 1}, {10, 10, 9})));
   facets = together(facets, inverted(models::box({10, 10, 1}, {20, 20, 9})));
@@ -173,7 +173,7 @@ TEST_CASE("A model three times in one file is one") {
 TEST_CASE("A T-junction on an upright edge is one closed loop at all heights") {
   models::Facets facets = models::box({0, 0, 0}, {10, 10, 10});
   // The front's facet (0,0,0) (10,0,0) (10,0,10) becomes two that meet at (10,0,5); the neighbours do not
-  // know of it.
+  // have this vertex.
   std::erase_if(facets, [](const Facet& f) {
     return std::ranges::all_of(f.vertices, [](const Vertex& v) { return v.y == 0; }) &&
            std::ranges::count(f.vertices, Vertex{10, 0, 0}) == 1;
@@ -190,8 +190,9 @@ TEST_CASE("A T-junction on an upright edge is one closed loop at all heights") {
   }
 }
 
-TEST_CASE("A T-junction on a slanted edge is closed where the rounded points miss each other") {
-  // A pyramid; one of its slanted edges has a vertex in the middle that only one of its two facets knows.
+TEST_CASE("A T-junction on a slanted edge is closed if the rounded points miss each other") {
+  // A pyramid; one of its slanted edges has a vertex in the middle that belongs to only one of its two
+  // facets.
   const Vertex a{0, 0, 0}, b{10, 0, 0}, c{10, 10, 0}, d{0, 10, 0}, top{3.3F, 4.7F, 9.1F};
   const Vertex on_edge{b.x + (top.x - b.x) / 3, b.y + (top.y - b.y) / 3, b.z + (top.z - b.z) / 3};
   const models::Facets facets{{{a, d, c}},   {{a, c, b}},   {{a, b, on_edge}}, {{a, on_edge, top}},
@@ -224,7 +225,7 @@ TEST_CASE("A missing facet leaves one open chain that is closed and reported") {
   CHECK(near(signed_area(contours), 100, kRoundingMm2));
 }
 
-TEST_CASE("A whole part beside a broken one is not called repaired") {
+TEST_CASE("An intact part beside a broken one does not count as repaired") {
   models::Facets broken = models::box({20, 0, 0}, {30, 10, 10});
   std::erase_if(broken, [](const Facet& f) {
     return std::ranges::all_of(f.vertices, [](const Vertex& v) { return v.y == 0; });
@@ -268,7 +269,7 @@ TEST_CASE("A turned facet changes nothing but the report") {
     const Contours contours = linked(testing::segments_as_filed(facets, 5));
     CHECK(contours.loops.size() == 1);
     CHECK(contours.cracks.open_chains == 0);
-    // The floor and the ceiling are not crossed; of the sides each facet is one chain.
+    // The bottom and the top are not crossed; each facet of the sides is one chain.
     const auto& v = whole[i].vertices;
     const bool level = v[0].z == v[1].z && v[1].z == v[2].z;
     CHECK(contours.cracks.turned_chains == (level ? 0 : 1));
@@ -276,7 +277,7 @@ TEST_CASE("A turned facet changes nothing but the report") {
   }
 }
 
-TEST_CASE("Turned facets anywhere bridge nothing") {
+TEST_CASE("Turned facets anywhere bridge no gap") {
   // 328 mm2 in the shape of a U.
   const std::vector<Point> outline{{0, 0}, {20, 0}, {20, 20}, {13, 20}, {13, 8}, {7, 8}, {7, 20}, {0, 20}};
   const std::size_t walls = outline.size();
@@ -315,7 +316,7 @@ TEST_CASE("A few turned facets of a gyroid leave its sections as they are") {
   }
 }
 
-TEST_CASE("A model turned inside out has the loops of the right one") {
+TEST_CASE("An inside-out model has the same loops as the right way out") {
   const Contours contours = contours_of(inverted(models::box({0, 0, 0}, {10, 10, 10})), 5);
   CHECK(contours.loops.size() == 1);
   check_clean(contours);
@@ -333,7 +334,7 @@ TEST_CASE("A doubled facet is dropped") {
   }
 }
 
-TEST_CASE("A closed mesh's loops are its segments and nothing else") {
+TEST_CASE("A closed mesh's loops consist of exactly its segments") {
   CHECK(rc::check([] {
     const HeightIndex model(testing::draw_blobs(8));
     Section section;
@@ -347,7 +348,7 @@ TEST_CASE("A closed mesh's loops are its segments and nothing else") {
   }));
 }
 
-TEST_CASE("Whatever the order of the segments the loops are the same") {
+TEST_CASE("The loops do not depend on the order of the segments") {
   CHECK(rc::check([] {
     const HeightIndex model(models::gyroid_sphere(10, 6, 12));
     Section section;
@@ -393,7 +394,7 @@ TEST_CASE("A soup of segments between few points becomes closed loops") {
     const Contours contours = linked(segments);
     RC_ASSERT(loops_share_out_the_points(contours));
     RC_ASSERT(contours.repaired_loops <= contours.loops.size());
-    // Each side of a loop is a segment, or one of the joins that were reported (walked either way).
+    // Each side of a loop is a segment, or one of the reported joins (walked either way).
     std::size_t strange = 0;
     const std::multiset<Side> given = sides_of(segments);
     for (const auto& [from, to] : sides_of(contours)) {
@@ -403,7 +404,7 @@ TEST_CASE("A soup of segments between few points becomes closed loops") {
   }));
 }
 
-TEST_CASE("Closing only the open chains leaves the sides that linking everything has") {
+TEST_CASE("Closing only the open chains gives the same sides as linking everything") {
   const auto closed = [](std::vector<Segment> segments) {
     Contours contours;
     MaskBudget unlimited;
@@ -412,7 +413,7 @@ TEST_CASE("Closing only the open chains leaves the sides that linking everything
     sides.merge(sides_of(segments));
     return std::pair{std::move(sides), contours.cracks};
   };
-  SECTION("of a damaged model") {
+  SECTION("a damaged model") {
     models::Dice dice(4);
     models::Facets facets = models::gyroid_sphere(8, 5, 20);
     const models::Facets again(facets.begin(), facets.begin() + 40);
@@ -427,7 +428,7 @@ TEST_CASE("Closing only the open chains leaves the sides that linking everything
     CHECK(sides == sides_of(all));
     CHECK(cracks == all.cracks);
   }
-  SECTION("of a soup between few points") {
+  SECTION("a soup between few points") {
     CHECK(rc::check([&closed] {
       const std::vector<Segment> segments = soup_between_few_points();
       const Contours all = linked(segments);
@@ -436,12 +437,12 @@ TEST_CASE("Closing only the open chains leaves the sides that linking everything
       RC_ASSERT(cracks == all.cracks);
     }));
   }
-  SECTION("of nothing") {
+  SECTION("no segments") {
     CHECK(closed({}).first.empty());
   }
 }
 
-TEST_CASE("No segments are no loops") {
+TEST_CASE("No segments give no loops") {
   const Contours contours = linked({});
   CHECK(contours.loops.empty());
   CHECK(contours.points.empty());
@@ -449,7 +450,7 @@ TEST_CASE("No segments are no loops") {
   CHECK(perimeter_mm(contours) == 0.0);
 }
 
-TEST_CASE("A linker keeps nothing of the section before") {
+TEST_CASE("A linker keeps nothing of the previous section") {
   ContourLinker linker;
   Contours contours;
   linker.link(testing::section_of({models::box({0, 0, 0}, {1, 1, 1})[4]}, 0.5).segments, kPixel, contours);

@@ -26,13 +26,14 @@ double moved_area(const std::vector<Loop>& loops, double distance) {
   return signed_area(moved(loops, distance));
 }
 
-// An arc's chords lie within the chord error of it: so much less area, at most, along an arc of this length.
+// True if `area` falls short of `exact` by at most the area that the chords of an arc of this length can
+// lack.
 bool within_chords(double area, double exact, double arc_length) {
   return area <= exact + 1e-9 && area >= exact - arc_length * kChord;
 }
 
-// Points of the contours' sides, every `step`, that have an empty side: looked at as far beside them as the
-// outline tells points apart, since a gap may be a thin wedge.
+// Returns points of the contours' sides, every `step`, that have an empty side. Each is checked as far beside
+// the side as the outline distinguishes points, since a gap may be a thin wedge.
 std::vector<Point> borders_of_empty(const Contours& contours, double step) {
   std::vector<Point> borders;
   for_each_side(contours, [&](Point a, Point b) {
@@ -63,7 +64,7 @@ double cross(Point origin, Point a, Point b) {
   return (a.x - origin.x) * (b.y - origin.y) - (b.x - origin.x) * (a.y - origin.y);
 }
 
-// Whether two sides of the loop meet at so small an angle that the wall between them is thinner than twice
+// True if two sides of the loop meet at so small an angle that the wall between them is thinner than twice
 // the outline's rounding, and so may not show, for more than a micrometre.
 bool has_a_thin_wall(const Loop& loop) {
   const double least_sine = 2 * ContourUnion::kFileRounding.count() / 1e-3;
@@ -111,27 +112,27 @@ TEST_CASE("A square grows by its sides and four quarter circles and shrinks to a
 TEST_CASE("A circle's radius and a ring's radii change by the distance") {
   const int corners = 720;
   const Loop outer = circle({3, 4}, 8, corners), inner = turned(circle({3, 4}, 5, corners));
-  // A regular polygon's area for its inscribed circle's radius, which moves by the distance.
+  // Returns a regular polygon's area from the radius of its inscribed circle, which changes by the distance.
   const double side_factor = corners * std::tan(std::numbers::pi / corners);
   const double cosine = std::cos(std::numbers::pi / corners);
   const auto area = [&](double radius) { return side_factor * radius * radius; };
   for (const double d : {-1.4, -0.2, -0.013, 0.013, 0.2, 1.4}) {
     CAPTURE(d);
-    // Opened corners are chorded: less area there, more where it is a hole's.
+    // Corners that open are made of chords: less area there, more if the corner is a hole's.
     const double slack = 60 * kChord;
     CHECK(std::fabs(moved_area({outer}, d) - area(8 * cosine + d)) < slack);
     CHECK(std::fabs(moved_area({outer, inner}, d) - area(8 * cosine + d) + area(5 * cosine - d)) < slack);
     CHECK(moved({outer, inner}, d).loops.size() == 2);
   }
   CHECK(moved({outer, inner}, 5.1).loops.size() == 1);  // the hole closes
-  CHECK(moved({outer, inner}, -1.6).loops.empty());     // the wall goes
+  CHECK(moved({outer, inner}, -1.6).loops.empty());     // the wall vanishes
 }
 
 TEST_CASE("A wall thinner than twice the distance vanishes and one thicker stays") {
   CHECK(moved({rectangle(0, 0, 20, 0.2)}, -0.11).loops.empty());
   CHECK(moved({rectangle(0, 0, 20, 0.2)}, -0.1).loops.empty());
   CHECK(std::fabs(moved_area({rectangle(0, 0, 20, 0.2)}, -0.09) - 19.82 * 0.02) < 1e-9);
-  // Between two lumps: they part.
+  // A wall between two lumps, which come apart.
   const std::vector<Loop> lumps{rectangle(0, 0, 5, 5), rectangle(4, 2, 11, 2.2), rectangle(10, 0, 15, 5)};
   CHECK(moved(lumps, 0).loops.size() == 1);
   CHECK(moved(lumps, -0.09).loops.size() == 1);
@@ -160,7 +161,7 @@ TEST_CASE("A square narrower than twice the distance vanishes however it is turn
   }
 }
 
-TEST_CASE("A hole grows when the part shrinks and solids that come together become one") {
+TEST_CASE("A hole grows when the part shrinks, and solids that grow together become one") {
   CHECK(std::fabs(moved_area({rectangle(0, 0, 10, 10), turned(rectangle(4, 4, 6, 6))}, -0.5) -
                   (81 - (9 - 1 + std::numbers::pi / 4))) < 2 * std::numbers::pi * kChord);
   CHECK(moved({rectangle(0, 0, 4, 4), rectangle(4.2, 0, 8, 4)}, 0.09).loops.size() == 2);
@@ -172,24 +173,24 @@ TEST_CASE("Solids that overlap or share a wall shrink as one, without a gap betw
     const Contours smaller = moved({rectangle(0, 0, 10, 10), rectangle(left, 2, 20, 8)}, -0.25);
     CAPTURE(left);
     CHECK(smaller.loops.size() == 1);
-    // 9.5 x 9.5 and 10 x 5.5, and at the two inner corners a square without its quarter circle.
+    // 9.5 x 9.5 and 10 x 5.5, and at each of the two inner corners a square without its quarter circle.
     const double exact = 9.5 * 9.5 + 10 * 5.5 + 2 * 0.0625 * (1 - std::numbers::pi / 4);
-    // The chords of those, and 60 mm of sides to which points within 2^-15 mm are the same.
+    // The chords of these, and 60 mm of sides on which points within 2^-15 mm are equal.
     CHECK(std::fabs(signed_area(smaller) - exact) < 0.8 * kChord + 60.0 / 32768);
     CHECK(winding_around(smaller, {10, 5}) == 1);
   }
 }
 
-TEST_CASE("Loops that run the wrong way move like any other") {
+TEST_CASE("Loops that run the wrong way move like any others") {
   CHECK(
       within_chords(moved_area({turned(rectangle(0, 0, 10, 10))}, 0.5), 100 + 20 + std::numbers::pi / 4, 4));
 }
 
-TEST_CASE("A distance of nothing gives the outline") {
+TEST_CASE("A distance of 0 gives the outline") {
   CHECK(moved_area({rectangle(0, 0, 10, 10), rectangle(5, 5, 15, 15)}, 0) == 175);
 }
 
-TEST_CASE("Grown contours hold every point within the distance and no other") {
+TEST_CASE("Grown contours contain every point within the distance and no other") {
   CHECK(rc::check([] {
     const std::vector<Loop> loops = draw_loops();
     const Contours contours = contours_from(loops);
@@ -199,14 +200,14 @@ TEST_CASE("Grown contours hold every point within the distance and no other") {
       const Point p{draw_real(-14, 14), draw_real(-14, 14)};
       const bool inside = winding_around(contours, p) != 0;
       const double away = distance_to_sides(contours, p);
-      // The chords, and the rounding of points that are taken for one.
+      // The chords, and the rounding of points that count as equal.
       if (std::fabs(away - distance) < kChord + 1e-3 || away < 1e-3) continue;
       RC_ASSERT((winding_around(grown, p) > 0) == (inside || away < distance));
     }
   }));
 }
 
-TEST_CASE("Shrunk contours hold every point farther inside than the distance and no other") {
+TEST_CASE("Shrunk contours contain every point farther inside than the distance and no other") {
   CHECK(rc::check([] {
     const std::vector<Loop> loops = draw_loops();
     const Contours contours = contours_from(loops);

@@ -19,7 +19,7 @@ Contours outline_of(const std::vector<Loop>& loops, FillRule rule = FillRule::No
   return outline;
 }
 
-// Cuts are rounded; points nearer than 2^-15 mm count as one, along some 100 mm of sides.
+// Cuts are rounded: points nearer than 2^-15 mm count as equal, along some 100 mm of sides.
 constexpr double kAreaMm2 = 100.0 / 32768;
 
 bool near(double a, double b, double tolerance = kAreaMm2) {
@@ -54,7 +54,7 @@ TEST_CASE("Solids that share a wall or a part of one become one loop without it"
   }
 }
 
-TEST_CASE("A solid inside another and a solid that is there twice do not show") {
+TEST_CASE("A solid inside another and a duplicate solid leave no trace") {
   CHECK(outline_of({rectangle(0, 0, 10, 10), rectangle(2, 2, 4, 4)}).loops.size() == 1);
   const Contours outline = outline_of({rectangle(0, 0, 10, 10), rectangle(0, 0, 10, 10)});
   CHECK(near(filled_area_mm2(outline), 100, 1e-12));
@@ -67,15 +67,15 @@ TEST_CASE("Loops that run the wrong way are turned") {
   CHECK(signed_area(outline) == 100 - 36 + 1);
 }
 
-TEST_CASE("By the positive rule what is wound the other way is empty") {
+TEST_CASE("By the positive rule, areas wound the other way are empty") {
   CHECK(outline_of({turned(rectangle(0, 0, 10, 10))}, FillRule::Positive).loops.empty());
-  // A bow tie: one half either way.
+  // A bow tie: one half runs each way.
   const Loop bow_tie{{0, 0}, {10, 10}, {10, 0}, {0, 10}};
   CHECK(near(signed_area(outline_of({bow_tie}, FillRule::Positive)), 25, 1e-12));
   CHECK(near(signed_area(outline_of({bow_tie}, FillRule::NonZero)), 50, 1e-12));
 }
 
-TEST_CASE("Loops without an area give nothing") {
+TEST_CASE("Loops without area give no outline") {
   CHECK(outline_of({}).loops.empty());
   CHECK(outline_of({{{1, 1}}, {{1, 1}, {2, 2}}, {{0, 0}, {5, 0}, {9, 0}}, {{3, 3}, {3, 3}, {3, 3}}})
             .loops.empty());
@@ -96,7 +96,7 @@ TEST_CASE("An outline fills what its contours fill, counter-clockwise") {
         if (distance_to_sides(contours, p) < 4.0 / 32768) continue;
         const int winding = winding_around(contours, p);
         const bool inside = rule == FillRule::Positive ? winding > 0 : winding != 0;
-        // Where three sides all but meet in a point, an inner wall may remain and wind twice.
+        // Where three sides almost meet in a point, an inner wall may remain and wind twice.
         RC_ASSERT((winding_around(outline, p) > 0) == inside);
         RC_ASSERT(winding_around(outline, p) >= 0);
       }

@@ -21,7 +21,7 @@ std::vector<Nanometers> layers(int count) {
   return heights;
 }
 
-// A slab of 3 mm and a tower of 4 mm upon it, whose front has been moved away or is missing.
+// A slab of 3 mm and a tower of 4 mm on top, whose front has been moved away or is missing.
 models::Facets tower(float crack, bool missing) {
   models::Facets facets = models::box({0, 0, 5}, {10, 10, 8});
   models::Facets upper = models::box({0, 0, 8}, {4, 4, 12});
@@ -58,7 +58,7 @@ TEST_CASE("Layers with gaps within the tolerance are counted but not open") {
   CHECK(survey.cracks.widest_gap.count() == testing::Approx(0.02).epsilon(1e-5));
 }
 
-TEST_CASE("The first layer with a hole is named and the layers with holes counted") {
+TEST_CASE("The first layer with a hole is reported and the layers with holes are counted") {
   const CrackSurvey survey = survey_cracks(standing(tower(0, true)), layers(7), kPixel);
   CHECK(survey.first_open == 3);
   CHECK(survey.open_layers == 4);
@@ -66,15 +66,15 @@ TEST_CASE("The first layer with a hole is named and the layers with holes counte
   CHECK(survey.cracks.widest_gap == Millimeters{4});
 }
 
-TEST_CASE("Layers whose contours close only when a facet is turned back are guesses") {
+TEST_CASE("Layers whose contours close only if a facet is turned back are guesses") {
   models::Facets facets = tower(0, false);
-  // One of the upper front's, from its foot to its top.
+  // A facet of the upper front, from its foot to its top.
   const auto turned = std::ranges::find_if(facets, [](const Facet& facet) {
     return std::ranges::all_of(facet.vertices, [](const Vertex& v) { return v.y == 0 && v.z >= 8; });
   });
   REQUIRE(turned != facets.end());
   std::swap(turned->vertices[0], turned->vertices[1]);
-  // Beside its neighbours, so that they do not tell how it is turned.
+  // Moved away from its neighbours, so that they do not show how it is turned.
   for (Vertex& v : turned->vertices)
     v.y -= 0.001F;
   const CrackSurvey survey = survey_cracks(standing(facets), layers(7), kPixel);
@@ -84,7 +84,7 @@ TEST_CASE("Layers whose contours close only when a facet is turned back are gues
   CHECK(survey.cracks.turned_chains == 4);
 }
 
-TEST_CASE("The open layers of a model above the plate lie as much higher") {
+TEST_CASE("The open layers of a model above the plate are higher by the same distance") {
   const Elevation raised(Nanometers{5'000'000});
   const CrackSurvey low = survey_cracks(standing(tower(0, true)), layers(7), kPixel);
   const CrackSurvey high = survey_cracks(standing(tower(0, true), raised), layers(12), kPixel);

@@ -37,7 +37,7 @@ Contours one_loop(std::vector<Point> points) {
 
 }  // namespace
 
-TEST_CASE("Where two boxes overlap the area counts once") {
+TEST_CASE("The area where two boxes overlap counts once") {
   const auto facets = together(models::box({0, 0, 0}, {10, 10, 10}), models::box({5, 5, 0}, {15, 15, 10}));
   CHECK(near(area_of(facets, 5), 175));
 }
@@ -48,7 +48,7 @@ TEST_CASE("A box within a box of the same winding adds nothing") {
 }
 
 TEST_CASE("Thousands of walls beside each other are filled without a seam") {
-  // Uprights beside each other, each a little higher than the one before: their tops are a slope.
+  // Uprights beside each other, each a little higher than the previous one: their tops form a slope.
   constexpr int kCount = 12'000;
   Contours contours;
   for (int i = 0; i < kCount; ++i) {
@@ -57,7 +57,7 @@ TEST_CASE("Thousands of walls beside each other are filled without a seam") {
     for (const Point& point : {Point{left, 0}, Point{right, 0}, Point{right, top}, Point{left, top}})
       contours.points.push_back(point);
   }
-  // A staircase: half a step of 10 mm / 12,000 less than the slope. Walls that are shared to a double's
+  // A staircase: half a step of 10 mm / 12,000 less than the slope. Walls that are shared up to a double's
   // rounding meet on the grid, 2^-30 of 20 mm, along 12,000 walls of up to 20 mm.
   CHECK(near(filled_area_mm2(contours), 12 * (15 - 0.5 * 10.0 / kCount), 12'000 * 20 * 20.0 / (1 << 30)));
 }
@@ -72,7 +72,7 @@ TEST_CASE("A cavity is not filled and a solid within it is") {
   CHECK(near(area_of(cavity, 10), 300));
 }
 
-TEST_CASE("Boxes that share a wall or stand upon each other are filled without a seam") {
+TEST_CASE("Boxes that share a wall or stand on each other are filled without a seam") {
   CHECK(
       near(area_of(together(models::box({0, 0, 0}, {10, 10, 10}), models::box({10, 0, 0}, {20, 10, 10})), 5),
            200));
@@ -80,7 +80,7 @@ TEST_CASE("Boxes that share a wall or stand upon each other are filled without a
   CHECK(near(area_of(stacked, 5), 100));
 }
 
-TEST_CASE("A model that faces inwards is filled all the same") {
+TEST_CASE("A model that faces inwards is filled too") {
   CHECK(near(area_of(inverted(models::box({0, 0, 0}, {10, 10, 10})), 5), 100));
 }
 
@@ -103,7 +103,7 @@ TEST_CASE("A five-pointed star's heart is filled") {
   CHECK(near(filled_area_mm2(one_loop(star)), area, 73 * 20.0 / (1 << 30)));
 }
 
-TEST_CASE("Nothing and lines have no area") {
+TEST_CASE("Empty contours and lines have no area") {
   CHECK(filled_area_mm2({}) == 0.0);
   CHECK(filled_area_mm2(one_loop({{0, 0}, {10, 5}})) == 0.0);
   CHECK(filled_area_mm2(one_loop({{0, 0}, {10, 0}, {5, 0}})) == 0.0);
@@ -168,7 +168,7 @@ TEST_CASE("A soup of crossing sides has the area that it covers on a display") {
     random = random * 6364136223846793005U + 1442695040888963407U;
     return static_cast<double>(random >> 40) / (1 << 24) * 100;
   };
-  // The longer one crosses itself more often than is worked out: its area is an estimate.
+  // The longer soup crosses itself more often than the exact calculation allows: its area is an estimate.
   const int count = GENERATE(600, 3000);
   for (int i = 0; i < count; ++i)
     points.push_back({next(), next()});

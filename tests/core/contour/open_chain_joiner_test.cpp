@@ -27,7 +27,7 @@ JoinedChains joined(const std::vector<OpenChain>& chains, Millimeters tolerance 
   return joiner.join(unlimited);
 }
 
-// Every chain is in exactly one loop, once.
+// Checks that every chain is in exactly one loop, once.
 bool every_chain_once(const JoinedChains& result, std::size_t chains) {
   std::vector<int> uses(chains, 0);
   std::uint32_t next = 0;
@@ -52,7 +52,7 @@ std::vector<OpenChain> draw_chains(std::int64_t most, double reach) {
 
 }  // namespace
 
-TEST_CASE("No chains are no loops") {
+TEST_CASE("No chains give no loops") {
   const JoinedChains result = joined({});
   CHECK(result.loops.empty());
   CHECK(result.links.empty());
@@ -106,7 +106,7 @@ TEST_CASE("Ends in the very same point are no gap") {
   CHECK(result.cracks.widest_gap == Millimeters{0});
 }
 
-TEST_CASE("Of chains that disagree the heaviest gives the loop its direction") {
+TEST_CASE("The heaviest of chains that disagree sets the loop's direction") {
   for (const std::uint32_t heavy : {0U, 1U}) {
     std::vector<OpenChain> chains{{{0, 0}, {10, 0}, 2}, {{0, 0}, {10, 0}, 2}};
     chains[heavy].weight = 9;
@@ -119,7 +119,7 @@ TEST_CASE("Of chains that disagree the heaviest gives the loop its direction") {
 }
 
 TEST_CASE("The nearest ends are joined first") {
-  // The first chain's end has two starts within reach; the nearer is the third's.
+  // The first chain's end has two starts within reach; the nearer one is the third chain's.
   const JoinedChains result = joined({{{-10, 0}, {0, 0}}, {{0.04, 0}, {10, 5}}, {{0.01, 0}, {10, -5}}});
   const auto first = std::ranges::find(result.links, 0U, &JoinedChains::Link::chain);
   REQUIRE(first != result.links.end());
@@ -128,7 +128,8 @@ TEST_CASE("The nearest ends are joined first") {
 }
 
 TEST_CASE("A turned chain is walked backwards unless it can be closed the right way round nearby") {
-  // Both begin at the left, 1 mm apart, and end at the right; the other way is as far as they are long.
+  // Both begin at the left, 1 mm apart, and end at the right; the right way round, the join is as long as the
+  // chains.
   const auto any_reversed = [](double length) {
     const JoinedChains result = joined({{{0, 0}, {length, 0}, 9}, {{0, 1}, {length, 1}, 3}});
     CHECK(result.links.front().chain == 0);
@@ -138,7 +139,7 @@ TEST_CASE("A turned chain is walked backwards unless it can be closed the right 
   CHECK_FALSE(any_reversed(3.9));
 }
 
-TEST_CASE("A ring of right and turned chains closes without a bridge however they alternate") {
+TEST_CASE("A ring of correct and turned chains closes without a bridge in any alternation") {
   CHECK(rc::check([] {
     const auto count = static_cast<std::size_t>(testing::draw(2, 24));
     std::vector<Point> corners(count);
@@ -159,14 +160,14 @@ TEST_CASE("A ring of right and turned chains closes without a bridge however the
   }));
 }
 
-TEST_CASE("Only one end of a chain beside its like is no turned chain") {
+TEST_CASE("A chain with only one end beside an end of the same kind is not turned") {
   const JoinedChains result = joined({{{-90, 0}, {0, 0}, 9}, {{0, 90}, {0, 1}, 9}});
   CHECK(std::ranges::none_of(result.links, &JoinedChains::Link::reversed));
 }
 
-TEST_CASE("An end that lost its start to another gets one by pairing anew") {
-  // Chains of 30 um with gaps of 40 um between them: nearest first closes each on itself and leaves the
-  // contour that they belong to open for 1.4 mm.
+TEST_CASE("An end that loses its start to another end is joined to a new one") {
+  // Chains of 30 um with gaps of 40 um between them: joining the nearest first closes each chain on itself
+  // and leaves their contour open for 1.4 mm.
   std::vector<OpenChain> chains{{{1.44, 0}, {0, 0}, 100}};
   for (int i = 0; i < 20; ++i) {
     const double x = 0.04 + 0.07 * i;
@@ -185,11 +186,11 @@ TEST_CASE("A short segment among cracks is not closed on itself") {
   CHECK(result.loops.size() == 1);
   CHECK(result.cracks.gaps_closed == 2);
   CHECK(result.cracks.open_chains == 0);
-  // Alone, it is.
+  // Alone, it is closed on itself.
   CHECK(joined({{{0, 0}, {0.02, 0}}, {{50, 0}, {50.02, 0}}}).loops.size() == 2);
 }
 
-TEST_CASE("Joins within the tolerance and guesses in one loop make it a repaired one") {
+TEST_CASE("A loop with joins within the tolerance and guesses counts as repaired") {
   const JoinedChains result = joined({{{0, 0}, {10, 0}}, {{10, 0.01}, {10, 10}}});
   REQUIRE(result.loops.size() == 1);
   CHECK(result.loops[0].repaired);
@@ -197,20 +198,20 @@ TEST_CASE("Joins within the tolerance and guesses in one loop make it a repaired
   CHECK(result.cracks.open_chains == 1);
 }
 
-TEST_CASE("Two loops far from each other stay two") {
+TEST_CASE("Two loops far from each other stay separate") {
   const JoinedChains result = joined({{{0, 0}, {0, 0.01}, 3}, {{50, 0}, {50, 1}, 3}});
   CHECK(result.loops.size() == 2);
   CHECK(result.cracks.open_chains == 1);
   CHECK(std::ranges::count_if(result.loops, [](const auto& loop) { return loop.repaired; }) == 1);
 }
 
-TEST_CASE("A tolerance of nothing joins only what meets") {
+TEST_CASE("A tolerance of 0 joins only ends that meet") {
   const JoinedChains result = joined({{{0, 0}, {10, 0}}, {{10, 0}, {20, 0}}}, Millimeters{0});
   CHECK(result.cracks.open_chains == 1);
   CHECK(result.cracks.gaps_closed == 0);
 }
 
-TEST_CASE("Whatever the chains each becomes part of one loop") {
+TEST_CASE("Each of any chains becomes part of one loop") {
   CHECK(rc::check([] {
     const double reach = testing::draw(0, 1) == 0 ? 100.0 : 0.2;
     const std::vector<OpenChain> chains = draw_chains(40, reach);
@@ -225,11 +226,11 @@ TEST_CASE("Whatever the chains each becomes part of one loop") {
   }));
 }
 
-TEST_CASE("Too many open chains to weigh them all are closed each on itself") {
+TEST_CASE("Too many open chains to weigh all pairs are each closed on themselves") {
   std::vector<OpenChain> chains;
   for (int i = 0; i < 5000; ++i)
     chains.push_back({{i * 1000.0, 0}, {i * 1000.0, 500}});
-  // A pair that meets counts as one chain.
+  // Two chains that meet count as one chain.
   chains[1].start = chains[0].end;
   const JoinedChains result = joined(chains);
   CHECK(every_chain_once(result, chains.size()));
@@ -245,7 +246,7 @@ TEST_CASE("Thousands of chains that all end in one point are joined without weig
   CHECK(result.cracks.widest_gap == Millimeters{0});
 }
 
-TEST_CASE("Coordinates far larger than the tolerance are joined all the same") {
+TEST_CASE("Ends with coordinates far larger than the tolerance are joined") {
   const JoinedChains result = joined({{{1e17, 1e17}, {3e17, 1e17}}, {{3e17, 1e17}, {1e17, 1e17}}});
   CHECK(result.loops.size() == 1);
   CHECK(result.cracks.open_chains == 0);

@@ -11,7 +11,7 @@ using namespace contourd;
 
 namespace {
 
-// On few points, so that most of them have several segments. -0 and 0 are the same place.
+// Segments between few points, so that most points have several. -0 and 0 are the same place.
 std::vector<Segment> few_points_many_segments() {
   const auto coordinate = [] {
     const std::int64_t number = testing::draw(-1, 2);
@@ -35,7 +35,7 @@ std::vector<std::uint32_t> leaving(const SegmentEnds& ends, const Point& point) 
 TEST_CASE("The segments that leave a point are found from the last to the first") {
   CHECK(rc::check([] {
     SegmentEnds ends;
-    // What an earlier section had does not show.
+    // Reset twice: an earlier section must not show.
     const std::vector<Segment> earlier = few_points_many_segments();
     ends.reset(earlier);
     const std::vector<Segment> segments = few_points_many_segments();
@@ -52,7 +52,7 @@ TEST_CASE("The segments that leave a point are found from the last to the first"
   }));
 }
 
-TEST_CASE("A point is unbalanced that more segments leave than reach, or fewer") {
+TEST_CASE("A point that more segments leave than reach, or fewer, is unbalanced") {
   CHECK(rc::check([] {
     const std::vector<Segment> segments = few_points_many_segments();
     SegmentEnds ends;

@@ -17,7 +17,7 @@ using testing::section_of;
 
 namespace {
 
-// Whether as many segments start as end at every point, by counting.
+// True if as many segments start as end at every point, by counting.
 bool closes(const Section& section) {
   std::map<std::pair<double, double>, int> starts_minus_ends;
   for (const Segment& s : section.segments) {
@@ -50,8 +50,8 @@ bool same(const std::vector<Segment>& a, const std::vector<Segment>& b) {
 
 }  // namespace
 
-// All facets are cut at z = 1, lie in the plane y = x / 2 or so, and face -y where they stand: their inside
-// is at larger y, on the left of a segment that runs towards larger x.
+// All facets are cut at z = 1, lie roughly in the plane y = x / 2, and face -y where they are upright: their
+// inside is at larger y, on the left of a segment that runs towards larger x.
 TEST_CASE("The thesis's six cases of a facet and a plane leave one segment or none") {
   const std::vector<Case> cases{
       {"I, the third vertex above",
@@ -84,8 +84,8 @@ TEST_CASE("The thesis's six cases of a facet and a plane leave one segment or no
       CAPTURE(c.name, turn);
       Facet facet = c.facet;
       std::rotate(facet.vertices.begin(), facet.vertices.begin() + turn, facet.vertices.end());
-      // A second facet far away stretches the model's height, so that the index asks about the first in all
-      // cases.
+      // A second facet far away extends the model's height, so that the index returns the first as a
+      // candidate in all cases.
       const models::Facets facets{facet, {{Vertex{99, 0, -9}, Vertex{99, 0, -9}, Vertex{99, 0, 9}}}};
       Section section = section_of(facets, 1.0);
       CHECK(section.intersecting_facets == c.intersecting + 1);
@@ -103,7 +103,7 @@ TEST_CASE("The thesis's six cases of a facet and a plane leave one segment or no
   }
 }
 
-TEST_CASE("Both facets of a side cut it in the very same bits") {
+TEST_CASE("Both facets of a side give its cut the very same bits") {
   CHECK(rc::check([] {
     const Vertex p = testing::draw_vertex(300), q = testing::draw_vertex(300);
     RC_PRE(p.z != q.z);
@@ -118,7 +118,7 @@ TEST_CASE("Both facets of a side cut it in the very same bits") {
   }));
 }
 
-TEST_CASE("A side is cut at its ends' bits where the plane meets them and between its ends elsewhere") {
+TEST_CASE("A side is cut exactly at an end that the plane meets, and otherwise between its ends") {
   CHECK(rc::check([] {
     const Vertex lower = testing::draw_vertex(300);
     Vertex upper = testing::draw_vertex(300);
@@ -138,7 +138,7 @@ TEST_CASE("A side is cut at its ends' bits where the plane meets them and betwee
   }));
 }
 
-TEST_CASE("A facet's segment has the very ends that its two sides alone have, and no -0") {
+TEST_CASE("A facet's segment has exactly the ends that its two sides give, and no -0") {
   CHECK(rc::check([] {
     const Facet facet = testing::draw_facet(30);
     const double z = testing::draw_real(-30, 30);
@@ -207,7 +207,7 @@ TEST_CASE(
 
 TEST_CASE("The section is the one just above the plane") {
   const models::Facets box = models::box({0, 0, 0}, {10, 10, 5});
-  // Of the eight facets around it, those that touch the bottom in one vertex leave nothing there.
+  // The facets around it that touch the bottom at one vertex leave nothing there.
   CHECK(section_of(box, 0.0).segments.size() == 4);
   CHECK(section_of(box, 0.0).balanced);
   CHECK(section_of(box, 0.0).intersecting_facets == 8);
@@ -218,7 +218,7 @@ TEST_CASE("The section is the one just above the plane") {
   CHECK(section_of(box, 5.0).balanced);
 }
 
-TEST_CASE("A section replaces what was there before") {
+TEST_CASE("A section replaces the previous one") {
   const HeightIndex index(models::box({0, 0, 0}, {10, 10, 5}));
   Section section = section_of({models::box({0, 0, 0}, {1, 1, 1})[4]}, 0.5);
   CHECK_FALSE(section.balanced);
@@ -231,7 +231,7 @@ TEST_CASE("A section replaces what was there before") {
   CHECK(section.balanced);
 }
 
-TEST_CASE("A missing facet unbalances the sections that cross it, a turned or doubled one does not") {
+TEST_CASE("A missing facet unbalances the sections that cross it, a turned or doubled facet does not") {
   const models::Facets whole = models::sphere(10, 10);
   CHECK(rc::check([&] {
     const auto chosen =
@@ -262,13 +262,13 @@ TEST_CASE("A wall of two facets back to back is balanced") {
 }
 
 TEST_CASE("The inside lies on a segment's left") {
-  // Of a box around (5, 5), every segment sees that point on its left.
+  // Every segment of a box around (5, 5) has that point on its left.
   for (const Segment& s : section_of(models::box({0, 0, 0}, {10, 10, 5}), 2.5).segments) {
     CHECK((s.to.x - s.from.x) * (5 - s.from.y) - (s.to.y - s.from.y) * (5 - s.from.x) > 0);
   }
 }
 
-TEST_CASE("Points hash by their bits and both zeros alike") {
+TEST_CASE("Points hash by their bits, and both zeros hash alike") {
   CHECK(hash_of({1.0, 2.0}) == hash_of({1.0, 2.0}));
   CHECK(hash_of({0.0, -0.0}) == hash_of({-0.0, 0.0}));
   CHECK(hash_of({1.0, 2.0}) != hash_of({2.0, 1.0}));

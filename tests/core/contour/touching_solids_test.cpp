@@ -1,5 +1,5 @@
-// Solids that were drawn touching, as files have them: each with corners of its own, rounded to the file's
-// decimals or to floats. Shrunk, they are still one.
+// Solids that were drawn touching, as they are in files: each with its own corners, rounded to the file's
+// decimals or to floats. They shrink as one.
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -14,12 +14,12 @@ using namespace contourd::testing;
 
 namespace {
 
-constexpr double kShrink = 0.1;  // mm; a gap would open to twice of it
+constexpr double kShrink = 0.1;  // mm; a gap would open to twice this
 
 struct Rounding {
   const char* name;
-  double step_mm;      // of decimals; 0: none
-  double from_origin;  // mm; the file's floats round there
+  double step_mm;      // step of the decimals; 0: none
+  double from_origin;  // in mm; the coordinates are rounded to floats at this distance
 };
 
 constexpr Rounding kRoundings[] = {{"1e-3 mm", 1e-3, 0},
@@ -80,13 +80,13 @@ Contours shrunk(const std::vector<Loop>& loops, double by) {
 
 }  // namespace
 
-TEST_CASE("A brick bond shrinks as one wall, however its corners are rounded and it is turned") {
+TEST_CASE("A brick bond shrinks as one wall, however its corners are rounded and turned") {
   for (const Rounding& rounding : kRoundings) {
     for (int degrees = 0; degrees < 90; degrees += 3) {
       CAPTURE(rounding.name, degrees);
       const Contours wall = shrunk(brick_bond(degrees, rounding), kShrink);
       CHECK(wall.loops.size() == 1);
-      // Its outline is rounded by a micrometre, along 84 mm.
+      // The outline is rounded by a micrometre, along 84 mm.
       CHECK(std::fabs(signed_area(wall) - 29.8 * 11.8) < 84e-3);
     }
   }
@@ -105,7 +105,7 @@ TEST_CASE("Sectors of a disc shrink as one disc") {
   }
 }
 
-TEST_CASE("A gap that is no rounding opens by twice the distance") {
+TEST_CASE("A gap wider than rounding opens by twice the distance") {
   for (const double gap : {0.0025, 0.005, 0.02}) {
     CAPTURE(gap);
     const Contours apart = shrunk({rectangle(0, 0, 10, 10), rectangle(10 + gap, 0, 20, 10)}, kShrink);
@@ -115,7 +115,7 @@ TEST_CASE("A gap that is no rounding opens by twice the distance") {
 }
 
 TEST_CASE("A facet far away closes no gap") {
-  // A float's step there is 8 um.
+  // A float's step at this distance is 8 um.
   const Contours apart = shrunk(
       {rectangle(0, 0, 10, 10), rectangle(10.02, 0, 20, 10), {{1e5, 1e5}, {1.001e5, 1e5}, {1e5, 1.001e5}}},
       kShrink);
@@ -124,13 +124,13 @@ TEST_CASE("A facet far away closes no gap") {
     if (apart.points_of(loop).front().x < 100) area += signed_area(apart.points_of(loop));
   }
   CHECK(apart.loops.size() == 3);
-  // The sweep's grid is as wide: 2^-13 mm, along 79 mm.
+  // The sweep's grid has to be wider: 2^-13 mm, along 79 mm.
   CHECK(std::fabs(area - 19.58 * 9.8) < 79.0 / (1 << 13));
 }
 
-TEST_CASE("Touching solids of any directions of walls shrink as one, cut in two and rounded") {
+TEST_CASE("A solid cut in two in any direction and rounded shrinks as one") {
   CHECK(rc::check([] {
-    // A convex part, cut by a line into two: each rounds the line's ends for itself.
+    // A convex part, cut in two by a line: each half rounds the line's ends separately.
     const double radius = draw_real(2, 20), degrees = draw_real(0, 360), off = draw_real(-0.8, 0.8) * radius;
     const Loop whole = circle({0, 0}, radius, static_cast<int>(draw(8, 90)));
     const Rounding& rounding = kRoundings[draw(0, 4)];

@@ -15,10 +15,10 @@ namespace {
 
 struct End {
   int status = 0;
-  std::string said;  // to stderr
+  std::string said;  // output to stderr
 };
 
-// Of a child that makes this call.
+// Makes the call in a child process and returns how the child ended.
 template <typename Call>
 End end_of(Call call) {
   int ends[2];
@@ -50,7 +50,7 @@ static_assert(checked(1) == 1, "a contract that is kept is a constant expression
 
 }  // namespace
 
-TEST_CASE("A contract that is kept says and does nothing") {
+TEST_CASE("A contract that is kept prints nothing and allocates nothing") {
   const End end = end_of([] { halve(2); });
   CHECK(end.status == 0);
   CHECK(end.said.empty());
@@ -59,7 +59,7 @@ TEST_CASE("A contract that is kept says and does nothing") {
   CHECK(testing::allocations() == before);
 }
 
-TEST_CASE("A broken contract aborts the process, and says where and what it was") {
+TEST_CASE("A broken contract aborts the process and prints its place and requirement") {
   const End end = end_of([] { halve(3); });
   CHECK(WIFSIGNALED(end.status));
   CHECK(WTERMSIG(end.status) == SIGABRT);
@@ -67,7 +67,7 @@ TEST_CASE("A broken contract aborts the process, and says where and what it was"
   CHECK(end.said.ends_with(": the number is even\n"));
 }
 
-TEST_CASE("A broken contract is the handler's first, and the process ends though the handler returns") {
+TEST_CASE("A broken contract calls the handler, and the process ends even if the handler returns") {
   const End end = end_of([] {
     on_broken_contract([](const BrokenContract& broken) noexcept {
       ::dprintf(STDERR_FILENO, "light off, for %s", broken.requirement);
@@ -91,13 +91,13 @@ TEST_CASE("A handler that breaks a contract itself is not called again, and the 
   CHECK(WIFSIGNALED(end.status));
 }
 
-TEST_CASE("What breaks a contract may be noexcept, or another thread") {
+TEST_CASE("A contract can be broken in a noexcept function or on another thread") {
   CHECK(contract_broken_by([]() noexcept { halve(1); }) == "the number is even");
   CHECK(contract_broken_by([] { std::thread([] { halve(1); }).join(); }) == "the number is even");
   CHECK(contract_broken_by([] { halve(0); }).empty());
 }
 
-TEST_CASE("A costly check is made in builds that are for finding mistakes, and not looked at in others") {
+TEST_CASE("A costly check is made in builds for finding mistakes, and not evaluated in others") {
   int looks = 0;
   expects_costly([&] { return ++looks > 0; }, "it was looked");
   CHECK(looks == (kCostlyChecks ? 1 : 0));

@@ -15,7 +15,7 @@ TEST_CASE("Growth is the same at every height") {
     CHECK(growth.offset_at(Nanometers{nm}) == Micrometers{-35});
 }
 
-TEST_CASE("The elephant foot is taken off in full at the plate and fades to nothing at its height") {
+TEST_CASE("The elephant foot is removed in full at the plate and fades to nothing at its height") {
   const Compensation foot{Micrometers{20}, Micrometers{100}, Nanometers{400'000}};
   CHECK(foot.offset_at(Nanometers{-1000}) == Micrometers{-80});
   CHECK(foot.offset_at(Nanometers{0}) == Micrometers{-80});

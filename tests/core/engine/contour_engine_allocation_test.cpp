@@ -1,4 +1,4 @@
-// "Allocates nothing once it has seen its largest section".
+// Checks the promise "Allocates nothing once it has seen its largest section".
 #include <memory>
 #include <utility>
 #include <vector>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr Nanometers kLayer{500'000};
 
-// Allocations of a second pass over all layers.
+// Returns the allocations of a second pass over all layers.
 long allocations_when_warm(models::Facets facets, EngineSettings settings = {}) {
   settings.display = {Pixels{480}, Pixels{480}};
   const auto model = std::make_shared<const HeightIndex>(std::move(facets));
@@ -55,7 +55,7 @@ TEST_CASE("A warm engine allocates nothing for a cracked model") {
   CHECK(allocations_when_warm(facets) == 0);
 }
 
-TEST_CASE("A warm engine allocates nothing for a model that is there twice") {
+TEST_CASE("A warm engine allocates nothing for a duplicated model") {
   models::Facets facets = models::gyroid_sphere(10, 6, 24);
   const models::Facets copy = facets;
   facets.insert(facets.end(), copy.begin(), copy.end());
@@ -106,7 +106,7 @@ TEST_CASE("Finding islands allocates nothing when warm") {
 }
 
 TEST_CASE("A warm engine allocates nothing for compensated masks") {
-  // Two gyroids in one place overlap everywhere.
+  // Two gyroids at one place overlap everywhere.
   models::Facets facets = models::gyroid_sphere(10, 6, 24);
   models::Facets other = models::gyroid_sphere(10, 5, 20);
   facets.insert(facets.end(), other.begin(), other.end());

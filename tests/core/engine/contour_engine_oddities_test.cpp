@@ -1,4 +1,4 @@
-// Meshes as people really have them: what does not belong to a solid's outside does not show.
+// Meshes as people really have them: parts that are not on a solid's outside must not show in the masks.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -27,7 +27,7 @@ ContourEngine engine_for(const Facets& facets, AntiAliasing mode) {
                        {PixelMap::true_scale(kDisplay, {0, 0})});
 }
 
-// Whether both have the same masks at heights all over the first, its vertices' own among them.
+// True if both have the same masks at heights all over the first, including the heights of its vertices.
 bool same_masks(const Facets& clean, const Facets& odd) {
   const Bounds bounds = bounds_of(clean);
   for (const AntiAliasing mode : kBoth) {
@@ -46,7 +46,7 @@ std::vector<Facets> clean_models() {
 
 }  // namespace
 
-TEST_CASE("Duplicate facets do not show") {
+TEST_CASE("Duplicate facets do not change the masks") {
   for (const Facets& clean : clean_models()) {
     models::Dice dice(3);
     Facets odd = clean;
@@ -56,10 +56,10 @@ TEST_CASE("Duplicate facets do not show") {
   }
 }
 
-TEST_CASE("Neighbouring facets that are there twice do not show, and are no cracks") {
+TEST_CASE("Neighbouring duplicate facets do not change the masks and are no cracks") {
   struct Patch {
     Facets clean;
-    double reach;  // less than any loop's: at a height, runs of doubled segments
+    double reach;  // smaller than any loop, so that a section has runs of doubled segments
   };
   for (const auto& [clean, reach] :
        {Patch{clean_models()[0], 8.5}, Patch{clean_models()[1], 1.6}, Patch{clean_models()[2], 1.6}}) {
@@ -81,7 +81,7 @@ TEST_CASE("Neighbouring facets that are there twice do not show, and are no crac
   }
 }
 
-TEST_CASE("Loops that are there twice or thrice do not show, and do not fill a hole") {
+TEST_CASE("Loops that are there two or three times do not change the masks and do not fill a hole") {
   for (const Facets& clean : clean_models()) {
     Facets twice = together(clean, clean);
     CHECK(same_masks(clean, twice));
@@ -91,7 +91,7 @@ TEST_CASE("Loops that are there twice or thrice do not show, and do not fill a h
   const Facets cavity = inverted(models::sphere(3, 16));
   const Facets hollow = together(models::box({-6, -5, -8}, {6, 5, 8}), cavity);
   CHECK(same_masks(hollow, together(hollow, cavity)));
-  // A ring around it alone: no facet of the caps is doubled.
+  // Only the ring around it is doubled: no facet of the caps.
   Facets ring = box;
   std::ranges::copy_if(box, std::back_inserter(ring), [](const Facet& facet) {
     const auto& [a, b, c] = facet.vertices;
@@ -101,7 +101,7 @@ TEST_CASE("Loops that are there twice or thrice do not show, and do not fill a h
   CHECK(same_masks(box, ring));
 }
 
-TEST_CASE("A wall that solids one within the other share is no crack") {
+TEST_CASE("A wall shared by a solid and another inside it is no crack") {
   const Facets box = models::box({-6, -5, 0}, {6, 5, 8});
   const Facets within = models::box({-3, -5, 0}, {6, 5, 8});
   CHECK(same_masks(box, together(box, within)));
@@ -111,13 +111,13 @@ TEST_CASE("A wall that solids one within the other share is no crack") {
   CHECK(testing::signed_area(engine.contours_at(Nanometers{4'000'000})) == 12 * 10 + 9 * 10);
 }
 
-TEST_CASE("A box and its copy with a hole are a box") {
+TEST_CASE("A box and its copy with a hole have the masks of a box") {
   const Facets clean = models::box({-6, -5, 0}, {6, 5, 8});
   const Facets holed(clean.begin() + 1, clean.end());
   CHECK(same_masks(clean, together(clean, holed)));
 }
 
-TEST_CASE("Facets without area do not show") {
+TEST_CASE("Facets without area do not change the masks") {
   for (const Facets& clean : clean_models()) {
     models::Dice dice(5);
     Facets odd = clean;
@@ -133,7 +133,7 @@ TEST_CASE("Facets without area do not show") {
 
 namespace {
 
-// An upright strip of a cylinder's side of so many degrees, about the z axis.
+// Returns an upright strip of a cylinder's side, some degrees wide, about the z axis.
 Facets bent_sheet(float radius, double degrees, float low, float high) {
   Facets facets;
   constexpr int kSteps = 12;
@@ -151,7 +151,7 @@ Facets bent_sheet(float radius, double degrees, float low, float high) {
 
 }  // namespace
 
-TEST_CASE("Internal walls of one side do not show, whichever it is, but are told") {
+TEST_CASE("One-sided internal walls do not change the masks, whichever side it is, but are reported") {
   const Facets clean = models::box({-6, -5, 0}, {6, 5, 8});
   for (const Facets& sheet : {bent_sheet(3, 20, 1, 7), bent_sheet(3, 100, 1, 7), bent_sheet(4, 180, 1, 7),
                               Facets{{{Vertex{-3, -3, 1}, Vertex{3, 2, 1}, Vertex{0, 0, 7}}}}}) {
@@ -162,7 +162,7 @@ TEST_CASE("Internal walls of one side do not show, whichever it is, but are told
   }
 }
 
-TEST_CASE("A shaft that lacks a wall is a shaft") {
+TEST_CASE("A shaft that lacks a wall is still a shaft") {
   const Facets box = models::box({-6, -5, 0}, {6, 5, 8});
   const Facets shaft = inverted(models::box({-3, -2, 1}, {3, 2, 7}));
   Facets three_walls = shaft;
@@ -173,7 +173,7 @@ TEST_CASE("A shaft that lacks a wall is a shaft") {
   CHECK(same_masks(together(box, shaft), together(box, three_walls)));
 }
 
-TEST_CASE("Internal walls do not show") {
+TEST_CASE("Internal walls do not change the masks") {
   // A sheet of both windings, a shell within the solid, and one shared with another solid.
   const Facets clean = models::box({-6, -5, 0}, {6, 5, 8});
   Facets sheet{{{Vertex{-3, -3, 1}, Vertex{3, 2, 1}, Vertex{0, 0, 7}}}};
@@ -185,7 +185,7 @@ TEST_CASE("Internal walls do not show") {
 TEST_CASE("Overlapping shells unite and cavities stay empty") {
   const Facets outer = models::box({-6, -5, 0}, {6, 5, 8});
   const Facets cavity = inverted(models::box({-2, -2, 2}, {2, 2, 6}));
-  // A second shell that lies in the first changes nothing, nor does the first one again.
+  // A second shell inside the first changes nothing, nor does a duplicate of the first.
   CHECK(same_masks(outer, together(outer, models::box({-5, -4, 0}, {5, 4, 8}))));
   const Facets hollow = together(outer, cavity);
   for (const AntiAliasing mode : kBoth) {
@@ -193,7 +193,7 @@ TEST_CASE("Overlapping shells unite and cavities stay empty") {
     CHECK(engine.mask_at_z(Millimeters{1}).lit_pixels() == 240 * 200);
     CHECK(engine.mask_at_z(Millimeters{4}).lit_pixels() == 240 * 200 - 80 * 80);
     CHECK(engine.mask_at_z(Millimeters{7}).lit_pixels() == 240 * 200);
-    // A solid in the cavity is lit again.
+    // A solid in the cavity is lit.
     ContourEngine filled = engine_for(together(hollow, models::box({-1, -1, 2}, {1, 1, 6})), mode);
     CHECK(filled.mask_at_z(Millimeters{4}).lit_pixels() == 240 * 200 - 80 * 80 + 40 * 40);
   }
@@ -204,11 +204,11 @@ TEST_CASE("A model that is wound inside out has the same masks") {
     CHECK(same_masks(clean, inverted(clean)));
 }
 
-TEST_CASE("A cube of 20 mm is 400 pixels wide wherever it stands on the grid's lines") {
+TEST_CASE("A cube of 20 mm is 400 pixels wide at any whole pixel") {
   const DisplayGeometry display{Pixels{1000}, Pixels{900}, Micrometers{50.0}};
   models::Dice dice(11);
   for (int i = 0; i < 40; ++i) {
-    // Whole pixels from the display's left and top: the grid's lines.
+    // Whole pixels from the display's left and top edge: the lines of the grid.
     const int column = static_cast<int>(dice.below(600)), row = static_cast<int>(dice.below(500));
     const Point center{10 - (column + 200 - 500) * 0.05, 10 + (row + 200 - 450) * 0.05};
     for (const AntiAliasing mode : kBoth) {
@@ -224,7 +224,7 @@ TEST_CASE("A cube of 20 mm is 400 pixels wide wherever it stands on the grid's l
   }
 }
 
-TEST_CASE("Planes out of range and of no number are dark") {
+TEST_CASE("Masks at heights out of range or not a number are dark") {
   for (const Facets& facets : clean_models()) {
     for (const AntiAliasing mode : kBoth) {
       ContourEngine engine = engine_for(facets, mode);
@@ -236,7 +236,7 @@ TEST_CASE("Planes out of range and of no number are dark") {
   }
 }
 
-TEST_CASE("Models without height and with coordinates at float's ends have a mask all the same") {
+TEST_CASE("Models without height and with the largest float coordinates have masks") {
   constexpr float kHuge = 3e38F, kTiny = 1e-44F;
   const Facets flat{{{Vertex{-1, -1, 2}, Vertex{1, -1, 2}, Vertex{0, 1, 2}}}};
   const Facets huge = models::box({-kHuge, -kHuge, -kHuge}, {kHuge, kHuge, kHuge});

@@ -31,7 +31,7 @@ Mask mask_of(const models::Facets& facets, Nanometers height, AntiAliasing anti_
   return engine_for(facets, anti_aliasing).mask_at(height);
 }
 
-// The lit area in square millimetres.
+// Returns the lit area in square millimetres.
 double area(const Mask& mask) {
   return mask.lit_area() * 0.05 * 0.05;
 }
@@ -40,10 +40,10 @@ bool near(double a, double b, double tolerance) {
   return std::fabs(a - b) <= tolerance;
 }
 
-// Sums of whole grey values over 255, scaled.
+// Tolerance for sums of whole grey values divided by 255, scaled.
 constexpr double kRoundingMm2 = 1e-9;
 
-// A slab of 20 x 20 x 5 mm with a post of 10 x 10 x 5 mm upon it.
+// A slab of 20 x 20 x 5 mm with a post of 10 x 10 x 5 mm on top.
 models::Facets slab_and_post() {
   return together(models::box({0, 0, 0}, {20, 20, 5}), models::box({5, 5, 5}, {15, 15, 10}));
 }
@@ -68,7 +68,7 @@ TEST_CASE("A mask is the section just above its height") {
   }
 }
 
-TEST_CASE("A roof's cavity opens and closes at its flat faces") {
+TEST_CASE("A cavity under a roof opens and closes at its flat faces") {
   ContourEngine engine = engine_for(
       together(models::box({0, 0, 0}, {20, 20, 20}), inverted(models::box({5, 5, 5}, {15, 15, 15}))));
   CHECK(near(area(engine.mask_at(Nanometers{4'999'999})), 400, kRoundingMm2));
@@ -88,7 +88,7 @@ TEST_CASE("Solids that overlap or share a wall are lit once and without a dark l
   CHECK(near(area(mask_of(stacked, middle)), 100, kRoundingMm2));
 }
 
-TEST_CASE("Heights count from the model's lowest point wherever that is") {
+TEST_CASE("Heights count from the model's lowest point, wherever it is") {
   models::Facets low = slab_and_post();
   models::translate(low, 0, 0, -64);
   ContourEngine engine = engine_for(low);
@@ -114,7 +114,7 @@ TEST_CASE("A display without pixels or with too many is refused") {
   CHECK_THROWS_AS(engine(100, 16385), std::invalid_argument);
 }
 
-TEST_CASE("Every copy of a model is lit at its own place") {
+TEST_CASE("Every copy of a model is lit at its place") {
   const HeightIndex post(models::box({0, 0, 0}, {2, 2, 5}));
   const PixelMap left = PixelMap::true_scale(kDisplay, {6, 1}),
                  right = PixelMap::true_scale(kDisplay, {-4, 1});
@@ -149,7 +149,7 @@ TEST_CASE("Two models on a plate are lit together and each stands on it") {
   CHECK(engine.mask_at(Nanometers{3'000'000}).lit_area() == 40.0 * 40.0);
 }
 
-TEST_CASE("A layer says what was bridged to close it and an intact one that nothing was") {
+TEST_CASE("A layer reports the gaps bridged to close it, and an intact layer reports none") {
   models::Facets box = models::box({0, 0, 0}, {2, 2, 5});
   ContourEngine intact = engine_for(box);
   box.pop_back();
@@ -163,12 +163,12 @@ TEST_CASE("A layer says what was bridged to close it and an intact one that noth
   CHECK(of_mask.widest_gap.count() > 0.05);
   (void)engine.contours_at(Nanometers{1'000'000});
   CHECK(engine.cracks() == of_mask);
-  // Above the model: what was found below is no longer told.
+  // Above the model: cracks of an earlier height are no longer reported.
   (void)engine.mask_at(Nanometers{9'000'000});
   CHECK(engine.cracks() == LayerCracks{});
 }
 
-TEST_CASE("A missing or turned or doubled facet changes no pixel where its gap is a straight line") {
+TEST_CASE("A missing, turned or doubled facet changes no pixel if its gap is a straight line") {
   const models::Facets whole = ball();
   CHECK(rc::check([&] {
     const auto chosen =
@@ -224,7 +224,7 @@ TEST_CASE("A cracked model's mask differs from the intact one only near the crac
   }));
 }
 
-TEST_CASE("The same height gives the same bytes whatever came before") {
+TEST_CASE("The same height gives the same bytes, whatever came before") {
   for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
     for (const bool broken : {false, true}) {
       models::Facets facets = models::gyroid_sphere(9, 6, 20);
@@ -277,7 +277,7 @@ TEST_CASE("A model without facets is dark") {
   CHECK(engine.contours_at(Nanometers{0}).loops.empty());
 }
 
-TEST_CASE("An engine knows its model") {
+TEST_CASE("An engine returns its model") {
   const ContourEngine engine = engine_for(slab_and_post());
   CHECK(engine.model().facets().size() == 24);
   CHECK(engine.model().bounds().max_z == 10);
@@ -326,7 +326,7 @@ TEST_CASE("Several models all stand on the plate and their masks unite") {
       for (std::size_t i = 0; i < mask.pixels().size(); ++i) {
         const int a = first.pixels()[i], b = second.pixels()[i], united = mask.pixels()[i];
         overlap_seen = overlap_seen || (a > 0 && b > 0);
-        // Where they overlap they are cut, which rounds a grey value anew.
+        // Where the models overlap their sides are cut, which rounds a grey value again.
         const bool right = a == 0 || b == 0 ? std::abs(united - a - b) <= 1 : united >= std::max(a, b) - 1;
         if (!right) FAIL("pixel " << i << " at " << um << " um: " << a << ", " << b << ": " << united);
       }
@@ -372,7 +372,7 @@ TEST_CASE("The gaps of several models are counted together") {
     CHECK(two[i] == 2 * one[i]);
 }
 
-TEST_CASE("The loops of a mask are counted from its own cut, whatever became of it") {
+TEST_CASE("The loops of a mask are counted from its own cut and equal those of the contours") {
   models::Facets cracked = slab_and_post();
   cracked.erase(cracked.begin() + 5);
   for (const Micrometers growth : {Micrometers{0}, Micrometers{100}}) {
@@ -411,7 +411,7 @@ TEST_CASE("A part grows and shrinks by its compensation on every side") {
     const auto exact = [d](double side) {
       return d < 0 ? (side + 2 * d) * (side + 2 * d) : side * side + 4 * side * d + std::numbers::pi * d * d;
     };
-    // The chords of four quarter circles, and half a level at each of their and the sides' pixels.
+    // The chords of four quarter circles, and half a level at each pixel of these and of the sides.
     const double tolerance =
         4 * d * d * 0.0005 + 2 * std::numbers::pi * std::fabs(d) * 0.0005 + 2000 * 0.5 / 255 * 0.05 * 0.05;
     CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), exact(20), tolerance));
@@ -419,7 +419,7 @@ TEST_CASE("A part grows and shrinks by its compensation on every side") {
   }
 }
 
-TEST_CASE("The elephant foot is taken off at the plate and nothing above its height") {
+TEST_CASE("The elephant foot is removed at the plate, and nothing above its height") {
   const Compensation foot{{}, Micrometers{200}, Nanometers{2'000'000}};
   ContourEngine engine = engine_with(with_compensation(foot), slab_and_post());
   CHECK(near(area(engine.mask_at(Nanometers{0})), 19.6 * 19.6, kRoundingMm2));
@@ -429,7 +429,7 @@ TEST_CASE("The elephant foot is taken off at the plate and nothing above its hei
     CHECK(engine.mask_at(Nanometers{nm}) == plain.mask_at(Nanometers{nm}));
 }
 
-TEST_CASE("A compensated 1-bit mask holds the pixels whose centres are within the distance of the part") {
+TEST_CASE("A compensated 1-bit mask lights the pixels whose centres are within the distance of the part") {
   models::Facets facets = models::gyroid_sphere(9, 6, 24);
   models::translate(facets, 10, 10, 0);
   const Nanometers height{7'300'000};
@@ -445,7 +445,7 @@ TEST_CASE("A compensated 1-bit mask holds the pixels whose centres are within th
         const Point center{10 + (column + 0.5 - 240) * 0.05, 10 - (row + 0.5 - 220) * 0.05};
         const double away = testing::distance_to_sides(contours, center) *
                             (testing::winding_around(contours, center) != 0 ? -1 : 1);
-        // The chords of arcs, and points within 2^-15 mm that are taken for one.
+        // The chords of arcs, and points within 2^-15 mm that count as equal.
         if (std::fabs(away - um / 1000) < 0.0006) continue;
         const bool is_lit = mask.row(row)[static_cast<std::size_t>(column)] != 0;
         lit += is_lit;

@@ -1,4 +1,4 @@
-// That ContourEngine checks what it requires.
+// Checks that ContourEngine checks what it requires.
 #include "core/engine/contour_engine.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
@@ -17,13 +17,11 @@ PlateModel box() {
 
 }  // namespace
 
-TEST_CASE("ContourEngine takes no model that is not there") {
-  CHECK(contract_broken_by([] {
-          ContourEngine({box(), PlateModel{}}, kSettings);
-        }) == "every model is there");
+TEST_CASE("ContourEngine requires models that are not null") {
+  CHECK(contract_broken_by([] { ContourEngine({box(), PlateModel{}}, kSettings); }) == "no model is null");
 }
 
-TEST_CASE("ContourEngine knows the model, and cuts at its z, where there is one") {
+TEST_CASE("ContourEngine returns the model, and cuts at its z, if there is only one") {
   for (const std::size_t models : {std::size_t{0}, std::size_t{2}}) {
     ContourEngine engine(std::vector(models, box()), kSettings);
     CHECK(contract_broken_by([&] { (void)engine.model(); }) == "there is one model");

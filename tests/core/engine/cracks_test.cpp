@@ -1,5 +1,5 @@
-// What cracks cost: good models, damaged as files are, keep their masks but near the damage, and the layer's
-// report tells what was mended.
+// The effect of cracks: good models, damaged as files are, keep their masks except near the damage, and the
+// layer's report says what was repaired.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,7 +24,7 @@ using models::Facets;
 
 namespace {
 
-constexpr double kReachMm = 0.02;  // what vertices move by
+constexpr double kReachMm = 0.02;  // the distance by which vertices move
 constexpr int kWidth = 440, kHeight = 420;
 const DisplayGeometry kDisplay{Pixels{kWidth}, Pixels{kHeight}, Micrometers{50.0}};
 
@@ -77,7 +77,7 @@ class Zone {
  public:
   explicit Zone(const PixelMap& map) : map_(map), near_(static_cast<std::size_t>(kWidth * kHeight), false) {}
 
-  // All pixels that come as near as `reach` to what the facet has within `reach` above and below z.
+  // Adds all pixels within `reach` of the part of the facet that is within `reach` above and below z.
   void add(const Facet& facet, double z, double reach) {
     std::vector<Point> part = slab_of(facet, z - reach, z + reach);
     if (part.empty()) return;
@@ -88,7 +88,7 @@ class Zone {
       box.min_x = std::min(box.min_x, at.x), box.max_x = std::max(box.max_x, at.x);
       box.min_y = std::min(box.min_y, at.y), box.max_y = std::max(box.max_y, at.y);
     }
-    // A pixel is as near as its centre and half its diagonal.
+    // A pixel is within reach if its centre is within reach plus half its diagonal.
     const double far = reach * map_.pixels_per_mm() + std::sqrt(0.5);
     const auto [first_column, last_column] = within(box.min_x - far, box.max_x + far, kWidth);
     const auto [first_row, last_row] = within(box.min_y - far, box.max_y + far, kHeight);
@@ -111,11 +111,11 @@ class Zone {
   std::vector<bool> near_;
 };
 
-// A good model beside its damaged self.
+// A good model and its damaged copy.
 struct Patient {
   Facets whole;
   Facets broken;
-  Facets lost;          // of whole, missing in broken
+  Facets lost;          // facets of `whole` that are missing in `broken`
   double reach_mm = 0;  // how far anything was moved
 };
 
@@ -164,7 +164,7 @@ Patient patient_of(const Facets& whole, const Damage& damage, std::uint64_t seed
   return patient;
 }
 
-// Where the mask may differ: the surface moved, at this height, or facets were lost.
+// Returns the zone in which the mask may differ: the surface moved, at this height, or facets were lost.
 Zone zone_of(const Patient& patient, const PixelMap& map, double z) {
   Zone zone(map);
   if (patient.reach_mm > 0) {
@@ -178,10 +178,10 @@ Zone zone_of(const Patient& patient, const PixelMap& map, double z) {
 
 struct Difference {
   int pixels = 0;       // changed outside the zone
-  int longest_run = 0;  // of them, in a row
+  int longest_run = 0;  // longest run of such pixels in a row
 };
 
-// A rounded height more on a side can tip a grey value by one level (see the rasterizer's tests).
+// One more rounded height on a side can tip a grey value by one level (see the rasterizer's tests).
 constexpr int kOneLevel = 1;
 
 Difference difference_outside(const Zone& zone, const Mask& intact, const Mask& mask) {
@@ -204,7 +204,7 @@ PixelMap map_for(const Facets& facets) {
   return PixelMap::true_scale(kDisplay, bounds_of(facets).center());
 }
 
-// The mask at z, and what closing its contours took.
+// The mask at z, and its contours with the report of their repairs.
 struct Layer {
   Mask mask;
   Contours contours;
@@ -252,7 +252,8 @@ Facets fine_box() {
   return facets;
 }
 
-// How many holes the lost facets leave in a section, and how wide the widest is when none touches another.
+// The holes that lost facets leave in a section: how many, and how wide the widest is if none touches
+// another.
 struct Holes {
   std::uint32_t count = 0;
   bool apart = true;
@@ -294,9 +295,9 @@ TEST_CASE("A damaged ball's and box's masks differ from the intact ones only whe
   }
 }
 
-// Walls that turn level, and facets smaller than what their corners move by: which ends belong together
-// cannot always be told.
-TEST_CASE("A damaged gyroid's masks hardly differ from the intact ones but where the damage is") {
+// Some walls turn level, and some facets are smaller than the distance by which their corners move: there the
+// ends that belong together cannot always be found.
+TEST_CASE("A damaged gyroid's masks hardly differ from the intact ones except where the damage is") {
   const Facets whole = models::gyroid_sphere(8, 5, 40);
   for (const Damage& damage : kDamages) {
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
@@ -306,8 +307,8 @@ TEST_CASE("A damaged gyroid's masks hardly differ from the intact ones but where
                       [&](const Difference& difference, const Layer& intact, const Layer& layer, double z) {
                         CAPTURE(damage.name, seed, z, layer.contours.cracks.open_chains,
                                 layer.contours.cracks.widest_gap.count());
-                        // A gap closed with the wrong neighbour costs what lies between them, and no row runs
-                        // on.
+                        // A gap closed with the wrong neighbour costs the pixels between them, and no row
+                        // spills.
                         CHECK(difference.pixels <= 0.01 * intact.mask.lit_area());
                         CHECK(difference.longest_run <= layer.contours.cracks.widest_gap.count() / 0.05 + 2);
                       });
@@ -315,8 +316,8 @@ TEST_CASE("A damaged gyroid's masks hardly differ from the intact ones but where
   }
 }
 
-// At the height of a whole plane of vertices, within what they have moved by, facets are crossed at random; a
-// contour goes on at most at the other end of the next side.
+// At the height of a whole plane of vertices, within the distance by which they have moved, facets are
+// crossed at random; a contour continues at the latest at the far end of the next side.
 TEST_CASE("No bridge of a shaken lattice is longer than two of its sides") {
   constexpr int kCells = 24;
   constexpr double kRadius = 12, kPeriod = 2;
@@ -332,7 +333,7 @@ TEST_CASE("No bridge of a shaken lattice is longer than two of its sides") {
     const auto& damage = testing::draw(0, 1) == 0 ? kDamages.front() : kDamages.back();
     const Patient patient = patient_of(whole, damage, static_cast<std::uint64_t>(testing::draw(0, 1000)));
     const HeightIndex broken(patient.broken);
-    // Around one of the vertices.
+    // A height around one of the vertices.
     const auto at = static_cast<std::size_t>(testing::draw(0, static_cast<std::int64_t>(whole.size()) - 1));
     const double z = whole[at].vertices[0].z + testing::draw_real(-kReachMm, kReachMm);
     Section section;
@@ -343,7 +344,7 @@ TEST_CASE("No bridge of a shaken lattice is longer than two of its sides") {
   }));
 }
 
-TEST_CASE("Vertices that move in all their facets alike leave nothing to mend") {
+TEST_CASE("Vertices that move alike in all their facets leave nothing to repair") {
   for (const Facets& whole : {models::sphere(8, 24), fine_box(), models::gyroid_sphere(8, 5, 30)}) {
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
       Patient patient{whole, whole, {}, kReachMm};
@@ -384,21 +385,21 @@ TEST_CASE("The report counts the holes that lost facets leave and measures the w
   CHECK(seen > 50);
 }
 
-TEST_CASE("The report counts a gap for every cracked side of a box and knows how wide they can be") {
+TEST_CASE("The report counts a gap for every cracked side of a box and limits their width") {
   const Facets whole = fine_box();
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     const Patient patient = patient_of(whole, kDamages[0], seed);
     Dice dice(seed);
     at_some_heights(patient, 5, dice, [&](const Difference&, const Layer&, const Layer& layer, double) {
-      // A crack at every side that the plane crosses; some are closed together with a segment that is
-      // shorter.
+      // A crack at every side that the plane crosses; some are closed together with a segment shorter than
+      // they are.
       CHECK(layer.contours.cracks.gaps_closed > 100);
       CHECK(layer.contours.cracks.widest_gap.count() > 0.01);
     });
   }
 }
 
-TEST_CASE("A side split at its middle leaves gaps of a rounding, which are none, and nothing open") {
+TEST_CASE("A side split at its middle leaves only gaps of rounding, which do not count") {
   int layers = 0;
   for (const Facets& whole : {models::sphere(8, 24), models::gyroid_sphere(8, 5, 30)}) {
     const Patient patient = patient_of(whole, kDamages[2], 7);
@@ -411,7 +412,7 @@ TEST_CASE("A side split at its middle leaves gaps of a rounding, which are none,
   CHECK(layers == 20);
 }
 
-TEST_CASE("Models from life, damaged, spill nothing") {
+TEST_CASE("Damaged real models spill no light") {
   const std::filesystem::path folder = std::filesystem::path(CONTOURD_SHARED_DIR) / "models";
   if (!std::filesystem::exists(folder)) {
     std::puts("SKIPPED: the shared models are not there");
@@ -420,7 +421,7 @@ TEST_CASE("Models from life, damaged, spill nothing") {
   for (const char* name :
        {"minetto-liver.stl", "minetto-femur.stl", "bunny-closed-70k.stl", "thingi-73416.stl"}) {
     Facets whole = read_model_file(folder / name).facets;
-    // To the display's size.
+    // Scaled to the display's size.
     const Bounds bounds = bounds_of(whole);
     orient(whole, {0, 0, 0, Scale(16.0 / std::max({bounds.size_x(), bounds.size_y(), bounds.size_z()}))});
     for (const Damage& damage : kDamages) {

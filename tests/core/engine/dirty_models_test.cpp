@@ -1,4 +1,4 @@
-// A sample of what dirty-masks does: masks of dirty models against the reference of the clean ones.
+// A sample of what dirty-masks checks: masks of dirty models against the reference of the clean ones.
 #include <string>
 
 #include "tests/catch.hpp"
@@ -8,7 +8,7 @@
 
 using namespace contourd;
 
-TEST_CASE("Masks of dirty models are those of the clean ones") {
+TEST_CASE("Masks of dirty models equal those of the clean ones") {
   constexpr double kHeights[] = {0.37};
   for (const reference::Part& part : reference::clean_parts()) {
     for (const reference::Dirt& dirt : reference::all_dirt()) {

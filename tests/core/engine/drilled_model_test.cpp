@@ -1,4 +1,4 @@
-// Models with holes taken out of them, through the engine.
+// Models with holes cut out of them, through the engine.
 #include <algorithm>
 #include <memory>
 #include <utility>
@@ -23,7 +23,7 @@ std::shared_ptr<const SectionSource> structure(std::vector<SupportPrimitive> pri
   return std::make_shared<const SupportStructure>(std::move(primitives));
 }
 
-// Along z, within a model's own millimetres.
+// Returns a hole along z, in the model's own millimetres.
 SupportPrimitive upright(double x, double y, double low, double high, double radius_mm) {
   return Frustum{{x, y, low}, {x, y, high}, radius_mm, radius_mm};
 }
@@ -59,7 +59,7 @@ TEST_CASE("A hole is dark at its own heights in every copy and nowhere else") {
       CHECK(mask.row(110)[90] == 0);
       CHECK(mask.row(90)[170] == 0);
       CHECK(mask.row(110)[78] == 255);
-      // The next masks know nothing of it.
+      // The next masks are not affected.
       CHECK(drilled.mask_at(up + Nanometers{3'500'000}) == whole.mask_at(up + Nanometers{3'500'000}));
       CHECK(drilled.mask_at(up + mm(9)).lit_pixels() == 0);
       CHECK(drilled.mask_at(up + mm(2)) == mask);
@@ -67,7 +67,7 @@ TEST_CASE("A hole is dark at its own heights in every copy and nowhere else") {
   }
 }
 
-TEST_CASE("A hole takes nothing from what is beside the models") {
+TEST_CASE("A hole removes nothing from the supports beside the models") {
   const EngineSettings settings{kDisplay, AntiAliasing::On};
   const auto pillar = structure({upright(0, 0, 0, 5, 0.5)});
   ContourEngine engine({block({{0, 0}}, {}, structure({upright(0, 0, 9, 15, 2)}))}, settings, pillar);
@@ -84,7 +84,7 @@ TEST_CASE("A hole is cut at the model's own z too") {
   CHECK(engine.mask_at_z(Millimeters{13}).row(110)[120] == 0);
 }
 
-TEST_CASE("Holes of a model cost no light of a tone that is corrected") {
+TEST_CASE("Holes are dark in corrected masks too") {
   EngineSettings settings{kDisplay, AntiAliasing::On};
   settings.tone = {2.2, 10};
   ContourEngine engine({block({{0, 0}}, {}, structure({upright(0, 0, 9, 15, 1)}))}, settings);

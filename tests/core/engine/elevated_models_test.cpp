@@ -1,4 +1,4 @@
-// Models that stand above the plate, through the engine and what is made of its masks.
+// Models that stand above the plate, through the engine and the users of its masks.
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -23,14 +23,14 @@ std::shared_ptr<const HeightIndex> shared_index(models::Facets facets) {
   return std::make_shared<const HeightIndex>(std::move(facets));
 }
 
-// Slopes, a flat face within and a part that begins in the air; its lowest point is not at 0.
+// A model with slopes, a flat face inside and a part that begins in the air; its lowest point is not at 0.
 std::shared_ptr<const HeightIndex> model() {
   models::Facets ball = models::sphere(4, 16);
   models::translate(ball, 0, 0, 2.3F);
   return shared_index(testing::together(ball, models::box({5, 5, 1.5F}, {8, 8, 4})));
 }
 
-// A wall of this is missing.
+// A cracked model: a box without one of its facets.
 std::shared_ptr<const HeightIndex> cracked_model() {
   models::Facets facets = models::box({-4, -4, 1}, {4, 4, 9});
   facets.erase(facets.begin() + 5);
@@ -51,7 +51,7 @@ PrintFindings analyze(const std::shared_ptr<const HeightIndex>& model, Elevation
 
 }  // namespace
 
-TEST_CASE("The masks of a model above the plate are those of the model on it, that much higher") {
+TEST_CASE("A model above the plate has the masks of the model on the plate, higher by its elevation") {
   for (const auto& shape : {model(), cracked_model()}) {
     for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
       for (const Micrometers growth : {Micrometers{0}, Micrometers{120}, Micrometers{-80}}) {
@@ -73,7 +73,7 @@ TEST_CASE("The masks of a model above the plate are those of the model on it, th
   }
 }
 
-TEST_CASE("The contours of a model above the plate are those of the model on it, that much higher") {
+TEST_CASE("A model above the plate has the contours of the model on the plate, higher by its elevation") {
   ContourEngine low = engine_for(model(), {}), high = engine_for(model(), Elevation(kRaised));
   CHECK(high.contours_at(kRaised - Nanometers{1}).loops.empty());
   for (Nanometers height{0}; height < Nanometers{8'000'000}; height += Nanometers{333'333}) {
@@ -82,18 +82,18 @@ TEST_CASE("The contours of a model above the plate are those of the model on it,
   }
 }
 
-TEST_CASE("The elephant's foot is at the plate, where a model above it has none") {
+TEST_CASE("The elephant foot is at the plate, and a model above the plate has none") {
   EngineSettings settings;
   settings.compensation = {Micrometers{0}, Micrometers{300}, Nanometers{6'000'000}};
   const auto box = shared_index(models::box({-4, -4, 0}, {4, 4, 8}));
   ContourEngine low = engine_for(box, {}, settings), high = engine_for(box, Elevation(kRaised), settings);
-  // 0.3 mm less on each side at the plate; a sixth of that 5 mm above it, and nothing from 6 mm on.
+  // 0.3 mm less on each side at the plate; a sixth of that 5 mm above it, and none from 6 mm on.
   const auto area_mm2 = [](const Mask& mask) { return mask.lit_area() * 0.01; };
   const double tolerance = 32 * 0.1 / 255;  // mm2: half a grey value along the outline, twice
   CHECK(std::fabs(area_mm2(low.mask_at(Nanometers{0})) - 7.4 * 7.4) < tolerance);
   CHECK(std::fabs(area_mm2(high.mask_at(kRaised)) - 7.9 * 7.9) < tolerance);
   CHECK(std::fabs(area_mm2(high.mask_at(Nanometers{6'000'000})) - 64) < tolerance);
-  // The same by the model's own z.
+  // Cut at the model's own z.
   CHECK(Mask(high.mask_at_z(Millimeters{0})) == high.mask_at(kRaised));
   CHECK(Mask(high.mask_at_z(Millimeters{1})) == high.mask_at(Nanometers{6'000'000}));
 }
@@ -115,7 +115,7 @@ TEST_CASE("Models of different elevations unite at the heights above the plate")
   CHECK(engine.mask_at(Nanometers{3'000'000}).lit_pixels() == 0);
 }
 
-TEST_CASE("The analysis of a print finds in a model above the plate what it finds in it on the plate") {
+TEST_CASE("The analysis of a print finds the same in a model above the plate as in the model on it") {
   const PrintFindings low = analyze(model(), {}), high = analyze(model(), Elevation(kRaised));
   const std::int32_t below = 50;  // layers
   CHECK(high.layers() == low.layers() + below);
@@ -123,7 +123,7 @@ TEST_CASE("The analysis of a print finds in a model above the plate what it find
   CHECK(std::vector(high.area_mm2.begin() + below, high.area_mm2.end()) == low.area_mm2);
   CHECK(high.volume_mm3 == low.volume_mm3);
   CHECK(high.largest_area_layer == low.largest_area_layer + below);
-  // Its underside is one more island, as nothing carries it.
+  // The model's underside is one more island, since nothing carries it.
   REQUIRE(low.islands.size() == 1);
   REQUIRE(high.islands.size() == 2);
   CHECK(high.islands[0].layer == below);

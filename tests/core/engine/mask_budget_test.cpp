@@ -35,7 +35,7 @@ models::Facets soup(std::size_t count) {
   return facets;
 }
 
-// A plate with n by n square holes, walls of 10 um between them.
+// Returns a plate with n by n square holes and walls of 10 um between them.
 Contours lattice(int n) {
   const double pitch = 0.25, wall = 0.01, side = n * pitch + wall;
   std::vector<Loop> loops{rectangle(0, 0, side, side)};
@@ -58,7 +58,7 @@ double steps_to_move(const Contours& contours, double distance) {
 
 }  // namespace
 
-TEST_CASE("A mask that does not keep its budget is abandoned and the next one is as it should be") {
+TEST_CASE("A mask that overruns its budget is abandoned, and the next one is correct") {
   for (const double growth : {0.0, 40.0, -40.0}) {
     CAPTURE(growth);
     ContourEngine engine = engine_of(soup(3000), Micrometers{growth});
@@ -76,7 +76,7 @@ TEST_CASE("A mask that does not keep its budget is abandoned and the next one is
   }
 }
 
-TEST_CASE("Ends that find no partner are looked for no longer than the budget lasts") {
+TEST_CASE("The search for partners of open ends stops when the budget is overrun") {
   // Facets without neighbours: each end is compared with hundreds of others.
   ContourEngine engine = engine_of(soup(20'000), Micrometers{});
   const auto steps_within = [&engine](MaskBudget::Clock::duration time) {
@@ -84,9 +84,9 @@ TEST_CASE("Ends that find no partner are looked for no longer than the budget la
     CHECK(engine.mask_within(Nanometers{10'000'000}, budget) == nullptr);
     return budget.steps();
   };
-  // Some 15,000 segments are counted, and the clock is looked at by then.
+  // Some 15,000 segments are counted, and the clock has been looked at by then.
   CHECK(steps_within({}) < 20'000);
-  // With time, however slow the machine, the ends are compared.
+  // With enough time, however slow the machine is, the ends are compared.
   std::uint64_t steps = 0;
   for (MaskBudget::Clock::duration time = std::chrono::milliseconds{50};
        steps < 20'000 && time < std::chrono::seconds{10}; time *= 2)
@@ -94,7 +94,7 @@ TEST_CASE("Ends that find no partner are looked for no longer than the budget la
   CHECK(steps > 20'000);
 }
 
-TEST_CASE("A sound mask takes a step for each of its sides and what an offset adds, the same every time") {
+TEST_CASE("A sound mask takes one step for each side plus those of an offset, the same every time") {
   ContourEngine engine = engine_of(models::gyroid_sphere(10, 5, 24), Micrometers{});
   MaskBudget one, other;
   REQUIRE(engine.mask_within(Nanometers{9'000'000}, one) != nullptr);
@@ -108,7 +108,7 @@ TEST_CASE("Four times the holes of a lattice take four times the steps to move")
     const double small = steps_to_move(lattice(12), distance);
     const double large = steps_to_move(lattice(48), distance);
     CAPTURE(distance, small, large);
-    CHECK(large < 16 * 1.5 * small);  // at its edge a lattice has fewer neighbours
+    CHECK(large < 16 * 1.5 * small);  // holes at the edge of a lattice have fewer neighbours
   }
 }
 

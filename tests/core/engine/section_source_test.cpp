@@ -17,7 +17,7 @@ namespace {
 const DisplayGeometry kDisplay{Pixels{240}, Pixels{220}, Micrometers{100.0}};
 constexpr double kPixelMm2 = 0.01;
 
-// Upright boxes on the plate, from its centre, in millimetres.
+// Upright boxes on the plate, in millimetres from its centre.
 struct Box {
   double left, front, right, back;
   Nanometers bottom, top;
@@ -47,7 +47,7 @@ constexpr Nanometers mm(std::int64_t count) {
   return Nanometers{count * 1'000'000};
 }
 
-// Alone on the plate, its point (0, 0) on the plate's centre.
+// A model alone on the plate, its point (0, 0) on the plate's centre.
 PlateModel plate_model(const models::Facets& facets, Elevation elevation = {},
                        const DisplayGeometry& display = kDisplay) {
   return {{std::make_shared<const HeightIndex>(facets), elevation}, {PixelMap::true_scale(display, {0, 0})}};
@@ -71,13 +71,13 @@ double area_mm2(const Mask& mask) {
 
 }  // namespace
 
-TEST_CASE("What stands beside the models is exposed at its place and its heights") {
+TEST_CASE("A source's sections are exposed at their place and heights") {
   for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
     ContourEngine engine = engine_for({}, {{-3, 1, -1, 4, mm(1), mm(3)}}, with(mode));
     CHECK(engine.mask_at(Nanometers{999'999}).lit_pixels() == 0);
     const Mask mask = engine.mask_at(mm(1));
     CHECK(mask.lit_pixels() == 20 * 30);
-    // 240 x 220 pixels of 0.1 mm: the plate's centre is (120, 110), and what lies at the back is above it.
+    // 240 x 220 pixels of 0.1 mm: the plate's centre is (120, 110), and the back of the plate is at the top.
     CHECK(mask.row(70)[90] == 255);
     CHECK(mask.row(99)[109] == 255);
     CHECK(mask.row(69)[90] == 0);
@@ -86,7 +86,7 @@ TEST_CASE("What stands beside the models is exposed at its place and its heights
   }
 }
 
-TEST_CASE("A mirrored display mirrors what stands beside the models as it does the models") {
+TEST_CASE("A mirrored display mirrors a source's sections like the models") {
   DisplayGeometry mirrored = kDisplay;
   mirrored.mirror_x = true;
   const Box box{1, 1, 3, 4, mm(0), mm(5)};
@@ -98,8 +98,8 @@ TEST_CASE("A mirrored display mirrors what stands beside the models as it does t
   }
 }
 
-TEST_CASE("A pixel has the greater value of the models' and of what is beside them, which is never grey") {
-  // They share a wall within a pixel, overlap, or one holds the other; edges that are no whole pixels.
+TEST_CASE("A pixel has the greater value of the models' and of the source's, which is never grey") {
+  // The two share a wall within a pixel, overlap, or one contains the other; edges are not at whole pixels.
   const models::Facets model = models::box({-2, -2, 0}, {2.03F, 2, 5});
   for (const Box& box :
        {Box{2.03, -2, 4.07, 2, mm(0), mm(5)}, Box{1.01, -3.02, 4.07, 1.06, mm(0), mm(5)},
@@ -117,7 +117,7 @@ TEST_CASE("A pixel has the greater value of the models' and of what is beside th
   }
 }
 
-TEST_CASE("Without anti-aliasing the union is that of both pictures") {
+TEST_CASE("Without anti-aliasing the mask is the union of both pictures") {
   const models::Facets model = models::sphere(4, 16);
   const Box box{1.01, -3.02, 7.07, 1.05, mm(0), mm(9)};
   ContourEngine both = engine_for({plate_model(model)}, {box}, with(AntiAliasing::Off));
@@ -131,7 +131,7 @@ TEST_CASE("Without anti-aliasing the union is that of both pictures") {
   }
 }
 
-TEST_CASE("What does not touch the models changes nothing in their pixels") {
+TEST_CASE("A source that does not touch the models does not change their pixels") {
   const models::Facets model =
       testing::together(models::gyroid_sphere(4, 5, 24), models::box({-4, -4, -4}, {1, 1, 2}));
   const Box box{6.03, -3, 8.01, 4, mm(0), mm(9)};
@@ -148,7 +148,7 @@ TEST_CASE("What does not touch the models changes nothing in their pixels") {
   }
 }
 
-TEST_CASE("Compensation moves the models and not what is beside them") {
+TEST_CASE("Compensation moves the models but not a source's sections") {
   for (const Micrometers growth : {Micrometers{200}, Micrometers{-200}}) {
     ContourEngine engine = engine_for({plate_model(models::box({-4, -4, 0}, {0, 0, 5}))},
                                       {{2, 2, 5, 5, mm(0), mm(5)}}, with(AntiAliasing::On, growth));
@@ -160,7 +160,7 @@ TEST_CASE("Compensation moves the models and not what is beside them") {
   }
 }
 
-TEST_CASE("What is beside the models is as white as they are, and none of it faint") {
+TEST_CASE("A source's sections are as white as the models, without faint pixels") {
   EngineSettings settings{kDisplay};
   settings.tone = {2.2, 255};
   settings.uniformity = Mask(kDisplay.width, kDisplay.height);
@@ -170,7 +170,7 @@ TEST_CASE("What is beside the models is as white as they are, and none of it fai
   ContourEngine engine = engine_for({plate_model(models::box({-9, -8, 0}, {-1, 8, 5}))}, {box}, settings);
   const Mask& mask = engine.mask_at(mm(1));
   for (std::int32_t y = 35; y < 185; ++y) {
-    // A pixel of the model's inside, and the first and the last of what is beside it.
+    // A pixel inside the model, and the first and the last pixel of the source's section.
     const std::span<const std::uint8_t> row = mask.row(y);
     CHECK(row[60] > 0);
     CHECK(row[60] < 255);
@@ -181,7 +181,7 @@ TEST_CASE("What is beside the models is as white as they are, and none of it fai
   }
 }
 
-TEST_CASE("What was beside the models is gone in the next mask") {
+TEST_CASE("A source's section is gone in the next mask") {
   const models::Facets model = models::gyroid_sphere(4, 5, 24);
   for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
     ContourEngine engine = engine_for(
@@ -194,7 +194,7 @@ TEST_CASE("What was beside the models is gone in the next mask") {
   }
 }
 
-TEST_CASE("Loops, gaps and facets are told of the models alone") {
+TEST_CASE("Loops, gaps and facets are reported for the models alone") {
   models::Facets cracked = models::box({-4, -4, 0}, {4, 4, 5});
   cracked.erase(cracked.begin() + 5);
   ContourEngine both = engine_for({plate_model(cracked)}, {{-5, -1, 5, 1, mm(0), mm(5)}});
@@ -207,17 +207,17 @@ TEST_CASE("Loops, gaps and facets are told of the models alone") {
   CHECK(both.contours_at(mm(1)).loops.size() == alone.contours_at(mm(1)).loops.size());
 }
 
-TEST_CASE("A model that stands above the plate is held by what stands on it") {
+TEST_CASE("A model above the plate meets the supports that stand on the plate") {
   ContourEngine engine = engine_for({plate_model(models::box({-4, -4, 0}, {4, 4, 5}), Elevation(mm(5)))},
                                     {{-1, -1, 1, 1, mm(0), Nanometers{5'200'000}}});
   CHECK(engine.mask_at(mm(1)).lit_pixels() == 20 * 20);
   CHECK(engine.mask_at(Nanometers{5'100'000}).lit_pixels() == 80 * 80);
   CHECK(engine.mask_at(mm(6)).lit_pixels() == 80 * 80);
-  // The same by the model's own z.
+  // Cut at the model's own z.
   CHECK(engine.mask_at_z(Millimeters{-4}).lit_pixels() == 20 * 20);
 }
 
-TEST_CASE("A budget that is overrun by what is beside the models leaves the engine as it was") {
+TEST_CASE("A budget overrun by a source's sections leaves the engine usable") {
   std::vector<Box> boxes(4000, Box{-5, -5, 5, 5, mm(0), mm(5)});
   ContourEngine engine = engine_for({plate_model(models::box({-4, -4, 0}, {4, 4, 5}))}, std::move(boxes));
   MaskBudget small(std::nullopt, 1000);

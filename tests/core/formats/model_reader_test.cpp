@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t kCountOffset = 80;
 constexpr std::size_t kFirstFacet = 84;
 constexpr std::size_t kFacetBytes = 50;
-constexpr std::size_t kFirstVertex = kFirstFacet + 12;  // behind the normal
+constexpr std::size_t kFirstVertex = kFirstFacet + 12;  // after the normal
 
 models::Facets tetrahedron() {
   const Vertex o{0, 0, 0}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
@@ -54,7 +54,7 @@ Model read_text(std::string_view text) {
   return read_model(std::as_bytes(std::span(text)));
 }
 
-// What of `words` is not in the text, with the text; empty when all are.
+// Returns a complaint about the first of `words` that is not in the text; empty if all are.
 std::string lacking(const std::string& text, std::initializer_list<std::string> words) {
   for (const std::string& word : words) {
     if (text.find(word) == std::string::npos) return "no \"" + word + "\" in \"" + text + "\"";
@@ -62,7 +62,7 @@ std::string lacking(const std::string& text, std::initializer_list<std::string> 
   return {};
 }
 
-// The sentence that the data is refused with; empty when it is not.
+// Returns the error message for the data; empty if it is accepted.
 std::string refusal_of(std::span<const std::byte> bytes) {
   try {
     (void)read_model(bytes);
@@ -75,7 +75,7 @@ std::string refusal_of(std::string_view text) {
   return refusal_of(std::as_bytes(std::span(text)));
 }
 
-// Of a file that holds these bytes.
+// Returns the outline of a file with these bytes.
 ModelOutline outline_of(std::string_view bytes) {
   const testing::TemporaryFolder folder;
   return outline_of_model(folder.write("part.stl", bytes));
@@ -95,7 +95,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
   return text;
 }
 
-// One facet: lines 2 to 8 of the file.
+// A facet: lines 2 to 8 of the file.
 std::string one_facet(std::string_view first_vertex = "vertex 1 2 3",
                       std::string_view normal = "normal 0 0 1") {
   return "solid one\nfacet " + std::string(normal) + "\nouter loop\n" + std::string(first_vertex) +
@@ -104,14 +104,14 @@ std::string one_facet(std::string_view first_vertex = "vertex 1 2 3",
 
 const models::Facets kOneFacet{{{Vertex{1, 2, 3}, Vertex{4, 5, 6}, Vertex{7, 8, 10}}}};
 
-// The first coordinate of a file in which it is spelled so.
+// Returns the first coordinate of a file in which it is spelled like this.
 float coordinate(const std::string& spelling) {
   return read_text(one_facet("vertex " + spelling + " 2 3")).facets.at(0).vertices[0].x;
 }
 
 }  // namespace
 
-TEST_CASE("A binary file's facets are read as they lie in it") {
+TEST_CASE("A binary file's facets are read in their order") {
   const Model model = read_model(binary());
   CHECK(outline_of(binary()).format == "binary");
   CHECK(model.warnings.empty());
@@ -172,7 +172,7 @@ TEST_CASE("A count smaller than the file ends the model there with a warning") {
   CHECK(lacking(model.warnings[0], {"100 more bytes"}) == "");
 }
 
-TEST_CASE("Bytes behind the last facet are ignored with a warning") {
+TEST_CASE("Bytes after the last facet are ignored with a warning") {
   for (const std::size_t surplus : {std::size_t{1}, std::size_t{49}, std::size_t{50}, std::size_t{1000}}) {
     CAPTURE(surplus);
     std::vector<std::byte> bytes = binary();
@@ -212,7 +212,7 @@ TEST_CASE("A binary header without facets is an empty model") {
   CHECK(model.warnings.empty());
 }
 
-TEST_CASE("Facets followed by as many bytes as their attribute says are refused") {
+TEST_CASE("Facets followed by as many bytes as their attribute count says are refused") {
   const std::vector<std::byte> source = binary();
   std::vector<std::byte> bytes(source.begin(), source.begin() + kFirstFacet);
   for (std::size_t facet = 0; facet < 4; ++facet) {
@@ -261,7 +261,7 @@ TEST_CASE("Facets beyond one read chunk keep their order") {
   CHECK(same(read_model(models::to_binary_stl(facets)).facets, facets));
 }
 
-TEST_CASE("Any model comes back from both formats bit for bit") {
+TEST_CASE("Any model survives both formats bit for bit") {
   CHECK(rc::check([] {
     models::Facets facets(static_cast<std::size_t>(testing::draw(1, 20)));
     for (Facet& facet : facets)
@@ -271,7 +271,7 @@ TEST_CASE("Any model comes back from both formats bit for bit") {
   }));
 }
 
-TEST_CASE("No bytes whatever make the reader do anything but read or refuse") {
+TEST_CASE("Any bytes are either read or refused") {
   CHECK(rc::check([] {
     std::vector<std::byte> bytes = testing::draw(0, 1) == 0 ? binary() : [] {
       const std::string text = models::to_ascii_stl(tetrahedron());
@@ -302,7 +302,7 @@ TEST_CASE("An ASCII file's facets are read") {
   CHECK(same(model.facets, tetrahedron()));
 }
 
-TEST_CASE("ASCII keywords may be of any case") {
+TEST_CASE("ASCII keywords may be in any case") {
   const std::string text = models::to_ascii_stl(tetrahedron());
   std::string upper = text;
   for (char& c : upper)
@@ -347,7 +347,7 @@ TEST_CASE("A solid's name may hold any words") {
   CHECK(same(read_text(replaced(text, "solid one", "solid " + std::string(5000, 'n'))).facets, kOneFacet));
 }
 
-TEST_CASE("Text behind the end words is ignored") {
+TEST_CASE("Text after the end words is ignored") {
   std::string text = replaced(one_facet(), "endloop", "endloop and more");
   text = replaced(replaced(text, "endfacet", "endfacet 1 vertex"), "endsolid one", "endsolid other facet");
   CHECK(same(read_text(text).facets, kOneFacet));
@@ -401,7 +401,7 @@ TEST_CASE("An ASCII coordinate that is not a finite number is refused with its l
   }
 }
 
-TEST_CASE("What Windows writes for a number that is none is refused wherever it stands") {
+TEST_CASE("The words that Windows writes for infinities and NaN are refused in every place") {
   for (const char* bad : {"-1.#IND", "1.#QNAN", "1.#INF"}) {
     CAPTURE(bad);
     CHECK_FALSE(refusal_of(one_facet("vertex " + std::string(bad) + " 2 3")).empty());
@@ -409,7 +409,7 @@ TEST_CASE("What Windows writes for a number that is none is refused wherever it 
   }
 }
 
-TEST_CASE("A sign after a plus sign is no number") {
+TEST_CASE("A plus sign followed by another sign is no number") {
   CHECK(lacking(refusal_of(one_facet("vertex +-1 2 3")), {"line 4"}) == "");
 }
 
@@ -427,7 +427,7 @@ TEST_CASE("A facet with two vertices or a vertex with two or four coordinates is
 TEST_CASE("An ASCII file cut anywhere within a facet is refused") {
   const std::string text = one_facet();
   const std::size_t begin = text.find("facet normal") + std::strlen("facet");
-  // Behind "vertex 7 8 1" the cut number is a number all the same; what follows it is missing.
+  // After "vertex 7 8 1" the cut number is still a number; the words after it are missing.
   const std::size_t end = text.find("endfacet") + std::strlen("endfacet");
   for (std::size_t size = begin; size < end; ++size) {
     CAPTURE(size);
@@ -483,7 +483,7 @@ TEST_CASE("Numbers are read alike in a locale whose decimal point is a comma") {
   };
   const std::string old_c_locale = std::setlocale(LC_ALL, nullptr);
   const std::locale old = std::locale::global(std::locale(std::locale::classic(), new Comma));
-  // Where one is installed, for the C library's functions too.
+  // Tested if such a locale is installed, for the C library's functions too.
   for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"}) {
     if (std::setlocale(LC_ALL, name) != nullptr) break;
   }
@@ -501,12 +501,12 @@ TEST_CASE("An empty file is refused") {
   CHECK_THROWS_AS((void)read_model_file(folder.write("empty.stl", "")), ModelError);
 }
 
-TEST_CASE("A file on disk is read as its bytes are") {
+TEST_CASE("A file on disk is read like its bytes") {
   const testing::TemporaryFolder folder;
   const auto path = folder.path() / "part.stl";
   models::write_binary_stl(path, tetrahedron());
   CHECK(same(read_model_file(path).facets, tetrahedron()));
-  // A large enough text to be read beyond the part that the format was told by.
+  // A text longer than the part by which the format is recognised.
   models::Facets box = models::box({0, 0, 0}, {20, 20, 20});
   CHECK(same(read_model_file(folder.write("part.txt", models::to_ascii_stl(box))).facets, box));
 }
@@ -517,7 +517,7 @@ TEST_CASE("A name that is not ASCII does not matter") {
              kOneFacet));
 }
 
-TEST_CASE("What is not a readable regular file is a system error that names it") {
+TEST_CASE("A path that is not a readable regular file is a system error that names the path") {
   const testing::TemporaryFolder folder;
   const auto code_of = [](const std::filesystem::path& path) {
     try {
@@ -539,7 +539,7 @@ TEST_CASE("A named pipe is refused without waiting for its writer") {
   const testing::TemporaryFolder folder;
   const auto path = folder.path() / "pipe.stl";
   REQUIRE(mkfifo(path.c_str(), 0600) == 0);
-  // A reader that opened it would wait for ever; the test's time limit would end that.
+  // A reader that opened the pipe would wait forever; the test's time limit would end the wait.
   CHECK_THROWS_AS((void)read_model_file(path), std::system_error);
 }
 
@@ -569,13 +569,13 @@ TEST_CASE("A binary file's outline has the facets that reading it gives, whateve
     CHECK(outline_of(bytes).most_facets == read_model(bytes).facets.size());
     CHECK(outline_of(bytes).format == "binary");
   }
-  // Only bytes behind the facets have the file in memory as a whole.
+  // Only if there are bytes after the facets is the whole file in memory.
   CHECK(outline_of(binary()).buffered_bytes == 0);
   CHECK(outline_of(binary_claiming(1000)).buffered_bytes == 0);
   CHECK(outline_of(binary_claiming(3)).buffered_bytes == 200);
 }
 
-TEST_CASE("An outline refuses what reading refuses for its size or its first bytes, in the same words") {
+TEST_CASE("An outline refuses bad sizes and first bytes in the same words as reading does") {
   std::vector<std::byte> cut = binary_claiming(0xFFFFFFFF);
   append(cut, 7);
   CHECK(refused_outline(cut) == refusal_of(cut));
@@ -587,7 +587,7 @@ TEST_CASE("An outline refuses what reading refuses for its size or its first byt
   }
 }
 
-TEST_CASE("A text's outline has at least its facets, and just those where nothing is in it but facets") {
+TEST_CASE("A text's outline has at least its facets, and exactly these if the text has only facets") {
   const std::string text = models::to_ascii_stl(tetrahedron());
   const ModelOutline outline = outline_of(text);
   CHECK(outline.format == "ascii");
@@ -602,14 +602,14 @@ TEST_CASE("A text's outline has at least its facets, and just those where nothin
   CHECK(read_text(bare).facets.size() == 50);
 }
 
-TEST_CASE("A binary file that begins with solid is outlined as what it is") {
+TEST_CASE("A binary file that begins with solid is outlined as binary") {
   std::vector<std::byte> bytes = binary();
   std::memcpy(bytes.data(), "solid part", 10);
   CHECK(outline_of(bytes).format == "binary");
   CHECK(outline_of(bytes).most_facets == 4);
 }
 
-TEST_CASE("An outline is made of a file's beginning alone") {
+TEST_CASE("An outline reads only the beginning of a file") {
   const testing::TemporaryFolder folder;
   std::vector<std::byte> header(84);
   constexpr std::uint32_t kFacets = 85'000'000;
@@ -621,7 +621,7 @@ TEST_CASE("An outline is made of a file's beginning alone") {
   CHECK_THROWS_AS((void)outline_of_model(folder.path() / "none.stl"), std::system_error);
 }
 
-TEST_CASE("A model's file is known by its name's end, in either case") {
+TEST_CASE("A model file is recognised by its extension, in either case") {
   CHECK(model_extension("part.stl") == ".stl");
   CHECK(model_extension("PART.StL") == ".stl");
   CHECK(model_extension("part.stl.txt").empty());

@@ -1,4 +1,4 @@
-// That each header of core/geometry checks what it requires.
+// Checks that each header of core/geometry checks what it requires.
 #include "core/geometry/point_hash.hpp"
 #include "core/geometry/side_order.hpp"
 #include "tests/broken_contract.hpp"
@@ -7,7 +7,7 @@
 using namespace contourd;
 using testing::contract_broken_by;
 
-TEST_CASE("SideOrder takes sides that it has room for, each once") {
+TEST_CASE("SideOrder takes each side once, and only sides that it has room for") {
   if (testing::costly_checks_are_off()) return;
   SideOrder order;
   order.clear();
@@ -21,7 +21,7 @@ TEST_CASE("SideOrder takes sides that it has room for, each once") {
         "a side is not its own neighbour");
 }
 
-TEST_CASE("A point's bits are hashed where it has no -0") {
+TEST_CASE("Hashing a point's bits requires coordinates that are not -0") {
   if (testing::costly_checks_are_off()) return;
   CHECK(contract_broken_by([] { (void)hash_of_bits({0.0, -1.0}); }).empty());
   CHECK(contract_broken_by([] { (void)hash_of_bits({-0.0, 1.0}); }) == "no coordinate is -0");

@@ -33,7 +33,7 @@ TEST_CASE("A unit mix-up does not compile") {
   CHECK_FALSE(std::is_convertible_v<Millimeters, Micrometers>);
 }
 
-TEST_CASE("Quantities add, scale and compare as their counts do") {
+TEST_CASE("Quantities add, scale and compare like their counts") {
   Nanometers height{2500};
   height += Nanometers{100};
   height -= Nanometers{1};
@@ -61,7 +61,7 @@ TEST_CASE("Millimetres round to the nearest nanometre, halves away from zero") {
   CHECK(to_nanometers(Millimeters{0.5e-6}) == Nanometers{1});
 }
 
-TEST_CASE("A length beyond the range of nanometres has none") {
+TEST_CASE("A length beyond the range of nanometres is not converted") {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   CHECK(to_nanometers(Millimeters{9e12}) == Nanometers{9'000'000'000'000'000'000});
   CHECK(to_nanometers(Millimeters{-9e12}) == Nanometers{-9'000'000'000'000'000'000});
@@ -72,7 +72,7 @@ TEST_CASE("A length beyond the range of nanometres has none") {
   }
 }
 
-TEST_CASE("Every height of a machine survives the way to millimetres and back") {
+TEST_CASE("Every height of a machine survives conversion to millimetres and back") {
   CHECK(rc::check([] {
     // A kilometre: far within a double's 53 bits, so that the two roundings stay below half a nanometre.
     const Nanometers height{testing::draw(-1'000'000'000'000, 1'000'000'000'000)};

@@ -8,7 +8,7 @@
 
 using namespace contourd;
 
-TEST_CASE("Equal vertices have equal numbers, others have others, and none is left out") {
+TEST_CASE("Equal vertices have equal numbers, different ones different numbers, without gaps") {
   CHECK(number_vertices({}).empty());
   const Facet facet{{Vertex{0, 1, 2}, Vertex{3, 4, 5}, Vertex{-0.0F, 1, 2}}};
   CHECK(number_vertices(std::vector<Facet>{facet}) == std::vector<Corners>{{0, 1, 0}});

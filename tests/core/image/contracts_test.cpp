@@ -1,4 +1,4 @@
-// That the headers of core/image check what they require.
+// Checks that the headers of core/image enforce their requirements.
 #include <string>
 
 #include "core/image/part_picture.hpp"
@@ -10,7 +10,7 @@
 using namespace contourd;
 using testing::contract_broken_by;
 
-TEST_CASE("A stream of runs is at most as long as the largest mask's") {
+TEST_CASE("A stream of runs is at most as long as that of the largest mask") {
   if (testing::costly_checks_are_off()) return;
   const auto stream_of = [](std::size_t bytes) {
     return contract_broken_by([bytes] {
@@ -25,12 +25,12 @@ TEST_CASE("A stream of runs is at most as long as the largest mask's") {
   CHECK(stream_of(RunDeflater::kMaxBytes + 1) == "a stream has at most kMaxBytes");
 }
 
-TEST_CASE("A thumbnail is of pixels that the mask has") {
+TEST_CASE("A thumbnail needs a box within the mask") {
   const Mask mask(Pixels{10}, Pixels{5});
   const auto broken = [&](const PixelBox& box, std::int32_t longest) {
     return contract_broken_by([&] { (void)make_thumbnail(mask, box, Pixels{longest}); });
   };
-  const std::string outside = "the box is the mask's and has pixels";
+  const std::string outside = "the box has pixels and lies in the mask";
   CHECK(broken({0, 0, 11, 5}, 5) == outside);
   CHECK(broken({0, 0, 10, 6}, 5) == outside);
   CHECK(broken({-1, 0, 10, 5}, 5) == outside);
@@ -39,7 +39,7 @@ TEST_CASE("A thumbnail is of pixels that the mask has") {
   CHECK(broken({0, 0, 10, 5}, 1).empty());
 }
 
-TEST_CASE("A picture of a part is made of masks of its box, and of no more than it has room for") {
+TEST_CASE("A picture of a part takes only masks of its box' size, and no more than masks()") {
   const auto made = [](const PartPicture::Box& box, std::int32_t side) {
     return contract_broken_by([&] { (void)PartPicture(box, Pixels{side}); });
   };

@@ -13,10 +13,10 @@ using namespace contourd;
 namespace {
 
 constexpr Pixels kSide{200};
-// Of the eye's turn to the right.
+// Sine and cosine of the eye's turn to the right.
 constexpr double kSinTurn = 0.573576436, kCosTurn = 0.819152044;
 
-// Lit where `is_there` says so of a pixel's column and row.
+// Returns a mask that is lit where `is_there` is true for a pixel's column and row.
 Mask mask_of(const PartPicture::Box& box, const std::function<bool(int, int)>& is_there) {
   Mask mask(box.columns, box.rows);
   for (int row = 0; row < box.rows.count(); ++row) {
@@ -26,7 +26,8 @@ Mask mask_of(const PartPicture::Box& box, const std::function<bool(int, int)>& i
   return mask;
 }
 
-// `is_there` is asked of a column, a row and a share of the height.
+// Returns a picture of the part given by `is_there`, a predicate on a column, a row and a share of the
+// height.
 PartPicture picture_of(const PartPicture::Box& box, const std::function<bool(int, int, double)>& is_there) {
   PartPicture picture(box, kSide);
   for (int i = 0; i < picture.masks(); ++i) {
@@ -65,7 +66,7 @@ constexpr PartPicture::Box kBlock{Pixels{60}, Pixels{60}, 60};
 
 }  // namespace
 
-TEST_CASE("A picture of a part is a square around it, no larger than was asked for") {
+TEST_CASE("A picture of a part is a square around it, no larger than the given side") {
   for (const PartPicture::Box& box :
        {kBlock, PartPicture::Box{Pixels{300}, Pixels{20}, 3}, PartPicture::Box{Pixels{5}, Pixels{5}, 900}}) {
     const Mask picture = drawn(box, everywhere);
@@ -78,20 +79,20 @@ TEST_CASE("A picture of a part is a square around it, no larger than was asked f
   CHECK(corner.width().count() < kSide.count() / 2);
 }
 
-TEST_CASE("A block covers as much of its picture as its faces that are turned to the eye") {
+TEST_CASE("A block covers the projected area of its three visible faces") {
   const PartPicture::Box box{Pixels{70}, Pixels{50}, 40};
   const double scale = PartPicture::scale_of(box, kSide);
-  // Areas times the cosines of their angles to the eye, which is turned by 35 degrees and raised by 30.
+  // Areas times the cosine of each face's angle to the eye, which is turned by 35 degrees and raised by 30.
   const double top = 70 * 50 * 0.5, front = 70 * 40 * 0.819 * 0.866, right = 50 * 40 * 0.574 * 0.866;
   const double expected = (top + front + right) * scale * scale;
-  // Half a pixel along an outline of some 600.
+  // The tolerance is half a pixel along an outline of some 600 pixels.
   CHECK(std::abs(static_cast<double>(drawn(box, everywhere).lit_pixels()) - expected) < 300);
 }
 
 TEST_CASE("The top of a block is brighter than its front, and that than its right side") {
   const Mask picture = drawn(kBlock, everywhere);
   const int side = picture.width().count();
-  // The nearest edge is to the right of the middle: the front is the wider one.
+  // The nearest edge is to the right of the middle, so the front is the wider face.
   const auto left = column_of(picture, side * 3 / 10), right = column_of(picture, side * 8 / 10);
   const int top = left[static_cast<std::size_t>(side * 3 / 10)];
   const int front = left[static_cast<std::size_t>(side * 6 / 10)];
@@ -99,11 +100,11 @@ TEST_CASE("The top of a block is brighter than its front, and that than its righ
   CHECK(top > front + 20);
   CHECK(front > side_face + 20);
   CHECK(side_face > 0);
-  // A face is flat.
+  // A flat face has one grey value.
   CHECK(std::abs(front - left[static_cast<std::size_t>(side * 6 / 10 + 10)]) <= 3);
 }
 
-TEST_CASE("What lies higher hides what lies lower and behind it") {
+TEST_CASE("A higher part hides lower parts behind it") {
   const auto roof = [](int, int, double at) { return at > 0.9; };
   const auto roof_and_more = [](int column, int row, double at) {
     return at > 0.9 || (at > 0.8 && column < 30 && row < 10);
@@ -118,7 +119,7 @@ TEST_CASE("A wall as wide as a pixel of the picture has no holes") {
     const Mask picture =
         drawn(box, [&](int column, int row, double) { return (along_x ? row : column) == 70; });
     const int side = picture.width().count();
-    // Between the first and the last lit one of a column, all are.
+    // All pixels of a column between the first and the last lit one are lit.
     for (int column = 0; column < side; ++column) {
       const auto greys = column_of(picture, column);
       const auto lit = std::ranges::count_if(greys, [](int grey) { return grey > 0; });
@@ -129,7 +130,7 @@ TEST_CASE("A wall as wide as a pixel of the picture has no holes") {
   }
 }
 
-TEST_CASE("Mirrors of the masks are undone") {
+TEST_CASE("The picture undoes the mirrors of the masks") {
   const auto stair = [](int column, int row, double at) { return column + row / 3 < 70 * (1 - at); };
   const Mask upright = drawn(kBlock, stair);
   for (const std::pair<bool, bool>& mirrors : {std::pair{true, false}, {false, true}, {true, true}}) {
@@ -144,8 +145,9 @@ TEST_CASE("Mirrors of the masks are undone") {
               drawn(kBlock, [&](int column, int row, double at) { return stair(59 - column, row, at); }));
 }
 
-TEST_CASE("A place is marked where what is there is drawn") {
-  // Two cubes in opposite corners of the box. One's outline is as wide on both sides of its middle.
+TEST_CASE("A place is marked where the part at that place is drawn") {
+  // Two cubes in opposite corners of the box. The outline of a single cube is as wide on both sides of its
+  // middle.
   constexpr double kSize = 12;
   for (const bool mirror_x : {false, true}) {
     for (const bool mirror_y : {false, true}) {
@@ -178,7 +180,7 @@ TEST_CASE("A place is marked where what is there is drawn") {
   }
 }
 
-TEST_CASE("What is not there is drawn faint") {
+TEST_CASE("Parts that are not present are drawn faint") {
   const auto printed_to = [](double share) {
     PartPicture picture(kBlock, kSide);
     while (true) {
@@ -199,10 +201,11 @@ TEST_CASE("What is not there is drawn faint") {
   const auto bottom = static_cast<std::size_t>(half.width().count() * 7 / 10);
   CHECK(column_of(half, column)[bottom] == column_of(whole, column)[bottom]);  // the front, below
   const auto upper = static_cast<std::size_t>(half.width().count() * 45 / 100);
-  CHECK(column_of(half, column)[upper] > column_of(none, column)[upper]);  // what is there behind it
+  CHECK(column_of(half, column)[upper] >
+        column_of(none, column)[upper]);  // the present part behind the faint one
 }
 
-TEST_CASE("Of nothing, and of masks that are dark, the picture is black") {
+TEST_CASE("The picture is black without masks, and with dark masks") {
   CHECK(PartPicture(kBlock, kSide).draw().picture == Mask(kSide, kSide));
   CHECK(drawn(kBlock, [](int, int, double) { return false; }) == Mask(kSide, kSide));
 }

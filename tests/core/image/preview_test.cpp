@@ -39,7 +39,7 @@ int grey_at(const Mask& picture, int column, int row) {
 
 }  // namespace
 
-TEST_CASE("A preview has the size that was asked for") {
+TEST_CASE("A preview has the requested size") {
   const Mask picture = render_preview(models::box({0, 0, 0}, {1, 1, 1}), kAll, Pixels{90}, Pixels{70});
   CHECK(picture.width() == Pixels{90});
   CHECK(picture.height() == Pixels{70});
@@ -52,7 +52,7 @@ TEST_CASE("A preview of nothing is black") {
         0);
 }
 
-TEST_CASE("A box shows its top and front and right side each in one grey") {
+TEST_CASE("A box shows its top, front and right side, each in one grey") {
   const Mask picture = render_preview(models::box({0, 0, 0}, {10, 10, 10}), kAll, Pixels{200}, Pixels{200});
   CHECK(greys(picture).size() == 4);  // the background is the fourth
   const Extent extent = lit_extent(picture);
@@ -66,7 +66,7 @@ TEST_CASE("A box shows its top and front and right side each in one grey") {
   CHECK(right > 0);
 }
 
-TEST_CASE("The whole model fills the picture but for a margin") {
+TEST_CASE("The whole model fills the picture except for a margin") {
   // A margin of 6 % of 200 pixels, and a pixel for the rounding to centres.
   constexpr int kMargin = 12;
   const auto touches = [](int edge) { return std::abs(edge - kMargin) <= 1; };
@@ -83,7 +83,7 @@ TEST_CASE("The whole model fills the picture but for a margin") {
   }
 }
 
-TEST_CASE("What was not printed is missing and the rest stays where it is") {
+TEST_CASE("The unprinted part is missing and the rest stays where it is") {
   const models::Facets box = models::box({0, 0, 0}, {10, 10, 10});
   const Mask whole = render_preview(box, kAll, Pixels{200}, Pixels{200});
   const Mask half = render_preview(box, Millimeters{5}, Pixels{200}, Pixels{200});
@@ -112,7 +112,7 @@ TEST_CASE("A print that ends at a flat face shows all of that face") {
 }
 
 TEST_CASE("The nearer facet hides the farther whatever their order") {
-  // Of two upright squares that face the eye's side, the one at smaller y stands in front.
+  // Two upright squares face the eye's side; the one at smaller y stands in front.
   const auto square = [](float y) {
     return models::Facets{{{Vertex{0, y, 0}, Vertex{10, y, 0}, Vertex{10, y, 10}}},
                           {{Vertex{0, y, 0}, Vertex{10, y, 10}, Vertex{0, y, 10}}}};
@@ -134,7 +134,7 @@ TEST_CASE("A turned facet is as bright as a sound one") {
   CHECK(render_preview(facets, kAll, Pixels{100}, Pixels{100}) == sound);
 }
 
-TEST_CASE("A preview of moved parts is that of the model they make together") {
+TEST_CASE("A preview of moved parts equals one of the model they form together") {
   const models::Facets cube = models::box({10, 10, 10}, {12, 12, 12}),
                        post = models::box({-7, 0, -3}, {-6, 1, 1});
   const PreviewPart parts[]{{cube, -11, -11, -10}, {post, 10.5, 1.5, 3}, {cube, -7, -11, -10}};
@@ -171,6 +171,6 @@ TEST_CASE("A preview of facets that cover it thousands of times is drawn in larg
   CHECK(is_in_blocks_of(coarse, 2));
   CHECK(coarse.width() == Pixels{kWidth});
   CHECK(coarse.height() == Pixels{kHeight});
-  // It shows the same: what stands behind moves the edges by some pixels.
+  // The picture is the same except that the squares behind move the edges by some pixels.
   CHECK(std::abs(coarse.lit_area() - fine.lit_area()) < 0.05 * fine.lit_area());
 }

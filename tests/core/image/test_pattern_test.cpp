@@ -22,7 +22,7 @@ bool lit(const Mask& mask, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("Every test pattern is found by its name, and no other name is one") {
+TEST_CASE("Every test pattern is found by its name, and other names are not found") {
   for (const TestPattern pattern : kTestPatterns)
     CHECK(find_test_pattern(name_of(pattern)) == pattern);
   CHECK_FALSE(find_test_pattern("gird"));
@@ -75,7 +75,7 @@ TEST_CASE("Focus has lines of one pixel both ways, and single pixels") {
   CHECK((lit(mask, 128, 0) && !lit(mask, 129, 0) && !lit(mask, 128, 1) && lit(mask, 132, 4)));
 }
 
-TEST_CASE("The border lights the outermost pixels, and its filled square lies at the top left alone") {
+TEST_CASE("The border lights the outermost pixels, with a filled square only at the top left") {
   const Mask mask = drawn(TestPattern::Border);
   for (const int x : {0, 100, 639})
     CHECK((lit(mask, x, 0) && lit(mask, x, 399)));
@@ -86,7 +86,7 @@ TEST_CASE("The border lights the outermost pixels, and its filled square lies at
   CHECK_FALSE(lit(mask, 50, 399 - 50));
 }
 
-TEST_CASE("The rulers are as long as is told, end to end, with ticks at millimetres") {
+TEST_CASE("The rulers have the length of ruler_length(), with ticks at millimetres") {
   // 32 mm by 20 mm: nine tenths are 28.8 and 18.
   CHECK(ruler_length(kWidth, kPitch).count() == 20);
   CHECK(ruler_length(kHeight, kPitch).count() == 10);

@@ -27,7 +27,7 @@ TEST_CASE("A box that is small enough is cut out as it is") {
   CHECK(small == lit(5, 5, {1, 1, 3, 4}, 7));
 }
 
-TEST_CASE("A larger one keeps its proportions, and its longer side is as long as was asked for") {
+TEST_CASE("A larger box keeps its proportions, and its longer side has the given length") {
   const Mask wide = make_thumbnail(Mask(Pixels{1000}, Pixels{500}), {0, 0, 1000, 500}, Pixels{100});
   CHECK(wide.width() == Pixels{100});
   CHECK(wide.height() == Pixels{50});
@@ -36,16 +36,16 @@ TEST_CASE("A larger one keeps its proportions, and its longer side is as long as
   CHECK(thin.height() == Pixels{1});
 }
 
-TEST_CASE("A thumbnail's pixel is the mean of those that it stands for") {
+TEST_CASE("A thumbnail's pixel is the mean of its source pixels") {
   const Mask small = make_thumbnail(lit(8, 8, {0, 0, 3, 8}), {0, 0, 8, 8}, Pixels{4});
   CHECK(small.row(0)[0] == 255);
   CHECK(small.row(0)[1] == 128);
   CHECK(small.row(0)[2] == 0);
-  // Also where sides do not divide.
+  // Sides that do not divide evenly.
   CHECK(make_thumbnail(lit(7, 5, {0, 0, 7, 5}), {0, 0, 7, 5}, Pixels{3}) == lit(3, 2, {0, 0, 3, 2}));
 }
 
-TEST_CASE("One lit pixel among thousands is still to be seen") {
+TEST_CASE("One lit pixel among thousands stays visible") {
   const Mask small =
       make_thumbnail(lit(4000, 4000, {1999, 1999, 2000, 2000}, 1), {0, 0, 4000, 4000}, Pixels{100});
   CHECK(small.lit_pixels() == 1);

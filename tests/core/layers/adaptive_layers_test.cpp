@@ -47,8 +47,8 @@ bool has_boundary(const std::vector<Layer>& layers, Nanometers height) {
   return std::ranges::any_of(layers, [&](const Layer& layer) { return layer.bottom == height; });
 }
 
-// The widest cusp of a layer, by the definition and without the index: t |n_z| over all facets with more than
-// half a micrometre of height in the layer, or a flat facet well within it.
+// Returns the widest cusp of a layer, by the definition and without the index: t |n_z| over all facets with
+// more than half a micrometre of height in the layer, or a flat facet well within it.
 double widest_cusp_um(const models::Facets& facets, double plate_z, const Layer& layer) {
   const double low = plate_z + to_millimeters(layer.bottom).count() + 0.00051;
   const double high = plate_z + to_millimeters(layer.bottom + layer.thickness).count() - 0.00051;
@@ -68,7 +68,7 @@ double widest_cusp_um(const models::Facets& facets, double plate_z, const Layer&
 
 }  // namespace
 
-TEST_CASE("A box has layers of the greatest thickness up to its top") {
+TEST_CASE("A box has layers of the largest thickness up to its top") {
   const std::vector<Layer> layers = layers_of({models::box({0, 0, -3}, {5, 5, -1})});
   REQUIRE(layers.size() == 20);
   for (const Layer& layer : layers)
@@ -86,12 +86,12 @@ TEST_CASE("A flat face lies at a layer's boundary, and no layer before it is too
     CHECK(layers.back().bottom + layers.back().thickness == um(3'000));
     for (const Layer& layer : layers)
       CHECK((layer.thickness >= um(20) && layer.thickness <= um(100)));
-    // No more layers than it takes: ten or eleven below the step, twenty above or one more.
+    // No more layers than needed: ten or eleven below the step, twenty above or one more.
     CHECK(layers.size() <= 32);
   }
 }
 
-TEST_CASE("A flat face too near to the one below is passed by the thinnest layer") {
+TEST_CASE("A flat face too near to the one below gets no layer boundary: the thinnest layer passes it") {
   const auto stairs =
       testing::together(models::box({0, 0, 0}, {9, 9, 0.005F}), models::box({3, 3, 0.005F}, {6, 6, 1}));
   const std::vector<Layer> layers = layers_of({stairs});
@@ -99,7 +99,7 @@ TEST_CASE("A flat face too near to the one below is passed by the thinnest layer
   CHECK(layers[1].thickness == um(100));
 }
 
-TEST_CASE("Below a model above the plate layers are as thick as can be, and its own are as on the plate") {
+TEST_CASE("Below a model above the plate layers are the thickest, and its own are as on the plate") {
   const std::vector<Layer> low = layers_of({models::cone(9, 1, 40)});
   const std::vector<Layer> high = layers_of({models::cone(9, 1, 40)}, kLimits, Elevation(um(5'000)));
   REQUIRE(high.size() == low.size() + 50);
@@ -116,7 +116,7 @@ TEST_CASE("A layer ends where a model above the plate begins") {
   CHECK(std::ranges::any_of(layers, begins));
 }
 
-TEST_CASE("A tip without a flat face leaves its last layer the thinnest, and no less") {
+TEST_CASE("A tip without a flat face gets a last layer of the thinnest thickness, not less") {
   const std::vector<Layer> layers = layers_of({models::cone(0.1F, 2.01F, 40)});
   REQUIRE(layers.size() == 21);
   CHECK(layers[18].thickness == um(100));
@@ -181,7 +181,7 @@ TEST_CASE("No layer's cusp is wider than allowed unless it is the thinnest, and 
   }));
 }
 
-TEST_CASE("Of several models the most demanding one decides, as long as it lasts") {
+TEST_CASE("Of several models the most demanding one decides, up to its top") {
   const models::Facets box = models::box({0, 0, 0}, {5, 5, 6}), sphere = models::globe(1, 40, 32);
   const std::vector<Layer> together = layers_of({box, sphere}), alone = layers_of({sphere});
   REQUIRE(together.size() > alone.size());
@@ -200,7 +200,7 @@ TEST_CASE("Limits that are not whole micrometres are rounded inwards") {
   CHECK(slope.front().thickness == um(21));
 }
 
-TEST_CASE("Layers of one thickness are as many as the stack has") {
+TEST_CASE("Uniform layers have the thickness and count of the stack") {
   const PrintLayers layers(LayerStack{um(50), 3});
   CHECK(layers.all() == std::vector(3, um(50)));
   CHECK(layers.thickness_at(um(100)) == um(50));
@@ -215,9 +215,9 @@ TEST_CASE("Adaptive layers of a model of any height are counted up to the most a
         StandingModel{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {5, 5, height_mm}))}};
   };
   constexpr AdaptiveLayers kThin{um(1), um(1), um(1)};
-  // Refused before any is counted, and only when one too many was.
+  // Refused before any layer is counted, and as soon as there is one too many.
   CHECK_THROWS_AS((void)PrintLayers(tower(3e38F), kLimits).all(), TooManyLayers);
   CHECK_THROWS_AS((void)PrintLayers(tower(10'001), kThin).all(), TooManyLayers);
-  // The next layer of such a model is one like any other.
+  // A single layer of such a model is still found.
   CHECK(next_thickness(tower(3e38F).front(), Nanometers{}, kLimits) == um(100));
 }

@@ -1,4 +1,4 @@
-// That each header of core/layers checks what it requires.
+// Checks that each header of core/layers checks what it requires.
 #include "core/layers/adaptive_layers.hpp"
 #include "core/layers/layer_statistics.hpp"
 #include "core/layers/layers.hpp"
@@ -12,10 +12,10 @@ using testing::contract_broken_by;
 
 namespace {
 
-const std::string kThickness = "a layer is more than nothing and at most kThickestLayer";
-const std::string kAdaptive = "layers are 1 um to kThickestLayer, the thinnest first, and have a cusp";
+const std::string kThickness = "a layer's thickness is positive and at most kThickestLayer";
+const std::string kAdaptive = "1 um <= thinnest <= thickest <= kThickestLayer, and the cusp is positive";
 
-// None of them can be printed.
+// Layers that cannot be printed.
 const AdaptiveLayers kUnprintable[] = {
     {Nanometers{999}, Nanometers{50'000}, Nanometers{1'000}},
     {Nanometers{50'001}, Nanometers{50'000}, Nanometers{1'000}},
@@ -25,7 +25,7 @@ const AdaptiveLayers kUnprintable[] = {
 
 }  // namespace
 
-TEST_CASE("A model has layers of a thickness between nothing and the thickest") {
+TEST_CASE("A layer's thickness must be positive and at most the thickest") {
   const auto layers_of = [](std::int64_t nm) {
     return contract_broken_by([nm] { (void)layers_for(Millimeters{1}, Nanometers{nm}); });
   };
@@ -35,7 +35,7 @@ TEST_CASE("A model has layers of a thickness between nothing and the thickest") 
     CHECK(layers_of(nm) == kThickness);
 }
 
-TEST_CASE("PrintLayers takes uniform layers that have a thickness, or none") {
+TEST_CASE("PrintLayers takes uniform layers with a thickness, or no layers") {
   CHECK(contract_broken_by([] { PrintLayers(LayerStack{}); }).empty());
   CHECK(contract_broken_by([] { PrintLayers(LayerStack{Nanometers{0}, 1}); }) == "layers have a thickness");
   CHECK(contract_broken_by([] {
@@ -43,7 +43,7 @@ TEST_CASE("PrintLayers takes uniform layers that have a thickness, or none") {
         }) == "layers have a thickness");
 }
 
-TEST_CASE("Adaptive layers are decided within bounds that can be printed, of models that are there") {
+TEST_CASE("Adaptive layers require printable bounds and models that are not null") {
   const StandingModel box{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 1}))};
   for (const AdaptiveLayers& layers : kUnprintable) {
     CHECK(contract_broken_by([&] { (void)next_thickness(box, Nanometers{0}, layers); }) == kAdaptive);
@@ -51,12 +51,12 @@ TEST_CASE("Adaptive layers are decided within bounds that can be printed, of mod
   }
   const AdaptiveLayers good{Nanometers{1'000}, kThickestLayer, Nanometers{1}};
   CHECK(contract_broken_by([&] { (void)next_thickness(box, Nanometers{0}, good); }).empty());
-  CHECK(contract_broken_by([&] { PrintLayers({box, StandingModel{}}, good); }) == "every model is there");
+  CHECK(contract_broken_by([&] { PrintLayers({box, StandingModel{}}, good); }) == "no model is null");
 }
 
-TEST_CASE("Two series are correlated where they are of one length") {
+TEST_CASE("Two series must have the same length to be correlated") {
   const std::vector<double> three{1, 2, 3}, two{1, 2};
   CHECK(contract_broken_by([&] { (void)normalized_correlation(three, three); }).empty());
   CHECK(contract_broken_by([&] { (void)normalized_correlation(three, two); }) ==
-        "both series are of one length");
+        "both series have the same length");
 }

@@ -11,7 +11,7 @@ using namespace contourd;
 
 namespace {
 
-// A few roundings of sums of numbers below 1e4, each 1e-12 at most.
+// Tolerance for a few roundings of sums of numbers below 1e4, each at most 1e-12.
 constexpr double kRounding = 1e-11;
 
 std::vector<LayerMeasurement> four_layers() {
@@ -23,7 +23,7 @@ std::vector<LayerMeasurement> four_layers() {
 
 }  // namespace
 
-TEST_CASE("A series has the mean and the sample's standard deviation") {
+TEST_CASE("A series gets its mean and the sample standard deviation") {
   const LayerStatistics statistics = statistics_of(four_layers());
   CHECK(statistics.slicing_ms.mean == 2.5);
   // Squares of 1.5, 0.5, 0.5, 1.5 are 5; over n - 1 = 3.

@@ -25,7 +25,7 @@ TEST_CASE("A model has as many layers as reach its top") {
   CHECK(count_for(0.001, kFiftyMicrometers) == 1);
 }
 
-TEST_CASE("A rest below a hundredth of a layer is no layer") {
+TEST_CASE("A remainder below a hundredth of a layer is no layer") {
   CHECK(count_for(10.0 + 0.0004, kFiftyMicrometers) == 200);  // 0.8 hundredths
   CHECK(count_for(10.0 + 0.0006, kFiftyMicrometers) == 201);  // 1.2 hundredths
   // 0.1 as a float is 1.5e-9 too large.
@@ -37,7 +37,7 @@ TEST_CASE("A model without height has no layers") {
   CHECK(count_for(-1.0, kFiftyMicrometers) == 0);
 }
 
-TEST_CASE("More layers than a print can have are refused with their number, as far as it can be told") {
+TEST_CASE("Too many layers are refused with their number if it can be counted") {
   const auto complaint = [](double height_mm) -> std::string {
     try {
       (void)layers_for(Millimeters{height_mm}, kFiftyMicrometers);
@@ -62,13 +62,13 @@ TEST_CASE("Each layer is cut at its middle") {
   CHECK(layers.middle_of(7) == Nanometers{187'500});
 }
 
-TEST_CASE("Layers of any thickness lie on each other, each cut at its middle") {
+TEST_CASE("Layers of different thicknesses are stacked, each cut at its middle") {
   const std::vector<Nanometers> thicknesses{Nanometers{100'000}, Nanometers{30'000}, Nanometers{50'000}};
   CHECK(middles_of(thicknesses) == std::vector{Nanometers{50'000}, Nanometers{115'000}, Nanometers{155'000}});
   CHECK(middles_of({}).empty());
 }
 
-TEST_CASE("The highest layer a print can have do not overflow") {
+TEST_CASE("The highest layer that a print can have does not overflow") {
   const LayerStack layers{Nanometers{1'000'000}, std::numeric_limits<std::int32_t>::max()};
   CHECK(layers.middle_of(layers.count - 1) == Nanometers{2'147'483'646'500'000});
 }

@@ -17,7 +17,7 @@ using Greys = std::array<std::uint8_t, kBlockPixels>;
 
 }  // namespace
 
-TEST_CASE("A pixel's grey is its winding number's magnitude, at most one, of 255") {
+TEST_CASE("A pixel's grey value is 255 times its winding number's magnitude, at most 1") {
   CHECK(grey_of(0) == 0);
   CHECK(grey_of(kOneWinding) == 255);
   CHECK(grey_of(0 - kOneWinding) == 255);
@@ -31,7 +31,7 @@ TEST_CASE("A pixel's grey is its winding number's magnitude, at most one, of 255
   CHECK(grey_of(kOneWinding - 65) == 254);
 }
 
-TEST_CASE("64 bytes of 0 or 1 are as many bits") {
+TEST_CASE("64 bytes of 0 or 1 become 64 bits") {
   std::array<std::uint8_t, 64> bytes{};
   CHECK(bits_of(bytes.data()) == 0);
   for (std::size_t i = 0; i < 64; ++i) {
@@ -41,7 +41,7 @@ TEST_CASE("64 bytes of 0 or 1 are as many bits") {
   }
 }
 
-TEST_CASE("A block is painted by the running sum of its cells, which are 0 after that") {
+TEST_CASE("A block is painted by the running sum of its cells, which are 0 afterwards") {
   Cells cells{};
   cells[3] = kOneWinding;
   cells[9] = 0 - kOneWinding / 2;
@@ -51,7 +51,7 @@ TEST_CASE("A block is painted by the running sum of its cells, which are 0 after
   CHECK(cells == Cells{});
 }
 
-TEST_CASE("A block painted by vector instructions is the one painted plainly") {
+TEST_CASE("Vector instructions paint the same block as plain code") {
   const bool equal = rc::check([] {
     const auto start = *rc::gen::arbitrary<std::uint32_t>();
     // Sums in the range that matters, and any at all.
@@ -86,7 +86,7 @@ TEST_CASE("Every magnitude up to two and every sign gives the same grey by vecto
   SUCCEED();
 }
 
-TEST_CASE("Where polygons do not overlap a block's greys are the same and it is known that they do not") {
+TEST_CASE("A block without overlaps has the same grey values and reports no overlap") {
   Cells cells{};
   cells[2] = kOneWinding / 4;
   cells[3] = kOneWinding / 2;
@@ -102,7 +102,7 @@ TEST_CASE("Where polygons do not overlap a block's greys are the same and it is 
   CHECK(greys == plain_greys);
 }
 
-TEST_CASE("A winding number above one or below none is noted, a rounding is not") {
+TEST_CASE("A winding number above 1 or below 0 is reported, a rounding error is not") {
   const auto is_sound = [](std::int32_t winding) {
     Cells cells{};
     cells[7] = static_cast<std::uint32_t>(winding);
@@ -120,7 +120,7 @@ TEST_CASE("A winding number above one or below none is noted, a rounding is not"
     CHECK_FALSE(is_sound(overlap));
 }
 
-TEST_CASE("A block without overlaps painted by vector instructions is the one painted plainly") {
+TEST_CASE("Vector instructions paint the same block without overlaps as plain code") {
   const bool equal = rc::check([] {
     const bool small = *rc::gen::arbitrary<bool>();
     Cells cells{};

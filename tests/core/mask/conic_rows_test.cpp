@@ -35,7 +35,8 @@ Mask lit_by(const ConicCut& cut, const DisplayGeometry& display = kDisplay) {
   return rasterizer.mask();
 }
 
-// By the ellipse's equation, at each centre. Nothing where one is too near to the outline to tell.
+// Decides by the ellipse's equation at each centre. Returns nullopt if a centre is too near to the outline to
+// decide.
 std::optional<bool> holds(const ConicCut& cut, const Point& p) {
   const double x = p.x - cut.origin.x, y = p.y - cut.origin.y;
   const double u = x * cut.along.x + y * cut.along.y, v = y * cut.along.x - x * cut.along.y;
@@ -46,7 +47,7 @@ std::optional<bool> holds(const ConicCut& cut, const Point& p) {
 
 }  // namespace
 
-TEST_CASE("A cut lights the pixels whose centres it holds, whole or cut off") {
+TEST_CASE("A whole cut and one with ends cut off light the pixels whose centres they contain") {
   CHECK(rc::check([] {
     DisplayGeometry display = kDisplay;
     display.mirror_x = draw(0, 1) == 1;

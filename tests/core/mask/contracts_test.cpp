@@ -1,4 +1,4 @@
-// That each header of core/mask checks what it requires.
+// Checks that each header of core/mask checks what it requires.
 #include "core/mask/convex_rows.hpp"
 #include "core/mask/coverage_band.hpp"
 #include "core/mask/exact_side.hpp"
@@ -18,23 +18,23 @@ TEST_CASE("Mask has rows from 0 to its height") {
   for (const std::int32_t row : {0, 2})
     CHECK(contract_broken_by([&] { (void)mask.row(row); }).empty());
   for (const std::int32_t row : {-1, 3}) {
-    CHECK(contract_broken_by([&] { (void)mask.row(row); }) == "the row is one of the mask's");
-    CHECK(contract_broken_by([&] { (void)same.row(row); }) == "the row is one of the mask's");
+    CHECK(contract_broken_by([&] { (void)mask.row(row); }) == "the row is in the mask");
+    CHECK(contract_broken_by([&] { (void)same.row(row); }) == "the row is in the mask");
   }
 }
 
 TEST_CASE("MaskRuns has the rows of the mask that it was extracted from") {
   MaskRuns runs;
-  CHECK(contract_broken_by([&] { (void)runs.in_row(0); }) == "the row is one of the mask's");
+  CHECK(contract_broken_by([&] { (void)runs.in_row(0); }) == "the row is in the mask");
   runs.extract(Mask(Pixels{4}, Pixels{3}));
   CHECK(contract_broken_by([&] { (void)runs.in_row(2); }).empty());
-  CHECK(contract_broken_by([&] { (void)runs.in_row(3); }) == "the row is one of the mask's");
+  CHECK(contract_broken_by([&] { (void)runs.in_row(3); }) == "the row is in the mask");
   MaskRuns bright;
   CHECK(contract_broken_by([&] { bright.extract_bright(Mask(Pixels{4}, Pixels{2}), runs, 1); }) ==
-        "the lit pixels are this mask's");
+        "the lit pixels are those of the same mask");
 }
 
-TEST_CASE("PixelMap is at true scale where a pixel has a size") {
+TEST_CASE("PixelMap requires a pixel size for true scale") {
   for (const double um : {0.0, -50.0}) {
     const DisplayGeometry display{Pixels{8}, Pixels{6}, Micrometers{um}};
     CHECK(contract_broken_by([&] { (void)PixelMap::true_scale(display, {0, 0}); }) == "a pixel has a size");
@@ -49,22 +49,23 @@ TEST_CASE("ExposureCorrection takes a gamma from 0.1 to 10, and masks of one siz
   CHECK(contract_broken_by([&] { plain.apply(from, to); }).empty());
   CHECK(contract_broken_by([&] { plain.apply(from, other); }) == "all masks have one size");
   CHECK(contract_broken_by([&] { uneven.apply(from, to); }) == "all masks have one size");
-  CHECK(contract_broken_by([&] { plain.apply(from, from); }) == "the corrected mask is an object of its own");
+  CHECK(contract_broken_by([&] { plain.apply(from, from); }) ==
+        "the corrected mask is another object than the mask");
 }
 
-TEST_CASE("CoverageBand has as many rows as it says, and their cells") {
+TEST_CASE("CoverageBand has the rows that it reports, and their cells") {
   CoverageBand band(100);
   CHECK(contract_broken_by([&] { (void)band.row(band.rows() - 1); }).empty());
   for (const std::int32_t row : {-1, band.rows()})
-    CHECK(contract_broken_by([&] { (void)band.row(row); }) == "the row is one of the band's");
+    CHECK(contract_broken_by([&] { (void)band.row(row); }) == "the row is in the band");
   if (testing::costly_checks_are_off()) return;
   CHECK(contract_broken_by([&] { band.row(0).add(102, 1); }).empty());
-  CHECK(contract_broken_by([&] { band.row(0).add(200, 1); }) == "the column is one of the row's");
+  CHECK(contract_broken_by([&] { band.row(0).add(200, 1); }) == "the column is in the row");
   CHECK(contract_broken_by([&] { band.row(0).add(100, 1, 1, 1); }).empty());
-  CHECK(contract_broken_by([&] { band.row(0).add(200, 1, 1, 1); }) == "the columns are some of the row's");
+  CHECK(contract_broken_by([&] { band.row(0).add(200, 1, 1, 1); }) == "the columns are in the row");
 }
 
-TEST_CASE("Which side a point lies on is exact for coordinates below 1e100") {
+TEST_CASE("side_of() requires coordinates below 1e100") {
   if (testing::costly_checks_are_off()) return;
   CHECK(contract_broken_by([] { (void)side_of({0, 0}, {1, 9e99}, {2, 3}); }).empty());
   CHECK(contract_broken_by([] {
@@ -72,7 +73,7 @@ TEST_CASE("Which side a point lies on is exact for coordinates below 1e100") {
         }) == "coordinates are below 1e100");
 }
 
-TEST_CASE("ConvexRows takes polygons with a corner at least") {
+TEST_CASE("ConvexRows requires a polygon with at least one corner") {
   ConvexRows rows(Pixels{4}, Pixels{3});
   const PixelMap map = PixelMap::true_scale({Pixels{4}, Pixels{3}, Micrometers{50.0}}, {0, 0});
   CHECK(contract_broken_by([&] { rows.visit({}, map, [](auto, auto, auto) {}); }) == "a polygon has corners");

@@ -33,7 +33,7 @@ Mask painted(const Contours& contours, const DisplayGeometry& display = kDisplay
 
 }  // namespace
 
-TEST_CASE("A convex polygon lights the pixels whose centres it holds, as filling by centres does") {
+TEST_CASE("A convex polygon lights the pixels whose centres it contains, like filling by centres") {
   CHECK(rc::check([] {
     DisplayGeometry display = kDisplay;
     display.mirror_x = draw(0, 1) == 1;
@@ -53,8 +53,9 @@ TEST_CASE("A convex polygon lights the pixels whose centres it holds, as filling
   }));
 }
 
-TEST_CASE("A centre on a side is lit when the polygon lies right of it or below") {
-  // 64 x 48 pixels of 1 mm: the plate's centre is a corner of four pixels, whose centres are 0.5 off it.
+TEST_CASE("A centre on a side is lit if the polygon lies right of it or below") {
+  // 64 x 48 pixels of 1 mm: the plate's centre is the corner of four pixels, whose centres are 0.5 away from
+  // it.
   const Mask mask = lit_by(loop_of({{0.5, -0.5}, {2.5, -0.5}, {2.5, 2.5}, {0.5, 2.5}}));
   CHECK(mask.lit_pixels() == 6);
   CHECK(mask.row(24 - 3)[32] == 255);
@@ -62,7 +63,7 @@ TEST_CASE("A centre on a side is lit when the polygon lies right of it or below"
   CHECK(mask.row(24)[32] == 0);
 }
 
-TEST_CASE("A polygon turned round, one without width and one far away are no matter") {
+TEST_CASE("A reversed polygon, one without width and one far away are handled") {
   CHECK(lit_by(loop_of({{0, 0}, {0, 3}, {3, 3}, {3, 0}})).lit_pixels() == 9);
   CHECK(lit_by(loop_of({{0, 0}, {3, 3}})).lit_pixels() == 0);
   CHECK(lit_by(loop_of({{0, 0}})).lit_pixels() == 0);

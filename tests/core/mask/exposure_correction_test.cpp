@@ -16,7 +16,7 @@ namespace {
 Mask draw_mask(int width, int height) {
   Mask mask(Pixels{width}, Pixels{height});
   for (std::int32_t y = 0; y < height; ++y) {
-    // Runs of dark, of white and of anything, as masks have them.
+    // Runs of dark, white and arbitrary pixels, as in masks.
     for (std::size_t x = 0; x < static_cast<std::size_t>(width);) {
       const auto kind = draw(0, 2);
       for (auto run = draw(1, 20); run > 0 && x < static_cast<std::size_t>(width); --run, ++x) {
@@ -64,7 +64,7 @@ TEST_CASE("The grey values for a gamma are these bytes on every machine") {
   CHECK(checksum(0.45) == 2071339275U);
 }
 
-TEST_CASE("A correction that is none says so") {
+TEST_CASE("A correction that changes nothing reports that") {
   CHECK(ExposureCorrection({}, std::nullopt).is_none());
   CHECK_FALSE(ExposureCorrection({2.2, 0}, std::nullopt).is_none());
   CHECK_FALSE(ExposureCorrection({1.0, 5}, std::nullopt).is_none());

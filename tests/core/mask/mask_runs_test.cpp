@@ -34,7 +34,7 @@ std::vector<PixelRun> pixel_by_pixel(const Mask& mask) {
 
 }  // namespace
 
-TEST_CASE("A dark mask has no runs and an all lit one has one a row") {
+TEST_CASE("A dark mask has no runs, and a fully lit one has one in each row") {
   Mask mask(Pixels{100}, Pixels{3});
   MaskRuns runs;
   runs.extract(mask);
@@ -51,12 +51,12 @@ TEST_CASE("A dark mask has no runs and an all lit one has one a row") {
   CHECK(runs.grey_sum() == 3 * 25500);
 }
 
-TEST_CASE("Runs are those found pixel by pixel at any width and place") {
+TEST_CASE("Runs equal those found pixel by pixel, at any width and place") {
   CHECK(rc::check([] {
     Mask mask(Pixels{static_cast<std::int32_t>(draw(1, 200))}, Pixels{static_cast<std::int32_t>(draw(1, 4))});
     for (std::int32_t y = 0; y < mask.height().count(); ++y) {
       const std::span<std::uint8_t> row = mask.row(y);
-      // Stretches of dark, fully lit and grey, so that every way through the words is taken.
+      // Stretches of dark, fully lit and grey pixels, so that every path through the words is taken.
       for (std::size_t x = 0; x < row.size();) {
         const auto kind = draw(0, 2);
         for (auto left = draw(1, 40); left > 0 && x < row.size(); --left)

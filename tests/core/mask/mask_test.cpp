@@ -33,7 +33,7 @@ TEST_CASE("A mask has 1 to 16384 pixels a side") {
   CHECK_THROWS_AS(Mask(Pixels{-1}, Pixels{-1}), std::invalid_argument);
 }
 
-TEST_CASE("A refused mask size is in the error") {
+TEST_CASE("The error for a refused mask size contains the size") {
   try {
     const Mask mask(Pixels{20000}, Pixels{10});
     FAIL("20000 pixels were accepted");
@@ -54,7 +54,7 @@ TEST_CASE("A mask's rows lie below each other without padding") {
   CHECK(view.row(1).data() == view.pixels().data() + 3);
 }
 
-TEST_CASE("Lit pixels are counted, the lit area is weighed by their grey") {
+TEST_CASE("Lit pixels are counted, and the lit area is weighted by their grey values") {
   Mask mask(Pixels{4}, Pixels{1});
   mask.row(0)[0] = 255;
   mask.row(0)[1] = 51;

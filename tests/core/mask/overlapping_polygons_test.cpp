@@ -1,5 +1,5 @@
-// Grey pixels of polygons that overlap, touch, lie in each other or are wound the wrong way, against the
-// brute-force reference.
+// Grey pixels of polygons that overlap, touch, lie in each other or are wound the wrong way, compared with
+// the brute-force reference.
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kSide = 48;
 
-// In grey values. The reference misses what lies between two of its lines: two values where a level side ends
-// there, four where two do.
+// Tolerance in grey values. The reference misses the area between two of its lines: two values where one
+// level side ends, four where two do.
 constexpr double kTolerance = 4.5;
 
 double worst_difference(const std::vector<Polygon>& polygons, ReferenceCoverage& reference) {
@@ -40,7 +40,7 @@ double worst_difference(const std::vector<Polygon>& polygons) {
   return worst_difference(polygons, reference);
 }
 
-// Towards higher y on the left, as the rasterizer takes solids.
+// Towards higher y on the left, as the rasterizer expects of solids.
 Polygon box(double left, double top, double right, double bottom) {
   return {{left, top}, {left, bottom}, {right, bottom}, {right, top}};
 }
@@ -61,12 +61,12 @@ Polygon turned_round(Polygon polygon) {
 
 }  // namespace
 
-TEST_CASE("A body that is there again, a micrometre larger, grows by a micrometre") {
+TEST_CASE("A body with a copy that is a micrometre larger grows by a micrometre") {
   for (const double larger : {0.0, 0.002, 0.02, 0.1})  // pixels; 0.02 is a micrometre of 50
     CHECK(worst_difference({disc({24, 24}, 15.3, 200), disc({24, 24}, 15.3 + larger, 200)}) < 1.5);
 }
 
-TEST_CASE("Walls that lie flush in each other are as bright as one") {
+TEST_CASE("Walls that lie flush in each other are as bright as a single wall") {
   for (const double edge : {10.25, 10.5, 10.75}) {
     CAPTURE(edge);
     CHECK(worst_difference({box(5, 5, edge, 30), box(5, 10, edge, 20), box(7, 5, edge, 30)}) < 1.5);
@@ -78,12 +78,12 @@ TEST_CASE("A shell that faces inwards and touches another leaves no line between
     CHECK(worst_difference({box(5, 5, wall, 30), turned_round(box(wall, 8, 40, 25))}) < 1.5);
 }
 
-TEST_CASE("Where corners of bodies overlap in a pixel it is as bright as both together") {
+TEST_CASE("A pixel in which corners of bodies overlap is as bright as both together") {
   CHECK(worst_difference({disc({15, 20}, 10, 90), disc({32, 20}, 9, 90)}) < 1.5);
   CHECK(worst_difference({box(4, 4, 21.75, 21.75), box(20.25, 20.25, 40, 40)}) < 1.5);
 }
 
-TEST_CASE("Polygons of any kind cover what the non-zero set of them does") {
+TEST_CASE("Polygons of any kind cover their non-zero set") {
   CHECK(rc::check([] {
     std::vector<Polygon> polygons(static_cast<std::size_t>(draw(1, 5)));
     for (Polygon& polygon : polygons) {
@@ -105,7 +105,7 @@ TEST_CASE("Polygons of any kind cover what the non-zero set of them does") {
       }
       if (draw(0, 2) == 0) polygon = turned_round(polygon);
     }
-    // Again, a little moved, as a rounded file has it.
+    // A copy of the polygon, moved a little, as in a rounded file.
     if (draw(0, 2) == 0) {
       Polygon again = polygons.front();
       for (PixelPoint& p : again)
@@ -114,7 +114,7 @@ TEST_CASE("Polygons of any kind cover what the non-zero set of them does") {
     }
     ReferenceCoverage reference(kSide, kSide);
     const double worst = worst_difference(polygons, reference);
-    // One in ten thousand overlaps in slivers only, of which no pixel tells.
-    RC_ASSERT(worst < kTolerance || !(reference.winds_once() || reference.tells()));
+    // One case in ten thousand overlaps only in slivers that no pixel shows.
+    RC_ASSERT(worst < kTolerance || !(reference.winds_once() || reference.shows_overlap()));
   }));
 }

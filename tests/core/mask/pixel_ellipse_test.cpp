@@ -32,7 +32,7 @@ PixelEllipse draw_ellipse() {
 
 }  // namespace
 
-TEST_CASE("Rows' ends are the same by wide vectors and by what every processor has") {
+TEST_CASE("Row ends are the same with wide vectors and with the instructions of every processor") {
   CHECK(rc::check([] {
     const PixelEllipse ellipse = draw_ellipse();
     const auto top = static_cast<std::int32_t>(std::floor(ellipse.middle.y - ellipse.reach_y));
@@ -54,7 +54,7 @@ TEST_CASE("An ellipse reaches as far as its rows do") {
       const double half = std::sqrt(std::max(0.0, ellipse.flat - ellipse.bend * y * y));
       farthest = std::max({farthest, ellipse.lean * y + half, half - ellipse.lean * y});
     }
-    // A step's way along the outline, where that is nearly upright.
+    // The distance of one step along the outline, where the outline is nearly upright.
     RC_ASSERT(farthest <= ellipse.reach_x * (1 + 1e-9));
     RC_ASSERT(farthest > ellipse.reach_x * 0.99);
   }));

@@ -16,7 +16,7 @@ using testing::draw_real;
 
 namespace {
 
-// Coordinates of some thousand pixels after some roundings of 2^-53 of them each.
+// Tolerance for coordinates of some thousand pixels after several roundings of 2^-53 each.
 constexpr double kRoundingPx = 1e-9;
 
 bool near(double a, double b) {
@@ -31,7 +31,7 @@ Bounds rectangle(double min_x, double min_y, double max_x, double max_y) {
   return {min_x, min_y, 0, max_x, max_y, 1};
 }
 
-// Equations 3.6 to 3.19 as the thesis has them, its y_pixel counted from the bottom of the fitted image.
+// Equations 3.6 to 3.19 as in the thesis, with y_pixel counted from the bottom of the fitted image.
 PixelPoint by_the_thesis(double width, double height, const Bounds& b, Point p) {
   const double ar_device = width / height;
   const double ar_object = (b.max_x - b.min_x) / (b.max_y - b.min_y);
@@ -44,7 +44,7 @@ PixelPoint by_the_thesis(double width, double height, const Bounds& b, Point p) 
 
 }  // namespace
 
-TEST_CASE("Fit to display is the thesis's equations with row 0 at the largest y") {
+TEST_CASE("Fit to display follows the thesis's equations, with row 0 at the largest y") {
   CHECK(rc::check([] {
     const auto width = static_cast<int>(draw(2, 4000)), height = static_cast<int>(draw(2, 4000));
     const double x = draw_real(-100, 100), y = draw_real(-100, 100);
@@ -57,9 +57,9 @@ TEST_CASE("Fit to display is the thesis's equations with row 0 at the largest y"
     RC_ASSERT(near(pixel.x, expected.x));
     RC_ASSERT(near(pixel.y, image_height - expected.y));
     // The aspect ratio is kept, and the whole model is on the display.
-    const PixelPoint right = map.to_pixels({p.x + 1, p.y}), behind = map.to_pixels({p.x, p.y + 1});
+    const PixelPoint right = map.to_pixels({p.x + 1, p.y}), back = map.to_pixels({p.x, p.y + 1});
     RC_ASSERT(near(std::fabs(right.x - pixel.x), map.pixels_per_mm()));
-    RC_ASSERT(near(std::fabs(behind.y - pixel.y), map.pixels_per_mm()));
+    RC_ASSERT(near(std::fabs(back.y - pixel.y), map.pixels_per_mm()));
     RC_ASSERT(pixel.x >= -kRoundingPx && pixel.x <= width - 1 + kRoundingPx);
     RC_ASSERT(pixel.y >= -kRoundingPx && pixel.y <= height - 1 + kRoundingPx);
   }));
@@ -74,7 +74,7 @@ TEST_CASE("A wide model fills the display's width and a tall one its height") {
   const PixelMap tall = PixelMap::fit(display(1920, 1080), rectangle(0, -10, 5, 30));
   CHECK(near(tall.to_pixels({5, -10}).y, 1079));
   CHECK(near(tall.to_pixels({5, -10}).x, 1079.0 * 5 / 40));
-  // Of the display's own aspect ratio: by equation 3.8, to the width.
+  // A model with the display's aspect ratio: by equation 3.8, fitted to the width.
   CHECK(near(PixelMap::fit(display(200, 100), rectangle(0, 0, 2, 1)).to_pixels({2, 0}).x, 199));
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("A model without width or height keeps the scale of its other side") {
   CHECK(point.y == 0);
 }
 
-TEST_CASE("At true scale the centre lies on the display's centre and a pixel is its pitch") {
+TEST_CASE("At true scale the centre lies on the display's centre and a pixel is one pitch wide") {
   CHECK(rc::check([] {
     const DisplayGeometry geometry{Pixels{static_cast<int>(draw(1, 4000))},
                                    Pixels{static_cast<int>(draw(1, 4000))}, Micrometers{draw_real(5, 200)}};
@@ -137,7 +137,7 @@ TEST_CASE("Mirrors exchange left and right or top and bottom") {
   }));
 }
 
-TEST_CASE("A cube of 20 mm is 400 by 400 lit pixels of 50 um wherever it stands on the pixel grid") {
+TEST_CASE("A cube of 20 mm is 400 by 400 lit pixels of 50 um, wherever it stands on the pixel grid") {
   const HeightIndex cube(models::box({0, 0, 0}, {20, 20, 20}));
   for (const AntiAliasing anti_aliasing : {AntiAliasing::On, AntiAliasing::Off}) {
     CHECK(rc::check([&] {
@@ -164,9 +164,9 @@ TEST_CASE("A cube of 20 mm is 400 by 400 lit pixels of 50 um wherever it stands 
 TEST_CASE("Factors in X and Y change a cube's pixels to the pixel, wherever it stands on the pixel grid") {
   struct Factors {
     double x, y;
-    int columns, rows;  // of a cube of 400 by 400
+    int columns, rows;  // pixels of a cube that is 400 by 400 without factors
   };
-  // The last is what makes good a shrinkage of 20 % and 1.2 % that takes 500 pixels to 400 and 405 to 400.
+  // The last factors compensate a shrinkage that turns 500 pixels into 400 (20 %) and 405 into 400 (1.2 %).
   for (const Factors& f :
        {Factors{1.25, 0.75, 500, 300}, Factors{0.5, 1, 200, 400}, Factors{1 / 0.8, 1.0125, 500, 405}}) {
     for (const AntiAliasing anti_aliasing : {AntiAliasing::On, AntiAliasing::Off}) {

@@ -57,8 +57,8 @@ std::int64_t in_grid(double coordinate) {
   return std::llround(coordinate / kGrid);
 }
 
-// The winding number around a pixel's centre, exactly: coordinates are multiples of kGrid within +-100, so
-// that everything is whole and fits into 64 bits.
+// Returns the exact winding number around a pixel's centre: coordinates are multiples of kGrid within +-100,
+// so that everything is whole and fits into 64 bits.
 int winding_at_center(const std::vector<Polygon>& polygons, int column, int row) {
   const std::int64_t x = in_grid(column + 0.5), y = in_grid(row + 0.5);
   int winding = 0;
@@ -68,7 +68,7 @@ int winding_at_center(const std::vector<Polygon>& polygons, int column, int row)
       const int sign = a.y < b.y ? 1 : -1;
       if (sign < 0) std::swap(a, b);
       if (in_grid(a.y) > y || in_grid(b.y) <= y) continue;
-      // Whether the side passes left of the centre, or through it.
+      // True if the side passes left of the centre, or through it.
       const std::int64_t cross = (in_grid(b.x) - in_grid(a.x)) * (y - in_grid(a.y)) -
                                  (x - in_grid(a.x)) * (in_grid(b.y) - in_grid(a.y));
       if (cross <= 0) winding += sign;
@@ -77,7 +77,7 @@ int winding_at_center(const std::vector<Polygon>& polygons, int column, int row)
   return winding;
 }
 
-// Sutherland and Hodgman: what of a polygon lies on the side of a line where `depth` is not negative.
+// Returns the part of a polygon on the side of a line where `depth` is not negative (Sutherland and Hodgman).
 template <typename Depth>
 Polygon clipped(const Polygon& polygon, Depth depth) {
   Polygon result;
@@ -102,7 +102,7 @@ double covered_part_of_pixel(const Polygon& polygon, int column, int row) {
   return area_of(part);
 }
 
-// The largest difference in grey levels between the mask and the polygon's exact coverage.
+// Returns the largest difference in grey levels between the mask and the polygon's exact coverage.
 double worst_error(const Mask& mask, const Polygon& polygon) {
   double worst = 0;
   for (int row = 0; row < mask.height().count(); ++row) {
@@ -119,7 +119,7 @@ double worst_error(const Mask& mask, const Polygon& polygon) {
 // levels.
 constexpr double kOneLevel = 1.0;
 
-// The largest difference between a mask and the part of a larger one at (x, y).
+// Returns the largest difference between a mask and the part of a larger one at (x, y).
 int worst_difference(const Mask& mask, const Mask& larger, int x, int y) {
   int worst = 0;
   for (int row = 0; row < mask.height().count(); ++row) {
@@ -157,7 +157,7 @@ TEST_CASE("Without anti-aliasing a pixel is lit where its centre's winding numbe
   }));
 }
 
-TEST_CASE("A centre exactly on a shared side belongs to one of both polygons") {
+TEST_CASE("A centre exactly on a shared side belongs to exactly one of the two polygons") {
   // Each side runs through pixel centres: upright, level, diagonal and at a slope of 2 in 3.
   const std::vector<std::pair<PixelPoint, PixelPoint>> sides{
       {{4.5, 0}, {4.5, 10}}, {{0, 5.5}, {10, 5.5}}, {{0, 0}, {10, 10}}, {{0.5, 0.5}, {9.5, 6.5}}};
@@ -174,8 +174,9 @@ TEST_CASE("A centre exactly on a shared side belongs to one of both polygons") {
   }
 }
 
-// The tie rule: a centre on a side belongs to what lies right of it, and one on a level side to what lies
-// below. A row's centre line crosses a side whose ends lie on both sides of it or whose upper end lies on it.
+// The tie rule: a centre on a side belongs to the area right of it, and a centre on a level side to the area
+// below. A row's centre line crosses a side whose ends lie on both sides of the line or whose upper end lies
+// on it.
 TEST_CASE("A centre exactly on a vertex or a side falls to the right and below") {
   CHECK(rc::check([] {
     constexpr int kWidth = 24, kHeight = 20;
@@ -196,7 +197,7 @@ TEST_CASE("A centre exactly on a vertex or a side falls to the right and below")
   }));
 }
 
-TEST_CASE("With anti-aliasing a pixel's grey is its exactly covered part") {
+TEST_CASE("With anti-aliasing a pixel's grey value is its exactly covered part") {
   CHECK(rc::check([] {
     const Polygon star = draw_star({draw_real(0, 24), draw_real(0, 20)}, 0.5, 20);
     RC_ASSERT(worst_error(painted(24, 20, AntiAliasing::On, {star}), star) <= kOneLevel);
@@ -205,7 +206,7 @@ TEST_CASE("With anti-aliasing a pixel's grey is its exactly covered part") {
 
 TEST_CASE("With anti-aliasing convex polygons are covered exactly") {
   CHECK(rc::check([] {
-    // On a circle, stretched.
+    // Corners on a stretched circle.
     Polygon polygon = draw_star({0, 0}, 1, 1);
     const double width = draw_real(0.1, 30), height = draw_real(0.1, 30);
     const PixelPoint center{draw_real(-5, 30), draw_real(-5, 25)};
@@ -238,7 +239,7 @@ TEST_CASE("Polygons hundreds of times the display's size are covered exactly") {
   }));
 }
 
-TEST_CASE("Slivers of a thousandth of a pixel lose no light and make none") {
+TEST_CASE("Slivers of a thousandth of a pixel lose no light and add none") {
   CHECK(rc::check([] {
     constexpr int kSide = 200;
     const PixelPoint a{draw_real(5, 195), draw_real(5, 195)}, b{draw_real(5, 195), draw_real(5, 195)};
@@ -248,8 +249,8 @@ TEST_CASE("Slivers of a thousandth of a pixel lose no light and make none") {
     const PixelPoint aside{-(b.y - a.y) / length * width, (b.x - a.x) / length * width};
     const Polygon sliver{a, b, {b.x + aside.x, b.y + aside.y}, {a.x + aside.x, a.y + aside.y}};
     const Mask mask = painted(kSide, kSide, AntiAliasing::On, {sliver});
-    // Half a level for the rounding to bytes, and as at kOneLevel 4 * 3 / 2 * 255 / 2^15 = 0.05 for that of
-    // the sums: a share below half a level is dark.
+    // Half a level for the rounding to bytes, and, as for kOneLevel, 4 * 3 / 2 * 255 / 2^15 = 0.05 for the
+    // rounding of the sums: a share below half a level is dark.
     constexpr double kRounding = 0.55;
     int touched = 0;
     for (int row = 0; row < kSide; ++row) {
@@ -306,29 +307,29 @@ TEST_CASE("A polygon's direction does not matter and polygons within polygons fo
   }
 }
 
-TEST_CASE("Where polygons overlap in a pixel it is as bright as what they cover together") {
+TEST_CASE("A pixel in which polygons overlap is as bright as the area that they cover together") {
   const Polygon most = box(0.25, 0, 1, 1);
   CHECK(painted(1, 1, AntiAliasing::On, {most}).pixels()[0] == 191);  // 0.75 * 255 = 191.25
   CHECK(painted(1, 1, AntiAliasing::On, {most, most}).pixels()[0] == 191);
   CHECK(painted(1, 1, AntiAliasing::On, {most, box(0, 0, 0.5, 1)}).pixels()[0] == 255);
 }
 
-TEST_CASE("Of polygons that are thinner than a pixel wherever they overlap the parts add up") {
+TEST_CASE("Overlaps that are all thinner than a pixel add up") {
   const Polygon little{{0, 0}, {0, 1}, {0.25, 1}, {0.25, 0}};
   CHECK(painted(1, 1, AntiAliasing::On, {little, little}).pixels()[0] == 128);  // 127.5, rounded up
-  // The other way round they tell.
+  // In the opposite direction the overlap is detected.
   const Polygon turned{little.rbegin(), little.rend()};
   CHECK(painted(1, 1, AntiAliasing::On, {turned, turned}).pixels()[0] == 64);
 }
 
-TEST_CASE("Sixty thousand polygons over each other are still lit") {
+TEST_CASE("Sixty thousand polygons on top of each other are lit") {
   Rasterizer rasterizer(Pixels{4}, Pixels{4}, AntiAliasing::On);
   for (int i = 0; i < 60'000; ++i)
     add(rasterizer, box(1, 1, 3, 3));
   CHECK(rasterizer.paint().lit_area() == 4.0);
 }
 
-TEST_CASE("Nothing spills out of a closed polygon's reach") {
+TEST_CASE("No light spills beyond a closed polygon") {
   CHECK(rc::check([] {
     constexpr int kWidth = 80, kHeight = 60;
     const double low_x = draw_real(0, 70), high_x = low_x + draw_real(0, 30);
@@ -347,7 +348,8 @@ TEST_CASE("Nothing spills out of a closed polygon's reach") {
 }
 
 TEST_CASE("A chain of thousands of tiny sides leaves no residue") {
-  // A rough circle: every row holds hundreds of sides, whose rounded shares must cancel at its end.
+  // A rough circle: every row holds hundreds of sides, whose rounded shares must cancel at the end of the
+  // row.
   Polygon polygon;
   std::uint64_t random = 7;
   for (int i = 0; i < 20'000; ++i) {
@@ -375,7 +377,7 @@ TEST_CASE("A curve of two hundred sides a pixel is covered exactly") {
   CHECK(worst_error(painted(24, 24, AntiAliasing::On, {circle}), circle) <= 1.3);
 }
 
-TEST_CASE("Polygons wholly outside the display change nothing however far they are") {
+TEST_CASE("Polygons wholly outside the display change nothing, however far away they are") {
   for (const AntiAliasing mode : kBoth) {
     const Polygon inside = box(3.25, 4.5, 20.75, 15.125);
     const Mask alone = painted(40, 30, mode, {inside});
@@ -384,7 +386,8 @@ TEST_CASE("Polygons wholly outside the display change nothing however far they a
         for (const double y : {-1.0, 0.0, 1.0}) {
           if (x == 0 && y == 0) continue;
           CAPTURE(far, x, y);
-          // Of a side's length, or as wide as the display where it lies straight above, below or beside it.
+          // As wide as a side's length, or as the display if the polygon lies straight above, below or beside
+          // it.
           const auto span = [far](double direction, double side) {
             if (direction < 0) return std::pair{-2 * far, -far};
             return direction > 0 ? std::pair{far, 2 * far} : std::pair{0.0, side};
@@ -400,7 +403,7 @@ TEST_CASE("Polygons wholly outside the display change nothing however far they a
   }
 }
 
-TEST_CASE("A polygon that reaches far beyond the display lights what it covers of it") {
+TEST_CASE("A polygon that reaches far beyond the display lights the part of the display that it covers") {
   for (const AntiAliasing mode : kBoth) {
     for (const double far : {1000.0, 1e30, 1e300}) {
       CAPTURE(far);
@@ -432,7 +435,8 @@ TEST_CASE("A grey mask is the same part of a larger display's") {
     const Polygon star = draw_star({draw_real(-20, 90), draw_real(-20, 40)}, 5, 60);
     const Mask mask = painted(width, height, AntiAliasing::On, {star});
     const Mask larger = painted(300, 240, AntiAliasing::On, {moved(star, 128, 96)});
-    // The roundings of what is cut off: half of 2^-15 for each side, and a byte's step where they tip it.
+    // The roundings of the parts that are cut off: half of 2^-15 for each side, and one grey level where they
+    // tip the byte.
     RC_ASSERT(worst_difference(mask, larger, 128, 96) <= 1);
   }));
 }
@@ -451,7 +455,7 @@ TEST_CASE(
   }));
 }
 
-TEST_CASE("Painting replaces the mask and leaves nothing for the next") {
+TEST_CASE("Painting replaces the mask and leaves nothing for the next one") {
   for (const AntiAliasing mode : kBoth) {
     Rasterizer rasterizer(Pixels{100}, Pixels{10}, mode);
     add(rasterizer, box(5, 2, 95, 4));

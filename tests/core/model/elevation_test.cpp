@@ -8,7 +8,7 @@ using namespace contourd;
 
 namespace {
 
-// From z = -3 to 5 mm.
+// The bounds of a model from z = -3 to 5 mm.
 const Bounds kModel = bounds_of(models::box({0, 0, -3}, {1, 1, 5}));
 
 }  // namespace
@@ -21,7 +21,7 @@ TEST_CASE("A model stands with its lowest point on the plate") {
   CHECK(on_plate.lift(kModel) == Millimeters{3});
 }
 
-TEST_CASE("A model that stands above the plate is that much higher everywhere") {
+TEST_CASE("A model that stands above the plate is higher everywhere by that distance") {
   const Elevation raised(Nanometers{2'500'000});
   CHECK(raised.z_at(Nanometers{2'500'000}, kModel) == Millimeters{-3});
   CHECK(raised.z_at(Nanometers{0}, kModel) == Millimeters{-5.5});
@@ -29,7 +29,7 @@ TEST_CASE("A model that stands above the plate is that much higher everywhere") 
   CHECK(raised.lift(kModel) == Millimeters{5.5});
 }
 
-TEST_CASE("A height is the same there and back to the nanometre") {
+TEST_CASE("A height converts to z and back to the nanometre") {
   for (const Elevation elevation :
        {Elevation(), Elevation(Nanometers{1}), Elevation(Nanometers{123'456'789})}) {
     for (const Nanometers height : {Nanometers{0}, Nanometers{1}, Nanometers{2'500}, Nanometers{987'654'321}})
@@ -37,11 +37,11 @@ TEST_CASE("A height is the same there and back to the nanometre") {
   }
 }
 
-TEST_CASE("A z beyond all heights has none") {
+TEST_CASE("A z beyond the range of heights has no height") {
   CHECK_FALSE(Elevation().height_at(Millimeters{1e30}, kModel));
 }
 
-TEST_CASE("A standing model knows where it is cut and how high it reaches") {
+TEST_CASE("A standing model converts heights to its z and returns its top") {
   const StandingModel model{std::make_shared<const HeightIndex>(models::box({0, 0, -3}, {1, 1, 5})),
                             Elevation(Nanometers{2'500'000})};
   CHECK(model.z_at(Nanometers{3'500'000}) == Millimeters{-2});

@@ -15,12 +15,12 @@ EnclosedVolume volume_of(const std::vector<Facet>& facets) {
 
 }  // namespace
 
-TEST_CASE("Nothing encloses nothing") {
+TEST_CASE("No facets enclose no volume") {
   CHECK(volume_of({}).mm3 == 0);
   CHECK(volume_of({}).uncertainty_mm3 == 0);
 }
 
-TEST_CASE("A closed model encloses its volume, wherever it lies, without uncertainty") {
+TEST_CASE("A closed model has its volume without uncertainty, wherever it lies") {
   // 20^3; coordinates of 10,000 mm in float are exact to 1 um.
   const auto far = Vertex{10'000, -10'000, 5'000};
   const models::Facets cube = models::box({far.x, far.y, far.z}, {far.x + 20, far.y + 20, far.z + 20});
@@ -28,13 +28,13 @@ TEST_CASE("A closed model encloses its volume, wherever it lies, without uncerta
   CHECK(volume_of(cube).uncertainty_mm3 == 0);
 }
 
-TEST_CASE("A model whose facets face inwards encloses less than nothing") {
+TEST_CASE("A model whose facets face inwards has a negative volume") {
   models::Facets cube = models::box({0, 0, 0}, {20, 20, 20});
   models::invert(cube);
   CHECK(volume_of(cube).mm3 == -8000);
 }
 
-TEST_CASE("Of an open sheet nothing can be said") {
+TEST_CASE("An open sheet is not inside out: its volume is uncertain") {
   models::Facets sheet = models::box({0, 0, 0}, {20, 20, 20});
   sheet.resize(2);  // one side
   CHECK(volume_of(sheet).uncertainty_mm3 >= std::abs(volume_of(sheet).mm3));

@@ -82,7 +82,7 @@ models::Facets draw_facets() {
 
 }  // namespace
 
-TEST_CASE("The candidates hold every facet that a scan of all finds and hold it once") {
+TEST_CASE("The candidates contain every facet that a full scan finds, exactly once") {
   CHECK(rc::check([] {
     const models::Facets facets = draw_facets();
     const HeightIndex index(facets);
@@ -105,7 +105,7 @@ TEST_CASE("The candidates hold every facet that a scan of all finds and hold it 
   }));
 }
 
-TEST_CASE("The index holds the facets in the order given and turns an inside-out model") {
+TEST_CASE("The index keeps the facets' order and turns an inside-out model") {
   const models::Facets box = models::box({-1, -2, -3}, {4, 5, 6});
   models::Facets turned = box;
   for (Facet& facet : turned)
@@ -118,7 +118,7 @@ TEST_CASE("The index holds the facets in the order given and turns an inside-out
   CHECK(keys_of(from_turned.facets()) == keys_of(box));
 }
 
-TEST_CASE("An open model is turned only when its gaps leave no doubt") {
+TEST_CASE("An open model is turned only if its gaps leave no doubt") {
   models::Facets sheet = models::box({0, 0, 0}, {20, 20, 20});
   sheet.resize(2);
   CHECK_FALSE(HeightIndex(sheet).turned_outwards());
@@ -130,7 +130,7 @@ TEST_CASE("An open model is turned only when its gaps leave no doubt") {
   CHECK(HeightIndex(ball).turned_outwards());
 }
 
-TEST_CASE("Candidates know their facets' heights") {
+TEST_CASE("Candidates hold their facets' heights") {
   CHECK(rc::check([] {
     const HeightIndex index(draw_facets());
     index.for_each_candidate_run(testing::draw_real(-1100, 1100),
@@ -144,7 +144,7 @@ TEST_CASE("Candidates know their facets' heights") {
   }));
 }
 
-TEST_CASE("The index knows the model's bounds") {
+TEST_CASE("The index returns the model's bounds") {
   const HeightIndex index(models::box({-1, -2, -3}, {4, 5, 6}));
   CHECK(index.bounds().min_x == -1.0);
   CHECK(index.bounds().max_y == 5.0);
@@ -188,8 +188,8 @@ TEST_CASE("A query touches few facets that it does not cross") {
     touched += candidates(index, z);
     crossed += crossing_candidates(index, z).size();
   }
-  // 2.7 candidates a crossing on average over all shapes of facets, says the header; half as many again for a
-  // sphere's own mix of facets.
+  // The header states 2.7 candidates for each crossing, on average over all shapes of facets; half as many
+  // again for a sphere's own mix of facets.
   CHECK(static_cast<double>(touched) < 4.0 * static_cast<double>(crossed));
   CHECK(crossed > 1000);
 }
@@ -202,7 +202,7 @@ TEST_CASE("A range of heights finds every facet with a point in it, flat ones in
     const HeightIndex index(facets);
     const double height = index.bounds().size_z();
     for (int i = 0; i < 20; ++i) {
-      // At a vertex' own height now and then, and beyond the model's ends.
+      // Sometimes at a vertex's own height, and beyond the model's ends.
       const auto chosen =
           static_cast<std::size_t>(testing::draw(0, static_cast<std::int64_t>(facets.size()) - 1));
       const double low = testing::draw(0, 1) == 1
@@ -225,7 +225,7 @@ TEST_CASE("A range of heights finds every facet with a point in it, flat ones in
   }));
 }
 
-TEST_CASE("A range of heights finds a model without height, and nothing in one without facets") {
+TEST_CASE("A range of heights finds a model without height, and nothing in a model without facets") {
   const HeightIndex flat(models::box({0, 0, 2}, {1, 1, 2}));
   const auto found = [](const HeightIndex& index, double low, double high) {
     std::size_t facets = 0;

@@ -43,7 +43,7 @@ TEST_CASE("A model without facets is not watertight") {
   CHECK(report.bounds.empty());
 }
 
-TEST_CASE("A model that faces inwards is watertight and of negative volume") {
+TEST_CASE("A model that faces inwards is watertight and has a negative volume") {
   models::Facets facets = unit_box();
   models::invert(facets);
   const MeshReport report = inspect_mesh(facets);
@@ -135,7 +135,7 @@ TEST_CASE("Both zeros are one vertex") {
   CHECK(inspect_mesh(facets).watertight);
 }
 
-TEST_CASE("Vertices that differ in one bit are two") {
+TEST_CASE("Vertices that differ in one bit are different") {
   models::Facets facets = unit_box();
   facets[0].vertices[0].x = std::nextafter(facets[0].vertices[0].x, 2.0F);
   const MeshReport report = inspect_mesh(facets);
@@ -149,7 +149,8 @@ TEST_CASE("A volume far from the origin keeps its digits") {
 }
 
 TEST_CASE("A ball has a ball's volume") {
-  // A mesh of 40 cells across lies inside the ball: (cell / radius)^2 of it is missing at most, 0.3 %.
+  // A mesh of 40 cells across lies inside the ball: at most (cell / radius)^2 of the volume is missing, 0.3
+  // %.
   const double ball = 4.0 / 3.0 * std::numbers::pi * 1000;
   const double volume = inspect_mesh(models::sphere(10, 40)).volume_mm3;
   CHECK(volume < ball);

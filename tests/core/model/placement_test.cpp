@@ -93,7 +93,7 @@ TEST_CASE("Any turn is the product of its three rotations rounded once") {
   }));
 }
 
-TEST_CASE("No turn and no scale leave every bit alone") {
+TEST_CASE("Without turn and scale every bit stays the same") {
   CHECK(Orientation{}.is_identity());
   CHECK_FALSE(Orientation{0, 0, 0, Scale{2}}.is_identity());
   CHECK_FALSE(Orientation{0, 0, 0, Scale{1, 1, 2}}.is_identity());
@@ -115,8 +115,8 @@ TEST_CASE("A closed model stays closed and keeps its volume times the scale cube
     orient(facets, {draw_real(0, 360), draw_real(0, 360), draw_real(0, 360), Scale{scale}});
     const MeshReport report = inspect_mesh(facets);
     RC_ASSERT(report.watertight);
-    // Floats of 20 mm are rounded by 1e-6 mm, 1e-7 of the radius: three times that of the volume, to be safe
-    // ten.
+    // Floats of 20 mm are rounded by 1e-6 mm, 1e-7 of the radius: three times that for the volume; ten to be
+    // safe.
     RC_ASSERT(std::fabs(report.volume_mm3 / (volume * scale * scale * scale) - 1) < 1e-6);
   }));
 }
@@ -131,7 +131,7 @@ TEST_CASE("Every facet is turned") {
   CHECK(bounds.max_z == 3);
 }
 
-TEST_CASE("Each axis may have a scale of its own, that of the plate after the turn") {
+TEST_CASE("Each axis can have its own scale, along the plate's axes after the turn") {
   CHECK(oriented({1, -2, 3}, {0, 0, 0, {2, 0.5, 4}}) == Vertex{2, -1, 12});
   CHECK(oriented({1, -2, 3}, {0, 0, 90, {2, 0.5, 4}}) == Vertex{4, 0.5F, 12});
 }
@@ -150,7 +150,7 @@ Direction draw_direction() {
   return n;
 }
 
-// Of floats of up to 2 in size: half of 2^-23.
+// The rounding of floats of up to 2: half of 2^-23.
 constexpr double kUnitRounding = 1e-7;
 
 }  // namespace
@@ -167,7 +167,7 @@ TEST_CASE("A direction along an axis is exact, whatever its length") {
   }
 }
 
-TEST_CASE("A direction comes to point straight up, and what lies across both stays where it is") {
+TEST_CASE("A direction is turned straight up, and the axis across both stays where it is") {
   CHECK(rc::check([] {
     const Direction n = draw_direction();
     const double length = std::hypot(n.x, n.y, n.z), flat = std::hypot(n.x, n.y);
@@ -177,7 +177,7 @@ TEST_CASE("A direction comes to point straight up, and what lies across both sta
     const Vertex up = oriented(unit(n.x / length, n.y / length, n.z / length), upwards(n.x, n.y, n.z));
     RC_ASSERT(std::hypot(up.x, up.y, up.z - 1) < 4 * kUnitRounding);
     RC_PRE(flat > 1e-6);
-    // The shortest way turns about n x (0, 0, 1).
+    // The shortest rotation turns about n x (0, 0, 1).
     const Vertex axis = unit(n.y / flat, -n.x / flat, 0);
     const Vertex kept = oriented(axis, upwards(n.x, n.y, n.z));
     RC_ASSERT(std::hypot(kept.x - axis.x, kept.y - axis.y, kept.z) < 4 * kUnitRounding);
@@ -197,7 +197,7 @@ TEST_CASE("Directions near straight down are as exact as any other") {
   }
 }
 
-TEST_CASE("A direction keeps a closed model closed and its volume times the three factors") {
+TEST_CASE("A direction keeps a closed model closed, with its volume times the three factors") {
   const models::Facets sphere = models::sphere(10, 10);
   const double volume = inspect_mesh(sphere).volume_mm3;
   CHECK(rc::check([&] {
@@ -208,7 +208,7 @@ TEST_CASE("A direction keeps a closed model closed and its volume times the thre
     orient(facets, turn);
     const MeshReport report = inspect_mesh(facets);
     RC_ASSERT(report.watertight);
-    // As above.
+    // Same tolerance as above.
     RC_ASSERT(std::fabs(report.volume_mm3 / (volume * turn.scale.x * turn.scale.y * turn.scale.z) - 1) <
               1e-6);
   }));

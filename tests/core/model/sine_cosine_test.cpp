@@ -10,7 +10,7 @@ using namespace contourd;
 
 namespace {
 
-// How many units in the last place `value` is from the true one.
+// Returns the error of `value` in units in the last place.
 double ulps_from(double value, long double truth) {
   const double size = std::fabs(static_cast<double>(truth));
   const double ulp = std::nextafter(size, std::numeric_limits<double>::infinity()) - size;
@@ -26,10 +26,11 @@ TEST_CASE("Sine and cosine are within two units in the last place") {
   for (int i = -200'000; i <= 200'000; ++i) {
     const double degrees = i * 0.00193;  // beyond a whole turn on both sides, and hardly ever a round angle
     const auto [sine, cosine] = sine_cosine(degrees);
-    // Reduced exactly, so that long double's own rounding of large angles stays out of it.
+    // Reduced exactly, so that the rounding of large angles in long double does not count.
     const long double rest = std::remainder(degrees, 360.0) * kRadians;
     const long double true_sine = std::sin(rest), true_cosine = std::cos(rest);
-    // Beside a quarter turn long double's pi, rounded at its 64th bit, is no truth for a result near zero.
+    // Near a quarter turn, long double's pi, rounded at its 64th bit, is not accurate enough for a result
+    // near zero.
     if (std::fabs(true_sine) > 1e-2L) worst = std::fmax(worst, ulps_from(sine, true_sine));
     if (std::fabs(true_cosine) > 1e-2L) worst = std::fmax(worst, ulps_from(cosine, true_cosine));
     worst_sum = std::fmax(worst_sum, std::fabs(sine * sine + cosine * cosine - 1));
@@ -53,7 +54,7 @@ TEST_CASE("Small angles keep their relative accuracy on both sides of every quar
   CHECK(sine_cosine(270 + kTiny).cosine == sine_cosine(kTiny).sine);
 }
 
-TEST_CASE("Quarter turns are exact however often one turns") {
+TEST_CASE("Quarter turns are exact for any number of turns") {
   for (const double turns : {0.0, 360.0, -360.0, 360.0 * 1e9, -360.0 * 4096}) {
     CAPTURE(turns);
     CHECK(sine_cosine(turns).sine == 0.0);

@@ -20,20 +20,20 @@ double nearest_deg(const std::vector<Direction>& directions, const Direction& wa
 
 }  // namespace
 
-TEST_CASE("As drawn is the first direction tried") {
+TEST_CASE("The drawn orientation is tried first") {
   CHECK(candidate_directions(models::cone(5, 10, 16)).front() == Direction{0, 0, 1});
 }
 
-TEST_CASE("No direction is farther than 13 degrees from one that is tried") {
+TEST_CASE("Every direction is within 13 degrees of one that is tried") {
   const std::vector<Direction> directions = candidate_directions(models::box({0, 0, 0}, {1, 2, 3}));
   CHECK(directions.size() <= kMostDirections);
-  // 200 circles of 8 degrees cover as much as the ball; laid out as they are, it takes some more.
+  // 200 circles of 8 degrees have the area of the sphere; their arrangement needs some more.
   for (const Direction& wanted :
        {Direction{1, 1, 1}, Direction{-1, 0.2, 0.3}, Direction{0.7, -0.1, 0}, Direction{0.3, 0.1, -1}})
     CHECK(nearest_deg(directions, wanted) < 13);
 }
 
-TEST_CASE("Directions that are tried are of length 1 and apart") {
+TEST_CASE("Directions that are tried have length 1 and are apart") {
   const std::vector<Direction> directions = candidate_directions(models::sphere(10, 24));
   for (std::size_t i = 0; i < directions.size(); ++i) {
     CHECK(std::abs(length_of(directions[i]) - 1) < 1e-12);  // rounding
@@ -42,18 +42,18 @@ TEST_CASE("Directions that are tried are of length 1 and apart") {
   }
 }
 
-TEST_CASE("What puts a flat face on the plate is tried") {
+TEST_CASE("Directions that put a flat face on the plate are tried") {
   models::Facets facets = models::box({0, 0, 0}, {10, 20, 30});
   orient(facets, {.up = Direction{1, 2, 3}});
   const std::vector<Direction> directions = candidate_directions(facets);
-  // The box' own axes, as they were turned.
+  // The box's own axes, as turned.
   const PlateAxes axes = axes_with_up({1, 2, 3});
   for (const Direction& axis :
        {Direction{axes.right.x, axes.back.x, axes.up.x}, Direction{-axes.right.z, -axes.back.z, -axes.up.z}})
     CHECK(nearest_deg(directions, axis) < 0.01);  // float's rounding
 }
 
-TEST_CASE("A model without any area has the axes and what is spread evenly") {
+TEST_CASE("A model without area has the axes and the evenly spread directions") {
   const Vertex v{1, 1, 1};
   const Facet facets[]{{{v, v, v}}};
   CHECK(candidate_directions(facets).size() > 200);

@@ -1,4 +1,4 @@
-// That each header of core/orientation checks what it requires.
+// Checks that each header of core/orientation checks what it requires.
 #include "core/orientation/orientation_choice.hpp"
 #include "core/orientation/orientation_rating.hpp"
 #include "core/orientation/rated_mesh.hpp"
@@ -9,12 +9,12 @@
 using namespace contourd;
 using testing::contract_broken_by;
 
-TEST_CASE("A way up is chosen for a model that has facets") {
+TEST_CASE("Choosing an orientation requires facets") {
   CHECK(contract_broken_by([] { (void)choose_orientation({}, {}); }) ==
         "there are facets, and fewer than 2^30");
 }
 
-TEST_CASE("Directions that are rated are directions") {
+TEST_CASE("Rating requires a direction that is finite and not zero") {
   const models::Facets facets = models::box({0, 0, 0}, {1, 1, 1});
   const RatedMesh mesh({.facets = facets});
   const OrientationRequest request;
@@ -24,11 +24,11 @@ TEST_CASE("Directions that are rated are directions") {
         }) == "the upward direction is finite and not zero");
 }
 
-TEST_CASE("A sample may hold facets, each with its weight, in cells of some size") {
+TEST_CASE("A sample requires room for a facet, and a rated mesh a weight for each facet and a cell size") {
   const models::Facets facets = models::box({0, 0, 0}, {1, 1, 1});
-  CHECK(contract_broken_by([&] { (void)sample_of(facets, 0); }) == "the sample may hold a facet");
+  CHECK(contract_broken_by([&] { (void)sample_of(facets, 0); }) == "the sample may hold at least one facet");
   const std::vector<double> weights(facets.size() - 1, 1.0);
   CHECK(contract_broken_by([&] { RatedMesh({.facets = facets, .weights = weights}); }) ==
-        "each facet has its weight");
+        "there is a weight for each facet, or for none");
   CHECK(contract_broken_by([&] { RatedMesh({.facets = facets, .cell_mm = 0}); }) == "cells have a size");
 }

@@ -45,7 +45,7 @@ TEST_CASE("A ball, which is the same from everywhere, stays as it is drawn") {
   CHECK(chosen(models::sphere(10, 30)).as_drawn());
 }
 
-TEST_CASE("A ball with a flat stands on that, however it is drawn") {
+TEST_CASE("A ball with a flat face stands on that face, however it is drawn") {
   const Point profile[]{{0, 0}, {6, 0}, {8, 2}, {10, 8}, {9, 13}, {5, 17}, {0, 18}};
   models::Facets ball = models::lathe(profile, 64);
   CHECK(chosen(ball).as_drawn());
@@ -87,7 +87,7 @@ TEST_CASE("A flat plate on edge prints well and stays, but lies down for a fast 
   CHECK(std::abs(fast.chosen().size_z_mm - 3) < 1e-6);  // rounding
 }
 
-TEST_CASE("What is too high for the machine is laid down") {
+TEST_CASE("A model that is too high for the machine is laid down") {
   const models::Facets column = models::lathe(std::vector<Point>{{0, 0}, {5, 0}, {5, 100}, {0, 100}}, 48);
   CHECK(chosen(column).as_drawn());
   const OrientationRequest low{.build = BuildSize{Millimeters{120}, Millimeters{60}, Millimeters{80}}};
@@ -97,14 +97,14 @@ TEST_CASE("What is too high for the machine is laid down") {
   CHECK(choice.chosen().size_z_mm <= 80);
 }
 
-TEST_CASE("What fits nowhere stays as it is drawn unless another way is better") {
+TEST_CASE("A model that fits in no orientation stays as drawn unless another one is better") {
   const OrientationRequest tiny{.build = BuildSize{Millimeters{1}, Millimeters{1}, Millimeters{1}}};
   const OrientationChoice choice = chosen(models::box({0, 0, 0}, {20, 20, 20}), tiny);
   CHECK(choice.as_drawn());
   CHECK_FALSE(choice.chosen().fits);
 }
 
-TEST_CASE("A face that is to be kept clean is neither on the plate nor held") {
+TEST_CASE("A face that is to be kept clean is neither on the plate nor supported") {
   OrientationRequest request;
   request.keep_clean = {Direction{0, 0, -1}};
   const OrientationChoice choice = chosen(models::box({0, 0, 0}, {30, 30, 10}), request);
@@ -115,7 +115,7 @@ TEST_CASE("A face that is to be kept clean is neither on the plate nor held") {
   CHECK(chosen(models::box({0, 0, 0}, {30, 30, 10}), request).chosen().touched_mm2 == 0);
 }
 
-TEST_CASE("A model that is inside out is turned as the same model the right way out") {
+TEST_CASE("An inside-out model is turned like the same model the right way out") {
   models::Facets facets = table();
   models::invert(facets);
   CHECK(chosen(facets).chosen() == chosen(table()).chosen());
@@ -138,7 +138,7 @@ TEST_CASE("A large model takes a bounded number of steps") {
   const models::Facets ball = models::sphere(20, 200);
   REQUIRE(ball.size() > 200'000);
   const OrientationChoice choice = chosen(ball);
-  // Facets rated, and for each facet that spans heights, these: few where facets are small.
+  // Facets rated, and the heights of facets that span several: few if facets are small.
   const std::uint64_t rated = kMostDirections * kSampledFacets + finalists_of(ball.size()) * ball.size();
   CHECK(choice.steps < 2 * rated);
   CHECK(finalists_of(1) == 24);
@@ -156,20 +156,20 @@ TEST_CASE("Facets that span all heights take a bounded number of steps") {
   CHECK(choice.steps < 130 * (kMostDirections * kSampledFacets + 24 * slivers.size()));
 }
 
-TEST_CASE("Choosing ends soon when it is asked to stop") {
+TEST_CASE("Choosing stops soon when a stop is requested") {
   std::stop_source stop;
   stop.request_stop();
   CHECK_FALSE(choose_orientation(models::box({0, 0, 0}, {1, 1, 1}), {}, stop.get_token()).has_value());
 }
 
-TEST_CASE("A model of the greatest coordinates is rated all the same") {
+TEST_CASE("A model with the largest coordinates is rated") {
   const float most = std::numeric_limits<float>::max();
   const OrientationChoice choice = chosen(models::box({-most, -most, -most}, {most, most, most}));
   CHECK(choice.as_drawn());
   CHECK(std::isfinite(choice.chosen().score));
 }
 
-TEST_CASE("Facets without area, or one alone, are no reason to fail") {
+TEST_CASE("Facets without area and a single facet are accepted") {
   const Vertex v{1, 1, 1};
   CHECK(chosen({{{v, v, v}}}).as_drawn());
   CHECK(chosen({{{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}}).ranked.size() > 1);

@@ -25,8 +25,8 @@ models::Facets together(std::initializer_list<models::Facets> parts) {
   return all;
 }
 
-// A shelf of that depth and thickness 2 that sticks out of a wall at a height of 10, of one mesh; fine along
-// x.
+// Returns a shelf of this depth and a thickness of 2 that sticks out of a wall at a height of 10, in one
+// mesh; fine along x.
 models::Facets shelf(double depth_mm) {
   const Point profile[]{
       {0, 0}, {5, 0}, {5, 10}, {5 + depth_mm / 2, 10}, {5 + depth_mm, 10}, {5 + depth_mm, 12}, {0, 12}};
@@ -35,7 +35,7 @@ models::Facets shelf(double depth_mm) {
 
 }  // namespace
 
-TEST_CASE("A cube stands on its face and is to be held nowhere") {
+TEST_CASE("A cube stands on its face and needs no supports") {
   const OrientationFigures figures = rated(models::box({0, 0, 0}, {10, 20, 30}), {0, 0, 1});
   CHECK(figures.stands);
   CHECK(figures.contacts == 0);
@@ -47,7 +47,7 @@ TEST_CASE("A cube stands on its face and is to be held nowhere") {
   CHECK(std::abs(figures.largest_mm2 - 200) < 1e-9);  // rounding
 }
 
-TEST_CASE("Figures are those of the model as it is scaled along the plate's axes") {
+TEST_CASE("Figures are those of the model as scaled along the plate's axes") {
   const OrientationRequest request{.scale = {2, 3, 4}};
   const OrientationFigures figures =
       rated(models::box({0, 0, 0}, {10, 20, 30}), {1, 0, 0}, Mesh::Whole, request);
@@ -59,7 +59,7 @@ TEST_CASE("Figures are those of the model as it is scaled along the plate's axes
 
 TEST_CASE("The largest section is found without a cut") {
   const models::Facets ball = models::sphere(10, 40);
-  // A ball's equator; its facets lie within, by up to a hundredth at this fineness.
+  // A ball's equator; its facets lie inside the ball, by up to a hundredth at this fineness.
   const double largest = rated(ball, {0, 0, 1}).largest_mm2;
   CHECK(largest < std::numbers::pi * 100);
   CHECK(largest > std::numbers::pi * 99);
@@ -70,12 +70,12 @@ TEST_CASE("The largest section is found without a cut") {
   CHECK(std::abs(rated(cone, {0, 0, -1}).largest_mm2 - std::numbers::pi * 100 * share * share) < 0.05);
 }
 
-TEST_CASE("What stands on a point is to be held there, and lifted") {
+TEST_CASE("A model that stands on a point is supported there, and lifted") {
   const OrientationRequest request{.lift = Millimeters{5}};
   const OrientationFigures figures = rated(models::cone(2, 20, 32), {0, 0, -1}, Mesh::Whole, request);
   CHECK_FALSE(figures.stands);
   CHECK(figures.contacts == 1);
-  // A pillar of 1 mm and 5 mm height, and what its foot has beyond that.
+  // A pillar of 1 mm diameter and 5 mm height, and the extra volume of its foot.
   CHECK(std::abs(figures.support_mm3 - (5 * std::numbers::pi / 4 + 4.7)) < 1e-4);
 }
 
@@ -83,7 +83,7 @@ TEST_CASE("A sample is rated without the points on which a model begins") {
   CHECK(rated(models::cone(2, 20, 32), {0, 0, -1}, Mesh::Sample).contacts == 0);
 }
 
-TEST_CASE("A ledge is held where it reaches farther than can be bridged") {
+TEST_CASE("A ledge needs supports if it reaches farther than can be bridged") {
   CHECK(rated(shelf(1), {0, 0, 1}).overhang_mm2 == 0);
   const double half_held = rated(shelf(6), {0, 0, 1}).overhang_mm2;
   CHECK(half_held > 100);
@@ -92,14 +92,14 @@ TEST_CASE("A ledge is held where it reaches farther than can be bridged") {
   CHECK(rated(shelf(6), {0, 0, 1}, Mesh::Whole, bold).overhang_mm2 == 0);
 }
 
-TEST_CASE("A table upside down is to be held nowhere, on its legs its top is") {
+TEST_CASE("A table upside down needs no supports, but on its legs its top does") {
   const models::Facets table =
       together({models::box({0, 0, 20}, {40, 40, 23}), models::box({0, 0, 0}, {5, 5, 23}),
                 models::box({35, 0, 0}, {40, 5, 23}), models::box({0, 35, 0}, {5, 40, 23}),
                 models::box({35, 35, 0}, {40, 40, 23})});
   CHECK(rated(table, {0, 0, -1}).contacts == 0);
   CHECK(rated(table, {0, 0, -1}).stands);
-  // 1600 mm2, of which a contact holds 11.1.
+  // 1600 mm2; one contact holds 11.1.
   CHECK(std::abs(rated(table, {0, 0, 1}).contacts - 1600 / kContactHoldsMm2) < 1e-6);
   CHECK(rated(table, {0, 0, 1}).stands);
 }
@@ -107,18 +107,18 @@ TEST_CASE("A table upside down is to be held nowhere, on its legs its top is") {
 TEST_CASE("The bottom of a pit is no place on which a model begins") {
   const Point profile[]{{0, 0}, {10, 0}, {10, 10}, {0, 5}};
   CHECK(rated(models::lathe(profile, 32), {0, 0, 1}).contacts == 0);
-  // Upside down the pit is a roof, which its rim carries no farther than can be bridged.
+  // Upside down the pit is a roof that its rim carries, no farther than can be bridged.
   CHECK(rated(models::lathe(profile, 32), {0, 0, -1}).contacts > 0);
 }
 
-TEST_CASE("A face that is too small for what is peeled off does not hold it") {
+TEST_CASE("A face that is too small for the peeled area does not hold the model") {
   const models::Facets pin =
       together({models::box({4.5, 4.5, 0}, {5.5, 5.5, 10}), models::box({0, 0, 10}, {10, 10, 20})});
   CHECK_FALSE(rated(pin, {0, 0, 1}).stands);
   CHECK(rated(pin, {0, 0, -1}).stands);
 }
 
-TEST_CASE("What is to be kept clean is touched where it hangs over or stands on the plate") {
+TEST_CASE("A surface to be kept clean is touched where it hangs over or stands on the plate") {
   OrientationRequest request;
   request.keep_clean = {Direction{0, 0, 1}};
   const models::Facets cube = models::box({0, 0, 0}, {10, 10, 10});
@@ -127,7 +127,7 @@ TEST_CASE("What is to be kept clean is touched where it hangs over or stands on 
   CHECK(std::abs(rated(cube, {1, 0, -2}, Mesh::Whole, request).touched_mm2 - 200 / std::sqrt(5.0)) < 1e-4);
 }
 
-TEST_CASE("What does not stand must fit with its lift") {
+TEST_CASE("A model that does not stand must fit with its lift") {
   OrientationRequest request{.build = BuildSize{Millimeters{30}, Millimeters{30}, Millimeters{22}},
                              .lift = Millimeters{5}};
   const models::Facets cone = models::cone(5, 20, 16);

@@ -4,7 +4,7 @@
 
 using namespace contourd;
 
-TEST_CASE("A preset is known by its name, and no other word is one") {
+TEST_CASE("A preset is found by its name, and other words are rejected") {
   for (const std::string_view word : {"auto", "fast", "clean", "safe"}) {
     const auto preset = orientation_preset(word);
     REQUIRE(preset.has_value());
@@ -14,14 +14,14 @@ TEST_CASE("A preset is known by its name, and no other word is one") {
   CHECK_FALSE(orientation_preset("Fast").has_value());
 }
 
-TEST_CASE("auto goes by the resin's weights, the other presets by their own") {
+TEST_CASE("auto uses the resin's weights, the other presets their own") {
   const OrientationWeights own{1, 2, 3, 4, 5, 6};
   CHECK(weights_of(OrientationPreset::Auto, own) == own);
   CHECK(weights_of(OrientationPreset::Fast, own).height > weights_of(OrientationPreset::Clean, own).height);
   CHECK(weights_of(OrientationPreset::Clean, own).contacts >
         weights_of(OrientationPreset::Safe, own).contacts);
   CHECK(weights_of(OrientationPreset::Safe, own).peel > weights_of(OrientationPreset::Fast, own).peel);
-  // What is to be kept clean is the owner's wish, whatever the preset.
+  // The weight for clean surfaces is the user's choice, whatever the preset.
   for (const OrientationPreset each :
        {OrientationPreset::Fast, OrientationPreset::Clean, OrientationPreset::Safe})
     CHECK(weights_of(each, own).keep_clean == 6);

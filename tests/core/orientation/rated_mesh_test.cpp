@@ -21,7 +21,7 @@ double surface_of(std::span<const Facet> facets) {
 
 }  // namespace
 
-TEST_CASE("A sample stands for the whole surface, and holds every large facet") {
+TEST_CASE("A sample represents the whole surface and contains every large facet") {
   models::Facets facets = models::sphere(10, 60);
   const models::Facets large = models::box({20, 20, 20}, {40, 40, 40});
   facets.insert(facets.end(), large.begin(), large.end());
@@ -39,13 +39,13 @@ TEST_CASE("A sample stands for the whole surface, and holds every large facet") 
   CHECK(of_box == 12);
 }
 
-TEST_CASE("A sample of what has no area is empty") {
+TEST_CASE("A sample of facets without area is empty") {
   const Vertex v{1, 1, 1};
   const Facet facets[]{{{v, v, v}}};
   CHECK(sample_of(facets, 10).facets.empty());
 }
 
-TEST_CASE("Each vertex of a rated mesh is there once, and its areas face outwards") {
+TEST_CASE("A rated mesh has each vertex once, and areas that face outwards") {
   models::Facets facets = models::box({0, 0, 0}, {10, 20, 30});
   for (const bool inside_out : {false, true}) {
     const RatedMesh mesh({.facets = facets, .inside_out = inside_out});
@@ -63,7 +63,7 @@ TEST_CASE("Each vertex of a rated mesh is there once, and its areas face outward
   }
 }
 
-TEST_CASE("Vertices of one cube of the grid have one cell") {
+TEST_CASE("Vertices in the same cube of the grid have the same cell") {
   const models::Facets facets = models::box({0, 0, 0}, {1, 1, 5});
   const RatedMesh mesh({.facets = facets, .cell_mm = 3});
   CHECK(mesh.cells() == 2);
@@ -75,7 +75,7 @@ TEST_CASE("Vertices of one cube of the grid have one cell") {
   CHECK(low != high);
 }
 
-TEST_CASE("What is to be kept clean looks in a direction, or lies in a box") {
+TEST_CASE("Facets to be kept clean face a direction or lie in a box") {
   const models::Facets facets = models::box({0, 0, 0}, {10, 10, 10});
   const auto kept = [&](const KeepClean& each) {
     const KeepClean all[]{each};

@@ -1,4 +1,4 @@
-// That each header of core/overhangs checks what it requires.
+// Checks that each header of core/overhangs enforces its requirements.
 #include "core/overhangs/layer_parts.hpp"
 #include "core/overhangs/overhang_sweep.hpp"
 #include "core/overhangs/peel_balance.hpp"
@@ -12,7 +12,7 @@
 using namespace contourd;
 using testing::contract_broken_by;
 
-TEST_CASE("A sweep needs models that are there, and pixels with a size") {
+TEST_CASE("A sweep needs models that are not null, and pixels with a size") {
   SupportRequest request = testing::held_request(models::box({0, 0, 0}, {1, 1, 1}), 0);
   testing::CountingObserver observer;
   const auto sweep = [&] { (void)find_overhangs(request, observer); };
@@ -26,7 +26,7 @@ TEST_CASE("A sweep needs models that are there, and pixels with a size") {
         "every model is there");
 }
 
-TEST_CASE("A sweep goes no higher than its layers can be numbered") {
+TEST_CASE("A sweep refuses models that need more layers than it can number") {
   const SupportRequest request = testing::held_request(models::box({0, 0, 0}, {1, 1, 3001}), 0);
   testing::CountingObserver observer;
   CHECK(contract_broken_by([&] { (void)find_overhangs(request, observer); }) ==
@@ -40,23 +40,23 @@ TEST_CASE("A sweep's grid needs a build area with a size") {
         }) == "the build area has a size");
 }
 
-TEST_CASE("LayerParts and PeelBalance take one layer after the other, of one size") {
+TEST_CASE("LayerParts and PeelBalance take consecutive layers of the same size") {
   MaskRuns small, large;
   small.extract(Mask(Pixels{4}, Pixels{4}));
   large.extract(Mask(Pixels{4}, Pixels{5}));
   LayerParts parts;
   CHECK(contract_broken_by([&] { parts.add_layer(small, small); }).empty());
   CHECK(contract_broken_by([&] { parts.add_layer(small, large); }) ==
-        "the layer beneath is the one before, of the same size");
+        "the layer beneath is the previous one and has the same size");
   parts.add_layer(small, small);
   CHECK(contract_broken_by([&] { (void)parts.part_at(small, 1, 1); }) ==
         "the pixel is lit in the last layer");
   CHECK(contract_broken_by([] { PeelBalance(0); }) == "a contact holds something");
   const PeelBalance peel(1);
-  CHECK(contract_broken_by([&] { (void)peel.overloaded(0); }) == "the body is one of a layer's");
+  CHECK(contract_broken_by([&] { (void)peel.overloaded(0); }) == "the body belongs to a part of the layer");
 }
 
-TEST_CASE("Underside holds lit pixels alone") {
+TEST_CASE("Underside takes only lit pixels as contacts") {
   Underside underside(sweep_grid(testing::kHeldDisplay));
   CHECK(contract_broken_by([&] { underside.hold({1, 1}, 1); }) == "the contact is lit");
 }

@@ -1,4 +1,4 @@
-// Models that have to be held, and what a sweep finds beneath them.
+// Models that need supports, and the contacts that a sweep finds for them.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace contourd::testing {
 
-// Looks on and remembers nothing but how many layers there were.
+// An observer that only records the sweep's grid and the layers' heights.
 class CountingObserver final : public LayerObserver {
  public:
   void begin(const DisplayGeometry& sweep_display, Nanometers sweep_step) override {
@@ -25,10 +25,11 @@ class CountingObserver final : public LayerObserver {
   std::vector<Nanometers> heights;
 };
 
-// 40 by 40 mm.
+// A build area of 40 by 40 mm.
 inline const DisplayGeometry kHeldDisplay{Pixels{800}, Pixels{800}, Micrometers{50.0}};
 
-// The model's (0, 0) on the plate's centre, its lowest point so high above it.
+// Returns a request with the model's (0, 0) on the plate's centre and its lowest point `lift_mm` above the
+// plate.
 inline SupportRequest held_request(const models::Facets& facets, double lift_mm,
                                    const SupportSettings& settings = {}) {
   const auto lift = to_nanometers(Millimeters{lift_mm}).value();
@@ -45,8 +46,8 @@ inline std::vector<SupportContact> contacts_of(const models::Facets& facets, dou
   return contacts_of(held_request(facets, lift_mm, settings));
 }
 
-// From y = -depth / 2 to depth / 2; its outline in x and z is convex and runs counter-clockwise where x
-// points right and z up.
+// Returns a prism from y = -depth / 2 to depth / 2. Its outline in x and z is convex and counter-clockwise
+// with x pointing right and z up.
 inline models::Facets prism(std::span<const Point> outline, double depth) {
   models::Facets facets;
   const auto at = [&](std::size_t i, double side) {

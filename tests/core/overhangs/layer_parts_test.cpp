@@ -9,7 +9,7 @@ using namespace contourd;
 
 namespace {
 
-// A row for each text, its lit pixels '#'.
+// Builds a mask with a row for each text, its lit pixels '#'.
 MaskRuns runs_of(const std::vector<std::string_view>& rows) {
   Mask mask(Pixels{static_cast<std::int32_t>(rows.front().size())},
             Pixels{static_cast<std::int32_t>(rows.size())});
@@ -37,7 +37,7 @@ TEST_CASE("Pixels that touch by a side or a corner are one part") {
   CHECK(parts.bodies() == 3);
 }
 
-TEST_CASE("Ten pixels and ten that touch by a corner alone are two parts, nine and ten are one") {
+TEST_CASE("Two groups of ten pixels that touch only by a corner are two parts, nine and ten are one") {
   const MaskRuns dark = runs_of({"..........", "..........", "..........", ".........."});
   const MaskRuns ten = runs_of({"#####.....", "#####.....", ".....#####", ".....#####"});
   LayerParts parts;
@@ -52,7 +52,7 @@ TEST_CASE("Ten pixels and ten that touch by a corner alone are two parts, nine a
   CHECK(one.parts()[0].pixels == 19);
 }
 
-TEST_CASE("A part goes on as the body under it, and is a new one where nothing is") {
+TEST_CASE("A part continues the body under it, and begins a new one where there is none") {
   const MaskRuns dark = runs_of({"......"}), first = runs_of({"##...."}), second = runs_of({".##..#"});
   LayerParts parts;
   parts.add_layer(first, dark);
@@ -65,7 +65,7 @@ TEST_CASE("A part goes on as the body under it, and is a new one where nothing i
   CHECK(parts.meetings().empty());
 }
 
-TEST_CASE("Bodies that meet are one from then on, and that is told once") {
+TEST_CASE("Bodies that meet are one from then on, and their meeting is reported once") {
   const MaskRuns dark = runs_of({"......", "......"}), apart = runs_of({"##..##", "......"});
   const MaskRuns together = runs_of({"######", "......"});
   LayerParts parts;

@@ -25,7 +25,7 @@ using testing::together;
 
 namespace {
 
-// A sweep's layer is 0.05 mm thick, its pixel as wide.
+// The thickness of a sweep's layer and the side of its pixels.
 constexpr double kStepMm = 0.05;
 constexpr double kStrengthMm2 = 11.1;
 
@@ -33,7 +33,7 @@ double distance_mm(const SupportContact& contact, double x, double y) {
   return std::hypot(contact.place.x - x, contact.place.y - y);
 }
 
-// From (x, y) to the nearest contact; infinite without any.
+// Returns the distance from (x, y) to the nearest contact; infinite if there is none.
 double nearest_mm(const std::vector<SupportContact>& contacts, double x, double y) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const SupportContact& contact : contacts)
@@ -56,7 +56,8 @@ bool none_overloaded(const std::vector<SupportContact>& contacts) {
                              [](const SupportContact& each) { return each.load_mm2 <= kStrengthMm2; });
 }
 
-// A wedge on the plate, 12 mm deep, whose underside rises from x = 2 to the right over a foot 4 mm wide.
+// Returns a wedge on the plate, 12 mm deep, whose underside rises from x = 2 to the right over a foot 4 mm
+// wide.
 models::Facets rising_underside(double rise_for_each_mm) {
   const std::array<Point, 5> outline{{{-2, 0},
                                       {2, 0},
@@ -68,7 +69,7 @@ models::Facets rising_underside(double rise_for_each_mm) {
 
 }  // namespace
 
-TEST_CASE("What stands on the plate and gets no wider needs no contact") {
+TEST_CASE("A model that stands on the plate and gets no wider needs no contact") {
   CHECK(contacts_of(models::box({-5, -5, 0}, {5, 5, 10}), 0).empty());
   CHECK(contacts_of(models::cone(8, 12, 60), 0).empty());
 }
@@ -78,7 +79,7 @@ TEST_CASE("A lifted ball is held at its lowest point, from straight beneath, and
   REQUIRE(contacts.size() > 4);
   const SupportContact& lowest = contacts.front();
   CHECK(lowest.cause == ContactCause::Island);
-  // It may be a pixel off the middle, and the ball is of facets.
+  // The contact may be a pixel off the middle, and the ball consists of facets.
   CHECK(lowest.place.z == testing::Approx(5).margin(0.005));
   CHECK(distance_mm(lowest, 0, 0) < 0.1);
   CHECK(lowest.outward.z < -0.99);
@@ -91,14 +92,15 @@ TEST_CASE("A contact's normal has length 1, points away from the model and never
     const Direction& out = contact.outward;
     CHECK(std::fabs(out.x * out.x + out.y * out.y + out.z * out.z - 1) < 1e-9);
     CHECK(out.z <= 0);
-    // The ball's own normal there; facets are 4.5 degrees wide, and the sum of those around is within 6.
+    // Compared with the ball's own normal: facets are 4.5 degrees wide, and the sum of the facets around is
+    // within 6 degrees.
     const double along =
         (contact.place.x * out.x + contact.place.y * out.y + (contact.place.z - 11) * out.z) / 6;
     CHECK(along > 0.994);
   }
 }
 
-TEST_CASE("No point under a table is farther than may bridge from a leg or a contact") {
+TEST_CASE("No point under a table is farther from a leg or a contact than resin may bridge") {
   models::Facets table = models::box({-10, -10, 10}, {10, 10, 12});
   for (const float x : {-10.0F, 8.0F}) {
     for (const float y : {-10.0F, 8.0F}) {
@@ -110,7 +112,8 @@ TEST_CASE("No point under a table is farther than may bridge from a leg or a con
   CHECK(all_at_height(contacts, 10));
   CHECK(count(contacts, ContactCause::Overhang) == contacts.size());
   CHECK(none_overloaded(contacts));
-  // 384 mm2 by discs of 1.65 mm: 54 if they lay as in a honeycomb, 71 as on a chessboard.
+  // 384 mm2 divided into discs of 1.65 mm radius: 54 in a honeycomb arrangement, 71 in a chessboard
+  // arrangement.
   CHECK(contacts.size() <= 88);
   double farthest = 0;
   for (double x = -9.9; x < 10; x += 0.1) {
@@ -119,7 +122,7 @@ TEST_CASE("No point under a table is farther than may bridge from a leg or a con
       farthest = std::max(farthest, std::min(leg, nearest_mm(contacts, x, y) - 0.2));
     }
   }
-  // And a pixel's diagonal for where pixels lie.
+  // The tolerance is a pixel's diagonal.
   CHECK(farthest <= 1.5 + 0.071);
 }
 
@@ -146,7 +149,7 @@ TEST_CASE("A bridge is held only where it is longer than the resin bridges from 
   const auto contacts = contacts_of(bridge(4), 0);
   REQUIRE_FALSE(contacts.empty());
   for (const SupportContact& contact : contacts)
-    CHECK(std::fabs(contact.place.x) < 0.6);  // a strip of 1 mm is too far from both
+    CHECK(std::fabs(contact.place.x) < 0.6);  // only a strip of 1 mm is too far from both sides
   SupportSettings stiff;
   stiff.bridge = Millimeters{2.1};
   CHECK(contacts_of(bridge(4), 0, stiff).empty());
@@ -162,7 +165,7 @@ TEST_CASE("A ball that begins beside a post in the air is an island there") {
   CHECK(distance_mm(contacts.front(), 3, 1) < 0.1);
 }
 
-TEST_CASE("Stairs from beneath need no contact at 45 degrees, and contacts where they lead farther out") {
+TEST_CASE("Stairs seen from below need no contact at 45 degrees, but flatter ones do") {
   const auto stairs = [](float out) {
     models::Facets all = models::box({-2, -3, 0}, {2, 3, 1.1F});
     for (int i = 1; i < 8; ++i) {
@@ -185,7 +188,7 @@ TEST_CASE("Each finger of a comb that points down is held in its middle") {
   CHECK(all_at_height(contacts, 5));
   REQUIRE(contacts.size() == 9);
   for (int i = 0; i < 9; ++i)
-    CHECK(nearest_mm(contacts, 1.4 * (i - 4), 0) < 0.06);  // a pixel's diagonal, halved, and rounding
+    CHECK(nearest_mm(contacts, 1.4 * (i - 4), 0) < 0.06);  // half a pixel's diagonal, and rounding
 }
 
 TEST_CASE("An underside that rises gently is held again and again, a steep one never") {
@@ -194,7 +197,7 @@ TEST_CASE("An underside that rises gently is held again and again, a steep one n
   const auto gentler = contacts_of(rising_underside(0.18), 0);
   CHECK(gentle.size() >= 2);
   CHECK(gentler.size() > gentle.size());
-  // Its reach is at most 3.2 mm, less a millimetre for each of height.
+  // The reach is at most 3.2 mm plus a millimetre for each millimetre of height.
   for (double x = 6.5; x < 13.9; x += 0.5)
     CHECK(nearest_mm(gentler, x, 0) < 5);
   CHECK(none_overloaded(gentle));
@@ -225,7 +228,7 @@ TEST_CASE("Contacts lie on the surface, between the sweep's layers") {
   }
 }
 
-TEST_CASE("Shells that overlap are held as what they are together") {
+TEST_CASE("Overlapping shells are held like one body") {
   const auto whole = models::box({-4, -4, 0}, {4, 4, 4});
   const auto shells =
       together(together(models::box({-4, -4, 0}, {1, 4, 4}), models::box({-1, -4, 0}, {4, 4, 4})),
@@ -234,7 +237,7 @@ TEST_CASE("Shells that overlap are held as what they are together") {
   CHECK(all_at_height(contacts_of(shells, 5), 5));
 }
 
-TEST_CASE("A speck gets no contact, what lasts for longer gets one") {
+TEST_CASE("A speck gets no contact, but a part of several layers gets one") {
   const auto block = models::box({-5, -5, 0}, {5, 5, 10});
   const auto beside = [&](float side, float height) {
     return together(block, models::box({7, 0, 4.01F}, {7 + side, side, 4.01F + height}));
@@ -244,8 +247,8 @@ TEST_CASE("A speck gets no contact, what lasts for longer gets one") {
   CHECK(contacts_of(beside(0.06F, 1), 0).size() == 1);
 }
 
-TEST_CASE("What is wide high up has as many contacts as its peel asks for") {
-  // A pyramid on its point, 45 degrees steep: nothing hangs over. Its widest layer is 24 by 24 mm.
+TEST_CASE("A body that is wide high up has as many contacts as its peel requires") {
+  // A pyramid on its point, 45 degrees steep, so nothing overhangs. Its widest layer is 24 by 24 mm.
   const std::array<Point, 4> profile{{{0, 0}, {17, 17}, {17, 18}, {0, 18}}};
   const auto contacts = contacts_of(models::lathe(profile, 4), 5);
   CHECK(contacts.size() >= 26);  // half of 578 mm2 by 11.1
@@ -271,7 +274,7 @@ TEST_CASE("Contacts come from the plate up, the same every time, and on a mirror
   CHECK(contacts_of(mirrored) == contacts);
 }
 
-TEST_CASE("Who looks on sees every layer from the plate to the models' top") {
+TEST_CASE("An observer sees every layer from the plate to the models' top") {
   testing::CountingObserver observer;
   REQUIRE(find_overhangs(held_request(models::box({-2, -2, 0}, {2, 2, 3}), 1), observer));
   CHECK(observer.step == Nanometers{50'000});
@@ -281,7 +284,7 @@ TEST_CASE("Who looks on sees every layer from the plate to the models' top") {
     CHECK(observer.heights[i] == Nanometers{25'000 + 50'000 * static_cast<std::int64_t>(i)});
 }
 
-TEST_CASE("A sweep that is to stop does so before the next layer") {
+TEST_CASE("A sweep stops before the next layer on request") {
   class Stopper final : public LayerObserver {
    public:
     void begin(const DisplayGeometry&, Nanometers) override {}
@@ -313,7 +316,7 @@ TEST_CASE("Every box in the air is held from beneath, and no contact by more tha
     RC_ASSERT(none_overloaded(contacts));
     for (const auto& [x, y, z, side] : boxes) {
       for (const double part : {0.1, 0.5, 0.9}) {
-        // A pixel's diagonal beside what may bridge from the tip's rim.
+        // The bridging distance from the tip's rim, and a pixel's diagonal.
         RC_ASSERT(nearest_mm(contacts, x + part * side, y + part * side) <= 1.7 + kStepMm * 1.42);
       }
     }
@@ -321,7 +324,7 @@ TEST_CASE("Every box in the air is held from beneath, and no contact by more tha
   CHECK(held);
 }
 
-TEST_CASE("Models of the shared folder need no more contacts than PrusaSlicer gives them") {
+TEST_CASE("Models of the shared folder get no more contacts than from PrusaSlicer") {
   const std::filesystem::path folder = std::filesystem::path(CONTOURD_SHARED_DIR) / "models";
   if (!std::filesystem::exists(folder)) {
     std::puts("SKIPPED: the shared models are not there");

@@ -6,7 +6,7 @@ using namespace contourd;
 
 namespace {
 
-// One part of so many pixels, in a row of its own.
+// A layer with a single part of that many pixels, in one row.
 struct Rows {
   explicit Rows(std::int32_t pixels) {
     Mask mask(Pixels{100}, Pixels{1});
@@ -34,7 +34,7 @@ TEST_CASE("A body is overloaded while half its layer is more than its contacts h
   CHECK(peel.load_pixels(0) == 40.0 / 3);
 }
 
-TEST_CASE("What stands on the plate is never overloaded") {
+TEST_CASE("A body that stands on the plate is never overloaded") {
   const Rows dark(0), wide(80);
   LayerParts parts;
   PeelBalance peel(1);
@@ -44,7 +44,7 @@ TEST_CASE("What stands on the plate is never overloaded") {
   CHECK_FALSE(peel.overloaded(0));
 }
 
-TEST_CASE("The place farthest from all contacts is taken, a steep one only where no other is left") {
+TEST_CASE("The place farthest from all contacts is taken, a steep one only if no other is left") {
   const Rows dark(0), wide(80);
   LayerParts parts;
   PeelBalance peel(1);

@@ -9,7 +9,7 @@
 
 using namespace contourd;
 
-TEST_CASE("A surface that looks down is found at its height above the plate, one that looks up is not") {
+TEST_CASE("A surface that faces down is found at its height above the plate, one that faces up is not") {
   const SupportRequest request = testing::held_request(models::box({-2, -2, 0}, {2, 2, 1}), 5);
   const std::vector<SurfacePlace> places{
       {{1, 1}, 4.9, 5.1, 0.2}, {{1, 1}, 5.9, 6.1, 0.2}, {{3, 1}, 4.9, 5.1, 0.2}, {{2.1, 1}, 4.9, 5.1, 0.2}};
@@ -23,7 +23,7 @@ TEST_CASE("A surface that looks down is found at its height above the plate, one
   CHECK(surfaces[3]);
 }
 
-TEST_CASE("Many places have the surfaces that each has alone, in every copy") {
+TEST_CASE("Places searched together find the same surfaces as one by one, in every copy") {
   SupportRequest request = testing::held_request(models::sphere(5, 40), 5);
   request.models[0].copies.push_back(PixelMap::true_scale(request.display, {-14, 3}));
   std::vector<SurfacePlace> places;
@@ -41,7 +41,7 @@ TEST_CASE("Many places have the surfaces that each has alone, in every copy") {
     const Point middle = places[i].at.x < 7 ? Point{0, 0} : Point{14, -3};
     const double off = std::hypot(places[i].at.x - middle.x, places[i].at.y - middle.y);
     if (off > 4.5) continue;
-    // Facets of 0.25 mm on a sphere of 5 mm are within 2 um of it, and rise 1 in 0.5 at 4.5 mm.
+    // Facets of 0.25 mm are within 2 um of a sphere of 5 mm, and rise by 1 in 0.5 at 4.5 mm.
     CHECK(std::fabs(together[i]->z_mm - (10 - std::sqrt(25 - off * off))) < 0.01);
   }
   CHECK(found > 100);

@@ -5,7 +5,7 @@
 
 using namespace contourd;
 
-TEST_CASE("A tip is moved inwards until all of it holds, and to the middle of what is thinner") {
+TEST_CASE("A tip is moved inwards until all of it holds, and to the middle of a thinner wall") {
   const SweepGrid grid = sweep_grid(testing::kHeldDisplay);
   Mask mask(grid.display.width, grid.display.height);
   MaskRuns dark, lit;

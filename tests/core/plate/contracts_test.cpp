@@ -1,4 +1,4 @@
-// That each header of core/plate checks what it requires.
+// Checks that each header of core/plate enforces its requirements.
 #include "core/plate/plate_collision.hpp"
 #include "core/plate/plate_packing.hpp"
 #include "tests/broken_contract.hpp"
@@ -8,13 +8,13 @@
 using namespace contourd;
 using testing::contract_broken_by;
 
-TEST_CASE("PlatePacking finds room for what has a width and a depth") {
+TEST_CASE("PlatePacking finds room only for rectangles with a width and a depth") {
   PlatePacking packing(Pixels{10}, Pixels{10}, Pixels{1});
   CHECK(contract_broken_by([&] { (void)packing.find_room(1, 1); }).empty());
   CHECK(contract_broken_by([&] { (void)packing.find_room(0, 1); }) ==
-        "what is placed has a width and a depth");
+        "the rectangle has a width and a depth");
   CHECK(contract_broken_by([&] { (void)packing.find_room(1, -1); }) ==
-        "what is placed has a width and a depth");
+        "the rectangle has a width and a depth");
 }
 
 TEST_CASE("Models collide in layers that have a thickness") {

@@ -20,7 +20,7 @@ PlacedModel placed(const models::Facets& facets, Point center, Elevation elevati
   return {{std::make_shared<const HeightIndex>(facets), elevation}, center};
 }
 
-// 12 x 12 x 5 mm with a hole of 8 x 8 mm.
+// Returns a block of 12 x 12 x 5 mm with a hole of 8 x 8 mm.
 models::Facets ring() {
   return testing::together(models::box({0, 0, 0}, {12, 12, 5}),
                            testing::inverted(models::box({2, 2, 0}, {10, 10, 5})));
@@ -32,7 +32,7 @@ TEST_CASE("A pin stands in a ring without touching it, and touches it when it is
   const models::Facets pin = models::box({50, 50, 50}, {54, 54, 60});
   CHECK(bounds_overlap(placed(ring(), {1, 1}), placed(pin, {1, 1})));
   CHECK_FALSE(find_collision(placed(ring(), {1, 1}), placed(pin, {1, 1}), kDisplay, kLayer));
-  // 2 mm to the right it touches the ring's wall; another pixel, and it stands in it.
+  // 2 mm to the right the pin touches the ring's wall; a pixel more, and it stands in the wall.
   CHECK_FALSE(find_collision(placed(ring(), {1, 1}), placed(pin, {3, 1}), kDisplay, kLayer));
   const auto collision = find_collision(placed(ring(), {1, 1}), placed(pin, {3.1, 1}), kDisplay, kLayer);
   REQUIRE(collision);
@@ -79,7 +79,7 @@ TEST_CASE("Boxes that share a wall do not collide") {
   CHECK_FALSE(find_collision(placed(cube, {-30, 0}), placed(cube, {30, 0}), kDisplay, kLayer));
 }
 
-TEST_CASE("A collision is what the masks of both alone say, wherever they stand") {
+TEST_CASE("A collision is found exactly where both single masks are lit, wherever the models stand") {
   const models::Facets ball = models::sphere(3, 24), post = models::box({0, 0, 0}, {2.5F, 1.5F, 7});
   CHECK(rc::check([&] {
     const auto place = [] { return Point{testing::draw_real(-11, 11), testing::draw_real(-9, 9)}; };
@@ -102,7 +102,7 @@ TEST_CASE("A collision is what the masks of both alone say, wherever they stand"
       }
     }
     const auto collision = find_collision(a, b, kDisplay, kLayer);
-    // Parts beside each other within one pixel are left alone.
+    // Parts that share a pixel without overlapping are not compared.
     RC_ASSERT(collision.has_value() == (lowest_um >= 0 && bounds_overlap(a, b)));
     if (collision) RC_ASSERT(collision->height == Nanometers{lowest_um * 1000});
   }));

@@ -10,7 +10,7 @@ using testing::draw;
 
 namespace {
 
-// Whether they keep the gap.
+// True if the rectangles keep the gap.
 bool apart(const PlateRectangle& a, const PlateRectangle& b, std::int64_t gap) {
   return a.left + a.width + gap <= b.left || b.left + b.width + gap <= a.left ||
          a.front + a.depth + gap <= b.front || b.front + b.depth + gap <= a.front;
@@ -37,7 +37,9 @@ TEST_CASE("A rectangle as large as the plate fits, a larger one does not") {
   CHECK(packing.find_room(96, 54) == PlateRectangle{0, 0, 96, 54});
 }
 
-TEST_CASE("What is found is on the plate and apart from everything, and room is found while there is any") {
+TEST_CASE(
+    "Found rectangles are on the plate and apart from all others, and room is found as long as there is "
+    "any") {
   CHECK(rc::check([] {
     const std::int64_t width = draw(10, 60), depth = draw(10, 60), gap = draw(0, 3);
     PlatePacking packing(Pixels{static_cast<std::int32_t>(width)}, Pixels{static_cast<std::int32_t>(depth)},

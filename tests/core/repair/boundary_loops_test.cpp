@@ -10,7 +10,7 @@
 using namespace contourd;
 using testing::Approx;
 
-TEST_CASE("What is missing of an open box is its lid, loop by loop") {
+TEST_CASE("The missing area of open boxes is that of their lids, loop by loop") {
   models::Facets facets = models::box({0, 0, 0}, {2, 3, 4});
   const auto is_level = [](const Facet& facet) {
     const auto& [a, b, c] = facet.vertices;

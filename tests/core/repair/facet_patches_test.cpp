@@ -9,7 +9,7 @@
 
 using namespace contourd;
 
-TEST_CASE("A closed model is one patch without boundary edges, whose facets are turned alike") {
+TEST_CASE("A closed model is one patch without boundary edges, with all facets turned alike") {
   const FacetPatches mesh = patches_of(models::box({0, 0, 0}, {2, 3, 4}));
   CHECK(mesh.faces.size() == 12);
   REQUIRE(mesh.patches.size() == 1);
@@ -26,7 +26,7 @@ TEST_CASE("A closed model is one patch without boundary edges, whose facets are 
 
 namespace {
 
-// Of a facet of a ball around the origin.
+// True if this facet of a ball around the origin faces outwards.
 bool faces_outwards(const Facet& facet) {
   const auto& [a, b, c] = facet.vertices;
   const double nx = (b.y - a.y) * (c.z - a.z) - (b.z - a.z) * (c.y - a.y);
@@ -37,7 +37,7 @@ bool faces_outwards(const Facet& facet) {
 
 }  // namespace
 
-TEST_CASE("Turned facets are known as turned against their patch") {
+TEST_CASE("Turned facets are marked as turned against their patch") {
   models::Facets facets = models::sphere(10, 20);
   models::Dice dice(2);
   models::turn_facets(facets, 0.3, dice);
@@ -51,7 +51,7 @@ TEST_CASE("Turned facets are known as turned against their patch") {
   CHECK((outwards == 0 || outwards == facets.size()));
 }
 
-TEST_CASE("Facets over the same vertices are one face, with what is left of their directions") {
+TEST_CASE("Facets over the same vertices are one face whose net is the sum of their directions") {
   models::Facets facets = models::box({0, 0, 0}, {1, 1, 1});
   const auto [a, b, c] = facets[5].vertices;
   facets.insert(facets.end(), {{{b, c, a}}, {{a, c, b}}, {{c, a, b}}});
@@ -71,7 +71,7 @@ TEST_CASE("A facet with two equal vertices belongs to no face") {
   CHECK(patches_of(facets).face_of.back() == FacetPatches::kNone);
 }
 
-TEST_CASE("Where three faces or more meet patches end") {
+TEST_CASE("Patches end where three or more faces meet") {
   // A wall across a box, along edges that it has: the box's halves and the wall.
   models::Facets facets = models::box({0, 0, 0}, {1, 1, 1});
   const Vertex a{0, 0, 0}, b{1, 1, 0}, c{1, 1, 1}, d{0, 0, 1};

@@ -1,4 +1,4 @@
-// Files that are dirty in one way each, whose areas are known.
+// Files with one kind of dirt each, whose areas are known.
 #include "core/repair/mesh_repair.hpp"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using testing::together;
 
 namespace {
 
-// What is printed of it at z 5.05, in mm2.
+// Returns the printed area at z 5.05, in mm2.
 double area_of(const Facets& facets) {
   return filled_area_mm2(testing::contours_of(facets, 5.05));
 }
@@ -38,7 +38,8 @@ void add_quad(Facets& facets, const Vertex& a, const Vertex& b, const Vertex& c,
   facets.insert(facets.end(), {{{a, b, c}}, {{a, c, d}}});
 }
 
-// Between two prisms of this many sides (the outer corners on these radii), 20 mm high in so many bands.
+// Returns the wall between two prisms of this many sides (the outer corners on these radii), 20 mm high in
+// several bands.
 Facets tube(double outer, double inner, int sides, int bands = 1) {
   const auto at = [sides](double radius, int side, float z) {
     const double angle = (side % sides + 0.5) * 2 * std::numbers::pi / sides;
@@ -69,7 +70,7 @@ bool is_inner(const Facet& facet) {
   return std::ranges::all_of(facet.vertices, [](const Vertex& v) { return std::hypot(v.x, v.y) < 8; });
 }
 
-// A wall of one side from z 2 to z 18.
+// Returns a one-sided wall from z 2 to z 18.
 void add_wall(Facets& facets, float x0, float y0, float x1, float y1) {
   add_quad(facets, {x0, y0, 2}, {x1, y1, 2}, {x1, y1, 18}, {x0, y0, 18});
 }
@@ -97,23 +98,23 @@ TEST_CASE("A sound mesh stays as it is, and so do solids that touch or overlap")
   }
 }
 
-TEST_CASE("A hole that two overlapping solids share stays a hole") {
-  // 64 sides: of a circle's area so much.
+TEST_CASE("A hole shared by two overlapping solids stays a hole") {
+  // The part of a circle's area that a polygon of 64 sides has.
   const double part = std::sin(2 * std::numbers::pi / 64) / (2 * std::numbers::pi / 64);
   const Facets tubes = together(tube(10, 5, 64), tube(8, 5, 64));
   CHECK(area_of(tubes) == Approx(75 * std::numbers::pi * part).epsilon(1e-6));
-  // All around a cavity: there twice, and needed twice.
+  // A cavity within two solids: its facets are there twice, and needed twice.
   const Facets cavity = inverted(models::box({8, 8, 2}, {12, 12, 18}));
   const Facets both =
       together(together(cube(), cavity), together(models::box({5, 5, 1}, {15, 15, 19}), cavity));
   CHECK(area_of(both) == Approx(400 - 16).epsilon(1e-12));
   CHECK(repairs_of(both) == MeshRepairs{});
-  // With the outer one there once more it is three times needed.
+  // With a third solid around the cavity, it is needed three times.
   CHECK(area_of(together(both, together(models::box({6, 6, 1}, {14, 14, 19}), cavity))) ==
         Approx(400 - 16).epsilon(1e-12));
 }
 
-TEST_CASE("A hole that two solids share stays one whichever facet is turned, doubled or there reversed") {
+TEST_CASE("A hole shared by two solids stays a hole whichever facet is turned, doubled or added reversed") {
   const Facets tubes = together(tube(10, 5, 16), tube(8, 5, 16));
   const Facets cavity = inverted(models::box({8, 8, 2}, {12, 12, 18}));
   const Facets boxes =
@@ -133,7 +134,7 @@ TEST_CASE("A hole that two solids share stays one whichever facet is turned, dou
   }
 }
 
-TEST_CASE("A hole's walls may be turned, one, some or all of them") {
+TEST_CASE("A hole stays a hole if one, some or all of its walls are turned") {
   for (unsigned turned = 1; turned < 256; ++turned) {
     Facets facets = square_tube();
     unsigned count = 0, inner = 0;
@@ -149,7 +150,7 @@ TEST_CASE("A hole's walls may be turned, one, some or all of them") {
   }
 }
 
-TEST_CASE("A band of a wall, or half of a part, may be turned") {
+TEST_CASE("A turned band of a wall, or half of a part, is turned back") {
   Facets band = square_tube(10), half = band;
   std::uint64_t of_band = 0, of_half = 0;
   for (std::size_t i = 0; i < band.size(); ++i) {
@@ -168,11 +169,11 @@ TEST_CASE("A band of a wall, or half of a part, may be turned") {
   CHECK(repairs_of(band).turned == of_band);
   CHECK(area_of(half) == kSquareTube);
   CHECK(of_half > half.size() / 3);
-  const std::uint64_t told = repairs_of(half).turned;
-  CHECK((told == of_half || told == half.size() - of_half));
+  const std::uint64_t turned = repairs_of(half).turned;
+  CHECK((turned == of_half || turned == half.size() - of_half));
 }
 
-TEST_CASE("Half of all facets turned at random, cavities within cavities are still there") {
+TEST_CASE("Cavities within cavities survive half of all facets turned at random") {
   Facets clean = together(models::sphere(14, 24), inverted(models::sphere(10, 20)));
   clean = together(clean, models::sphere(6, 16));
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -185,13 +186,13 @@ TEST_CASE("Half of all facets turned at random, cavities within cavities are sti
   }
 }
 
-TEST_CASE("A solid within a solid stays one when some of its facets are turned") {
+TEST_CASE("A solid within a solid stays solid when some of its facets are turned") {
   Facets facets = together(cube(), models::box({5, 5, 5}, {15, 15, 15}));
   turn(facets[14]);
   CHECK(area_of(facets) == Approx(400).epsilon(1e-12));
 }
 
-TEST_CASE("Facets that are there once more, reversed, are left out") {
+TEST_CASE("Reversed duplicates of facets are dropped") {
   for (std::size_t i = 0; i < cube().size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       Facets facets = cube();
@@ -210,15 +211,15 @@ TEST_CASE("A model whose facets are all there in both directions is solid") {
   const Facets hollow = together(cube(), inverted(models::box({5, 5, 2}, {15, 15, 15})));
   CHECK(area_of(together(hollow, inverted(hollow))) == Approx(300).epsilon(1e-12));
   CHECK(repairs_of(together(inverted(cube()), cube())).reversed == 12);
-  // All of it twice.
+  // All facets twice.
   const Facets both = together(cube(), inverted(cube()));
   CHECK(area_of(together(both, both)) == Approx(400).epsilon(1e-12));
-  // Beside another that is not.
+  // Beside a model that is not double-sided.
   Facets other = models::box({30, 0, 0}, {40, 20, 20});
   CHECK(area_of(together(together(cube(), inverted(cube())), other)) == Approx(600).epsilon(1e-12));
 }
 
-TEST_CASE("What is there in both directions without enclosing anything stays dark") {
+TEST_CASE("A double-sided sheet that encloses nothing stays dark") {
   Facets wall;
   add_wall(wall, 30, 0, 40, 10);
   CHECK(area_of(together(wall, inverted(wall))) == 0);
@@ -226,7 +227,7 @@ TEST_CASE("What is there in both directions without enclosing anything stays dar
 }
 
 TEST_CASE("The same facets cut along other diagonals count once") {
-  // A lid twice: four facets where two do.
+  // A lid twice: four facets instead of two.
   Facets facets = cube();
   add_quad(facets, {0, 0, 20}, {20, 0, 20}, {20, 20, 20}, {0, 20, 20});
   add_quad(facets, {20, 0, 20}, {20, 20, 20}, {0, 20, 20}, {0, 0, 20});
@@ -234,7 +235,7 @@ TEST_CASE("The same facets cut along other diagonals count once") {
   CHECK(inspect_mesh(HeightIndex(facets).facets()).watertight);
 }
 
-TEST_CASE("Walls of one side within a solid are left out, whichever way they are turned") {
+TEST_CASE("One-sided walls within a solid are dropped, whichever way they are turned") {
   Facets crossing, level, grid, u, cross, near, full;
   add_wall(crossing, 5, 5, 15, 15);
   add_wall(crossing, 5, 15, 15, 5);
@@ -263,14 +264,14 @@ TEST_CASE("Walls of one side within a solid are left out, whichever way they are
   }
 }
 
-TEST_CASE("A wall across a solid along its own edges is left out") {
+TEST_CASE("A wall across a solid along its own edges is dropped") {
   Facets wall;
   add_quad(wall, {0, 0, 0}, {20, 20, 0}, {20, 20, 20}, {0, 0, 20});
   for (const Facets& dirt : {wall, inverted(wall)})
     CHECK(area_of(together(cube(), dirt)) == Approx(400).epsilon(1e-12));
 }
 
-TEST_CASE("A wall outside is no wall inside, and a part of the surface is none either") {
+TEST_CASE("A wall outside a solid and a part of its surface are not dropped as inner walls") {
   Facets outside = cube();
   add_wall(outside, 30, 0, 30, 10);
   CHECK(repairs_of(outside) == MeshRepairs{});
@@ -290,7 +291,7 @@ TEST_CASE("A wall outside is no wall inside, and a part of the surface is none e
   }
 }
 
-TEST_CASE("Solids whose facets miss each other by little are no walls inside another") {
+TEST_CASE("Solids whose facets narrowly miss each other are not walls inside another solid") {
   const Facets& solid = cube();
   Facets cavity = inverted(models::sphere(6, 24)), bar = models::globe(6, 24, 36);
   models::translate(cavity, 10, 10, 7);
@@ -304,7 +305,7 @@ TEST_CASE("Solids whose facets miss each other by little are no walls inside ano
   CHECK(area_of(together(solid, cavity)) < 400 - 90);
 }
 
-TEST_CASE("A wall of facets that miss each other by little is left out all the same") {
+TEST_CASE("A wall of facets that narrowly miss each other is dropped") {
   Facets walls;
   add_wall(walls, 5, 15, 5, 5);
   add_wall(walls, 5, 5, 15, 5);
@@ -315,7 +316,7 @@ TEST_CASE("A wall of facets that miss each other by little is left out all the s
   CHECK(area_of(together(cube(), walls)) == Approx(400).epsilon(1e-12));
 }
 
-TEST_CASE("A soup of facets is left as it is, and does not take long") {
+TEST_CASE("A soup of facets is left as it is, and takes little time") {
   models::Dice dice(4);
   Facets soup(100'000);
   for (Facet& facet : soup) {
@@ -325,7 +326,7 @@ TEST_CASE("A soup of facets is left as it is, and does not take long") {
   CHECK(repairs_of(soup) == MeshRepairs{});
 }
 
-TEST_CASE("What is left of a mended mesh needs no mending") {
+TEST_CASE("A repaired mesh needs no further repair") {
   models::Dice dice(9);
   Facets facets = together(models::gyroid_sphere(8, 5, 20), inverted(models::sphere(2, 8)));
   models::turn_facets(facets, 0.4, dice);

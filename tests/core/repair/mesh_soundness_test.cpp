@@ -15,7 +15,7 @@ TEST_CASE("Closed models are sound") {
   CHECK(is_sound(models::gyroid_sphere(10, 6, 24)));
 }
 
-TEST_CASE("A facet that is there twice is noticed, wherever it is and however it is turned") {
+TEST_CASE("A duplicate facet is noticed, wherever it is and however it is turned") {
   const models::Facets clean = models::gyroid_sphere(10, 6, 24);
   models::Dice dice(7);
   for (int i = 0; i < 60; ++i) {
@@ -28,7 +28,7 @@ TEST_CASE("A facet that is there twice is noticed, wherever it is and however it
   }
 }
 
-TEST_CASE("A facet that is missing, turned or moved is noticed") {
+TEST_CASE("A missing, turned or moved facet is noticed") {
   const models::Facets clean = models::sphere(10, 20);
   models::Dice dice(3);
   for (int i = 0; i < 60; ++i) {

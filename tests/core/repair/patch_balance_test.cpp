@@ -18,7 +18,7 @@ Facets box() {
   return models::box({0, 0, 0}, {4, 4, 4});
 }
 
-// By how many sides the patches miss balance at all junctions together.
+// Returns by how many sides the patches miss balance, over all junctions.
 int imbalance(const FacetPatches& mesh, const std::vector<std::int32_t>& windings) {
   std::vector<int> residuals(mesh.junctions, 0);
   for (const JunctionPart& part : mesh.junction_parts)
@@ -42,18 +42,18 @@ TEST_CASE("Solids that do not meet are groups of their own, and consistent") {
   }
 }
 
-TEST_CASE("Most of a patch's facets say how it is turned") {
+TEST_CASE("The majority of a patch's facets decides how it is turned") {
   Facets facets = inverted(box());
   std::swap(facets[3].vertices[0], facets[3].vertices[1]);
   const FacetPatches mesh = patches_of(facets);
   const PatchGroups groups = balance_patches(mesh);
   REQUIRE(groups.groups.size() == 1);
   CHECK(groups.groups[0].inconsistent);
-  // As the first facet is turned, which is one of the many.
+  // The first facet, which sets the patch's direction, is one of the majority.
   CHECK(groups.windings[0] == 1);
 }
 
-TEST_CASE("A solid that is there in both directions is known as such and counts once") {
+TEST_CASE("A solid that is there in both directions is double-sided and counts once") {
   const FacetPatches mesh = patches_of(together(box(), inverted(box())));
   const PatchGroups groups = balance_patches(mesh);
   REQUIRE(groups.groups.size() == 1);

@@ -25,7 +25,7 @@ Found sides_of(const Facets& facets) {
   return found;
 }
 
-// The volume that the patches enclose as their windings have it.
+// Returns the volume that the patches enclose with their windings.
 double volume_of(const Found& found) {
   double six_volumes = 0;
   for (std::size_t p = 0; p < found.mesh.patches.size(); ++p)
@@ -46,27 +46,28 @@ const Facets& box() {
 
 }  // namespace
 
-TEST_CASE("What the file says without doubt stays as it is") {
+TEST_CASE("Patches without doubt stay as they are in the file") {
   const Found found = sides_of(together(box(), inverted(models::box({3, 3, 3}, {6, 6, 6}))));
   CHECK(found.sides.as_filed == std::vector<bool>{true, true});
   CHECK(found.sides.inner_walls == std::vector<bool>{false, false});
 }
 
-TEST_CASE("What lies within nothing is turned outwards, whatever most of its facets say") {
+TEST_CASE("An outermost shell is turned outwards, whatever most of its facets say") {
   for (const std::size_t turned : {1U, 5U, 6U, 7U, 11U}) {
     CAPTURE(turned);
     CHECK(volume_of(sides_of(with_turned(box(), 0, turned))) == 1000);
   }
 }
 
-TEST_CASE("What lies within a solid is turned as most of its facets are, and else a cavity") {
+TEST_CASE(
+    "A shell within a solid is turned as most of its facets are, or is a cavity if there is no majority") {
   const Facets both = together(box(), models::box({3, 3, 3}, {5, 5, 5}));
   CHECK(volume_of(sides_of(with_turned(both, 12, 1))) == 1008);
   CHECK(volume_of(sides_of(with_turned(both, 12, 11))) == 992);
   CHECK(volume_of(sides_of(with_turned(both, 12, 6))) == 992);
 }
 
-TEST_CASE("Three of four facets tell how a shell is turned only where few are turned elsewhere") {
+TEST_CASE("A majority of three in four decides a shell's direction only if few facets are turned elsewhere") {
   const Facets both = together(box(), models::box({3, 3, 3}, {5, 5, 5}));
   CHECK(volume_of(sides_of(with_turned(both, 12, 3))) == 1008);
   CHECK(volume_of(sides_of(with_turned(with_turned(both, 12, 3), 0, 6))) == 992);
@@ -81,7 +82,7 @@ TEST_CASE("A shell that is there twice is a hole in two solids and one solid by 
   CHECK(volume_of(sides_of(with_turned(together(box(), box()), 0, 1))) == 1000);
 }
 
-TEST_CASE("An open sheet within a solid is a wall inside, and one beside it is none") {
+TEST_CASE("An open sheet within a solid is an inner wall, a sheet beside the solid is not") {
   const Facet within{{Vertex{2, 2, 2}, Vertex{7, 2, 2}, Vertex{2, 7, 7}}};
   const Facet beside{{Vertex{22, 2, 2}, Vertex{27, 2, 2}, Vertex{22, 7, 7}}};
   CHECK(sides_of(together(box(), {within})).sides.inner_walls == std::vector<bool>{false, true});

@@ -11,13 +11,13 @@ using models::Facets;
 
 namespace {
 
-// Two facets, 10 mm wide and high, from (x, y, 0) along x.
+// Returns a wall of two facets, 10 mm wide and high, from (x, y, 0) along x.
 Facets wall(float x, float y) {
   const Vertex a{x, y, 0}, b{x + 10, y, 0}, c{x + 10, y, 10}, d{x, y, 10};
   return {{{a, b, c}}, {{a, c, d}}};
 }
 
-// How many patches stay when the first so many are taken for walls.
+// Returns how many patches remain walls if the first `walls` patches are taken for walls.
 std::ptrdiff_t kept(const Facets& facets, std::size_t walls) {
   const FacetPatches mesh = patches_of(facets);
   std::vector<bool> chosen(mesh.patches.size(), false);
@@ -28,13 +28,13 @@ std::ptrdiff_t kept(const Facets& facets, std::size_t walls) {
 
 }  // namespace
 
-TEST_CASE("A wall that ends all around stays one, however many there are") {
+TEST_CASE("Walls that end all around stay walls, however many there are") {
   CHECK(kept(wall(0, 0), 1) == 1);
   CHECK(kept(testing::together(wall(0, 0), wall(0, 5)), 2) == 2);
   CHECK(kept(wall(0, 0), 0) == 0);
 }
 
-TEST_CASE("A wall that goes on in another within a pixel is one with it") {
+TEST_CASE("A wall that continues in another within a pixel is grouped with it") {
   for (const float gap : {0.0F, 0.001F, 0.04F}) {
     const Facets both = testing::together(wall(0, 0), wall(10, gap));
     // Without a gap they share an edge and are one patch.
@@ -45,7 +45,7 @@ TEST_CASE("A wall that goes on in another within a pixel is one with it") {
   CHECK(kept(testing::together(wall(0, 0), wall(10, 0.06F)), 1) == 1);
 }
 
-TEST_CASE("A surface that ends nowhere is no wall, though none of its facets meets another exactly") {
+TEST_CASE("A surface that ends nowhere is no wall, even if none of its facets meets another exactly") {
   Facets ball = models::sphere(6, 16);
   models::Dice dice(3);
   models::shake_corners(ball, 0.005, dice);
@@ -53,7 +53,7 @@ TEST_CASE("A surface that ends nowhere is no wall, though none of its facets mee
   CHECK(kept(ball, ball.size()) == 0);
 }
 
-TEST_CASE("More ends in one place than can be looked at are no wall's") {
+TEST_CASE("A patch with more ends in one place than can be compared is no wall") {
   Facets fan;
   for (int i = 0; i < 1500; ++i) {
     const auto at = static_cast<float>(i);

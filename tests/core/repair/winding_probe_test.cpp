@@ -17,7 +17,7 @@ WindingProbe::Windings all(int winding) {
   return windings;
 }
 
-// Each face as its first facet has it.
+// Counts each face once, turned as its first facet is.
 WindingProbe::Windings windings_around(const models::Facets& facets, const SpacePoint& point) {
   const FacetPatches mesh = patches_of(facets);
   return WindingProbe(facets, mesh.faces).windings_around(point, [](std::uint32_t) { return 1; });
@@ -25,7 +25,7 @@ WindingProbe::Windings windings_around(const models::Facets& facets, const Space
 
 }  // namespace
 
-TEST_CASE("All rays from a point agree how often a closed model winds around it") {
+TEST_CASE("All rays from a point agree on how often a closed model winds around it") {
   models::Facets cavity = models::sphere(3, 12);
   models::invert(cavity);
   const models::Facets ball = together(models::sphere(8, 20), cavity);
@@ -43,14 +43,14 @@ TEST_CASE("All rays from a point agree how often a closed model winds around it"
   }
 }
 
-TEST_CASE("A ray through an edge, a vertex or beside the model counts as any other") {
+TEST_CASE("A ray through an edge, a vertex or beside the model counts like any other") {
   const models::Facets box = models::box({-1, -1, -1}, {1, 1, 1});
   CHECK(windings_around(box, {0, 0, 0}) == all(1));
   CHECK(windings_around(box, {5, 0, 0}) == all(0));
   CHECK(windings_around(box, {-50, 0.5, 70}) == all(0));
 }
 
-TEST_CASE("A face that does not count is not there") {
+TEST_CASE("A face of weight 0 does not count") {
   const models::Facets box = models::box({-1, -1, -1}, {1, 1, 1});
   const FacetPatches mesh = patches_of(box);
   WindingProbe probe(box, mesh.faces);

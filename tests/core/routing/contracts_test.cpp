@@ -1,4 +1,4 @@
-// That each header of core/routing checks what it requires.
+// Checks that each header of core/routing enforces its requirements.
 #include "core/routing/support_feet.hpp"
 #include "core/routing/support_loads.hpp"
 #include "tests/broken_contract.hpp"

@@ -32,8 +32,8 @@ Supports supports_for(const models::Facets& facets, std::vector<SupportContact> 
   return *lay_out_supports(std::move(contacts), layers, kBuildArea, settings);
 }
 
-// What must hold of all supports. A pixel of a sweep hides up to a tenth of a micrometre of what is flat, and
-// looks at a way are 0.2 mm apart: 5 micrometres.
+// Checks that hold for all supports. A pixel of a sweep hides up to a tenth of a micrometre of a flat
+// surface, and a path is sampled every 0.2 mm, which hides up to 5 micrometres.
 constexpr double kLooks_mm = 0.005;
 
 void check_all(const Supports& supports, const models::Facets& facets, const SupportSettings& settings = {}) {
@@ -44,7 +44,7 @@ void check_all(const Supports& supports, const models::Facets& facets, const Sup
   CHECK(testing::is_connected(supports, facets));
 }
 
-// Four legs of 2 mm and a top of 16 by 12 mm from 12 to 14 mm above the plate.
+// Returns a table with four legs of 2 mm and a top of 16 by 12 mm from 12 to 14 mm above the plate.
 models::Facets table() {
   models::Facets all = models::box({-8, -6, 12}, {8, 6, 14});
   for (const float x : {-8.0F, 6.0F}) {
@@ -65,7 +65,7 @@ std::vector<SupportContact> under_table() {
 
 }  // namespace
 
-TEST_CASE("What needs nothing gets nothing") {
+TEST_CASE("A model that needs no supports gets none") {
   const Supports supports = supports_for(table(), {});
   CHECK_FALSE(supports.structure);
   CHECK(supports.contacts.empty());
@@ -73,7 +73,7 @@ TEST_CASE("What needs nothing gets nothing") {
   CHECK(supports.volume_mm3 == 0);
 }
 
-TEST_CASE("Tips that reach no farther into a model than a nanometre do not reach into it") {
+TEST_CASE("Tips with a depth of at most a nanometre do not reach into the model") {
   const auto primitives = [](double depth_mm) {
     SupportSettings settings;
     settings.tip_depth = Millimeters{depth_mm};
@@ -104,7 +104,7 @@ TEST_CASE("A ball above the plate stands on branches that meet") {
   check_all(supports, ball);
 }
 
-TEST_CASE("A table's top is held by fewer feet than places, between its legs") {
+TEST_CASE("A table's top is held between its legs by fewer feet than contacts") {
   const Supports supports = supports_for(table(), under_table());
   CHECK(supports.contacts.size() == 9);
   CHECK(supports.feet <= 3);
@@ -119,7 +119,7 @@ TEST_CASE("Branches that meet take less resin than pillars that do not") {
 }
 
 TEST_CASE("The wall of a tilted plate is held along its normal, no flatter than 45 degrees") {
-  // Its underside rises at 30 degrees from the vertical.
+  // The underside rises at 30 degrees from the vertical.
   models::Facets plate = models::box({-1, -6, 0}, {1, 6, 16});
   for (Facet& facet : plate) {
     for (Vertex& v : facet.vertices)
@@ -135,8 +135,8 @@ TEST_CASE("The wall of a tilted plate is held along its normal, no flatter than 
   check_all(supports, plate);
 }
 
-TEST_CASE("An arch over a block has a foot on the block where no way leads to the plate") {
-  // A tunnel with a floor, 12 mm long and 8 mm high, its walls closed to all sides.
+TEST_CASE("An arch over a block has a foot on the block if no path leads to the plate") {
+  // A tunnel with a floor, 12 mm long and 8 mm high, closed on all sides.
   const models::Facets room =
       together(models::box({-8, -8, 0}, {8, 8, 20}), testing::inverted(models::box({-5, -5, 6}, {5, 5, 14})));
   const Supports supports = supports_for(room, {contact(0, 0, 14), contact(2, 1, 14)});
@@ -147,8 +147,8 @@ TEST_CASE("An arch over a block has a foot on the block where no way leads to th
   CHECK(testing::least_clearance(supports, room, {}) >= 0.5 - kLooks_mm);
 }
 
-TEST_CASE("Where a way leads to the plate no foot stands on the model") {
-  // A bridge over a block that is narrow: the way goes around it.
+TEST_CASE("No foot stands on the model if a path leads to the plate") {
+  // A bridge over a narrow block: the path goes around the block.
   const models::Facets bridge =
       together(together(models::box({-12, -4, 0}, {-10, 4, 22}), models::box({10, -4, 0}, {12, 4, 22})),
                together(models::box({-12, -4, 20}, {12, 4, 22}), models::box({-2, -2, 0}, {2, 2, 6})));
@@ -192,7 +192,7 @@ TEST_CASE("Branches under a ring stay clear of the pin in its middle, which is a
   check_all(supports, together(ring, pin));
 }
 
-TEST_CASE("At the build area's edge supports stay inside it") {
+TEST_CASE("Supports at the build area's edge stay inside it") {
   const models::Facets box = models::box({14, 9, 8}, {20, 15, 12});
   const Supports supports =
       supports_for(box, {contact(19.7, 14.7, 8), contact(19.7, 9.5, 8), contact(14.3, 14.7, 8)});
@@ -200,19 +200,19 @@ TEST_CASE("At the build area's edge supports stay inside it") {
   check_all(supports, box);
 }
 
-TEST_CASE("What nothing reaches is told with its reason") {
-  // A gap of 0.15 mm within a box has room for nothing.
+TEST_CASE("A place that no support reaches is reported with its reason") {
+  // A gap of 0.15 mm in a box has no room for a support.
   const models::Facets closed = together(models::box({-8, -8, 0}, {8, 8, 20}),
                                          testing::inverted(models::box({-5, -5, 6}, {5, 5, 6.15F})));
   const Supports supports = supports_for(closed, {contact(0, 0, 6.15)});
   CHECK_FALSE(supports.structure);
   REQUIRE(supports.unheld.size() == 1);
   CHECK(supports.unheld[0].contact == contact(0, 0, 6.15));
-  CHECK(supports.unheld[0].why == "no way leads to the plate, nor to a place on the model");
+  CHECK(supports.unheld[0].why == "no path leads to the plate or to a place on the model");
 }
 
-TEST_CASE("A place that no tip reaches is held beside, where the material is one with it") {
-  // A slot that is too narrow for a tip, from the middle of a bar's underside to the plate.
+TEST_CASE("A place that no tip reaches is held beside it, where the material is connected") {
+  // A slot too narrow for a tip, from the middle of a bar's underside to the plate.
   models::Facets bar = models::box({-6, -1, 10}, {6, 1, 12});
   for (const float x : {-0.3F, 0.2F})
     bar = together(std::move(bar), models::box({x, -0.8F, 9.4F}, {x + 0.1F, 0.8F, 10}));
@@ -223,7 +223,7 @@ TEST_CASE("A place that no tip reaches is held beside, where the material is one
   CHECK(std::hypot(held.x, held.y) <= 0.91);
   CHECK(std::fabs(held.x) >= 0.3 - 1e-9);
   CHECK(std::fabs(held.z - 10) < 1e-9);
-  // What is beside it, but another part, does not hold it.
+  // A neighbouring part that is not connected does not hold the place.
   const models::Facets walls =
       together(models::box({-2, -6, 0}, {-0.25F, 6, 20}), models::box({0.25F, -6, 0}, {2, 6, 20}));
   const models::Facets apart = together(walls, models::box({-0.15F, -2, 10}, {0.15F, 2, 12}));
@@ -231,7 +231,7 @@ TEST_CASE("A place that no tip reaches is held beside, where the material is one
 }
 
 TEST_CASE("An island close beside a wall, with room for no tip, is joined to the wall") {
-  // A room as narrow as a tip, and in it a flake beside one of its walls.
+  // A space as narrow as a tip, with a flake beside one of its walls.
   const models::Facets room = together(models::box({-8, -8, 0}, {8, 8, 20}),
                                        testing::inverted(models::box({-0.25F, -5, 6}, {0.25F, 5, 18})));
   const models::Facets all = together(room, models::box({-0.1F, -0.1F, 12}, {0.1F, 0.1F, 13}));
@@ -241,7 +241,7 @@ TEST_CASE("An island close beside a wall, with room for no tip, is joined to the
   const Supports supports = supports_for(all, {flake});
   CHECK(supports.unheld.empty());
   REQUIRE(supports.structure);
-  // From the flake at 45 degrees into the wall.
+  // The strut leads from the flake into the wall at 45 degrees.
   const bool leads_into_wall =
       std::ranges::any_of(supports.structure->primitives(), [](const SupportPrimitive& each) {
         const auto* strut = std::get_if<Frustum>(&each);
@@ -251,8 +251,8 @@ TEST_CASE("An island close beside a wall, with room for no tip, is joined to the
   CHECK(leads_into_wall);
 }
 
-TEST_CASE("An island close above other material stands on it, rather than to be held higher, beside it") {
-  // A pin under a bar, whose own underside is a layer higher, and 0.2 mm beneath the pin a post.
+TEST_CASE("An island close above other material stands on it, instead of being held higher and beside it") {
+  // A pin under a bar whose underside is a layer higher, and a post 0.2 mm beneath the pin.
   const models::Facets bar = together(models::box({-0.1F, -0.1F, 10.2F}, {0.1F, 0.1F, 10.4F}),
                                       models::box({-6, -2, 10.25F}, {6, 2, 12}));
   const models::Facets post = models::box({-0.1F, -0.1F, 0}, {0.1F, 0.1F, 10});
@@ -261,7 +261,7 @@ TEST_CASE("An island close above other material stands on it, rather than to be 
   const Supports on_post = supports_for(together(post, bar), {pin});
   REQUIRE(on_post.contacts.size() == 1);
   CHECK(on_post.contacts[0].place == pin.place);
-  // In a slot without a floor: a layer that hangs free is better than none that is held.
+  // In a slot without a floor, holding the island one layer higher is better than not at all.
   models::Facets slot = bar;
   for (const float x : {-0.3F, 0.2F})
     slot = together(std::move(slot), models::box({x, -1.8F, 9.4F}, {x + 0.1F, 1.8F, 10.25F}));
@@ -287,7 +287,7 @@ TEST_CASE("Tips and feet reach no deeper into a sheet than it is thick") {
   CHECK(std::fabs(highest - 9.1) < 1e-6);
 }
 
-TEST_CASE("Of a million places the lowest are held, and the others told") {
+TEST_CASE("The lowest of a million places are held, and the others are reported") {
   std::vector<SupportContact> contacts;
   for (int i = 0; i < 70; ++i) {
     for (int k = 0; k < 70; ++k)
@@ -297,10 +297,10 @@ TEST_CASE("Of a million places the lowest are held, and the others told") {
   CHECK(supports.contacts.size() + supports.unheld.size() == contacts.size());
   CHECK(supports.contacts.size() <= kMostContacts);
   CHECK(supports.unheld.back().why ==
-        "4096 places beneath it have to be held already, and nothing above it is held either");
+        "the limit of 4096 contacts is reached below it, and nothing above it is held either");
 }
 
-TEST_CASE("The same places give the same supports, in whatever order they come") {
+TEST_CASE("The same places give the same supports in any order") {
   std::vector<SupportContact> contacts = under_table();
   const Supports one = supports_for(table(), contacts);
   std::ranges::reverse(contacts);
@@ -309,7 +309,7 @@ TEST_CASE("The same places give the same supports, in whatever order they come")
   CHECK(one.contacts == other.contacts);
 }
 
-TEST_CASE("Who asks to stop gets nothing") {
+TEST_CASE("A stopped layout returns nothing") {
   LayerStack layers;
   testing::stack({table()}, kBuildArea, layers);
   std::stop_source source;
@@ -317,9 +317,9 @@ TEST_CASE("Who asks to stop gets nothing") {
   CHECK_FALSE(lay_out_supports(under_table(), layers, kBuildArea, {}, source.get_token()));
 }
 
-TEST_CASE("Under random boxes every support is clear, inside, steep and stands") {
+TEST_CASE("Supports under random boxes are clear, inside the build area, steep and connected") {
   CHECK(rc::check([] {
-    // One above the other or side by side: a place within another box is on no surface.
+    // The boxes are one above the other or side by side: a place within another box is on no surface.
     models::Facets all;
     std::vector<SupportContact> contacts;
     for (std::int64_t i = draw(1, 4); i > 0; --i) {

@@ -19,16 +19,16 @@ namespace {
 
 const SupportSettings kSettings;
 
-// Under a plate of 24 by 18 mm that hangs 14 mm above the build plate.
+// Supports under a plate of 24 by 18 mm that hangs 14 mm above the build plate.
 class Hanging {
  public:
   Hanging() { testing::stack({models::box({-12, -9, 14}, {12, 9, 15})}, kBuildArea, layers_); }
 
   [[nodiscard]] SupportTree tree_for(const std::vector<SupportContact>& contacts) const {
     const ClearanceField field(layers_, {-20, 20, -15, 15, 17}, {kBuildArea, 0.5}, {});
-    const SupportPathField ways(field, {{0.5, 0.25, 0.2}, SupportPathField::End::Plate, {}}, {});
-    const SupportTips tips(field, ways, kSettings);
-    SupportRouting routing(field, ways, kSettings);
+    const SupportPathField paths(field, {{0.5, 0.25, 0.2}, SupportPathField::End::Plate, {}}, {});
+    const SupportTips tips(field, paths, kSettings);
+    SupportRouting routing(field, paths, kSettings);
     for (std::uint32_t i = 0; i < contacts.size(); ++i)
       routing.add(tips.tip_at(contacts[i]).value(), i, contacts[i].load_mm2);
     SupportTree tree = routing.lead_down({});
@@ -48,14 +48,14 @@ std::uint32_t foot_of(std::uint32_t node, const SupportTree& tree) {
 
 }  // namespace
 
-TEST_CASE("A branch is as thick as a pillar, until its load or its length asks for more") {
+TEST_CASE("A branch is as thick as a pillar until its load or its length requires more") {
   const double tip = kSettings.tip_holds_mm2;
   CHECK(branch_radius(0, 0, kSettings) == 0.5);
   CHECK(branch_radius(tip, 15, kSettings) == 0.5);
-  // Four times as long, or sixteen times as much: twice as thick.
+  // Four times the length, or sixteen times the load, makes it twice as thick.
   CHECK(std::fabs(branch_radius(tip, 60, kSettings) - 1) < 1e-12);
   CHECK(std::fabs(branch_radius(16 * tip, 15, kSettings) - 1) < 1e-12);
-  // Short ones tear before they buckle.
+  // Short branches tear before they buckle.
   CHECK(std::fabs(branch_radius(16 * tip, 0.1, kSettings) - 0.8) < 1e-12);
   CHECK(branch_radius(1e6, 100, kSettings) == 2);
 }
@@ -66,7 +66,8 @@ TEST_CASE("A foot on a model is pressed no harder than a tip is pulled, and no t
   CHECK(landing_radius(1e6, kSettings) == 0.5);
 }
 
-TEST_CASE("Every place's load arrives at a foot, and no branch is thinner than its load and length ask for") {
+TEST_CASE(
+    "Every contact's load arrives at a foot, and no branch is thinner than its load and length require") {
   const Hanging hanging;
   CHECK(rc::check([&hanging] {
     std::vector<SupportContact> contacts;
@@ -84,7 +85,7 @@ TEST_CASE("Every place's load arrives at a foot, and no branch is thinner than i
     }
     for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
       const SupportNode& node = tree.nodes[i];
-      // Sums in another order differ by their last bits.
+      // Sums in a different order differ by their last bits.
       if (node.foot == SupportFoot::OnPlate) RC_ASSERT(std::fabs(node.load_mm2 - arrived[i]) < 1e-9);
       if (node.below == SupportNode::kNone) continue;
       const double length = PlateSegment{node.place, tree.nodes[node.below].place}.length();

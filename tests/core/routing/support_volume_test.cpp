@@ -13,7 +13,7 @@ using namespace contourd::testing;
 
 namespace {
 
-// Beside a slab from 8 to 12 mm above the plate, as a sweep sees it.
+// Returns the volume beside a slab from 8 to 12 mm above the plate, as a sweep sees it.
 double volume_of(std::vector<SupportPrimitive> primitives, const std::stop_token& stop = {}) {
   LayerStack slab;
   stack({models::box({-5, -5, 8}, {5, 5, 12})}, kBuildArea, slab);
@@ -23,27 +23,28 @@ double volume_of(std::vector<SupportPrimitive> primitives, const std::stop_token
 
 }  // namespace
 
-// A disc of 1 mm has 314 of the sweep's pixels: their centres miss its area by less than 2 %.
-TEST_CASE("A pillar's volume is what of it is beside the model") {
+// A disc of 1 mm radius covers 314 of the sweep's pixels: counting centres misses its area by less than 2 %.
+TEST_CASE("A pillar's volume is the part of it outside the model") {
   CHECK(volume_of({Frustum{{0, 0, 0}, {0, 0, 10}, 1, 1}}) ==
         testing::Approx(8 * std::numbers::pi).epsilon(0.02));
 }
 
-TEST_CASE("What pieces of a support have in common counts once") {
+TEST_CASE("Overlapping pieces of a support count once") {
   const Frustum pillar{{0, 0, 0}, {0, 0, 6}, 1, 1};
   CHECK(volume_of({pillar, pillar, Ball{{0, 0, 5}, 1}}) ==
         testing::Approx(6 * std::numbers::pi).epsilon(0.02));
 }
 
 TEST_CASE("A foot that tapers has the volume of its sections") {
-  // Five sections: the midpoint rule adds 0.4 % to the pixels' error, which is the same in all four quarters
-  // of a disc on a pixel's corner: so it stands beside one. Cut 0.025 mm beside their middles they miss 5 %.
+  // Five sections: the midpoint rule adds 0.4 % to the pixels' error. That error is the same in all four
+  // quarters of a disc centred on a pixel's corner, so the foot stands beside a corner. Sections 0.025 mm off
+  // their middles would be off by 5 %.
   const double mm3 = std::numbers::pi / 3 * 1 * (0.5 * 0.5 + 0.5 * 2 + 2 * 2);
   CHECK(volume_of({Frustum{{0.033, 0.017, 0}, {0.033, 0.017, 1}, 2, 0.5}}) ==
         testing::Approx(mm3).epsilon(0.02));
 }
 
-TEST_CASE("A volume that nobody wants any more is not worked out") {
+TEST_CASE("A stopped volume computation does not go on") {
   std::stop_source stop;
   stop.request_stop();
   CHECK(volume_of({Frustum{{0, 0, 0}, {0, 0, 6}, 1, 1}}, stop.get_token()) == 0);

@@ -1,5 +1,5 @@
-// What the tests of supports share: models as a sweep sees them, supports for places that are given, and what
-// must hold of all of them, worked out from facets and primitives alone.
+// Shared by the tests of supports: models as a sweep sees them, supports for given places, and checks that
+// hold for all supports, computed from facets and primitives alone.
 #pragma once
 
 #include <algorithm>
@@ -19,17 +19,18 @@
 
 namespace contourd::testing {
 
-// 40 by 30 mm.
+// A build area of 40 by 30 mm.
 inline const DisplayGeometry kBuildArea{Pixels{800}, Pixels{600}, Micrometers{50.0}};
 
-// Facets as they stand: in millimetres from the plate's centre, and above the plate.
+// Returns a model whose facets stand as they are: in millimetres from the plate's centre, and above the
+// plate.
 inline PlateModel standing(models::Facets facets, const DisplayGeometry& display) {
   auto model = std::make_shared<const HeightIndex>(std::move(facets));
   const Nanometers above{std::llround(model->bounds().min_z * 1e6)};
   return {{std::move(model), Elevation(above)}, {PixelMap::true_scale(display, {0, 0})}};
 }
 
-// As a sweep would show them: pixels of 100 um, layers of 50 um, an edge of two pixels.
+// Fills `layers` as a sweep would: pixels of 100 um, layers of 50 um, a margin of two pixels.
 inline void stack(std::vector<models::Facets> all, const DisplayGeometry& build_area, LayerStack& layers) {
   const DisplayGeometry display{
       Pixels{static_cast<std::int32_t>(std::ceil(build_area.width_mm() / 0.1)) + 4},
@@ -58,7 +59,8 @@ inline void stack(std::vector<models::Facets> all, const DisplayGeometry& build_
 }
 
 inline double distance(const PlatePoint& p, const Facet& facet) {
-  // The nearest point of a triangle, by the region that p lies in (Ericson, Real-Time Collision Detection).
+  // Finds the nearest point of a triangle by the region in which p lies (Ericson, Real-Time Collision
+  // Detection).
   const auto sub = [](const PlatePoint& a, const PlatePoint& b) {
     return PlatePoint{a.x - b.x, a.y - b.y, a.z - b.z};
   };
@@ -89,14 +91,14 @@ inline double distance(const PlatePoint& p, const models::Facets& facets) {
   return nearest;
 }
 
-// Ends in a model: tips and feet on models, which have no clearance.
+// True if the primitive ends in a model: tips and feet on models, which have no clearance.
 inline bool is_tip(const SupportPrimitive& primitive, const SupportSettings& settings) {
   const auto* frustum = std::get_if<Frustum>(&primitive);
   const double least = settings.pillar_diameter.count() / 4 - 1e-9;
   return frustum != nullptr && std::min(frustum->lower_radius_mm, frustum->upper_radius_mm) < least;
 }
 
-// How near any branch, ball or foot comes to the facets: what is looked at is 0.1 mm apart.
+// Returns the least distance of any branch, ball or foot to the facets, sampled every 0.1 mm.
 inline double least_clearance(const Supports& supports, const models::Facets& facets,
                               const SupportSettings& settings) {
   double least = std::numeric_limits<double>::infinity();
@@ -121,7 +123,7 @@ inline double least_clearance(const Supports& supports, const models::Facets& fa
 
 inline bool is_within(const Supports& supports, const DisplayGeometry& area) {
   const auto inside = [&area](const PlatePoint& p, double radius) {
-    const double rounding = 1e-9;  // mm, of sums of two numbers of some tens
+    const double rounding = 1e-9;  // mm, error of a sum of two numbers of some tens
     return std::fabs(p.x) + radius <= area.width_mm() / 2 + rounding &&
            std::fabs(p.y) + radius <= area.height_mm() / 2 + rounding;
   };
@@ -132,7 +134,7 @@ inline bool is_within(const Supports& supports, const DisplayGeometry& area) {
   });
 }
 
-// Within a thousandth of a degree or so.
+// True if no frustum is flatter than 45 degrees, within about a thousandth of a degree.
 inline bool is_steep(const Supports& supports) {
   return std::ranges::all_of(supports.structure->primitives(), [](const SupportPrimitive& primitive) {
     const auto* frustum = std::get_if<Frustum>(&primitive);
@@ -141,8 +143,8 @@ inline bool is_steep(const Supports& supports) {
   });
 }
 
-// Whether every frustum stands on the plate, on another one, or with its tip in a model: its lower end lies
-// on the axis of one that does.
+// True if every frustum stands on the plate, on another frustum that stands (its lower end lies on the axis
+// of that one), or with its tip in a model.
 inline bool is_connected(const Supports& supports, const models::Facets& facets) {
   std::vector<Frustum> frustums;
   for (const SupportPrimitive& primitive : supports.structure->primitives()) {
@@ -157,7 +159,7 @@ inline bool is_connected(const Supports& supports, const models::Facets& facets)
     more = false;
     for (std::size_t i = 0; i < frustums.size();) {
       const PlatePoint& low = frustums[i].lower;
-      // A foot on a model begins inside it, at its depth.
+      // A foot on a model begins inside the model, at the tip's depth.
       const bool stands = low.z == 0 ||
                           std::ranges::any_of(stand, [&](const Frustum& f) { return on_axis(low, f); }) ||
                           (frustums[i].lower_radius_mm == frustums[i].upper_radius_mm &&

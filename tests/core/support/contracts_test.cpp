@@ -1,4 +1,4 @@
-// That each header of core/support checks what it requires.
+// Checks that each header of core/support enforces its requirements.
 #include <limits>
 #include <string>
 

@@ -26,8 +26,8 @@ double area(const SupportPrimitive& primitive, double z) {
   return contours.loops.empty() ? 0 : signed_area(contours.points_of(contours.loops[0]));
 }
 
-// A polygon within kChordErrorMm of a convex outline, with its corners on it, has less area by less than that
-// along all of the outline.
+// A polygon within kChordErrorMm of a convex outline, with its corners on the outline, has a smaller area by
+// less than kChordErrorMm times the outline's length.
 double area_error(double perimeter_mm) {
   return perimeter_mm * kChordErrorMm;
 }
@@ -56,13 +56,13 @@ TEST_CASE("A tilted cylinder is cut as an ellipse that is as much wider as it le
   CHECK(farthest == Approx(0.5 * std::sqrt(2)).margin(1e-9));
 }
 
-TEST_CASE("A level cylinder is cut as a rectangle, and a level cone as what a hyperbola leaves") {
+TEST_CASE("A horizontal cylinder is cut as a rectangle, and a horizontal cone along a hyperbola") {
   const Frustum cylinder{{-1, 0, 2}, {4, 0, 2}, 0.5, 0.5};
   CHECK(area(cylinder, 2) == Approx(5 * 1.0).epsilon(1e-12));
   CHECK(outline(cylinder, 2).points.size() == 4);
   CHECK(area(cylinder, 2.3) == Approx(5 * 0.8).epsilon(1e-12));
   CHECK(outline(cylinder, 2.5).loops.empty());
-  // v^2 = (t / 5)^2 - h^2 for t from 5 h to 5: a hyperbola, whose area has a formula.
+  // For t from 5 h to 5, v^2 = (t / 5)^2 - h^2: a hyperbola, whose area has a formula.
   const Frustum cone{{0, 0, 2}, {5, 0, 2}, 0, 1};
   const double h = 0.5;
   const double wanted = 5 * (std::sqrt(1 - h * h) - h * h * std::acosh(1 / h));
@@ -70,9 +70,9 @@ TEST_CASE("A level cylinder is cut as a rectangle, and a level cone as what a hy
   CHECK(area(cone, 2) == Approx(5 * 1.0).epsilon(1e-9));
 }
 
-TEST_CASE("A cone that leans as much as it widens is cut as what a parabola leaves") {
-  // Its surface's one side is level: a slope of 3 in 4, its half angle's tangent 3/4 and its axis rising by
-  // 3 in 5 of its length.
+TEST_CASE("A cone that leans as much as it widens is cut along a parabola") {
+  // One side of the cone's surface is horizontal: a slope of 3 in 4, with a half angle whose tangent is 3/4
+  // and an axis that rises by 3 in 5 of its length.
   const Frustum cone{{0, 0, 0}, {4, 0, 3}, 0, 3.75};
   for (const double z : {0.5, 1.5, 4.0, 5.9}) {
     const Contours contours = outline(cone, z);
@@ -103,9 +103,9 @@ TEST_CASE("A ball is cut as a circle") {
 
 TEST_CASE("An end of a tilted frustum is cut off straight") {
   const Frustum leaning{{0, 0, 0}, {3, 0, 4}, 1, 1};
-  // At the height of its lower end's middle that end's plane goes through the middle of the ellipse.
+  // At the height of the lower end's middle, the plane of that end goes through the middle of the ellipse.
   CHECK(std::fabs(area(leaning, 0) - kPi * 1 * 1.25 / 2) < area_error(8));
-  // It begins where the end's disc does: 1 mm of it, six tenths of that downwards.
+  // The cut begins where the end's disc does: six tenths of its radius of 1 mm further down.
   const auto reach = reach_of(leaning);
   CHECK(reach.bottom == Approx(-0.6));
   CHECK(reach.top == Approx(4.6));
@@ -126,10 +126,10 @@ TEST_CASE("Every corner is on the primitive's surface, every side near to it, an
       const Point &a = corners[i], &b = corners[(i + 1) % corners.size()],
                   &c = corners[(i + 2) % corners.size()];
       RC_ASSERT(std::fabs(outside(primitive, {a.x, a.y, z})) < 1e-7);
-      // A turn to the right is what the corners' rounding makes of three on one line.
+      // Rounding of three corners on one line may make a tiny turn to the right.
       RC_ASSERT((b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x) > -1e-9);
-      // Of the middle of a side, by how far it is moved outwards to leave the primitive: its distance from
-      // the surface would be less where the surface is no wall.
+      // The middle of a side, moved outwards, must leave the primitive. The distance from the surface is no
+      // measure here, since it is smaller where the surface is not vertical.
       const double length = std::hypot(b.x - a.x, b.y - a.y);
       if (length < 1e-6) continue;
       const double off = 1.05 * kChordErrorMm / length;
@@ -142,8 +142,8 @@ TEST_CASE("Every corner is on the primitive's surface, every side near to it, an
 
 namespace {
 
-// As it stands on the axis z, a body of revolution of 720 sides: they are up to 0.02 um within it for each
-// millimetre of radius, and corners are rounded to float.
+// Returns the frustum as a body of revolution with 720 sides, which are up to 0.02 um inside it for each
+// millimetre of radius; corners are rounded to float.
 models::Facets fine_mesh(const Frustum& frustum) {
   const Space axis = between(frustum.lower, frustum.upper);
   const double length = std::sqrt(dot(axis, axis)), level = std::hypot(axis.x, axis.y);
@@ -182,14 +182,14 @@ double distance_to(std::span<const Point> loop, const Point& p) {
 
 }  // namespace
 
-TEST_CASE("A cut is what slicing a fine mesh of the frustum gives, its area and its outline") {
+TEST_CASE("A cut has the area and the outline of a sliced fine mesh of the frustum") {
   CHECK(rc::check([] {
     const Frustum frustum = draw_frustum();
     const HeightReach reach = reach_of(frustum);
     const double z = draw_real(reach.bottom, reach.top);
     const auto cut = cut_at(frustum, z);
-    // Where the plane nearly touches the surface, what the mesh is within counts many times along the plane;
-    // from 0.1 mm on, by no more than 2 mm / 0.1 mm: 0.001 mm.
+    // Where the plane nearly touches the surface, the mesh's error is multiplied along the plane; from 0.1 mm
+    // on by at most 2 mm / 0.1 mm, which makes 0.001 mm.
     if (!cut || cut->half_width() < 0.1 || cut->high - cut->low < 0.2) return;
     const Contours exact = outline(frustum, z), sliced = contours_of(fine_mesh(frustum), z);
     RC_ASSERT(sliced.loops.size() == 1U);
@@ -202,7 +202,7 @@ TEST_CASE("A cut is what slicing a fine mesh of the frustum gives, its area and 
   }));
 }
 
-TEST_CASE("A cut holds the points of its height that are in the primitive, and no others") {
+TEST_CASE("A cut contains the points of its height that are in the primitive, and no others") {
   CHECK(rc::check([] {
     const SupportPrimitive primitive = draw_primitive();
     const double z = draw_real(-2, 8);

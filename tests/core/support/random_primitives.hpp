@@ -1,5 +1,5 @@
-// Random primitives of supports, from tips to feet, of any tilt; only within rc::check. And what is inside of
-// one, by its definition alone.
+// Random support primitives, from tips to feet, of any tilt (only within rc::check), and an independent test
+// for points inside a primitive.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace contourd::testing {
 
-// One in four upright, one in four level; one end in four a point.
+// Draws a frustum: one in four is upright, one in four horizontal; in one of four, one end is a point.
 inline Frustum draw_frustum() {
   Frustum frustum;
   frustum.lower = {draw_real(-5, 5), draw_real(-5, 5), draw_real(0, 5)};
@@ -40,8 +40,8 @@ inline Space between(const PlatePoint& from, const PlatePoint& to) {
   return {to.x - from.x, to.y - from.y, to.z - from.z};
 }
 
-// How far a point is outside of a primitive, in millimetres: not more than its distance from the surface,
-// and less than 0 inside. By the definition of a frustum alone: across its axis, and along it.
+// Returns how far a point is outside a primitive, in millimetres: at most its distance from the surface, and
+// negative inside. Uses only the definition of a frustum: the distances across and along its axis.
 inline double outside(const Frustum& frustum, const PlatePoint& point) {
   const Space axis = between(frustum.lower, frustum.upper), off = between(frustum.lower, point);
   const double length = std::sqrt(dot(axis, axis)), along = dot(axis, off) / length;

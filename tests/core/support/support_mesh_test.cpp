@@ -19,7 +19,7 @@ std::vector<Facet> mesh_of(const SupportPrimitive& primitive) {
 
 }  // namespace
 
-TEST_CASE("A primitive's mesh is closed, has its inside within and its volume") {
+TEST_CASE("A primitive's mesh is closed, faces outwards and has the primitive's volume") {
   const double pi = std::numbers::pi;
   const struct {
     SupportPrimitive primitive;
@@ -31,14 +31,14 @@ TEST_CASE("A primitive's mesh is closed, has its inside within and its volume") 
   for (const auto& [primitive, mm3] : cases) {
     const MeshReport report = inspect_mesh(mesh_of(primitive));
     CHECK(report.watertight);
-    // Facets are up to 0.02 mm within radii of 1 and more.
+    // Facets are up to 0.02 mm inside radii of 1 mm and more.
     CHECK(report.volume_mm3 < mm3);
     CHECK(report.volume_mm3 > mm3 * 0.96);
   }
   CHECK(mesh_of(Ball{{0, 0, 0}, 0}).empty());
 }
 
-TEST_CASE("A mesh is within its primitive, and no farther than it says") {
+TEST_CASE("A mesh lies inside its primitive, by at most kMeshErrorMm") {
   CHECK(rc::check([] {
     const SupportPrimitive primitive = draw_primitive();
     const std::vector<Facet> facets = mesh_of(primitive);
@@ -48,7 +48,7 @@ TEST_CASE("A mesh is within its primitive, and no farther than it says") {
       const PlatePoint middle{(double{a.x} + b.x + c.x) / 3, (double{a.y} + b.y + c.y) / 3,
                               (double{a.z} + b.z + c.z) / 3};
       const double off = outside(primitive, middle);
-      // Coordinates are rounded to half a micrometre at most.
+      // Coordinates are rounded by at most half a micrometre.
       RC_ASSERT(off < 1e-6);
       RC_ASSERT(off > -kMeshErrorMm);
     }

@@ -70,7 +70,7 @@ TEST_CASE("A section has a loop for each primitive that the height cuts") {
   }));
 }
 
-TEST_CASE("A section replaces what the contours held") {
+TEST_CASE("A section replaces the previous contours") {
   const SupportStructure structure({Ball{{0, 0, 1}, 1}});
   Contours contours;
   structure.section_at(Nanometers{1'000'000}, contours);
@@ -106,11 +106,12 @@ TEST_CASE("Warm sections, and masks with them, allocate nothing") {
   CHECK(during_second == 0);
 }
 
-TEST_CASE("Supports are in a mask fully, as large as their sections") {
+TEST_CASE("Supports are lit in a mask at the size of their sections") {
   const DisplayGeometry display{Pixels{800}, Pixels{800}};
   ContourEngine engine({}, {display}, std::make_shared<const SupportStructure>(forest(9)));
   const Mask& mask = engine.mask_at(Nanometers{3'000'000});
   CHECK(mask.lit_area() == static_cast<double>(mask.lit_pixels()));
-  // 81 circles of 10 pixels' radius: by centres each is off by some pixels, in the mean by none.
+  // There are 81 circles of 10 pixels' radius. Counted by pixel centres, each is off by some pixels, and
+  // their mean by none.
   CHECK(mask.lit_area() == Approx(81 * 314.159).epsilon(0.02));
 }

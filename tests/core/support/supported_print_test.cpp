@@ -1,4 +1,4 @@
-// That each rule of a supported print is seen to be broken.
+// Checks that each broken rule of a supported print is detected.
 #include "tests/reference/supported_print.hpp"
 
 #include "tests/catch.hpp"
@@ -38,17 +38,17 @@ std::string broken_by(const SupportedPrint& print) {
 
 }  // namespace
 
-TEST_CASE("A print that is held as it should be breaks no rule") {
+TEST_CASE("A well-supported print breaks no rule") {
   CHECK(broken_by(sound_print()).empty());
 }
 
-TEST_CASE("Each rule of a supported print is seen to be broken") {
+TEST_CASE("Each broken rule of a supported print is detected") {
   SupportedPrint print = sound_print();
   print.primitives.clear();
-  CHECK(broken_by(print) == "parts of layers begin on nothing;");
+  CHECK(broken_by(print) == "parts of layers begin with nothing below;");
   print = sound_print();
   print.primitives.push_back(Ball{{8, 8, 2}, 0.5});
-  CHECK(broken_by(print) == "parts of layers begin on nothing;");
+  CHECK(broken_by(print) == "parts of layers begin with nothing below;");
   print = sound_print();
   print.primitives.push_back(Frustum{{0, 0, 0}, {0, 0, 4}, 0.5, 0.5});
   CHECK(broken_by(print) ==
@@ -61,7 +61,7 @@ TEST_CASE("Each rule of a supported print is seen to be broken") {
   CHECK(broken_by(print) == "primitives are nearer to a model than the clearance;");
   print = sound_print();
   print.primitives.push_back(Frustum{{11.7, 0, 0}, {11.7, 0, 2}, 0.5, 0.5});
-  CHECK(broken_by(print) == "primitives reach out of the build volume;");
+  CHECK(broken_by(print) == "primitives are outside the build volume;");
   print = sound_print();
   print.contacts.front().load_mm2 = 11.2;
   CHECK(broken_by(print) == "contacts hold more than they can;");

@@ -242,11 +242,10 @@ TEST_CASE("ten mistakes in a printer file are ten lines") {
             "/display/width_px: expected a whole number, found true",
             "/hardware: the text \"imagined\" is not one of \"simulated\", \"real\"",
             "/min_free_disk_mb: expected a whole number, found -3.7",
-            "/name: this key is missing: What people call this printer, 1 to 100 characters",
+            "/name: this key is missing: Name of this printer, 1 to 100 characters",
             "/projector: expected an object, found 5",
-            "/resin: \"../standard\" is not allowed: Name of the resin profile for jobs that name none: no "
-            "'/' in it, "
-            "no '.' at its start",
+            "/resin: \"../standard\" is not allowed: Name of the resin profile for jobs that name none, without "
+            "'/' and with no '.' at its start",
             "/simulation/pace: the text \"faster\" is not one of \"realtime\", \"fast\"",
             "/z_axis/travel_mm: 900 is more than the limit, 500 mm",
             "/z_axis/travl_mm: there is no key \"travl_mm\" here; did you mean \"travel_mm\"?",

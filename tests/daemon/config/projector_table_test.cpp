@@ -288,11 +288,11 @@ TEST_CASE("bytes that are none and sums that are wrong are found when the table 
   table["commands"]["lamp_hours"]["value"] = "05 14 sum 00";
   CHECK(complaints_about(table) ==
         Complaints{
-            "/commands/lamp_hours/value: \"sum\" must be the last",
-            "/commands/power/on: \"xx\" is no byte; write two hex digits, \"..\" for any byte, \"(..)\" for "
+            "/commands/lamp_hours/value: \"sum\" must come last",
+            "/commands/power/on: \"xx\" is not a byte; write two hex digits, \"..\" for any byte, \"(..)\" for "
             "the "
             "value's, or \"sum\"",
-            "/commands/power_off/hex: \"0\" is no byte; write two hex digits, or \"sum\" for the checksum",
+            "/commands/power_off/hex: \"0\" is not a byte; write two hex digits, or \"sum\" for the checksum",
             "/commands/power_on/hex: its last byte is 5E, but the checksum is 5D"});
   table = shipped("projectors/anhua-df10.json");
   table["commands"]["light_on"]["hex"] = "2A 4B sum";

@@ -14,7 +14,7 @@ using namespace contourd;
 
 namespace {
 
-// One descriptor, as an event loop would watch it.
+// Watches one descriptor as an event loop would.
 class OneDescriptor final : public DescriptorWatcher {
  public:
   [[nodiscard]] std::unique_ptr<Watch> when_readable(int fd, std::function<void()> call) override {
@@ -39,8 +39,7 @@ class OneDescriptor final : public DescriptorWatcher {
 
 }  // namespace
 
-TEST_CASE(
-    "A blocking call runs on its own thread, and what it returns is handed back on the loop's, in order") {
+TEST_CASE("Blocking calls run on a thread of their own; their results arrive on the loop's, in order") {
   OneDescriptor loop;
   BlockingCalls calls(loop);
   const auto here = std::this_thread::get_id();
@@ -61,14 +60,13 @@ TEST_CASE(
   while (results.size() < 2)
     loop.wait();
   CHECK(results == std::vector{1, 2});
-  // A result may be taken before its thread has said that it is there: a call for nothing follows then, not
-  // more.
+  // A result may be taken before the thread has signalled it; the signal then finds no further result.
   while (loop.is_readable())
     loop.wait();
   CHECK(results.size() == 2);
 }
 
-TEST_CASE("When it goes it waits for the call under way, and hands nothing back") {
+TEST_CASE("The destructor waits for the running call and delivers no result") {
   OneDescriptor loop;
   std::promise<void> begun, go;
   bool ended = false, handed_back = false;

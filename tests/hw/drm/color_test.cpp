@@ -14,12 +14,12 @@ Mode timing(int width, int height, int line) {
   return mode;
 }
 
-// Of an object that is not there: none.
+// The properties of an object that does not exist: none.
 const ObjectProperties kNoProperties(-1, 0, 0);
 
 }  // namespace
 
-TEST_CASE("A gamma table that changes nothing runs from 0 to all in equal steps, whatever its size") {
+TEST_CASE("The identity gamma table runs from 0 to 0xffff in equal steps, whatever its size") {
   CHECK(identity_gamma(2) == std::vector<std::uint16_t>{0, 0xffff});
   CHECK(identity_gamma(256)[1] == 0x0101);
   CHECK(identity_gamma(256).back() == 0xffff);
@@ -30,7 +30,7 @@ TEST_CASE("A gamma table that changes nothing runs from 0 to all in equal steps,
 }
 
 TEST_CASE(
-    "A table with fewer bits than 16 is the identity still; one that changes what a pixel says is not") {
+    "A table stored with fewer than 16 bits still counts as the identity; one that changes pixels does not") {
   std::vector<std::uint16_t> table = identity_gamma(256);
   for (std::uint16_t& value : table)
     value &= 0xff00;  // the kernel's own first table
@@ -43,18 +43,17 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("Televisions' modes are known by their timing; computers' of the same size are not among them") {
+TEST_CASE("Television modes are recognized by their timing; computer modes of the same size are not") {
   CHECK(is_television_mode(timing(1920, 1080, 2200)));
   CHECK(is_television_mode(timing(1280, 720, 1980)));
   CHECK(is_television_mode(timing(3840, 2160, 4400)));
   CHECK_FALSE(is_television_mode(timing(1920, 1080, 2080)));  // CVT, reduced blanking
   CHECK_FALSE(is_television_mode(timing(1280, 800, 1680)));
   CHECK_FALSE(is_television_mode(timing(2560, 1440, 2720)));
-  CHECK_FALSE(is_television_mode(timing(640, 480, 800)));  // sent in full range, as all computers' are
+  CHECK_FALSE(is_television_mode(timing(640, 480, 800)));  // sent in full range, as all computer modes
 }
 
-TEST_CASE(
-    "Where the range cannot be set a sentence says what follows, for the plugs and modes that have one") {
+TEST_CASE("A range that cannot be set gives a warning for connectors and modes with a limited range") {
   const Mode television = timing(1920, 1080, 2200);
   const auto warning =
       range_warning("HDMI-A-1", television, kNoProperties, "HDMI-A-1 of /dev/dri/card0 (vc4)");
@@ -67,6 +66,6 @@ TEST_CASE(
   CHECK_FALSE(range_warning("HDMI-A-1", timing(1280, 800, 1680), kNoProperties, "HDMI-A-1"));
 }
 
-TEST_CASE("Where there are no properties, none is to be changed") {
+TEST_CASE("An object without properties needs no changes") {
   CHECK(changes_to_neutral(kNoProperties, kNoProperties).empty());
 }

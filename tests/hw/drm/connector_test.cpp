@@ -31,7 +31,7 @@ TEST_CASE("The first connected output is chosen") {
   CHECK(chosen->connector == 1);
 }
 
-TEST_CASE("Of a name that several cards have, the connected one is chosen") {
+TEST_CASE("If several cards have a connector of the wanted name, the connected one is chosen") {
   DrmDisplayConfig config;
   config.connector = "HDMI-A-1";
   const auto chosen = choose_output(kTwoCards, config);
@@ -39,7 +39,7 @@ TEST_CASE("Of a name that several cards have, the connected one is chosen") {
   CHECK(chosen->card == 2);
 }
 
-TEST_CASE("A connector of that name is chosen even where nothing is connected to it") {
+TEST_CASE("A connector of the wanted name is chosen even if its display is not known to be connected") {
   DrmDisplayConfig config;
   config.connector = "Composite-1";
   const auto chosen = choose_output(kTwoCards, config);
@@ -47,13 +47,13 @@ TEST_CASE("A connector of that name is chosen even where nothing is connected to
   CHECK(chosen->connector == 2);
 }
 
-TEST_CASE("Nothing is chosen where nothing is connected") {
+TEST_CASE("No output is chosen if no display is connected") {
   const std::vector<CardOutputs> dark{
       {"/dev/dri/card0 (vc4)", {connector_of("HDMI-A-1", Connector::Status::Disconnected)}}};
   CHECK_FALSE(choose_output(dark, {}).has_value());
 }
 
-TEST_CASE("A connector that does not exist is refused with those that do") {
+TEST_CASE("A connector that does not exist is refused with a list of the connectors that do") {
   DrmDisplayConfig config;
   config.connector = "HDMI-A-7";
   std::string refusal;
@@ -63,7 +63,7 @@ TEST_CASE("A connector that does not exist is refused with those that do") {
     refusal = error.what();
   }
   CHECK(refusal ==
-        "there is no connector HDMI-A-7; there is /dev/dri/card0 (v3d): no connector; /dev/dri/card1 (vc4): "
-        "HDMI-A-1 (disconnected), HDMI-A-2 (connected), Composite-1 (unknown whether connected); "
-        "/dev/dri/card2 (udl): HDMI-A-1 (connected)");
+        "there is no connector HDMI-A-7; connectors: /dev/dri/card0 (v3d): no connector; "
+        "/dev/dri/card1 (vc4): HDMI-A-1 (disconnected), HDMI-A-2 (connected), "
+        "Composite-1 (connection unknown); /dev/dri/card2 (udl): HDMI-A-1 (connected)");
 }

@@ -1,5 +1,5 @@
-// That each header of hw/drm checks what it requires. An Output needs a card: its masks are those of its
-// frame writers, whose size is its mode's.
+// Tests that the functions of hw/drm check their preconditions. Output is not tested here because it needs a
+// card; its masks go to FrameWriters that have its mode's size.
 #include <array>
 
 #include "hw/drm/atomic_request.hpp"
@@ -25,21 +25,21 @@ std::string writing(std::size_t stride_bytes, std::size_t begin, std::size_t byt
 
 }  // namespace
 
-TEST_CASE("FrameWriter writes to memory that holds its rows, and is aligned") {
+TEST_CASE("FrameWriter requires memory that holds its rows and is aligned") {
   CHECK(writing(20, 0, 60).empty());
   CHECK(writing(19, 0, 60) == "a row holds its pixels");
   CHECK(writing(20, 0, 59) == "the memory holds all rows");
-  CHECK(writing(20, 1, 60) == "the memory is aligned as a pixel is");
+  CHECK(writing(20, 1, 60) == "the memory is aligned to a pixel's size");
 }
 
-TEST_CASE("FrameWriter writes masks of its size alone") {
+TEST_CASE("FrameWriter requires masks of its size") {
   FrameWriter writer(layout(20), std::span(memory).first(60));
   CHECK(contract_broken_by([&] { writer.write(Mask(Pixels{5}, Pixels{3})); }).empty());
   CHECK(contract_broken_by([&] { writer.write(Mask(Pixels{5}, Pixels{4})); }) ==
         "the mask has the layout's size");
 }
 
-TEST_CASE("AtomicRequest changes a property that was set") {
+TEST_CASE("AtomicRequest requires a property before one is changed") {
   AtomicRequest request;
   CHECK(contract_broken_by([&] { request.change_last(1); }) == "a property was set");
   request.set(1, 2, 3);

@@ -15,7 +15,7 @@ using namespace contourd;
 
 namespace {
 
-// A picture's memory in pages of its own, with a stride longer than its rows, as cards have it.
+// A picture's memory in pages of its own. Like a card's memory it has a stride longer than its rows.
 class Pages {
  public:
   Pages(Pixels width, Pixels height, PixelFormat format)
@@ -87,7 +87,8 @@ Sizes draw_sizes() {
           Pixels{static_cast<std::int32_t>(testing::draw(1, 20))}};
 }
 
-// Bytes of the blocks in which two masks differ: whole blocks, pixel by pixel in the odd rest of a row.
+// Returns the bytes of the blocks in which two masks differ. The rest of a row after its last whole block is
+// counted pixel by pixel.
 std::size_t bytes_that_differ(const Mask& a, const Mask& b, PixelFormat format) {
   std::size_t pixels = 0;
   const auto width = static_cast<std::size_t>(a.width().count());
@@ -103,7 +104,7 @@ std::size_t bytes_that_differ(const Mask& a, const Mask& b, PixelFormat format) 
 
 }  // namespace
 
-TEST_CASE("A picture is what a pixel-by-pixel conversion gives, after any masks") {
+TEST_CASE("After any sequence of masks the picture equals a pixel-by-pixel conversion of the last") {
   CHECK(rc::check([] {
     const Sizes sizes = draw_sizes();
     const Pages pages(sizes.width, sizes.height, draw_format());
@@ -118,7 +119,7 @@ TEST_CASE("A picture is what a pixel-by-pixel conversion gives, after any masks"
   }));
 }
 
-TEST_CASE("Only blocks that differ are written, and their bytes are counted") {
+TEST_CASE("Only blocks that differ are written, and write() returns their bytes") {
   CHECK(rc::check([] {
     const Sizes sizes = draw_sizes();
     const Pages pages(sizes.width, sizes.height, draw_format());
@@ -138,7 +139,7 @@ TEST_CASE("Only blocks that differ are written, and their bytes are counted") {
   }));
 }
 
-TEST_CASE("The same mask again writes nothing") {
+TEST_CASE("Writing the same mask again writes no bytes") {
   const Pages pages(Pixels{64}, Pixels{4}, PixelFormat::Xrgb8888);
   FrameWriter writer(pages.layout, pages.memory());
   Mask mask(Pixels{64}, Pixels{4});
@@ -166,7 +167,7 @@ TEST_CASE("A picture is black after blacken(), and the next mask is written whol
   CHECK(shows(pages, mask));
 }
 
-TEST_CASE("Full light is full light in RGB565 and dark is dark") {
+TEST_CASE("In RGB565 full light has all bits set and dark has none") {
   CHECK(rgb565(255) == 0xffff);
   CHECK(rgb565(0) == 0);
 }
@@ -175,8 +176,8 @@ TEST_CASE("Full light is full light in RGB565 and dark is dark") {
 
 namespace {
 
-// x86 has no memory that can be written and not read. So the pages are closed, every access faults, is judged
-// by the fault's error code, and is let through by opening the pages for that one instruction.
+// x86 has no memory that can be written but not read. So the pages are protected and every access faults. The
+// fault's error code tells a read from a write; then the pages are opened for that one instruction.
 class ClosedPages {
  public:
   explicit ClosedPages(std::span<std::byte> memory) {
@@ -200,7 +201,7 @@ class ClosedPages {
 
  private:
   static constexpr greg_t kWriteAccess = 1 << 1;  // Intel SDM volume 3, 4.7: page-fault error code
-  static constexpr greg_t kTrapFlag = 1 << 8;     // of EFLAGS: a trap after the next instruction
+  static constexpr greg_t kTrapFlag = 1 << 8;     // in EFLAGS: a trap after the next instruction
 
   static void on_access(int, siginfo_t*, void* context) {
     greg_t* registers = static_cast<ucontext_t*>(context)->uc_mcontext.gregs;

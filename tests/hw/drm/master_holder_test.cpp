@@ -19,26 +19,26 @@ TEST_CASE("The DRM master is found in the kernel's list of a card's clients") {
                      "                Xorg   612   0   y    y     0          0\n") == "Xorg (process 612)");
 }
 
-TEST_CASE("A master's name may hold blanks, and newer kernels have more columns") {
+TEST_CASE("A master's name may contain blanks, and newer kernels have more columns") {
   CHECK(master_among("             command  tgid dev master a   uid      magic                               "
                      "     name    id\n"
                      "       Web Content 2   713   0   y    y  1000          0                               "
                      " <unset>     5\n") == "Web Content 2 (process 713)");
 }
 
-TEST_CASE("A list without a master names none") {
+TEST_CASE("A list without a master gives nullopt") {
   CHECK_FALSE(master_among("").has_value());
   CHECK_FALSE(master_among("             command  tgid dev master a   uid      magic\n"
                            "      systemd-logind   478   0   n    y     0          0\n")
                   .has_value());
 }
 
-TEST_CASE("Where nobody can be seen the sentence says how to find out") {
+TEST_CASE("If no process is visible the sentence says how to find the master") {
   CHECK(describe_master_holder("/dev/dri/card97") ==
-        "another program is its DRM master; `fuser -v /dev/dri/card97`, run as root, names it");
+        "another program is its DRM master; run `fuser -v /dev/dri/card97` as root to find it");
 }
 
-TEST_CASE("Another process that has the card open is named, unless it is this one's own child") {
+TEST_CASE("Another process that has the card open is named, unless it is a child of this one") {
   const testing::TemporaryFolder folder;
   const std::string card = folder.write("card0", "");
   const auto words_with_card_open_in = [&card](bool grandchild) {

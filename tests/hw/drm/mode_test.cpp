@@ -10,7 +10,7 @@ using namespace contourd;
 
 namespace {
 
-// A mode with a blank border of 200 x 50 pixels, and the pixel clock for that refresh.
+// Returns a mode with blanking of 200 x 50 pixels and the pixel clock for that refresh.
 Mode mode_of(int width, int height, double hz, std::uint32_t flags = 0, std::uint32_t type = 0) {
   Mode mode{};
   mode.hdisplay = static_cast<std::uint16_t>(width);
@@ -47,8 +47,8 @@ std::string refusal(const std::vector<Mode>& modes, const DrmDisplayConfig& conf
 
 }  // namespace
 
-TEST_CASE("A mode's refresh comes from its pixel clock") {
-  Mode mode{};  // CEA-861 format 16, and the same a thousandth slower
+TEST_CASE("A mode's refresh is computed from its pixel clock") {
+  Mode mode{};  // CEA-861 format 16, then one that is 1/1000 slower
   mode.clock = 148'500;
   mode.htotal = 2200;
   mode.vtotal = 1125;
@@ -65,7 +65,7 @@ TEST_CASE("The mode of the wanted size with the nearest refresh is chosen") {
   CHECK(refresh_hz(chosen(modes, wanting(1920, 1080, 50.4))) == testing::Approx(50.0).epsilon(0.0001));
 }
 
-TEST_CASE("Of modes that are equally near the display's preferred one is chosen, else the first") {
+TEST_CASE("Among equally near modes the display's preferred one is chosen, else the first") {
   std::vector<Mode> modes{mode_of(1920, 1080, 60), mode_of(1920, 1080, 60), mode_of(1920, 1080, 60)};
   std::strcpy(modes[0].name, "first");
   std::strcpy(modes[1].name, "second");
@@ -80,7 +80,7 @@ TEST_CASE("A preferred mode does not win over a nearer one") {
   CHECK(refresh_hz(chosen(modes, wanting(1920, 1080, 60))) == testing::Approx(60.0).epsilon(0.0001));
 }
 
-TEST_CASE("Where no mode fits, the sentence has the connector, what was wanted and what there is") {
+TEST_CASE("If no mode fits, the error names the connector, the wanted mode and the modes that exist") {
   const std::vector<Mode> modes{mode_of(1280, 720, 60), mode_of(1280, 720, 60), mode_of(1024, 768, 75)};
   CHECK(refusal(modes, wanting(1920, 1080, 60)) ==
         "HDMI-A-1 of /dev/dri/card0 (vc4) has no mode of 1920x1080 at 60.00 Hz; modes: 1280x720 at 60.00 Hz; "
@@ -89,28 +89,25 @@ TEST_CASE("Where no mode fits, the sentence has the connector, what was wanted a
         "HDMI-A-1 of /dev/dri/card0 (vc4) has no mode of 1920x1080 at 60.00 Hz; modes: none");
 }
 
-TEST_CASE("A refresh beyond half a hertz is another mode") {
+TEST_CASE("A mode whose refresh is off by more than half a hertz does not fit") {
   CHECK(refusal({mode_of(1920, 1080, 60.4)}, wanting(1920, 1080, 60)).empty());
   CHECK_FALSE(refusal({mode_of(1920, 1080, 60.6)}, wanting(1920, 1080, 60)).empty());
 }
 
-TEST_CASE(
-    "Modes that do not send each pixel of each picture once are passed over, and named if there is no "
-    "other") {
+TEST_CASE("Modes that do not send each pixel of each picture once are skipped, and named if no other fits") {
   const Mode interlaced = mode_of(1920, 1080, 30, DRM_MODE_FLAG_INTERLACE);  // 60 half pictures
   const Mode plain = mode_of(1920, 1080, 60.1);
   CHECK(refresh_hz(chosen({interlaced, plain}, wanting(1920, 1080, 60))) ==
         testing::Approx(60.1).epsilon(0.0001));
   CHECK(refusal({interlaced}, wanting(1920, 1080, 60)) ==
         "HDMI-A-1 of /dev/dri/card0 (vc4) cannot show masks with its mode 1920x1080 at 60.00 Hz, interlaced: "
-        "it "
-        "does not send each pixel of each picture once; modes: 1920x1080 at 60.00 Hz, interlaced");
+        "it does not send each pixel of each picture once; modes: 1920x1080 at 60.00 Hz, interlaced");
   CHECK(why_unsuitable(mode_of(640, 480, 60, DRM_MODE_FLAG_DBLSCAN), {}).has_value());
   CHECK(why_unsuitable(mode_of(1440, 480, 60, DRM_MODE_FLAG_DBLCLK), {}).has_value());
   CHECK(why_unsuitable(mode_of(1920, 1080, 60, DRM_MODE_FLAG_3D_FRAME_PACKING), {}).has_value());
 }
 
-TEST_CASE("A mode whose picture ratio makes its pixels other than square is refused") {
+TEST_CASE("A mode whose aspect ratio makes its pixels non-square is refused") {
   CHECK_FALSE(why_unsuitable(mode_of(1920, 1080, 60, DRM_MODE_FLAG_PIC_AR_16_9), {}).has_value());
   CHECK_FALSE(why_unsuitable(mode_of(640, 480, 60, DRM_MODE_FLAG_PIC_AR_4_3), {}).has_value());
   CHECK(why_unsuitable(mode_of(720, 576, 50, DRM_MODE_FLAG_PIC_AR_16_9), {}) ==
@@ -118,15 +115,13 @@ TEST_CASE("A mode whose picture ratio makes its pixels other than square is refu
   CHECK(why_unsuitable(mode_of(720, 480, 60, DRM_MODE_FLAG_PIC_AR_4_3), {}).has_value());
 }
 
-TEST_CASE(
-    "A picture's size that makes the pixels other than square is refused, unless the config says it is "
-    "wrong") {
+TEST_CASE("A picture size that makes the pixels non-square is refused, unless the config ignores it") {
   const Mode mode = mode_of(1920, 1080, 60);
   CHECK_FALSE(why_unsuitable(mode, {}).has_value());          // projectors have no size
   CHECK_FALSE(why_unsuitable(mode, {530, 300}).has_value());  // a 24 inch panel in whole centimetres
   CHECK_FALSE(why_unsuitable(mode_of(1280, 800, 60), {70, 40}).has_value());  // 65x41 mm in whole centimetres
   CHECK_FALSE(why_unsuitable(mode, {160, 90}).has_value());                   // the ratio in place of a size
-  CHECK_FALSE(why_unsuitable(mode, {120, 0}).has_value());                    // one side says nothing
+  CHECK_FALSE(why_unsuitable(mode, {120, 0}).has_value());                    // one side is not enough
   CHECK(why_unsuitable(mode, {400, 300}) ==
         "its pixels are not square: on a picture of 400x300 mm they are 0.75 times as wide as high");
   CHECK(why_unsuitable(mode_of(1024, 768, 60), {530, 300}).has_value());  // stretched over a wide panel
@@ -136,7 +131,7 @@ TEST_CASE(
   CHECK(refusal({mode}, config, {400, 300}).empty());
 }
 
-TEST_CASE("Modes of the same timing are the same mode, whatever they are called") {
+TEST_CASE("Modes of the same timing are the same mode, even if their names differ") {
   Mode a = mode_of(1920, 1080, 60), b = a;
   std::strcpy(b.name, "other");
   b.type = DRM_MODE_TYPE_PREFERRED;

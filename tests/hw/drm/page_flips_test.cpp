@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kBlack = 40, kFirst = 41, kSecond = 42, kThird = 43;
 
-// Takes flips as a kernel does: one at a time, done when the test says so.
+// Accepts flips like the kernel, one at a time; a flip is done when the test calls refresh().
 class ScriptedCrtc final : public Crtc {
  public:
   std::uint32_t on_screen = kBlack;
@@ -21,7 +21,7 @@ class ScriptedCrtc final : public Crtc {
   std::uint64_t serial = 0;
   int refusal = 0;
 
-  // The refresh after a flip. Returns its serial.
+  // Performs the refresh after a flip. Returns the flip's serial.
   std::uint64_t refresh() {
     if (coming) on_screen = *coming;
     coming.reset();
@@ -63,14 +63,13 @@ struct Screen {
 
 }  // namespace
 
-TEST_CASE("The kernel's word for a flip may take ten refreshes, and 250 ms at the least") {
+TEST_CASE("The kernel may take ten refreshes to confirm a flip, but at least 250 ms") {
   CHECK(flip_deadline(16'666'667ns) == 250ms);
   CHECK(flip_deadline(41'666'667ns) == 416'666'670ns);  // 24 Hz
   CHECK(flip_deadline(0ns) == 250ms);
 }
 
-TEST_CASE(
-    "A mask is on the screen when the kernel says so, and the next one is written into another buffer") {
+TEST_CASE("A mask is on the screen when the kernel confirms it; the next is written to another buffer") {
   Screen screen;
   CHECK_FALSE(screen.flips.waiting_since());
   CHECK(screen.flips.mask_to_write() == 0);
@@ -82,7 +81,7 @@ TEST_CASE(
   CHECK(screen.flips.mask_to_write() == 1);
 }
 
-TEST_CASE("Of three masks, one that has just left the screen is not written") {
+TEST_CASE("With three masks, the mask that has just left the screen is not written") {
   ScriptedCrtc crtc;
   PageFlips flips(kBlack, {kFirst, kSecond, kThird});
   std::vector<std::size_t> written;
@@ -94,7 +93,7 @@ TEST_CASE("Of three masks, one that has just left the screen is not written") {
   CHECK(written == std::vector<std::size_t>{0, 1, 2, 0, 1, 2});
 }
 
-TEST_CASE("What is asked for while a flip waits comes after it, and waits from then on") {
+TEST_CASE("A picture requested while a flip is pending comes after it, and is pending from then on") {
   Screen screen;
   screen.show_mask(at(0ms));
   REQUIRE(screen.flips.show_black(screen.crtc, at(10ms)) == 0);
@@ -107,7 +106,7 @@ TEST_CASE("What is asked for while a flip waits comes after it, and waits from t
   CHECK(screen.crtc.on_screen == kBlack);
 }
 
-TEST_CASE("Black at once asks for black, or names the mask that cannot be called back any more") {
+TEST_CASE("black_now() requests black, or names the mask whose flip cannot be cancelled") {
   Screen screen;
   SECTION("with a mask on the screen") {
     screen.show_mask();
@@ -117,13 +116,13 @@ TEST_CASE("Black at once asks for black, or names the mask that cannot be called
     CHECK_FALSE(blackout.mask_under_way);
     CHECK(screen.flips.waiting_since() == at(1ms));
   }
-  SECTION("with a mask under way") {
+  SECTION("with a mask's flip pending") {
     screen.show_mask();
     CHECK(screen.flips.black_now(screen.crtc, at(1ms)).mask_under_way == 0);
-    CHECK(screen.flips.black_now(screen.crtc, at(2ms)).mask_under_way == 0);  // once more
+    CHECK(screen.flips.black_now(screen.crtc, at(2ms)).mask_under_way == 0);  // a second call
     CHECK_FALSE(screen.refresh()->all);
   }
-  SECTION("with black under way and a mask behind it") {
+  SECTION("with black's flip pending and a mask queued after it") {
     screen.show_mask();
     REQUIRE(screen.refresh());
     REQUIRE(screen.flips.show_black(screen.crtc, at(1ms)) == 0);
@@ -138,13 +137,13 @@ TEST_CASE("Black at once asks for black, or names the mask that cannot be called
   CHECK(screen.crtc.on_screen == kBlack);
 }
 
-TEST_CASE("Black at once on a black screen asks the kernel for nothing") {
+TEST_CASE("black_now() on a black screen makes no request to the kernel") {
   Screen screen;
   screen.crtc.refusal = EACCES;
   CHECK(screen.flips.black_now(screen.crtc, at(0ms)).error == 0);
 }
 
-TEST_CASE("A refusal is told, whether it comes at once or when its turn has come") {
+TEST_CASE("A refused flip is reported, whether it is refused at once or after it was queued") {
   Screen screen;
   screen.show_mask();
   REQUIRE(screen.refresh());
@@ -163,12 +162,11 @@ TEST_CASE("A refusal is told, whether it comes at once or when its turn has come
   CHECK_FALSE(done->all);
 }
 
-TEST_CASE(
-    "After a lost event the screen is taken up again, and the event that comes late is of no interest") {
+TEST_CASE("After a lost event the screen can be used again, and the late event is ignored") {
   Screen screen;
   screen.show_mask(at(0ms));
   const std::uint64_t lost = screen.crtc.refresh();
-  CHECK(screen.flips.waiting_since() == at(0ms));  // for ever
+  CHECK(screen.flips.waiting_since() == at(0ms));  // forever
 
   (void)screen.crtc.set_mode(kBlack);
   screen.flips.reset();
@@ -183,9 +181,7 @@ TEST_CASE(
   CHECK(done->all);
 }
 
-TEST_CASE(
-    "Whatever is asked for in whatever order, what was asked for last comes, and what may be seen is not "
-    "written") {
+TEST_CASE("After any sequence of requests the last one is shown, and no visible mask is ever written") {
   std::mt19937 random(1);
   for (int run = 0; run < 2000; ++run) {
     Screen screen;
@@ -213,7 +209,7 @@ TEST_CASE(
           (void)screen.refresh();
           break;
         case 4:
-          // The event is lost, or comes at another time.
+          // The event is lost or has an old serial.
           (void)screen.crtc.refresh();
           (void)screen.flips.finish(screen.crtc, screen.crtc.serial - 1, at(0ms));
           if (!screen.flips.waiting_since()) break;

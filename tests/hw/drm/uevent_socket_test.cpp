@@ -10,7 +10,7 @@ using namespace contourd;
 
 namespace {
 
-// Fields as the kernel sends them: each ended by a zero byte.
+// Joins the fields as the kernel sends them: each ended by a zero byte.
 std::string fields(std::initializer_list<const char*> texts) {
   std::string all;
   for (const char* text : texts)
@@ -20,8 +20,7 @@ std::string fields(std::initializer_list<const char*> texts) {
 
 }  // namespace
 
-TEST_CASE(
-    "An announcement of a graphics card says which card, which connector, and whether a display changed") {
+TEST_CASE("An announcement is parsed into its card, its connector, and whether a display's state changed") {
   const auto plugged =
       display_change(fields({"change@/devices/platform/gpu/drm/card1", "ACTION=change",
                              "DEVPATH=/devices/platform/gpu/drm/card1", "SUBSYSTEM=drm", "HOTPLUG=1",
@@ -39,7 +38,7 @@ TEST_CASE(
   CHECK(removed->of_state);
 }
 
-TEST_CASE("What somebody has udev look at again has not changed") {
+TEST_CASE("A change event without HOTPLUG, as udevadm triggers it, is no change of state") {
   const auto change = display_change(
       fields({"change@/devices/x/drm/card0", "ACTION=change", "SUBSYSTEM=drm", "MAJOR=226", "MINOR=0"}));
   REQUIRE(change);
@@ -47,7 +46,7 @@ TEST_CASE("What somebody has udev look at again has not changed") {
   CHECK_FALSE(concerns(*change, makedev(226, 0), 32));
 }
 
-TEST_CASE("Other announcements are not of displays, nor is half a one") {
+TEST_CASE("Announcements about other devices and truncated ones are ignored") {
   CHECK_FALSE(display_change(fields({"add@/devices/usb1/drm", "ACTION=add", "SUBSYSTEM=usb"})));
   CHECK_FALSE(display_change(fields({"x", "NOTE=SUBSYSTEM=drm"})));
   CHECK_FALSE(display_change(std::string("change@/devices/x")));
@@ -55,7 +54,7 @@ TEST_CASE("Other announcements are not of displays, nor is half a one") {
   CHECK(display_change(std::string("SUBSYSTEM=drm")));  // the last zero byte is missing
 }
 
-TEST_CASE("A number that is none is as one that was not said") {
+TEST_CASE("A malformed number counts as a missing one") {
   const auto change = display_change(
       fields({"SUBSYSTEM=drm", "HOTPLUG=1", "CONNECTOR=3x", "MAJOR=226", "MINOR=", "MINOR=99999999999"}));
   REQUIRE(change);
@@ -63,7 +62,7 @@ TEST_CASE("A number that is none is as one that was not said") {
   CHECK_FALSE(change->card);
 }
 
-TEST_CASE("A change concerns the connector and card that it names, or any where it names none") {
+TEST_CASE("A change concerns the connector and card that it names, or all if it names none") {
   const dev_t card = makedev(226, 1);
   const DisplayChange any{.card = {}, .connector = {}, .of_state = true};
   CHECK(concerns(any, card, 32));
@@ -74,9 +73,9 @@ TEST_CASE("A change concerns the connector and card that it names, or any where 
   CHECK_FALSE(concerns({.card = card, .connector = 32, .of_state = false}, card, 32));
 }
 
-TEST_CASE("A socket for announcements opens without privileges and has nothing to read at first") {
+TEST_CASE("A socket for announcements opens without privileges and is empty at first") {
   UeventSocket socket;
   CHECK(socket.fd() >= 0);
-  (void)socket.read_all();  // what the machine did meanwhile
+  (void)socket.read_all();  // drops announcements of this machine's own devices
   CHECK(socket.read_all().empty());
 }

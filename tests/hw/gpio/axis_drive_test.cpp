@@ -1,5 +1,5 @@
-// The motor's runs by themselves: a test turns the engine and serves the inputs. PlateApproach has its tests
-// here as well, since all that it does is runs.
+// Tests of AxisDrive alone: the test runs the engine and serves the inputs. PlateApproach is tested here too,
+// since it only makes runs.
 #include "hw/gpio/axis_drive.hpp"
 
 #include <algorithm>
@@ -43,7 +43,7 @@ struct Bench {
   }
   ~Bench() { testing::plant_clock = nullptr; }
 
-  // The stepping thread, to the end of the move or to so many steps; then the event loop.
+  // Runs the step thread to the end of the move or for `steps` steps; then the event loop.
   void turn(std::int64_t steps = 1'000'000) {
     const std::int64_t from = engine.position();
     bool running = engine.running() || engine.begin();
@@ -124,7 +124,7 @@ TEST_CASE("A motion begins when the motor is enabled and has settled, and the ne
   CHECK(bench.done() == Words{"ready"});
 }
 
-TEST_CASE("A run makes its steps, and then what comes behind it, which may be the next run") {
+TEST_CASE("A run makes its steps and then calls its callback, which may begin the next run") {
   Bench bench;
   bench.begin();
   bench.drive.run(RunKind::Move, Microsteps{300}, kSpeed, [&bench] { bench.run(RunKind::Move, -100); });
@@ -137,7 +137,7 @@ TEST_CASE("A run makes its steps, and then what comes behind it, which may be th
   CHECK_FALSE(bench.drive.turning());
 }
 
-TEST_CASE("A stop slows a run down and is answered when the motor rests, and at once where it does") {
+TEST_CASE("A stop slows a run down and is answered when the motor rests, or at once if it rests already") {
   Bench bench;
   bench.begin();
   bench.run(RunKind::Move, 20'000);
@@ -157,7 +157,7 @@ TEST_CASE("A stop slows a run down and is answered when the motor rests, and at 
   CHECK(bench.done() == Words{"stopped"});
 }
 
-TEST_CASE("A run that was slowed down goes on to its end when the emergency stop has settled") {
+TEST_CASE("A run that was slowed down continues to its end when the emergency stop has settled") {
   Bench bench;
   bench.begin();
   bench.run(RunKind::Move, 20'000);
@@ -176,7 +176,7 @@ TEST_CASE("A run that was slowed down goes on to its end when the emergency stop
   CHECK(bench.done() == Words{"ready", "over"});
 }
 
-TEST_CASE("A halted run ends with what halted it as the fault, also when a contact has come") {
+TEST_CASE("A halted run ends with the fault that halted it, even if a contact has come") {
   Bench bench;
   bench.begin();
   bench.done();
@@ -190,8 +190,7 @@ TEST_CASE("A halted run ends with what halted it as the fault, also when a conta
   CHECK(bench.engine.position() == -1'000);
 }
 
-TEST_CASE(
-    "A pass that the limit switch's edge halts waits for the contact, and goes on from there if asked") {
+TEST_CASE("A pass that the limit switch's edge halts waits for the contact, and can be continued") {
   Bench bench;
   bench.begin();
   bench.done();
@@ -212,7 +211,7 @@ TEST_CASE(
   CHECK(bench.done() == Words{"over"});
 }
 
-TEST_CASE("A contact that is there when a pass ends is taken in place of its end") {
+TEST_CASE("A contact that has come by the end of a pass is handled instead of the end") {
   Bench bench;
   bench.begin();
   bench.done();
@@ -222,7 +221,7 @@ TEST_CASE("A contact that is there when a pass ends is taken in place of its end
   CHECK(bench.done().empty());
 }
 
-TEST_CASE("A motor that is inhibited is not turned, and said to be so") {
+TEST_CASE("An inhibited motor does not turn and is reported as blocked") {
   Bench bench;
   bench.engine.inhibit();
   bench.drive.begin([&bench] { bench.did.emplace_back("ready"); });
@@ -241,7 +240,7 @@ TEST_CASE("A motor that is inhibited is not turned, and said to be so") {
   CHECK(bench.engine.position() == 100);
 }
 
-TEST_CASE("A line that cannot be set is a fault with its words, and remembered") {
+TEST_CASE("A line that cannot be set is a fault that names it, and line_refused() stays true") {
   Bench bench;
   bench.begin();
   bench.done();
@@ -261,7 +260,7 @@ TEST_CASE("A line that cannot be set is a fault with its words, and remembered")
   CHECK(other.drive.line_refused());
 }
 
-TEST_CASE("A halt makes no further step and forgets the position, and a motion waits until it has ended") {
+TEST_CASE("A halt makes no further step and forgets the position; a new motion waits for the run's end") {
   Bench bench;
   bench.position.become_known();
   bench.begin();
@@ -277,7 +276,7 @@ TEST_CASE("A halt makes no further step and forgets the position, and a motion w
   CHECK(bench.engine.position() == 1'000);
 }
 
-TEST_CASE("The plate comes to a position from below, where the screw has play") {
+TEST_CASE("The plate approaches a position from below if the screw has play") {
   Bench bench(axis_config(Nanometers{50'000}));  // 40 steps
   bench.position.become_known();
   bench.begin();

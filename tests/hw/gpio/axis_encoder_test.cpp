@@ -44,7 +44,7 @@ bool is_well(const AxisEncoder::Finding& finding) {
 
 }  // namespace
 
-TEST_CASE("An encoder puts the plate where it was agreed to be and as far on as it has counted") {
+TEST_CASE("The measured position is the agreed one plus the counts since then") {
   AxisEncoder encoder = encoder_of(config());
   encoder.agree(counted(1'000), -80);
   CHECK(encoder.plate(counted(1'000)) == -80);
@@ -52,7 +52,7 @@ TEST_CASE("An encoder puts the plate where it was agreed to be and as far on as 
   CHECK(encoder.plate(counted(600)) == -880);
 }
 
-TEST_CASE("A reversed encoder counts down as the plate rises") {
+TEST_CASE("A reversed encoder's count falls as the plate rises") {
   GpioAxisConfig reversed = config();
   reversed.encoder->reversed = true;
   AxisEncoder encoder = encoder_of(reversed);
@@ -61,7 +61,7 @@ TEST_CASE("A reversed encoder counts down as the plate rises") {
   CHECK(encoder.plate(counted(350)) == -800);
 }
 
-TEST_CASE("At rest, a difference up to the tolerance is none") {
+TEST_CASE("At rest, a difference up to the tolerance is ignored") {
   AxisEncoder encoder = encoder_of(config());
   encoder.agree(counted(0), 0);
   CHECK(is_well(encoder.compare(counted(20), 0)));
@@ -70,8 +70,8 @@ TEST_CASE("At rest, a difference up to the tolerance is none") {
   CHECK_FALSE(is_well(encoder.compare(counted(-21), 0)));
 }
 
-TEST_CASE("At rest, a difference beyond the tolerance is a fault with its figures, or to be made good") {
-  const std::string words = "the encoder says 0.900 mm where the motor's steps make 1.000 mm";
+TEST_CASE("At rest, a difference beyond the tolerance is a fault with its figures, or is corrected") {
+  const std::string words = "the encoder measures 0.900 mm but the motor's steps make 1.000 mm";
   AxisEncoder strict = encoder_of(config());
   strict.agree(counted(0), 0);
   CHECK(says(strict.compare(counted(360), 800).fault, words));
@@ -82,10 +82,10 @@ TEST_CASE("At rest, a difference beyond the tolerance is a fault with its figure
   const AxisEncoder::Finding finding = lenient.compare(counted(360), 800);
   CHECK_FALSE(finding.fault);
   CHECK(says(finding.notice, words));
-  CHECK(says(finding.notice, "they are made good, as 0.100 mm since homing"));
+  CHECK(says(finding.notice, "corrected by further steps, 0.100 mm in all since homing"));
 }
 
-TEST_CASE("More than may be made good, in a move or since homing, is a fault; homing begins anew") {
+TEST_CASE("A correction beyond the limit per move or since homing is a fault; homing resets the sums") {
   AxisEncoder encoder = encoder_of(config(Policy::Correct));
   encoder.agree(counted(0), 0);
   encoder.move_begins(counted(0));
@@ -102,16 +102,16 @@ TEST_CASE("More than may be made good, in a move or since homing, is a fault; ho
   CHECK_FALSE(encoder.compare(counted(-99), 0).fault);
 }
 
-TEST_CASE("A difference that came by and by is a fault, whatever the policy") {
+TEST_CASE("A difference that grew over several moves is a fault with either policy") {
   AxisEncoder encoder = encoder_of(config(Policy::Correct));
   encoder.agree(counted(0), 0);
   encoder.move_begins(counted(0));
   CHECK(is_well(encoder.compare(counted(-18), 0)));
   encoder.move_begins(counted(0));
-  CHECK(says(encoder.compare(counted(-30), 0).fault, "by and by"));
+  CHECK(says(encoder.compare(counted(-30), 0).fault, "grew over several moves"));
 }
 
-TEST_CASE("While the motor turns, an encoder may be behind by the tolerance and five milliseconds' way") {
+TEST_CASE("While the motor turns, the encoder may lag by the tolerance plus 5 ms at top speed") {
   // 0.05 mm, and 10 mm/s for 5 ms: 0.1 mm, 40 counts.
   AxisEncoder encoder = encoder_of(config());
   encoder.agree(counted(0), 0);
@@ -120,7 +120,7 @@ TEST_CASE("While the motor turns, an encoder may be behind by the tolerance and 
   CHECK(says(encoder.runaway(counted(-41), 0, true), "steps were lost"));
 }
 
-TEST_CASE("While the motor turns, what may be made good is no runaway, unless the position is unknown") {
+TEST_CASE("While the motor turns, a correctable difference is no runaway, unless the position is unknown") {
   // 0.25 mm and 0.05 mm: 120 counts.
   AxisEncoder encoder = encoder_of(config(Policy::Correct));
   encoder.agree(counted(0), 0);
@@ -129,7 +129,8 @@ TEST_CASE("While the motor turns, what may be made good is no runaway, unless th
   CHECK(encoder.runaway(counted(-41), 0, false));
 }
 
-TEST_CASE("While the position is unknown, the screw's play is no runaway, and ways count from the start") {
+TEST_CASE(
+    "While the position is unknown, the screw's play is no runaway and distances count from the start") {
   // 0.05 mm, 0.05 mm and 0.1 mm of play: 80 counts.
   GpioAxisConfig c = config();
   c.backlash = Nanometers{100'000};
@@ -137,27 +138,27 @@ TEST_CASE("While the position is unknown, the screw's play is no runaway, and wa
   encoder.agree(counted(0), 8'000);
   CHECK_FALSE(encoder.runaway(counted(80), 8'000, false));
   CHECK(says(encoder.runaway(counted(0), 7'200, false),
-             "the encoder says 0.000 mm where the motor's steps make -1.000 mm"));
+             "the encoder measures 0.000 mm but the motor's steps make -1.000 mm"));
   CHECK(encoder.runaway(counted(41), 8'000, true));
 }
 
-TEST_CASE("An encoder with more illegal edges in a move than the tolerance allows is not believed") {
+TEST_CASE("An encoder with more illegal edges in a move than the tolerance allows is a fault") {
   AxisEncoder encoder = encoder_of(config());
   encoder.move_begins({.illegal_edges = 3});
   CHECK(is_well(encoder.check({.illegal_edges = 13}, false)));
-  CHECK(says(encoder.check({.illegal_edges = 14}, false).fault, "made 11 edges in one move"));
+  CHECK(says(encoder.check({.illegal_edges = 14}, false).fault, "made 11 impossible edges in one move"));
   encoder.move_begins({.illegal_edges = 14});
   CHECK(is_well(encoder.check({.illegal_edges = 24}, true)));
 }
 
-TEST_CASE("An index that disagrees is a fault, or puts the count right and says so") {
+TEST_CASE("An index that disagrees is a fault, or corrects the count and reports it") {
   // The index is passed every 1,600 counts; the count is off by 100, 0.25 mm.
   AxisEncoder strict = encoder_of(config());
   strict.agree(counted(0), 0);
   CHECK(is_well(strict.check(passed_index(1, 200), true)));
   CHECK(is_well(strict.check(passed_index(2, 1'800), true)));
   CHECK(says(strict.check(passed_index(3, 300), true).fault,
-             "the encoder's index (line 9 of gpiochip0) says that its count is 0.250 mm off"));
+             "the encoder's index (line 9 of gpiochip0) shows that its count is off by 0.250 mm"));
 
   for (const bool reversed : {false, true}) {
     CAPTURE(reversed);
@@ -167,18 +168,18 @@ TEST_CASE("An index that disagrees is a fault, or puts the count right and says 
     lenient.agree(counted(0), 0);
     lenient.move_begins(counted(0));
     CHECK(is_well(lenient.check(passed_index(1, 200), true)));
-    CHECK(says(lenient.check(passed_index(2, 300), true).notice, "it is put right"));
+    CHECK(says(lenient.check(passed_index(2, 300), true).notice, "the count is corrected"));
     CHECK(lenient.plate(counted(300)) == (reversed ? -400 : 400));
-    // The same pulse is looked at once.
+    // A pulse is checked only once.
     CHECK(is_well(lenient.check(passed_index(2, 300), true)));
   }
 }
 
-TEST_CASE("While the position is unknown the index says nothing, nor do pulses from before it was known") {
+TEST_CASE("Index pulses from before the position is known are ignored") {
   AxisEncoder encoder = encoder_of(config());
   CHECK(is_well(encoder.check(passed_index(1, 200), false)));
   CHECK(is_well(encoder.check(passed_index(2, 500), false)));
   encoder.agree(passed_index(2, 500), 0);
   CHECK(is_well(encoder.check(passed_index(2, 500), true)));
-  CHECK(is_well(encoder.check(passed_index(3, 900), true)));  // the first that counts
+  CHECK(is_well(encoder.check(passed_index(3, 900), true)));  // the first pulse that counts
 }

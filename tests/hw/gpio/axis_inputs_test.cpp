@@ -1,5 +1,4 @@
-// The safety inputs, as the reading thread serves them: its calls alone, in one thread under a clock of the
-// test's own.
+// Tests of AxisInputs: the calls of the input thread, made in one thread with the test's own clock.
 #include "hw/gpio/axis_inputs.hpp"
 
 #include <algorithm>
@@ -16,7 +15,7 @@ using testing::draw;
 
 namespace {
 
-TimePoint test_time{};  // AxisInputs wants a plain function
+TimePoint test_time{};  // global because AxisInputs takes a plain function
 
 class IdleLine final : public OutputLine {
  public:
@@ -74,7 +73,7 @@ struct Bench {
     inputs->set_light_cutoff(&lamp);
     next = inputs->serve();
   }
-  // The thread: at once for edges, else when it asked for it.
+  // serve() is the input thread after an edge; pass() calls it when it is due.
   void serve() { next = inputs->serve(); }
   void pass(Duration time) {
     const TimePoint end = test_time + time;
@@ -88,7 +87,7 @@ struct Bench {
     wire.set(level);
     serve();
   }
-  // What the owner is told, who lets go of what is safe again.
+  // Takes the changes like the event loop, which calls let_go() when an input is safe again.
   std::vector<InputChange> told() {
     std::vector<InputChange> all;
     while (const auto change = inputs->take_change()) {
@@ -118,7 +117,7 @@ using States = std::vector<SafetyState>;
 
 }  // namespace
 
-TEST_CASE("The light is cut at the first edge of either safety input, and released when it was let go") {
+TEST_CASE("The light is cut at the first edge of either safety input and released after let_go()") {
   Bench bench;
   const bool lid = GENERATE(false, true);
   Wire& wire = lid ? bench.lid : bench.stop;
@@ -131,13 +130,13 @@ TEST_CASE("The light is cut at the first edge of either safety input, and releas
   (void)bench.told();
   CHECK(bench.lamp.is_cut());
   bench.pass(1ns);
-  CHECK(bench.lamp.is_cut());  // until its owner has heard of it
+  CHECK(bench.lamp.is_cut());  // until the change has been taken
   CHECK(bench.told().size() == 1);
   CHECK_FALSE(bench.lamp.is_cut());
   CHECK_FALSE(bench.engine.inhibited());
 }
 
-TEST_CASE("A chatter at 125 Hz keeps the light cut from its first edge to its end and the debounce time") {
+TEST_CASE("Chatter at 125 Hz keeps the light cut from its first edge until a debounce time after its end") {
   Bench bench;
   for (int i = 0; i < 29 * 125; ++i) {
     for (const bool level : {true, false}) {
@@ -153,7 +152,7 @@ TEST_CASE("A chatter at 125 Hz keeps the light cut from its first edge to its en
   CHECK_FALSE(bench.lamp.is_cut());
 }
 
-TEST_CASE("A light that was about to be turned on when it was cut is cut once more") {
+TEST_CASE("The light is cut a second time, in case it was just being turned on at the first cut") {
   Bench bench;
   bench.set(bench.stop, true);
   const int cuts = bench.lamp.cuts;
@@ -177,7 +176,7 @@ TEST_CASE("The light is cut until both safety inputs are safe") {
   CHECK_FALSE(bench.lamp.is_cut());
 }
 
-TEST_CASE("What was let go and is unsafe again before the owner hears of it stays cut and inhibited") {
+TEST_CASE("An input that is unsafe again before its changes are taken stays cut and inhibited") {
   Bench bench;
   bench.set(bench.stop, true);
   bench.pass(100ms);
@@ -185,12 +184,12 @@ TEST_CASE("What was let go and is unsafe again before the owner hears of it stay
   bench.pass(100ms);
   bench.set(bench.stop, true);
   bench.pass(100ms);
-  (void)bench.told();  // among others that it was safe
+  (void)bench.told();  // includes the change to safe
   CHECK(bench.lamp.is_cut());
   CHECK(bench.engine.inhibited());
 }
 
-TEST_CASE("A safety input that is unsafe from the start has the light cut as soon as there is one") {
+TEST_CASE("A safety input that is unsafe from the start cuts the light as soon as one is set") {
   Bench bench;
   bench.lid.set(true);
   bench.lamp.release();
@@ -203,7 +202,7 @@ TEST_CASE("A safety input that is unsafe from the start has the light cut as soo
   CHECK(other.is_cut());
 }
 
-TEST_CASE("A light that was cut before its inputs were opened anew goes on when they are safe") {
+TEST_CASE("A light that was cut before its inputs were reopened is released if they are safe") {
   Bench bench;
   Lamp lamp;
   lamp.cut(test_time);
@@ -215,9 +214,7 @@ TEST_CASE("A light that was cut before its inputs were opened anew goes on when 
   CHECK(lamp.cuts == 1);
 }
 
-TEST_CASE(
-    "An edge of a safety input that the kernel lost is found by the level within 20 ms, while nothing "
-    "moves") {
+TEST_CASE("A lost edge of a safety input is found by its level within 20 ms, even while nothing moves") {
   Bench bench;
   bench.stop.loses_edges = true;
   bench.pass(1s);
@@ -228,7 +225,7 @@ TEST_CASE(
   CHECK(bench.engine.inhibited());
 }
 
-TEST_CASE("A safety input that cannot be read is unsafe: an interruption when that does not last") {
+TEST_CASE("A safety input that cannot be read is unsafe, and safe again when it can be read") {
   Bench bench;
   bench.lid.unreadable = true;
   bench.pass(20ms);
@@ -255,7 +252,7 @@ TEST_CASE("An emergency stop that stays unreadable inhibits the steps") {
         States{SafetyState::Debouncing, SafetyState::Unsafe});
 }
 
-TEST_CASE("A limit switch that cannot be read leaves nothing to rely on: light cut, steps inhibited") {
+TEST_CASE("A limit switch that cannot be read loses all inputs: light cut, steps inhibited") {
   Bench bench;
   bench.limit.unreadable = true;
   bench.pass(20ms);
@@ -268,18 +265,17 @@ TEST_CASE("A limit switch that cannot be read leaves nothing to rely on: light c
   CHECK(bench.lamp.is_cut());
 }
 
-TEST_CASE("A chip that has gone cuts the light") {
+TEST_CASE("The loss of the chip cuts the light") {
   Bench bench;
   bench.inputs->lose();
   CHECK(bench.lamp.is_cut());
 }
 
-TEST_CASE(
-    "Random edges: unsafe from the first one to a debounce time of quiet, and each bout told in order") {
+TEST_CASE("After random edges an input is unsafe until a debounce time of quiet; changes come in order") {
   CHECK(rc::check([] {
     Bench bench;
     struct Truth {
-      std::optional<TimePoint> first;  // edge of the bout under way
+      std::optional<TimePoint> first;  // first edge of the present burst
       TimePoint last{};
       bool level = false, lasted = false;
     };
@@ -287,7 +283,7 @@ TEST_CASE(
     const std::array wires{&bench.stop, &bench.lid};
     const std::array inputs{AxisInput::EmergencyStop, AxisInput::Lid};
     std::array<States, 2> expected, seen;
-    // What must have been told by now.
+    // Adds the changes that must have been reported by now.
     const auto settle = [&](std::size_t i, TimePoint now) {
       Truth& truth = truths[i];
       if (!truth.first) return;
@@ -302,7 +298,7 @@ TEST_CASE(
     for (int edge = 0; edge < 60; ++edge) {
       const auto i = static_cast<std::size_t>(draw(0, 1));
       Truth& truth = truths[i];
-      // Much within the debounce time, some at its very end, some beyond it.
+      // Many within the debounce time, some exactly at its end, some beyond it.
       bench.pass(std::chrono::microseconds{draw(0, 4) == 0   ? 5'000
                                            : draw(0, 4) == 0 ? draw(0, 60'000)
                                                              : draw(0, 6'000)});
@@ -330,12 +326,11 @@ TEST_CASE(
   }));
 }
 
-TEST_CASE(
-    "Changes that nobody takes lose the inputs when there is room for no more, and none is overwritten") {
+TEST_CASE("Changes that are not taken lose the inputs when the ring is full, and none is overwritten") {
   Bench bench;
-  // Each bout is debouncing, then safe.
-  int bouts = 0;
-  for (; !bench.inputs->lost() && bouts < 1'000; ++bouts) {
+  // Each burst gives two changes: Debouncing, then Safe.
+  int bursts = 0;
+  for (; !bench.inputs->lost() && bursts < 1'000; ++bursts) {
     bench.set(bench.lid, true);
     bench.set(bench.lid, false);
     bench.pass(2 * kDebounce);
@@ -346,8 +341,8 @@ TEST_CASE(
   int taken = 0;
   for (; const auto change = bench.inputs->take_change(); ++taken)
     CHECK(change->to == (taken % 2 == 0 ? SafetyState::Debouncing : SafetyState::Safe));
-  CHECK(taken == 2 * (bouts - 1));
-  // There is room again, and what was lost stays so.
+  CHECK(taken == 2 * (bursts - 1));
+  // There is room again, but the inputs stay lost.
   bench.set(bench.lid, true);
   bench.set(bench.lid, false);
   bench.pass(2 * kDebounce);
@@ -358,7 +353,7 @@ TEST_CASE(
   CHECK(bench.engine.inhibited());
 }
 
-TEST_CASE("A rule halts the steps once, and what it halted them for is told by then") {
+TEST_CASE("A rule halts the steps once, and the cause is queued by then") {
   Bench bench;
   bench.inputs->set_limit_rule(LimitRule::Beyond, -1);
   bench.set(bench.limit, true);
@@ -366,7 +361,7 @@ TEST_CASE("A rule halts the steps once, and what it halted them for is told by t
   REQUIRE(bench.engine.interrupted());
   const auto told = bench.told();
   REQUIRE(told.size() == 2);
-  CHECK_FALSE(told[0].halted);  // it has settled
+  CHECK_FALSE(told[0].halted);  // the switch has settled
   CHECK(told[1].halted);
   bench.engine.forget_halt();
   bench.pass(100ms);
@@ -374,7 +369,7 @@ TEST_CASE("A rule halts the steps once, and what it halted them for is told by t
   CHECK(bench.told().empty());
 }
 
-TEST_CASE("Edges are counted as they come in, also one that the kernel had no room for") {
+TEST_CASE("All edges are counted, including one that the kernel lost") {
   Bench bench;
   bench.set(bench.lid, true);
   bench.set(bench.lid, false);

@@ -1,4 +1,4 @@
-// What is made of the inputs' changes, over inputs that a test serves and a motor that it sees told.
+// Tests of AxisInterlocks: the test serves the inputs and records the calls to the motor.
 #include "hw/gpio/axis_interlocks.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ using testing::PlantOutput;
 
 namespace {
 
-TimePoint bench_time{};  // AxisInputs wants a plain function
+TimePoint bench_time{};  // global because AxisInputs takes a plain function
 
 using Words = std::vector<std::string>;
 
@@ -33,7 +33,7 @@ struct Bench {
     inputs.serve();
   }
 
-  // The reading thread, for so long; then the event loop.
+  // Runs the input thread for `time`, then the event loop.
   void pass(Duration time = 6ms) {
     for (const TimePoint end = bench_time + time; bench_time < end; bench_time += 1ms)
       inputs.serve();
@@ -43,7 +43,7 @@ struct Bench {
     lines[static_cast<std::size_t>(which)].set(active, bench_time);
     pass(1ms);
   }
-  // Since the last look.
+  // Returns the calls and reports since the last call.
   Words told() { return std::exchange(did, {}); }
 
   AxisInputs::Lines input_lines() {
@@ -92,7 +92,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("An emergency stop slows the motor at its first edge, is a fault when it lasts, and is let go") {
+TEST_CASE("An emergency stop slows the motor at its first edge, is a fault if it lasts, and is released") {
   Bench bench;
   bench.set(AxisInput::EmergencyStop, true);
   CHECK(bench.told() == Words{"slow down",
@@ -104,12 +104,12 @@ TEST_CASE("An emergency stop slows the motor at its first edge, is a fault when 
   CHECK(bench.interlocks.why_not_ready() == Words{"the emergency stop is pressed"});
   bench.set(AxisInput::EmergencyStop, false);
   bench.pass();
-  CHECK(bench.told() == Words{"owner's recovery: the emergency stop was let go (line 25 of gpiochip0)"});
+  CHECK(bench.told() == Words{"owner's recovery: the emergency stop was released (line 25 of gpiochip0)"});
   CHECK_FALSE(bench.engine.inhibited());
   CHECK(bench.interlocks.why_not_ready().empty());
 }
 
-TEST_CASE("An emergency stop that does not last is over by itself, and no fault") {
+TEST_CASE("An emergency stop that does not last ends without a fault") {
   Bench bench;
   bench.set(AxisInput::EmergencyStop, true);
   bench.set(AxisInput::EmergencyStop, false);
@@ -118,7 +118,7 @@ TEST_CASE("An emergency stop that does not last is over by itself, and no fault"
   CHECK(bench.told() == Words{"recovery: the emergency stop is not pressed (line 25 of gpiochip0)"});
 }
 
-TEST_CASE("A pressed emergency stop that was told as it inhibited a motion is told once") {
+TEST_CASE("A pressed emergency stop that has blocked a motion is reported once") {
   Bench bench;
   bench.set(AxisInput::EmergencyStop, true);
   bench.told();
@@ -129,7 +129,7 @@ TEST_CASE("A pressed emergency stop that was told as it inhibited a motion is to
   CHECK(bench.told().size() == 1);
   bench.pass();
   CHECK(bench.told().empty());
-  // Pressed again, it is told again.
+  // When it is pressed again it is reported again.
   bench.set(AxisInput::EmergencyStop, false);
   bench.pass();
   bench.told();
@@ -138,7 +138,7 @@ TEST_CASE("A pressed emergency stop that was told as it inhibited a motion is to
   CHECK(bench.told().back() == "owner's fault: the emergency stop is pressed (line 25 of gpiochip0)");
 }
 
-TEST_CASE("An open lid interrupts at its first edge, halts nothing, and is told when it is closed") {
+TEST_CASE("An open lid interrupts at its first edge, does not halt the motor, and its closing is reported") {
   Bench bench;
   bench.set(AxisInput::Lid, true);
   CHECK(bench.told() == Words{"interruption: the lid was opened (line 26 of gpiochip0)"});
@@ -151,25 +151,25 @@ TEST_CASE("An open lid interrupts at its first edge, halts nothing, and is told 
   CHECK_FALSE(bench.engine.inhibited());
 }
 
-TEST_CASE("A safety input that cannot be read is told as such") {
+TEST_CASE("A safety input that cannot be read is reported as unreadable") {
   Bench bench;
   bench.lines[static_cast<std::size_t>(AxisInput::Lid)].unreadable = true;
   bench.lines[static_cast<std::size_t>(AxisInput::EmergencyStop)].unreadable = true;
-  // Levels are read every 20 ms; the event loop is as fast as the reading thread.
+  // Levels are read every 20 ms; the event loop runs as often as the input thread.
   for (int i = 0; i < 40; ++i)
     bench.pass(1ms);
   const Words told = bench.told();
-  const auto was_told = [&told](const std::string& words) {
+  const auto was_reported = [&told](const std::string& words) {
     return std::ranges::find(told, words) != told.end();
   };
-  CHECK(was_told("interruption: the emergency stop cannot be read (line 25 of gpiochip0)"));
-  CHECK(was_told("interruption: the lid cannot be read, which counts as open (line 26 of gpiochip0)"));
-  CHECK(was_told("owner's fault: the emergency stop cannot be read (line 25 of gpiochip0)"));
+  CHECK(was_reported("interruption: the emergency stop cannot be read (line 25 of gpiochip0)"));
+  CHECK(was_reported("interruption: the lid cannot be read, which counts as open (line 26 of gpiochip0)"));
+  CHECK(was_reported("owner's fault: the emergency stop cannot be read (line 25 of gpiochip0)"));
   CHECK(bench.interlocks.why_not_ready() ==
         Words{"the emergency stop cannot be read", "the lid cannot be read"});
 }
 
-TEST_CASE("The limit switch's contact is homing's while that wants it, else the fault of the run it halted") {
+TEST_CASE("The limit switch's contact goes to homing if that expects it; otherwise it is a fault") {
   for (const bool homes : {true, false}) {
     CAPTURE(homes);
     Bench bench;
@@ -184,7 +184,7 @@ TEST_CASE("The limit switch's contact is homing's while that wants it, else the 
   }
 }
 
-TEST_CASE("Switches that have halted nothing are nothing") {
+TEST_CASE("Switches that have not halted a run are ignored") {
   Bench bench;
   bench.homes = true;
   bench.set(AxisInput::LimitSwitch, true);
@@ -193,24 +193,22 @@ TEST_CASE("Switches that have halted nothing are nothing") {
   CHECK(bench.told().empty());
 }
 
-TEST_CASE("The second switch, where it is watched, is the fault of the run that it halted") {
+TEST_CASE("The second switch, while it is watched, is a fault of the run that it halted") {
   Bench bench;
   bench.inputs.watch_second_switch(true);
   bench.set(AxisInput::SecondSwitch, true);
   bench.pass();
-  CHECK(
-      bench.told() ==
-      Words{"halted: the switch at the end that is not homed to (line 24 of gpiochip0) closed at 1.000 mm"});
+  CHECK(bench.told() == Words{"halted: the second switch (line 24 of gpiochip0) closed at 1.000 mm"});
   CHECK(bench.results == std::vector{HomingResult::WrongSwitch});
 }
 
-TEST_CASE("Inputs that are lost are a fault with what cannot be read, told once") {
+TEST_CASE("The loss of the inputs is a fault that names the input, reported once") {
   const std::vector<std::pair<std::optional<AxisInput>, std::string>> losses{
       {AxisInput::LimitSwitch, "fault: the limit switch cannot be read (line 23 of gpiochip0)"},
       {AxisInput::SecondSwitch, "fault: the second switch cannot be read (line 24 of gpiochip0)"},
       {std::nullopt,
-       "fault: the axis' inputs on gpiochip0 can no longer be read: their chip has gone, or they change "
-       "without end"}};
+       "fault: the axis' inputs on gpiochip0 can no longer be read: their chip is gone, or they change "
+       "faster than they can be handled"}};
   for (const auto& [which, fault] : losses) {
     CAPTURE(fault);
     Bench bench;

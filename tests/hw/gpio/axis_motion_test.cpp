@@ -10,7 +10,7 @@ namespace {
 // 800 steps/mm, 25 mm/s2: 6 mm at 1.5 mm/s take 6 / 1.5 + 1.5 / 25 = 4.06 s.
 constexpr Nanometers kLift{6'000'000};
 constexpr MillimetersPerSecond kSpeed{1.5};
-// The curve's times are computed as double, in seconds.
+// Rounding of the curve's times, which are doubles in seconds.
 constexpr Duration kRounding{1'000};
 
 }  // namespace
@@ -33,7 +33,7 @@ TEST_CASE("an axis goes no faster than its top speed, whatever is asked for") {
   CHECK(move_duration(config, kLift, MillimetersPerSecond{100}) == move_duration(config, kLift, kSpeed));
 }
 
-TEST_CASE("an axis' way down takes the backlash and the way back from it") {
+TEST_CASE("an axis' move downwards includes the backlash and the way back") {
   GpioAxisConfig config;
   config.backlash = Nanometers{1'500'000};
   // 7.5 / 1.5 + 0.06, and 1.5 / 1.5 + 0.06.
@@ -41,7 +41,7 @@ TEST_CASE("an axis' way down takes the backlash and the way back from it") {
   CHECK(abs(move_duration(config, kLift, kSpeed) - 4'060ms) < kRounding);
 }
 
-TEST_CASE("an axis with an encoder comes to rest before its move is over") {
+TEST_CASE("an axis with an encoder waits for rest before its move is over") {
   GpioAxisConfig config;
   config.encoder = EncoderConfig{};
   CHECK(abs(move_duration(config, kLift, kSpeed) - 4'060ms - kEncoderRest) < kRounding);

@@ -1,5 +1,5 @@
-// The real threads under an owner who does anything at any time: what ThreadSanitizer is to look at
-// (CONTOURD_SANITIZE_THREAD). What comes late, on a busy computer, is in order here; what is untrue is not.
+// Tests of the real threads with random calls at random times, meant for ThreadSanitizer
+// (CONTOURD_SANITIZE_THREAD). On a busy computer results may be late but must be true.
 #include "hw/gpio/axis_threads.hpp"
 
 #include <fcntl.h>
@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-// An input whose edges come through a pipe, as a kernel's do.
+// An input whose edges come through a pipe, like those of the kernel.
 class PipeInput final : public InputLine {
  public:
   PipeInput() { REQUIRE(pipe2(ends_.data(), O_NONBLOCK) == 0); }
@@ -28,7 +28,7 @@ class PipeInput final : public InputLine {
     for (const int end : ends_)
       close(end);
   }
-  // Any one thread.
+  // One thread at a time.
   void set(bool level) noexcept {
     if (level_.exchange(level) == level) return;
     const LineEdge edge{level, monotonic_now()};
@@ -54,13 +54,13 @@ class Output final : public OutputLine {
     return true;
   }
   [[nodiscard]] bool level() const noexcept { return level_; }
-  std::function<void(bool)> changed;  // the stepping thread's
+  std::function<void(bool)> changed;  // called by the step thread
 
  private:
   std::atomic<bool> level_{false};
 };
 
-// An event loop by poll(), which is at times a little late.
+// An event loop with poll() that is sometimes a little late.
 class Loop final : public Clock, public DescriptorWatcher {
  public:
   [[nodiscard]] TimePoint now() const override { return monotonic_now(); }
@@ -109,7 +109,7 @@ class Loop final : public Clock, public DescriptorWatcher {
     for (const auto& [fd, call] : watched_)
       waited.push_back({fd, POLLIN, 0});
     const bool woken = poll(waited.data(), waited.size(), 1) > 0;
-    // As late as a contact takes to settle, as a rule: a run's end and its cause come in one turn then.
+    // Mostly as late as a contact takes to settle, so that a run's end and its cause come in one turn.
     const Duration late = woken && ++turns_ % 4 != 0 ? Duration{1ms} : Duration{0};
     for (const TimePoint start = now(); now() < start + late;) {
     }
@@ -130,7 +130,7 @@ class Loop final : public Clock, public DescriptorWatcher {
   int turns_ = 0;
 };
 
-// 20,000 steps/s towards the switch: the steps are halted before the contact has settled.
+// 20,000 steps/s towards the switch, so that the steps are halted before the contact has settled.
 GpioAxisConfig quick_config() {
   GpioAxisConfig config;
   config.microsteps_per_mm = 400;
@@ -143,7 +143,7 @@ GpioAxisConfig quick_config() {
   return config;
 }
 
-// A motor, and a switch that closes at 0 and below: moved by the stepping thread.
+// A motor, moved by the step thread, and a switch that is closed at 0 and below.
 class Stage {
  public:
   Stage() {
@@ -168,7 +168,7 @@ class Stage {
 
   GpioAxis& axis() { return *axis_; }
   void press(bool pressed) { emergency_->set(pressed); }
-  // Steps above the switch.
+  // The motor's position in steps above the switch.
   [[nodiscard]] int position() const { return position_; }
   Loop loop;
 
@@ -180,7 +180,7 @@ class Stage {
 
 }  // namespace
 
-TEST_CASE("An axis knows where it is or knows nothing, whatever is asked of it at any time", "[threads]") {
+TEST_CASE("After random calls at random times an axis' position is either true or unknown", "[threads]") {
   Stage stage;
   std::minstd_rand random(1);
   const auto below = [&random](int limit) {
@@ -207,7 +207,7 @@ TEST_CASE("An axis knows where it is or knows nothing, whatever is asked of it a
       return done && !axis.moving();
     });
     event.reset();
-    // A chattering emergency stop may still be settling.
+    // A chattering emergency stop may not have settled yet.
     const TimePoint settled = monotonic_now() + 5ms;
     stage.loop.run_until([&] { return axis.why_not_ready().empty() && monotonic_now() > settled; });
     if (const auto height = axis.height()) REQUIRE(height->count() == stage.position() * 2'500);
@@ -215,7 +215,7 @@ TEST_CASE("An axis knows where it is or knows nothing, whatever is asked of it a
   CHECK(reached > 0);
 }
 
-TEST_CASE("An engine started, stopped, halted and inhibited at random makes the steps that it counts",
+TEST_CASE("An engine that is started, stopped, halted and inhibited at random makes the steps that it counts",
           "[threads]") {
   std::atomic<int> made{0};
   Output step, direction;

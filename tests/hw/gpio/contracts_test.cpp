@@ -1,4 +1,4 @@
-// That each header of hw/gpio checks what it requires.
+// Tests that the functions of hw/gpio check their preconditions.
 #include "hw/gpio/homing.hpp"
 #include "hw/gpio/plate_approach.hpp"
 #include "hw/gpio/plate_position.hpp"
@@ -18,8 +18,8 @@ constexpr MotionLimits kLimits{1'000, 10'000};
 
 }  // namespace
 
-TEST_CASE("StepPlanner plans steps that are no fewer than none, and tells when one of them is due") {
-  CHECK(contract_broken_by([] { StepPlanner(-1, kLimits); }) == "a distance is no less than nothing");
+TEST_CASE("StepPlanner requires a non-negative number of steps, and a step of the move") {
+  CHECK(contract_broken_by([] { StepPlanner(-1, kLimits); }) == "the distance is not negative");
   StepPlanner plan(2, kLimits);
   CHECK(contract_broken_by([&] { (void)plan.due(2); }).empty());
   for (const std::int64_t step : {-1, 3})
@@ -31,7 +31,7 @@ TEST_CASE("StepPlanner plans steps that are no fewer than none, and tells when o
     CHECK(contract_broken_by([&] { (void)plan.next(); }) == "a step is still to be made");
 }
 
-TEST_CASE("What is the owner's of a StepEngine is let alone while a move is under way") {
+TEST_CASE("StepEngine's functions for the event loop require that no move is under way") {
   testing::PlantOutput step, direction;
   StepEngine engine(step, direction, {});
   engine.start({10, kLimits});
@@ -42,7 +42,7 @@ TEST_CASE("What is the owner's of a StepEngine is let alone while a move is unde
   CHECK(contract_broken_by([&] { (void)engine.last_end(); }) == idle);
 }
 
-TEST_CASE("A StepEngine's checks take no memory") {
+TEST_CASE("StepEngine's checks allocate no memory") {
   testing::PlantOutput step, direction;
   StepEngine engine(step, direction, {});
   const long before = testing::allocations();
@@ -52,7 +52,7 @@ TEST_CASE("A StepEngine's checks take no memory") {
   CHECK(testing::allocations() == before);
 }
 
-TEST_CASE("A GpioAxis neither homes nor moves while it moves") {
+TEST_CASE("GpioAxis requires that it does not move before homing and moves") {
   testing::Plant plant{GpioAxisConfig{}};
   plant.build();
   plant.axis->home([](HomingResult) {});
@@ -69,7 +69,7 @@ TEST_CASE("A GpioAxis neither homes nor moves while it moves") {
     CHECK(contract_broken_by([&] { nudge(Nanometers{way}); }) == "a nudge is short");
 }
 
-TEST_CASE("A PlatePosition is told of a rest only while the motor rests, and takes an encoder that it has") {
+TEST_CASE("PlatePosition requires a resting motor, and an encoder before its position is taken") {
   testing::PlantOutput step, direction;
   StepEngine engine(step, direction, {});
   const AxisInputs inputs(engine, {});
@@ -82,7 +82,7 @@ TEST_CASE("A PlatePosition is told of a rest only while the motor rests, and tak
   CHECK(contract_broken_by([&] { position.become_known(); }) == rests);
 }
 
-TEST_CASE("A Homing is begun when none is under way") {
+TEST_CASE("Homing requires that none is under way before it begins") {
   const GpioAxisConfig config;
   Homing::Wiring wiring;
   wiring.forget_position = [] {};

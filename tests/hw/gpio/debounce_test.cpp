@@ -5,7 +5,7 @@
 using namespace contourd;
 using namespace std::chrono_literals;
 
-TEST_CASE("A contact that bounces settles once, with the time of its first touch") {
+TEST_CASE("A bouncing contact settles once, with the time of its first edge") {
   Debounce contact(5ms, false);
   CHECK_FALSE(contact.due());
   for (const int ms : {10, 11, 12, 13, 14})
@@ -21,7 +21,7 @@ TEST_CASE("A contact that bounces settles once, with the time of its first touch
   CHECK_FALSE(contact.settle(TimePoint{30ms}));
 }
 
-TEST_CASE("A level that was read before its edge was has the edge's time") {
+TEST_CASE("A level that was read before its edge arrived gets the edge's time") {
   Debounce contact(5ms, false);
   contact.read(true, TimePoint{12ms});
   contact.edge(true, TimePoint{10ms});
@@ -30,7 +30,7 @@ TEST_CASE("A level that was read before its edge was has the edge's time") {
   CHECK(settled->since == TimePoint{10ms});
 }
 
-TEST_CASE("An edge that is told late does not make a contact settle sooner") {
+TEST_CASE("An edge that arrives late does not make a contact settle sooner") {
   Debounce contact(5ms, false);
   contact.read(true, TimePoint{12ms});
   contact.edge(true, TimePoint{10ms});
@@ -38,7 +38,7 @@ TEST_CASE("An edge that is told late does not make a contact settle sooner") {
   CHECK_FALSE(contact.settle(TimePoint{16ms}));
 }
 
-TEST_CASE("A spike settles to where the contact was") {
+TEST_CASE("After a spike the contact settles to its old level") {
   Debounce contact(5ms, false);
   contact.edge(true, TimePoint{10ms});
   contact.edge(false, TimePoint{11ms});
@@ -48,7 +48,7 @@ TEST_CASE("A spike settles to where the contact was") {
   CHECK_FALSE(settled->level);
 }
 
-TEST_CASE("A level read other than the edges say counts as an edge") {
+TEST_CASE("A level that differs from the last edge counts as an edge") {
   Debounce contact(5ms, false);
   contact.read(false, TimePoint{1ms});
   CHECK_FALSE(contact.due());

@@ -6,7 +6,7 @@
 using namespace contourd;
 using namespace std::chrono_literals;
 
-TEST_CASE("A period of an encoder counts four, up while A leads and down while B does") {
+TEST_CASE("An encoder's period gives four counts, up while A leads and down while B leads") {
   Quadrature q(false, false);
   q.edge_a(true), q.edge_b(true), q.edge_a(false), q.edge_b(false);
   CHECK(q.count() == 4);
@@ -15,14 +15,14 @@ TEST_CASE("A period of an encoder counts four, up while A leads and down while B
   CHECK(q.illegal() == 0);
 }
 
-TEST_CASE("An edge to the level that a channel has is illegal and counts nothing") {
+TEST_CASE("An edge to the level that a channel already has is illegal and does not count") {
   Quadrature q(false, false);
   q.edge_a(false);
   CHECK(q.count() == 0);
   CHECK(q.illegal() == 1);
 }
 
-TEST_CASE("An index's mark is passed at the same count upwards and downwards") {
+TEST_CASE("An index mark is passed at the same count upwards and downwards") {
   testing::PlantInput a, b, index;
   EncoderEdges edges(&a, &b, &index);
   TimePoint now{1ms};
@@ -41,13 +41,13 @@ TEST_CASE("An index's mark is passed at the same count upwards and downwards") {
   CHECK(edges.index_count() == 2);
 }
 
-TEST_CASE("Edges of both lines are counted in the order of their times, whichever line tells first") {
+TEST_CASE("Edges of both lines are counted in the order of their times, whichever line is read first") {
   testing::PlantInput a, b;
   EncoderEdges edges(&a, &b);
   a.set(true, TimePoint{1ms});
   b.set(true, TimePoint{1100us});
   edges.serve(TimePoint{1200us});
-  CHECK(edges.counted().count() == 0);  // A might have an earlier one yet
+  CHECK(edges.counted().count() == 0);  // line A may still deliver an earlier edge
   CHECK(edges.due() == TimePoint{1500us});
   a.set(false, TimePoint{1300us});
   edges.serve(TimePoint{2ms});
@@ -55,7 +55,7 @@ TEST_CASE("Edges of both lines are counted in the order of their times, whicheve
   CHECK_FALSE(edges.due());
 }
 
-TEST_CASE("Edges are counted by line, those that wait too") {
+TEST_CASE("Edges are counted per line, including pending ones") {
   testing::PlantInput a, b, index;
   EncoderEdges edges(&a, &b, &index);
   a.set(true, TimePoint{1ms});

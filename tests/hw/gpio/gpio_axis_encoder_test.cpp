@@ -1,4 +1,4 @@
-// An axis whose encoder loses counts, is disturbed, or has an index.
+// Tests of an axis whose encoder loses counts, is disturbed, or has an index.
 #include <cmath>
 #include <random>
 
@@ -12,7 +12,7 @@ using testing::Plant;
 
 namespace {
 
-// A count a step, 1.25 um; the index every 0.5 mm.
+// One count per step of 1.25 um; an index mark every 0.5 mm.
 GpioAxisConfig config(EncoderConfig::Policy policy = EncoderConfig::Policy::Correct, bool index = false) {
   GpioAxisConfig config;
   config.travel = Nanometers{100'000'000};
@@ -30,7 +30,7 @@ double plate_mm(const Plant& plant) {
   return static_cast<double>(plant.plate() - plant.limit.at) / 800;
 }
 
-// Layers of 50 um, each with a lift. Whether all were reached.
+// Prints layers of 50 um, each with a lift. True if all were reached.
 bool prints(Plant& plant, int layers, double lift_mm = 0.6) {
   for (int layer = 1; layer <= layers; ++layer) {
     for (const double target : {0.05 * (layer - 1) + lift_mm, 0.05 * layer})
@@ -51,7 +51,7 @@ std::size_t told(const Plant& plant, MachineEvent::Kind kind, const std::string&
 
 }  // namespace
 
-TEST_CASE("An encoder that loses a few counts in every lift does not walk the plate away in 200 layers") {
+TEST_CASE("An encoder that loses a few counts in every lift does not make the plate drift in 200 layers") {
   for (const bool index : {false, true}) {
     Plant plant(config(EncoderConfig::Policy::Correct, index));
     plant.build();
@@ -89,7 +89,7 @@ TEST_CASE("However often an encoder loses counts, 200 layers end in a fault or w
   }
 }
 
-TEST_CASE("A correction is told with its figures, and one beyond what is allowed is a fault") {
+TEST_CASE("A correction is reported with its figures, and one beyond the limit is a fault") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -99,32 +99,32 @@ TEST_CASE("A correction is told with its figures, and one beyond what is allowed
     plant.loses_step = [&] { return lost < 100 && ++lost > 0; };  // 0.125 mm
     CHECK(plant.move_to(10.0 * i) == MoveResult::Reached);
     CHECK(plate_mm(plant) == 10.0 * i);
-    CHECK(told(plant, MachineEvent::Kind::Notice, "they are made good, as ") == static_cast<std::size_t>(i));
+    CHECK(told(plant, MachineEvent::Kind::Notice, "corrected by further steps, ") ==
+          static_cast<std::size_t>(i));
   }
   CHECK(plant.events[0].what ==
-        "the encoder says 9.875 mm where the motor's steps make 10.000 mm: steps were lost, or the encoder "
-        "does not count; they are made good, as 0.125 mm since homing");
+        "the encoder measures 9.875 mm but the motor's steps make 10.000 mm: steps were lost, or the encoder "
+        "does not count; corrected by further steps, 0.125 mm in all since homing");
   lost = 0;
   CHECK(plant.move_to(60) == MoveResult::Fault);
-  CHECK(told(plant, MachineEvent::Kind::Fault, "0.625 mm to be made good since homing, and 0.500 mm") == 1);
-  CHECK(plant.home() == HomingResult::Homed);  // which begins anew
+  CHECK(told(plant, MachineEvent::Kind::Fault, "a correction of 0.625 mm since homing, and 0.500 mm") == 1);
+  CHECK(plant.home() == HomingResult::Homed);  // resets the sum of corrections
   lost = 0;
   CHECK(plant.move_to(10) == MoveResult::Reached);
 }
 
-TEST_CASE("More lost steps in one move than may be made good are a fault while the motor turns") {
+TEST_CASE("More lost steps in one move than may be corrected are a fault while the motor turns") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.pulses.clear();
   plant.dead = true;
   CHECK(plant.move_to(10) == MoveResult::Fault);
-  // 0.25 mm, and 0.05 mm for what top speed makes in 5 ms: 240 steps; 10 ms to look at it: 40 more.
+  // 0.25 mm plus 0.05 mm, the distance at top speed in 5 ms, are 240 steps; 10 ms until the check add 40.
   CHECK(plant.pulses.size() <= 290);
 }
 
-TEST_CASE(
-    "An encoder whose lines are disturbed is a fault, while the motor turns, and a few spikes are none") {
+TEST_CASE("Disturbed encoder lines are a fault while the motor turns; a few spikes are not") {
   for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
     for (const int spikes : {9, 12}) {
       Plant plant(config(policy));
@@ -135,7 +135,7 @@ TEST_CASE(
         timers.push_back(
             plant.clock.call_after(1s + i * 10ms, [&] { plant.encoder_b->spike(plant.clock.now()); }));
       }
-      // Two edges a spike that change nothing; 20 may be.
+      // Each spike makes two illegal edges; 20 are allowed.
       if (spikes * 2 <= 20) {
         CHECK(plant.move_to(50) == MoveResult::Reached);
         CHECK(plant.events.empty());
@@ -143,13 +143,13 @@ TEST_CASE(
       }
       CHECK(plant.move_to(50) == MoveResult::Fault);
       CHECK(plate_mm(plant) < 10);
-      CHECK(told(plant, MachineEvent::Kind::Fault, "edges in one move that cannot be") == 1);
+      CHECK(told(plant, MachineEvent::Kind::Fault, "impossible edges in one move") == 1);
       CHECK_FALSE(plant.axis->height());
     }
   }
 }
 
-TEST_CASE("An encoder whose index agrees is left alone, up and down, and whichever way round it counts") {
+TEST_CASE("An encoder whose index agrees causes no report, up and down, reversed or not") {
   for (const bool reversed : {false, true}) {
     Plant plant(config(EncoderConfig::Policy::Fault, true));
     plant.config.encoder->reversed = reversed;
@@ -161,7 +161,7 @@ TEST_CASE("An encoder whose index agrees is left alone, up and down, and whichev
   }
 }
 
-TEST_CASE("A count that the index finds wrong is a fault or put right, by policy, to the index's mark") {
+TEST_CASE("A count that the index finds wrong is a fault, or is corrected to the mark, by policy") {
   for (const bool reversed : {false, true}) {
     for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
       GpioAxisConfig c = config(policy, true);
@@ -180,7 +180,7 @@ TEST_CASE("A count that the index finds wrong is a fault or put right, by policy
       }
       CHECK(result == MoveResult::Reached);
       CHECK(told(plant, MachineEvent::Kind::Notice,
-                 "(line 9 of gpiochip0) says that its count is 0.075 mm off") == 1);
+                 "(line 9 of gpiochip0) shows that its count is off by 0.075 mm") == 1);
       CHECK(plate_mm(plant) == 10);
       CHECK(plant.axis->height() == Nanometers{10'000'000});
     }

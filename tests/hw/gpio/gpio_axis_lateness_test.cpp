@@ -1,4 +1,5 @@
-// An axis whose stepping thread is held up: a motor that stood meanwhile, and what is believed of the plate.
+// Tests of an axis whose step thread is delayed: the motor comes to rest meanwhile, and the known position of
+// the plate must be true.
 #include <cmath>
 
 #include "hw/gpio/gpio_axis.hpp"
@@ -14,8 +15,8 @@ using testing::Plant;
 
 namespace {
 
-// 4,000 steps/s at homing speed; the motor starts and stops dead up to half of it, 2,000, and a little
-// beyond, since how fast it was is not known to the step.
+// 4,000 steps/s at homing speed. The motor can start and stop dead up to half of it, 2,000, and a little
+// beyond, since its speed is not known to the step.
 constexpr double kPullIn = 2'300;
 
 GpioAxisConfig config(std::optional<EncoderConfig::Policy> encoder = std::nullopt, bool s_curve = false) {
@@ -34,7 +35,7 @@ std::int64_t plate_above_switch(const Plant& plant) {
   return plant.plate() - plant.limit.at;
 }
 
-// What the axis believes of it, where it believes anything.
+// The plate's position according to the axis, if it is known.
 bool believed_is_true(const Plant& plant, Nanometers within = Nanometers{0}) {
   const auto height = plant.axis->height();
   return !height || std::llabs(height->count() - plate_above_switch(plant) * 1'250) <= within.count();
@@ -48,9 +49,7 @@ std::size_t notices(const Plant& plant) {
 
 }  // namespace
 
-TEST_CASE(
-    "A motor that was held up at speed has an unknown position, told with figures, and takes no further "
-    "step") {
+TEST_CASE("A motor that was delayed at speed makes no further step; its position is unknown, with figures") {
   for (const bool s_curve : {false, true}) {
     for (const Duration held : {100ms, 1'000ms, 4'000ms}) {
       Plant plant(config(std::nullopt, s_curve));
@@ -67,8 +66,7 @@ TEST_CASE(
       CHECK_FALSE(plant.axis->height());
       REQUIRE(plant.events.size() == 1);
       CHECK(plant.events[0].kind == MachineEvent::Kind::Fault);
-      const std::string ms =
-          std::to_string(held / 1ms - 1);  // or so much more than the time to the next step
+      const std::string ms = std::to_string(held / 1ms - 1);  // 1 ms less: the next step was due later
       INFO(plant.events[0].what << " for " << ms);
       CHECK(plant.events[0].what.find("at 5 mm/s a step came ") != std::string::npos);
       CHECK(plant.move_to(1) == MoveResult::NotHomed);
@@ -78,7 +76,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("Up to its pull-in speed a motor that was held up ramps up again, and its position is known") {
+TEST_CASE("Up to its pull-in speed a delayed motor ramps up again and its position stays known") {
   Plant plant(config());
   plant.pull_in = kPullIn;
   plant.build();
@@ -90,7 +88,7 @@ TEST_CASE("Up to its pull-in speed a motor that was held up ramps up again, and 
   CHECK(plant.events.empty());
 }
 
-TEST_CASE("Homing goes on when its motor was held up, says so, and is exact") {
+TEST_CASE("Homing continues after its motor was delayed, reports that, and is exact") {
   for (const Duration at : {300ms, 1'200ms, 1'700ms, 2'500ms, 3'500ms}) {
     Plant plant(config());
     plant.pull_in = kPullIn;
@@ -103,8 +101,7 @@ TEST_CASE("Homing goes on when its motor was held up, says so, and is exact") {
   }
 }
 
-TEST_CASE(
-    "With an encoder a move whose motor was held up goes on, and the encoder says whether steps were lost") {
+TEST_CASE("With an encoder a move continues after a delay, and the encoder tells whether steps were lost") {
   for (const double pull_in : {kPullIn, 1e9}) {
     for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
       Plant plant(config(policy));
@@ -118,12 +115,12 @@ TEST_CASE(
       CHECK(told_at_once);
       CHECK(plant.events.size() == 1);
       CHECK(believed_is_true(plant));
-      CHECK(std::llabs(plate_above_switch(plant) - 8'000) <= 1);  // the step at which it overran
+      CHECK(std::llabs(plate_above_switch(plant) - 8'000) <= 1);  // the step at which the motor overran
     }
   }
 }
 
-TEST_CASE("With an encoder, steps lost while a motor was held up are a fault or made good, by policy") {
+TEST_CASE("With an encoder, steps lost in a delay are a fault or are corrected, by policy") {
   for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
     Plant plant(config(policy));
     plant.build();
@@ -145,7 +142,7 @@ TEST_CASE("With an encoder, steps lost while a motor was held up are a fault or 
   }
 }
 
-TEST_CASE("Whatever a motor's thread is held up, what is believed of the plate is true or nothing") {
+TEST_CASE("However the step thread is delayed, the plate's position is either true or unknown") {
   CHECK(rc::check([] {
     Plant plant(config(std::nullopt, draw(0, 1) != 0));
     plant.pull_in = kPullIn;

@@ -1,4 +1,4 @@
-// An axis and its emergency stop, lid and inputs that cannot be read.
+// Tests of an axis with emergency stop, lid, and inputs that cannot be read.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -19,7 +19,8 @@ namespace {
 using Kind = MachineEvent::Kind;
 using Sentences = std::vector<std::string>;
 
-// A 4 mm screw at 16 microsteps: 1.25 um a step, 4,000 steps/s at 5 mm/s. All inputs there are, of 5 ms each.
+// A 4 mm screw at 16 microsteps: 1.25 um per step, 4,000 steps/s at 5 mm/s. It has all inputs, with 5 ms of
+// debouncing each.
 GpioAxisConfig config() {
   GpioAxisConfig config;
   config.travel = Nanometers{100'000'000};
@@ -50,7 +51,7 @@ std::vector<Kind> kinds(const Plant& plant) {
 }
 using Kinds = std::vector<Kind>;
 
-// A press of `lasting` at a time from now.
+// Presses an input at a time from now for `lasting`.
 class Press {
  public:
   Press(Plant& plant, AxisInput which, Duration at, Duration lasting)
@@ -63,7 +64,7 @@ class Press {
         release_(plant.clock.call_after(at + lasting, [&plant, which] { plant.press(which, false); })) {}
 
   [[nodiscard]] TimePoint at() const { return at_; }
-  // Steps from the press on.
+  // The number of steps since the press.
   [[nodiscard]] std::size_t steps_since(const Plant& plant) const { return plant.pulses.size() - made_; }
 
  private:
@@ -76,7 +77,7 @@ constexpr Duration kForGood = 1000s;
 
 }  // namespace
 
-TEST_CASE("An emergency stop slows the motor from its first edge on, and halts it when it has lasted") {
+TEST_CASE("An emergency stop slows the motor from its first edge on, and halts it if it lasts") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -84,8 +85,8 @@ TEST_CASE("An emergency stop slows the motor from its first edge on, and halts i
   plant.on_event = [&] { answered_before = !plant.axis->moving(); };
   const Press press(plant, AxisInput::EmergencyStop, 2s, kForGood);
   CHECK(plant.move_to(50) == MoveResult::Fault);
-  CHECK_FALSE(answered_before);  // told before the move's answer
-  // No step once the debounce time and 60 us for the thread to wake are over.
+  CHECK_FALSE(answered_before);  // the event comes before the move's answer
+  // No step is made after the debounce time and 60 us for the thread to wake.
   CHECK(plant.pulses.back() - press.at() <= kDebounce + 60us);
   // Slower from the first edge on: 5 mm/s less 50 mm/s^2 for 5 ms is a twentieth, half of it on average, of
   // 20 steps.
@@ -99,8 +100,7 @@ TEST_CASE("An emergency stop slows the motor from its first edge on, and halts i
   CHECK_FALSE(plant.axis->height());
 }
 
-TEST_CASE(
-    "An emergency stop halts the motor also while the event loop is busy, and is then told as the fault") {
+TEST_CASE("An emergency stop halts the motor while the event loop is busy; the fault is reported later") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -116,7 +116,7 @@ TEST_CASE(
   CHECK(kinds(plant) == Kinds{Kind::Fault});
 }
 
-TEST_CASE("While an emergency stop is pressed nothing moves; let go, the owner decides") {
+TEST_CASE("While the emergency stop is pressed nothing moves; after its release the operator decides") {
   Plant plant(config());
   plant.build();
   plant.press(AxisInput::EmergencyStop, true);
@@ -131,13 +131,13 @@ TEST_CASE("While an emergency stop is pressed nothing moves; let go, the owner d
   plant.press(AxisInput::EmergencyStop, false);
   plant.run_for(100ms);
   REQUIRE(kinds(plant) == Kinds{Kind::Recovery});
-  CHECK(plant.events[0].what == "the emergency stop was let go (line 5 of gpiochip0)");
-  CHECK(plant.events[0].owner_decides);  // the motor does not start for that alone
+  CHECK(plant.events[0].what == "the emergency stop was released (line 5 of gpiochip0)");
+  CHECK(plant.events[0].owner_decides);  // the motor does not start by itself
   CHECK(plant.axis->why_not_ready().empty());
   CHECK(plant.home() == HomingResult::Homed);
 }
 
-TEST_CASE("Who is told of an emergency stop may abort: the move's answer is dropped") {
+TEST_CASE("The callback for an emergency stop may abort the move; its answer is dropped") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -151,7 +151,7 @@ TEST_CASE("Who is told of an emergency stop may abort: the move's answer is drop
   CHECK_FALSE(plant.axis->moving());
 }
 
-TEST_CASE("A spike on the emergency stop's line rests a move, which then goes on, its position known") {
+TEST_CASE("A spike on the emergency stop's line stops a move, which then continues with a known position") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -162,8 +162,8 @@ TEST_CASE("A spike on the emergency stop's line rests a move, which then goes on
   CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Recovery});
   CHECK(plant.events[1].what == "the emergency stop is not pressed (line 5 of gpiochip0)");
   CHECK_FALSE(plant.events[1].owner_decides);
-  // Slowed down from 5 mm/s at 50 mm/s^2, a tenth of a second, and sped up again: once at walking pace in
-  // between.
+  // The motor slows down from 5 mm/s at 50 mm/s^2, which takes a tenth of a second, and speeds up again. In
+  // between one interval is that of a very slow motor.
   const auto slowest = [&] {
     Duration longest{};
     for (std::size_t i = 1; i < plant.pulses.size(); ++i) {
@@ -176,7 +176,7 @@ TEST_CASE("A spike on the emergency stop's line rests a move, which then goes on
   CHECK(slowest < 50ms);
 }
 
-TEST_CASE("No step begins while it is not known whether the emergency stop is pressed") {
+TEST_CASE("No step is made before it is known whether the emergency stop is pressed") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -184,7 +184,7 @@ TEST_CASE("No step begins while it is not known whether the emergency stop is pr
   plant.pulses.clear();
   const Press press(plant, AxisInput::EmergencyStop, 1ms, lasts ? kForGood : Duration{2ms});
   plant.run_for(1ms);
-  plant.run_for(100us);  // it has been told
+  plant.run_for(100us);  // the edge has been served
   CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop is pressed"});
   CHECK(plant.move_to(1) == (lasts ? MoveResult::Fault : MoveResult::Reached));
   if (lasts) {
@@ -195,7 +195,7 @@ TEST_CASE("No step begins while it is not known whether the emergency stop is pr
   CHECK(plate_above_switch(plant) == 800);
 }
 
-TEST_CASE("A move that a spike has stopped does not go on before the spike is over") {
+TEST_CASE("A move that a spike has stopped does not continue before the spike is over") {
   GpioAxisConfig c = config();
   c.acceleration = MillimetersPerSecondSquared{5'000};  // at rest from 5 mm/s within a millisecond
   Plant plant(c);
@@ -204,12 +204,12 @@ TEST_CASE("A move that a spike has stopped does not go on before the spike is ov
   const Press spike(plant, AxisInput::EmergencyStop, 2s, 4ms);
   CHECK(plant.move_to(20) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 16'000);
-  const TimePoint rested = spike.at() + 1ms + 1ms, over = spike.at() + 4ms + kDebounce;  // 1 ms to be told
+  const TimePoint rested = spike.at() + 1ms + 1ms, over = spike.at() + 4ms + kDebounce;  // 1 ms of latency
   for (const TimePoint step : plant.pulses)
     REQUIRE((step <= rested || step >= over));
 }
 
-TEST_CASE("A move that waits for the emergency stop to be known can be stopped and aborted") {
+TEST_CASE("A move that waits for the emergency stop to settle can be stopped and aborted") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -226,13 +226,12 @@ TEST_CASE("A move that waits for the emergency stop to be known can be stopped a
   CHECK_FALSE(plant.axis->moving());
 }
 
-TEST_CASE(
-    "A spike whose owner stops the move ends it there, and the next one waits until the spike is over") {
+TEST_CASE("A move that is stopped because of a spike ends there; the next one waits for the spike's end") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   REQUIRE(plant.move_to(30) == MoveResult::Reached);
-  plant.on_event = [&] { plant.axis->stop(); };  // as a print does on its way down
+  plant.on_event = [&] { plant.axis->stop(); };  // like a print on its way down
   const Press spike(plant, AxisInput::EmergencyStop, 1s, 1ms);
   CHECK(plant.move_to(10) == MoveResult::Stopped);
   plant.on_event = nullptr;
@@ -241,7 +240,7 @@ TEST_CASE(
   CHECK(plate_above_switch(plant) == 24'800);
 }
 
-TEST_CASE("A spike while homing does not make it find the switch elsewhere") {
+TEST_CASE("A spike while homing does not shift the position that it finds") {
   CHECK(rc::check([] {
     Plant plant(config());
     plant.limit.bounces = static_cast<int>(draw(0, 4));
@@ -259,10 +258,10 @@ TEST_CASE("A spike while homing does not make it find the switch elsewhere") {
   }));
 }
 
-TEST_CASE("A spike while homing whose owner aborts leaves the axis to be homed again") {
+TEST_CASE("An abort because of a spike while homing leaves an axis that can be homed again") {
   Plant plant(config());
   plant.build();
-  plant.on_event = [&] { plant.axis->abort(); };  // as a print does, which is held then
+  plant.on_event = [&] { plant.axis->abort(); };  // like a print, which is held then
   const Press spike(plant, AxisInput::EmergencyStop, 500ms, 1ms);
   bool answered = false;
   plant.axis->home([&](HomingResult) { answered = true; });
@@ -274,14 +273,15 @@ TEST_CASE("A spike while homing whose owner aborts leaves the axis to be homed a
   CHECK(plate_above_switch(plant) == 0);
 }
 
-TEST_CASE("Moves with spikes on both safety inputs end where they should, and only interruptions are told") {
+TEST_CASE(
+    "Moves with spikes on both safety inputs end where they should, and only interruptions are reported") {
   CHECK(rc::check([] {
     Plant plant(config());
     plant.build();
     RC_ASSERT(plant.home() == HomingResult::Homed);
     std::vector<std::unique_ptr<Press>> spikes;
     for (auto count = draw(1, 6); count > 0; --count) {
-      // 20 ms apart at least: two within the debounce time are a press.
+      // At least 20 ms apart: two spikes within the debounce time count as a press.
       spikes.push_back(std::make_unique<Press>(
           plant, draw(0, 1) == 0 ? AxisInput::EmergencyStop : AxisInput::Lid,
           std::chrono::milliseconds{count * 300 + draw(0, 280)}, std::chrono::microseconds{draw(10, 4'900)}));
@@ -298,7 +298,7 @@ TEST_CASE("Moves with spikes on both safety inputs end where they should, and on
   }));
 }
 
-TEST_CASE("An emergency stop that chatters for longer than its debounce time is a pressed one, told once") {
+TEST_CASE("An emergency stop that chatters for longer than its debounce time counts as pressed, once") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -311,7 +311,7 @@ TEST_CASE("An emergency stop that chatters for longer than its debounce time is 
   CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Fault, Kind::Recovery});
 }
 
-TEST_CASE("A spike while nothing moves hinders until it has settled, and is told as such") {
+TEST_CASE("A spike while nothing moves blocks moves until it has settled, and is reported") {
   Plant plant(config());
   plant.build();
   const Press spike(plant, AxisInput::EmergencyStop, 1ms, 1ms);
@@ -322,7 +322,7 @@ TEST_CASE("A spike while nothing moves hinders until it has settled, and is told
   CHECK(kinds(plant) == Kinds{Kind::Interlock, Kind::Recovery});
 }
 
-TEST_CASE("Lid and emergency stop at once are an interruption each, and one fault") {
+TEST_CASE("Lid and emergency stop together are two interruptions and one fault") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -334,8 +334,7 @@ TEST_CASE("Lid and emergency stop at once are an interruption each, and one faul
   CHECK(plant.axis->why_not_ready().empty());
 }
 
-TEST_CASE(
-    "The lid is an interruption when it opens, once, that is over when it closes, and the motor goes on") {
+TEST_CASE("An open lid is one interruption, which ends when it closes; the motor does not stop") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -348,7 +347,7 @@ TEST_CASE(
   CHECK(plant.axis->why_not_ready().empty());
 }
 
-TEST_CASE("A safety input that cannot be read is told as such, and stands in the way") {
+TEST_CASE("A safety input that cannot be read is reported and prevents a print") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -370,8 +369,7 @@ TEST_CASE("A safety input that cannot be read is told as such, and stands in the
   CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop cannot be read"});
 }
 
-TEST_CASE(
-    "A limit switch that cannot be read ends a move and homing as a fault with its sentence, told once") {
+TEST_CASE("A limit switch that cannot be read ends a move and homing with one fault that names it") {
   Plant plant(config());
   plant.build();
   const AxisInput which = GENERATE(AxisInput::LimitSwitch, AxisInput::SecondSwitch);

@@ -17,7 +17,7 @@ using testing::Plant;
 
 namespace {
 
-// A 4 mm screw at 16 microsteps: 1.25 um a step, 4,000 steps/s at homing speed.
+// A 4 mm screw at 16 microsteps: 1.25 um per step, 4,000 steps/s at homing speed.
 GpioAxisConfig config() {
   GpioAxisConfig config;
   config.travel = Nanometers{100'000'000};
@@ -37,7 +37,7 @@ GpioAxisConfig with_second_switch(GpioAxisConfig c = config()) {
 }
 GpioAxisConfig with_encoder(EncoderConfig::Policy policy, GpioAxisConfig c = config()) {
   EncoderConfig encoder;
-  encoder.counts_per_mm = 800;  // a count a step
+  encoder.counts_per_mm = 800;  // one count per step
   encoder.policy = policy;
   c.encoder = encoder;
   return c;
@@ -47,7 +47,7 @@ Nanometers mm(double length) {
   return Nanometers{std::llround(length * 1e6)};
 }
 
-// Steps that the plate lies above the switch.
+// Returns how many steps the plate is above the switch.
 std::int64_t plate_above_switch(const Plant& plant) {
   return plant.plate() - plant.limit.at;
 }
@@ -60,7 +60,7 @@ bool only_event_says(const Plant& plant, MachineEvent::Kind kind, const std::str
 
 }  // namespace
 
-TEST_CASE("An axis knows no height before it has homed, and moves nowhere") {
+TEST_CASE("An axis that has not homed has no known height and refuses moves") {
   Plant plant(config());
   GpioAxis& axis = plant.build();
   CHECK_FALSE(axis.height());
@@ -69,7 +69,7 @@ TEST_CASE("An axis knows no height before it has homed, and moves nowhere") {
   CHECK(plant.pulses.empty());
 }
 
-TEST_CASE("Homing brings the plate to the switch's height to the step") {
+TEST_CASE("Homing brings the plate to the switch's height, exact to the step") {
   Plant plant(config());
   GpioAxis& axis = plant.build();
   CHECK(plant.home() == HomingResult::Homed);
@@ -79,7 +79,7 @@ TEST_CASE("Homing brings the plate to the switch's height to the step") {
   CHECK(plant.events.empty());
 }
 
-TEST_CASE("Homing is exact whatever the switch bounces, and however late the edges are read") {
+TEST_CASE("Homing is exact however the switch bounces and however late its edges are read") {
   CHECK(rc::check([] {
     Plant plant(config());
     plant.motor = draw(-3, 5'000);
@@ -90,21 +90,21 @@ TEST_CASE("Homing is exact whatever the switch bounces, and however late the edg
     plant.build();
     RC_ASSERT(plant.home() == HomingResult::Homed);
     RC_ASSERT(plate_above_switch(plant) == 0);
-    // Opening again after backing off bounces too, and is no contact.
+    // The bounces when the switch opens during backing off are no contact.
     RC_ASSERT(plant.move_to(2) == MoveResult::Reached);
     RC_ASSERT(plate_above_switch(plant) == 1'600);
   }));
 }
 
 TEST_CASE("Homing is exact when steps are made while the switch's level is read") {
-  // At one speed or the other the switch closes meanwhile: levels are read every 20 ms.
+  // Levels are read every 20 ms; at some of these speeds the switch closes during a read.
   for (int speed = 400; speed < 440; ++speed) {
     CAPTURE(speed);
     GpioAxisConfig c = config();
     c.homing_speed = MillimetersPerSecond{speed / 100.0};
     Plant plant(c);
     plant.motor = 1'000;
-    plant.input_latency = 3ms;  // longer than the reading: the edge's event is found after the level
+    plant.input_latency = 3ms;  // longer than the read, so the edge's event is found after the level
     plant.build();
     plant.lines[0]->before_level = [&plant] { plant.preempt_for(2'500us); };
     REQUIRE(plant.home() == HomingResult::Homed);
@@ -112,7 +112,7 @@ TEST_CASE("Homing is exact when steps are made while the switch's level is read"
   }
 }
 
-TEST_CASE("Homing runs on past the edge by the steps within the reading thread's latency and no more") {
+TEST_CASE("Homing overruns the edge only by the steps within the input thread's latency") {
   Plant plant(config());
   plant.input_latency = 1ms;  // 4 steps at 4,000/s
   plant.build();
@@ -126,7 +126,7 @@ TEST_CASE("Homing runs on past the edge by the steps within the reading thread's
   CHECK(lowest <= -3);
 }
 
-TEST_CASE("Homing takes a switch height and the plate moves in heights from there") {
+TEST_CASE("Homing sets the configured switch height, and moves count from there") {
   GpioAxisConfig c = config();
   c.switch_height = mm(-0.5);
   Plant plant(c);
@@ -151,7 +151,7 @@ TEST_CASE("Homing upwards finds the switch at the top") {
   CHECK(plate_above_switch(plant) == -48'400);
 }
 
-TEST_CASE("A switch that is closed at the start is left first") {
+TEST_CASE("Homing from a closed switch first moves away from it") {
   Plant plant(config());
   plant.motor = -20;
   plant.build();
@@ -159,7 +159,7 @@ TEST_CASE("A switch that is closed at the start is left first") {
   CHECK(plate_above_switch(plant) == 0);
 }
 
-TEST_CASE("A switch that never closes ends homing after the whole way") {
+TEST_CASE("Homing ends after the whole travel if the switch never closes") {
   Plant plant(config());
   plant.limit.stuck = false;
   plant.build();
@@ -168,7 +168,7 @@ TEST_CASE("A switch that never closes ends homing after the whole way") {
   CHECK_FALSE(plant.axis->height());
 }
 
-TEST_CASE("A limit switch that stays closed ends homing after five millimetres") {
+TEST_CASE("Homing ends after five millimetres if the limit switch stays closed") {
   Plant plant(config());
   plant.limit.stuck = true;
   plant.build();
@@ -185,7 +185,7 @@ TEST_CASE("A spike on the limit switch's line does not end a pass") {
   CHECK(plate_above_switch(plant) == 0);
 }
 
-TEST_CASE("An edge that the kernel lost is found by the level") {
+TEST_CASE("A lost edge of the limit switch is found by its level") {
   Plant plant(config());
   plant.build();
   plant.lines[0]->loses_edges = true;
@@ -195,7 +195,7 @@ TEST_CASE("An edge that the kernel lost is found by the level") {
   CHECK(plate_above_switch(plant) <= 0);
 }
 
-TEST_CASE("A motor that turns the wrong way round is noticed by the other switch") {
+TEST_CASE("A motor that turns the wrong way is noticed by the second switch") {
   Plant plant(with_second_switch());
   plant.reversed = true;
   plant.second.at = 5'000;
@@ -204,7 +204,7 @@ TEST_CASE("A motor that turns the wrong way round is noticed by the other switch
   CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "line 24 of gpiochip0"));
 }
 
-TEST_CASE("Homing tells how far from before it found the switch, by the steps in between") {
+TEST_CASE("Homing reports how far the switch has shifted since the last homing, by the steps in between") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -222,7 +222,7 @@ TEST_CASE("Homing tells how far from before it found the switch, by the steps in
   CHECK(plant.axis->homing_shift() == Nanometers{12'500});
 }
 
-TEST_CASE("Homing from where nobody knows tells no difference, nor does one that has not come to its end") {
+TEST_CASE("Homing from an unknown position reports no shift, nor does one that does not finish") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -231,7 +231,7 @@ TEST_CASE("Homing from where nobody knows tells no difference, nor does one that
     REQUIRE(plant.home() == HomingResult::Homed);
     CHECK_FALSE(plant.axis->homing_shift());
   }
-  SECTION("it was stopped before") {
+  SECTION("the homing before was stopped") {
     REQUIRE(plant.move_to(20) == MoveResult::Reached);
     plant.axis->home([](HomingResult) {});
     plant.run_for(1s);
@@ -240,14 +240,14 @@ TEST_CASE("Homing from where nobody knows tells no difference, nor does one that
     REQUIRE(plant.home() == HomingResult::Homed);
     CHECK_FALSE(plant.axis->homing_shift());
   }
-  SECTION("the switch does not close any more") {
+  SECTION("the switch no longer closes") {
     plant.limit.stuck = false;
     REQUIRE(plant.home() == HomingResult::NoTrigger);
     CHECK_FALSE(plant.axis->homing_shift());
   }
 }
 
-TEST_CASE("A nudge goes its way from nobody knows where, and where the plate is nobody knows behind it") {
+TEST_CASE("A nudge moves its distance from an unknown position and leaves the position unknown") {
   for (const double way : {2.0, -2.0, 0.3}) {
     CAPTURE(way);
     for (const bool homed : {false, true}) {
@@ -267,7 +267,7 @@ TEST_CASE("A nudge goes its way from nobody knows where, and where the plate is 
   }
 }
 
-TEST_CASE("A nudge ends where the switch closes, whichever way the motor turns, and no fault is told") {
+TEST_CASE("A nudge ends where the switch closes, whichever way the motor turns, without a fault") {
   for (const bool reversed : {false, true}) {
     CAPTURE(reversed);
     Plant plant(config());
@@ -281,7 +281,7 @@ TEST_CASE("A nudge ends where the switch closes, whichever way the motor turns, 
     CHECK(plate_above_switch(plant) >= -2);
     CHECK_FALSE(plant.axis->moving());
     CHECK(plant.events.empty());
-    // Further towards it nothing moves, away from it the plate goes.
+    // A nudge further towards the switch makes no step; one away from it moves.
     plant.pulses.clear();
     CHECK(plant.nudge(reversed ? 2 : -2) == (reversed ? MoveResult::Reached : MoveResult::AtSwitch));
     if (!reversed) CHECK(plant.pulses.empty());
@@ -289,7 +289,7 @@ TEST_CASE("A nudge ends where the switch closes, whichever way the motor turns, 
   }
 }
 
-TEST_CASE("A nudge ends at a spike on the switch's line, too") {
+TEST_CASE("A nudge also ends at a spike on the switch's line") {
   Plant plant(config());
   plant.build();
   const auto press = plant.clock.call_after(500ms, [&] { plant.press(AxisInput::LimitSwitch, true); });
@@ -300,14 +300,14 @@ TEST_CASE("A nudge ends at a spike on the switch's line, too") {
   CHECK(plate_above_switch(plant) == 0);
 }
 
-TEST_CASE("A nudge ends at the other switch, at the emergency stop and when it is stopped") {
-  SECTION("the other switch") {
+TEST_CASE("A nudge ends at the second switch, at the emergency stop and at a stop") {
+  SECTION("the second switch") {
     Plant plant(with_second_switch());
     plant.second.at = 4'800;
     plant.build();
     CHECK(plant.nudge(2) == MoveResult::Fault);
     CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "line 24 of gpiochip0"));
-    CHECK(plant.plate() <= 4'850);  // levels and edges within some milliseconds, at 800 steps/s
+    CHECK(plant.plate() <= 4'850);  // detected within some milliseconds at 800 steps/s
   }
   SECTION("the emergency stop") {
     GpioAxisConfig c = config();
@@ -326,7 +326,7 @@ TEST_CASE("A nudge ends at the other switch, at the emergency stop and when it i
     CHECK(plant.plate() < 4'800);
     CHECK_FALSE(plant.axis->height());
   }
-  SECTION("an abort, behind which it homes as ever") {
+  SECTION("an abort, after which it homes as usual") {
     Plant plant(config());
     plant.build();
     plant.axis->nudge(mm(-2), MillimetersPerSecond{1}, [](MoveResult) { FAIL("it was aborted"); });
@@ -339,7 +339,7 @@ TEST_CASE("A nudge ends at the other switch, at the emergency stop and when it i
   }
 }
 
-TEST_CASE("Moves end on the nearest microstep, whichever way and however often") {
+TEST_CASE("Moves end on the nearest microstep, in any direction and after any number of moves") {
   CHECK(rc::check([] {
     Plant plant(config());
     plant.build();
@@ -353,7 +353,7 @@ TEST_CASE("Moves end on the nearest microstep, whichever way and however often")
   }));
 }
 
-TEST_CASE("Moves beyond the travel are refused and nothing moves") {
+TEST_CASE("Moves beyond the travel are refused without a step") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -364,7 +364,7 @@ TEST_CASE("Moves beyond the travel are refused and nothing moves") {
   CHECK(plant.axis->height() == Nanometers{0});
 }
 
-TEST_CASE("A move lasts as long as foretold") {
+TEST_CASE("A move takes its predicted time") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -375,7 +375,7 @@ TEST_CASE("A move lasts as long as foretold") {
   CHECK(std::chrono::abs(plant.clock.now() - start - foretold) <= 6ms);
 }
 
-TEST_CASE("A move is no faster than the axis") {
+TEST_CASE("A move is limited to the axis' top speed") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -387,7 +387,7 @@ TEST_CASE("A move is no faster than the axis") {
   CHECK(shortest >= 125us - 1ns);  // 10 mm/s, rounded to a nanosecond
 }
 
-TEST_CASE("Pulses, pauses and direction changes keep their times") {
+TEST_CASE("Pulses, pauses and direction changes keep their minimum times") {
   GpioAxisConfig c = config();
   c.pulse_width = 10us;
   c.direction_setup = 5ms;
@@ -401,21 +401,21 @@ TEST_CASE("Pulses, pauses and direction changes keep their times") {
   CHECK(plant.shortest_setup >= 5ms);
 }
 
-TEST_CASE("A speed that the pulses do not leave room for is refused with its figures") {
+TEST_CASE("A top speed at which the pulses do not fit is refused with its figures") {
   GpioAxisConfig c = config();
   c.pulse_width = 100us;
   CHECK(contradiction(c) ==
-        "the axis' top speed of 10 mm/s is 8000 steps/s; pulses of 100 us and pauses as long allow 3750");
+        "the axis' top speed of 10 mm/s is 8000 steps/s; pulses and pauses of 100 us allow at most 3750");
   Plant plant(c);
   CHECK_THROWS_AS(plant.build(), HardwareError);
   CHECK_FALSE(contradiction(config()));
   c = config();
   c.top_speed = MillimetersPerSecond{62.5};
   CHECK(contradiction(c) ==
-        "the axis' top speed of 62.5 mm/s is 50000 steps/s; a computer makes 20000 at most");
+        "the axis' top speed of 62.5 mm/s is 50000 steps/s; a computer makes at most 20000");
 }
 
-TEST_CASE("The motor is enabled before the first step, left to settle, and stays so") {
+TEST_CASE("The motor is enabled and settles before the first step, and stays enabled") {
   Plant plant(with_enable());
   plant.build();
   CHECK_FALSE(plant.enable->level);
@@ -426,7 +426,7 @@ TEST_CASE("The motor is enabled before the first step, left to settle, and stays
   CHECK(plant.enable->level);
 }
 
-TEST_CASE("An enable line that cannot be set is a fault and nothing moves") {
+TEST_CASE("An enable line that cannot be set is a fault, and no step is made") {
   Plant plant(with_enable());
   plant.build();
   plant.enable->refuses = true;
@@ -454,16 +454,16 @@ TEST_CASE("Stop slows down, and the position stays known") {
     plant.axis->stop();
   });
   CHECK(plant.move_to(50) == MoveResult::Stopped);
-  // 5 mm/s at 50 mm/s^2: a tenth of a second, and the thread looks up for it.
+  // 5 mm/s at 50 mm/s^2 takes a tenth of a second, plus up to 10 ms until the thread notices.
   CHECK(plant.clock.now() - asked <= 115ms);
   CHECK(plant.clock.now() - asked >= 80ms);
   CHECK(plant.axis->height() == Nanometers{plate_above_switch(plant) * 1'250});
-  CHECK(plant.pulses.back() - plant.pulses[plant.pulses.size() - 2] > 1ms);  // at walking pace by then
+  CHECK(plant.pulses.back() - plant.pulses[plant.pulses.size() - 2] > 1ms);  // very slow by then
   CHECK(plant.move_to(1) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 800);
 }
 
-TEST_CASE("Stop at any moment of homing ends it, soon") {
+TEST_CASE("A stop at any moment of homing ends it soon") {
   CHECK(rc::check([] {
     Plant plant(config());
     plant.build();
@@ -483,7 +483,7 @@ TEST_CASE("Stop at any moment of homing ends it, soon") {
   }));
 }
 
-TEST_CASE("Abort makes no further step, drops the answer and the position") {
+TEST_CASE("An abort makes no further step and drops the answer and the position") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -502,7 +502,7 @@ TEST_CASE("Abort makes no further step, drops the answer and the position") {
   CHECK(plate_above_switch(plant) == 0);
 }
 
-TEST_CASE("Abort of a slow move and homing at once wait for each other") {
+TEST_CASE("Homing right after the abort of a slow move waits for that move's end") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -512,7 +512,7 @@ TEST_CASE("Abort of a slow move and homing at once wait for each other") {
   CHECK(plant.home() == HomingResult::Homed);
 }
 
-TEST_CASE("Abort while nothing moves leaves the position known") {
+TEST_CASE("An abort while nothing moves leaves the position known") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -532,11 +532,11 @@ TEST_CASE("Backlash is taken up from below") {
     REQUIRE(plant.move_to(target) == MoveResult::Reached);
     CHECK(plate_above_switch(plant) == std::llround(target * 800));
     CHECK(plant.axis->height() == mm(target));
-    CHECK(plant.plate() == plant.motor);  // it bears on the screw
+    CHECK(plant.plate() == plant.motor);  // the plate rests on the screw
   }
 }
 
-TEST_CASE("The plate's height is right wherever a move with backlash is stopped") {
+TEST_CASE("The plate's height is correct wherever a move with backlash is stopped") {
   CHECK(rc::check([] {
     GpioAxisConfig c = config();
     c.backlash = mm(0.05);
@@ -556,7 +556,7 @@ TEST_CASE("The plate's height is right wherever a move with backlash is stopped"
   }));
 }
 
-TEST_CASE("The height during a move follows the steps, past and to come") {
+TEST_CASE("The height during a move follows the past and the planned steps") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -573,7 +573,7 @@ TEST_CASE("The height during a move follows the steps, past and to come") {
         CHECK(plant.axis->height_at(then) == height);
       for (const auto& [then, height] : foretold) {
         if (then > now) continue;
-        // The thread is 20 us late as a rule: less than a step at 4,000 steps/s, either way.
+        // The thread is usually 20 us late, which is less than a step at 4,000 steps/s, either way.
         CHECK(std::llabs((*plant.axis->height_at(then) - height).count()) <= 1'250);
       }
     }));
@@ -583,7 +583,7 @@ TEST_CASE("The height during a move follows the steps, past and to come") {
   CHECK(plant.axis->height_at(plant.clock.now() + 1s) == mm(10));
 }
 
-TEST_CASE("Late steps shift the rest of the move, which is never bunched") {
+TEST_CASE("Late steps shift the rest of the move and never come in a burst") {
   CHECK(rc::check([] {
     Plant plant(config());
     plant.build();
@@ -592,7 +592,7 @@ TEST_CASE("Late steps shift the rest of the move, which is never bunched") {
     const LateSteps before = plant.axis->late_steps();
     const std::int64_t every = draw(3, 200);
     std::int64_t count = 0;
-    // Less than what brings the motor to rest: 16 intervals.
+    // Shorter than 16 intervals, so the motor does not come to rest.
     const Duration delay = std::chrono::microseconds{draw(100, 3'900)};
     const bool late_falls = draw(0, 1) != 0;
     plant.step_latency = [&] {
@@ -612,7 +612,7 @@ TEST_CASE("Late steps shift the rest of the move, which is never bunched") {
   }));
 }
 
-TEST_CASE("A limit switch that closes in the middle of a move is a fault that halts it") {
+TEST_CASE("A limit switch that closes in the middle of a move halts it as a fault") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -622,14 +622,14 @@ TEST_CASE("A limit switch that closes in the middle of a move is a fault that ha
     made = plant.pulses.size();
   });
   CHECK(plant.move_to(50) == MoveResult::Fault);
-  // Debounced for 5 ms, and read 0.1 ms late: 21 steps.
+  // 5 ms of debouncing plus 0.1 ms of latency are 21 steps.
   CHECK(plant.pulses.size() - made <= 22);
   CHECK(only_event_says(plant, MachineEvent::Kind::Fault,
                         "the limit switch (line 23 of gpiochip0) is closed at"));
   CHECK_FALSE(plant.axis->height());
 }
 
-TEST_CASE("A limit switch may close in a move where it should") {
+TEST_CASE("A limit switch may close at its own height in a move") {
   Plant plant(config());
   plant.limit.hysteresis = 400;
   plant.build();
@@ -640,7 +640,7 @@ TEST_CASE("A limit switch may close in a move where it should") {
   CHECK(plant.events.empty());
 }
 
-TEST_CASE("The other end's switch halts a move as a fault") {
+TEST_CASE("The second switch halts a move as a fault") {
   Plant plant(with_second_switch());
   plant.second.at = 40'000;
   plant.build();
@@ -648,7 +648,7 @@ TEST_CASE("The other end's switch halts a move as a fault") {
   CHECK(plant.move_to(60) == MoveResult::Fault);
   CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "(line 24 of gpiochip0) closed at 50."));
   plant.events.clear();
-  CHECK(plant.home() == HomingResult::Homed);  // away from it, though it is closed yet
+  CHECK(plant.home() == HomingResult::Homed);  // away from the second switch, which is still closed
   CHECK(plate_above_switch(plant) == 0);
 }
 
@@ -664,16 +664,16 @@ TEST_CASE("With an encoder the height is the measured one") {
   CHECK(plant.events.empty());
 }
 
-TEST_CASE("Steps lost beyond the tolerance are a fault, while the motor turns") {
+TEST_CASE("Steps lost beyond the tolerance are a fault while the motor turns") {
   Plant plant(with_encoder(EncoderConfig::Policy::Fault));
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.pulses.clear();
   const auto dies = plant.clock.call_after(2s, [&] { plant.dead = true; });
   CHECK(plant.move_to(50) == MoveResult::Fault);
-  // 50 um and what top speed makes in 5 ms: 80 steps; 10 ms to look at it: 40 more.
+  // 50 um plus the distance at top speed in 5 ms are 80 steps; 10 ms until the check add 40.
   CHECK(plant.pulses.size() <= std::size_t{7'800 + 130});
-  CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "the encoder says"));
+  CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "the encoder measures"));
   CHECK_FALSE(plant.axis->height());
 }
 
@@ -683,10 +683,10 @@ TEST_CASE("A dead motor is noticed while homing") {
   plant.build();
   CHECK(plant.home() == HomingResult::NoMovement);
   CHECK(plant.pulses.size() < 200);
-  CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "the encoder says 0.000 mm where"));
+  CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "the encoder measures 0.000 mm but"));
 }
 
-TEST_CASE("Lost steps are made good where that is the policy") {
+TEST_CASE("Lost steps are corrected with the policy Correct") {
   Plant plant(with_encoder(EncoderConfig::Policy::Correct));
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -697,20 +697,20 @@ TEST_CASE("Lost steps are made good where that is the policy") {
   CHECK(plant.axis->height() == mm(10));
 }
 
-TEST_CASE("A motor that dies is a fault even where lost steps are made good") {
+TEST_CASE("A motor that dies is a fault even with the policy Correct") {
   Plant plant(with_encoder(EncoderConfig::Policy::Correct));
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.dead = true;
   plant.pulses.clear();
-  CHECK(plant.move_to(0.2) == MoveResult::Fault);  // short enough to be tried again, once
+  CHECK(plant.move_to(0.2) == MoveResult::Fault);  // short enough for one correction to be tried
   CHECK(plant.pulses.size() == 2 * 160);
   REQUIRE(plant.events.size() == 2);
   CHECK(plant.events[0].kind == MachineEvent::Kind::Notice);
   CHECK(plant.events[1].kind == MachineEvent::Kind::Fault);
 }
 
-TEST_CASE("An encoder that counts the other way is read the other way") {
+TEST_CASE("A wrongly reversed encoder ends homing as no movement") {
   GpioAxisConfig c = with_encoder(EncoderConfig::Policy::Fault);
   c.encoder->reversed = true;
   Plant plant(c);
@@ -733,7 +733,7 @@ TEST_CASE("Homing and moves with an encoder and backlash agree") {
   CHECK(plant.events.empty());
 }
 
-TEST_CASE("A motor whose current is taken away knows no height until it has homed again") {
+TEST_CASE("An axis whose motor was released has no known height until it has homed again") {
   Plant plant(with_enable());
   GpioAxis& axis = plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -750,7 +750,7 @@ TEST_CASE("A motor whose current is taken away knows no height until it has home
   CHECK(other.height());
 }
 
-TEST_CASE("Of its inputs an axis tells the name, the line, the level and the edges") {
+TEST_CASE("An axis reports the name, the line, the level and the edges of its inputs") {
   GpioAxisConfig c = with_encoder(EncoderConfig::Policy::Fault, with_second_switch());
   c.encoder->a.line = "5";
   c.lid = GpioInputConfig{{"gpiochip1", "LID", false}};
@@ -772,7 +772,7 @@ TEST_CASE("Of its inputs an axis tells the name, the line, the level and the edg
   CHECK(inputs[2].active == true);
   CHECK(inputs[3].name == "encoder A");
   CHECK(inputs[3].line == "line 5 of gpiochip0");
-  // Each count is an edge of one of its lines.
+  // Each count is an edge on one of the encoder's lines.
   CHECK(inputs[3].edges > 1000);
   CHECK(inputs[4].edges > 1000);
 }

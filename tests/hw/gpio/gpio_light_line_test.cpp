@@ -18,7 +18,7 @@ struct Wire {
   bool active = false;
   bool refuses_off = false, refuses_on = false;
   int sets = 0, cuts = 0;
-  std::function<void()> before_on;  // what another thread does right before the line is on
+  std::function<void()> before_on;  // called right before the line is on, in place of another thread
 };
 
 class FakeLine final : public CuttableLine {
@@ -47,7 +47,7 @@ struct Bench {
   Bench() {
     line.on_event([this](const MachineEvent& one) {
       events.push_back(one);
-      line.off();  // as a print does that ends
+      line.off();  // like a print that ends
     });
   }
   void pass(Duration time) {
@@ -65,12 +65,12 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("a light line that refuses to go off is a fault, told once and not from inside the call") {
+TEST_CASE("a light line that cannot be turned off is a fault, reported once and not from inside the call") {
   Bench bench;
   bench.line.on();
   bench.wire.refuses_off = true;
   bench.line.off();
-  bench.line.off();  // again before anybody could be told
+  bench.line.off();  // again before the report
   CHECK(bench.events.empty());
   CHECK(bench.line.refusal() == "the light's line 24 of gpiochip0 cannot be set: the kernel refuses");
   bench.pass(10s);
@@ -80,7 +80,7 @@ TEST_CASE("a light line that refuses to go off is a fault, told once and not fro
         "the light may be on: the light's line 24 of gpiochip0 cannot be set: the kernel refuses");
 }
 
-TEST_CASE("a light line that refuses to go off is tried again until it does, and not turned on before") {
+TEST_CASE("turning a light line off is retried until it works, and on() is refused before") {
   Bench bench;
   bench.line.on();
   bench.wire.refuses_off = true;
@@ -98,14 +98,14 @@ TEST_CASE("a light line that refuses to go off is tried again until it does, and
   CHECK(bench.events.size() == 1);
   bench.line.on();
   CHECK(bench.wire.active);
-  // And another time it is told again.
+  // The next refusal is reported again.
   bench.wire.refuses_off = true;
   bench.line.off();
   bench.pass(2s);
   CHECK(bench.events.size() == 2);
 }
 
-TEST_CASE("a light line that refuses to go on goes off, and is no fault of its own") {
+TEST_CASE("a light line that cannot be turned on is turned off, without a fault event") {
   Bench bench;
   bench.wire.refuses_on = true;
   CHECK_THROWS_AS(bench.line.on(), HardwareError);
@@ -114,7 +114,7 @@ TEST_CASE("a light line that refuses to go on goes off, and is no fault of its o
   CHECK(bench.wire.sets == 2);
 }
 
-TEST_CASE("a light line that was cut is off, and goes on only when it was released") {
+TEST_CASE("a light line that was cut is off and goes on only after its release") {
   Bench bench;
   bench.line.on();
   bench.line.cut(bench.clock.now());
@@ -124,13 +124,13 @@ TEST_CASE("a light line that was cut is off, and goes on only when it was releas
   CHECK_THROWS_AS(bench.line.on(), LightInterlocked);
   CHECK_FALSE(bench.wire.active);
   bench.line.release();
-  CHECK_FALSE(bench.wire.active);  // not by itself
+  CHECK_FALSE(bench.wire.active);  // the release alone does not turn it on
   bench.line.on();
   CHECK(bench.wire.active);
   CHECK(bench.events.empty());
 }
 
-TEST_CASE("a light line that is cut while it is turned on goes off again, whichever comes first") {
+TEST_CASE("a light line that is cut while it is being turned on goes off, whichever comes first") {
   Bench bench;
   bench.wire.before_on = [&bench] { bench.line.cut(bench.clock.now()); };
   CHECK_THROWS_AS(bench.line.on(), LightInterlocked);
@@ -138,7 +138,7 @@ TEST_CASE("a light line that is cut while it is turned on goes off again, whiche
   CHECK(bench.wire.cuts == 1);
 }
 
-TEST_CASE("a light line that refuses to be cut is a fault when the event loop turns it off") {
+TEST_CASE("a light line that cannot be cut is a fault when the event loop turns it off") {
   Bench bench;
   bench.line.on();
   bench.wire.refuses_off = true;

@@ -22,7 +22,7 @@ struct Row {
   std::vector<F> effects;
 };
 
-// Written out apart from the table, row for row.
+// The expected table, written out independently, row by row.
 const std::vector<Row> kExpected{
     {S::Idle, E::HomeWanted, S::GettingReady, {F::ForgetPosition, F::GetReady}},
     {S::GettingReady, E::SwitchOpen, S::FastPass, {F::SeekFast}},
@@ -98,7 +98,7 @@ bool has(const HomingTransition& t, F effect) {
   return std::ranges::find(t.done(), effect) != t.done().end();
 }
 
-// What turns the motor.
+// True for the effects that turn the motor.
 bool turns_motor(F effect) {
   return effect == F::SeekFast || effect == F::SeekSlow || effect == F::SeekOn || effect == F::BackOff ||
          effect == F::Approach;
@@ -111,7 +111,7 @@ bool tells(F effect) {
 
 }  // namespace
 
-TEST_CASE("Every row of the homing table is the one written here") {
+TEST_CASE("The homing table has exactly the rows written here") {
   for (const Row& row : kExpected) {
     CAPTURE(name_of(row.from), name_of(row.on));
     const HomingTransition* found = find(row.from, row.on);
@@ -122,13 +122,13 @@ TEST_CASE("Every row of the homing table is the one written here") {
   CHECK(homing_transitions().size() == kExpected.size());
 }
 
-TEST_CASE("No state of homing has two rows for one event") {
+TEST_CASE("No state of homing has two rows for the same event") {
   std::set<std::pair<S, E>> seen;
   for (const HomingTransition& t : homing_transitions())
     CHECK(seen.insert({t.from, t.on}).second);
 }
 
-TEST_CASE("Wherever homing is, a fault, a stop and an abort end it") {
+TEST_CASE("A fault, a stop and an abort end homing in every state") {
   for (const S state : all_states()) {
     CAPTURE(name_of(state));
     const HomingTransition *failed = find(state, E::Failed), *aborted = find(state, E::Aborted),
@@ -145,18 +145,18 @@ TEST_CASE("Wherever homing is, a fault, a stop and an abort end it") {
   }
 }
 
-TEST_CASE("Homing is answered once, when it ends, unless it is aborted") {
+TEST_CASE("Homing answers once, when it ends, unless it is aborted") {
   for (const HomingTransition& t : homing_transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
     const auto answers = std::ranges::count_if(t.done(), tells);
     CHECK(answers == (t.to == S::Idle && t.on != E::Aborted ? 1 : 0));
     CHECK(has(t, F::DropAnswer) == (t.on == E::Aborted));
-    // Whoever is answered may home again: nothing may come behind.
+    // The callback may home again, so no effect may follow the answer.
     if (answers > 0) CHECK(tells(t.done().back()));
   }
 }
 
-TEST_CASE("Once homing is to stop nothing turns the motor") {
+TEST_CASE("After a stop request no effect turns the motor") {
   for (const HomingTransition& t : homing_transitions()) {
     if (t.from != S::PassStopping && t.from != S::Stopping) continue;
     CAPTURE(name_of(t.from), name_of(t.on));
@@ -165,7 +165,7 @@ TEST_CASE("Once homing is to stop nothing turns the motor") {
   }
 }
 
-TEST_CASE("The position is taken from the slow pass' contact alone, and known before the plate moves by it") {
+TEST_CASE("The position is taken only from the slow pass' contact, and known before the plate moves by it") {
   for (const HomingTransition& t : homing_transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
     const bool slow = t.from == S::SlowPass || t.from == S::SlowPassOver;
@@ -176,7 +176,7 @@ TEST_CASE("The position is taken from the slow pass' contact alone, and known be
   }
 }
 
-TEST_CASE("A pass goes on behind a spike, and no contact is one outside a pass") {
+TEST_CASE("A pass continues after a spike, and contacts outside a pass are ignored") {
   for (const S state : all_states()) {
     CAPTURE(name_of(state));
     const HomingTransition *contact = find(state, E::Contact), *spike = find(state, E::Spike);
@@ -188,7 +188,7 @@ TEST_CASE("A pass goes on behind a spike, and no contact is one outside a pass")
   }
 }
 
-TEST_CASE("Every state of homing can be reached, and no two have one name") {
+TEST_CASE("Every state of homing is reachable, and all names differ") {
   std::set<S> reached{S::Idle};
   for (std::size_t before = 0; before != reached.size();) {
     before = reached.size();

@@ -1,4 +1,4 @@
-// Homing by itself: what it has the axis do, over a motor that is told to be wherever a test wants it.
+// Tests of Homing alone: the test records its calls to the axis and sets the motor's state.
 #include "hw/gpio/homing.hpp"
 
 #include <chrono>
@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-// 5 ms of debouncing; 100 mm of travel; 5 mm/s.
+// 5 ms of debouncing, 100 mm of travel, 5 mm/s.
 GpioAxisConfig axis_config(bool encoder = false) {
   GpioAxisConfig config;
   config.travel = Nanometers{100'000'000};
@@ -34,9 +34,9 @@ struct Bench {
   void home() {
     homing.begin([this](HomingResult result) { results.push_back(result); });
   }
-  // What was begun is over.
+  // Ends the action that was begun.
   void over() { std::exchange(next, nullptr)(); }
-  // The contact that has halted a pass.
+  // Passes on the contact that has halted a pass.
   void contact(bool lasts = true, Duration at = 1s) {
     homing.contact({.active = lasts, .halted = true, .at = TimePoint{at}});
   }
@@ -50,7 +50,7 @@ struct Bench {
     over();  // backed off
     over();  // settled
   }
-  // Since the last look.
+  // Returns the calls since the last time.
   std::vector<std::string> done() { return std::exchange(did, {}); }
 
   Homing::Wiring wiring() {
@@ -114,7 +114,7 @@ TEST_CASE("Homing seeks fast, backs off, seeks slowly, takes the contact's time 
   bench.contact();
   CHECK(bench.done() == Words{"back off -5 mm at 50 mm/10 s"});
   bench.over();
-  CHECK(bench.done() == Words{"wait 7 ms"});  // the debouncing, and 2 ms until its result has come across
+  CHECK(bench.done() == Words{"wait 7 ms"});  // debouncing plus 2 ms until its result has arrived
   bench.over();
   CHECK(bench.done() == Words{"seek 10 mm at 25 mm/10 s"});
   bench.contact(true, 1'234ms);
@@ -144,7 +144,7 @@ TEST_CASE("Homing from a closed switch backs off first") {
   CHECK(bench.done().back() == "back off -5 mm at 50 mm/10 s");
 }
 
-TEST_CASE("A switch that is closed after backing off ends homing") {
+TEST_CASE("Homing ends if the switch is closed after backing off") {
   Bench bench;
   bench.to_fast_pass();
   bench.contact();
@@ -154,7 +154,7 @@ TEST_CASE("A switch that is closed after backing off ends homing") {
   CHECK(bench.results == Results{HomingResult::StillClosed});
 }
 
-TEST_CASE("A way that is over ends homing when no contact has come by the time it would have settled") {
+TEST_CASE("The end of a pass ends homing if no contact has settled in time") {
   for (const bool slow : {false, true}) {
     CAPTURE(slow);
     Bench bench;
@@ -171,7 +171,7 @@ TEST_CASE("A way that is over ends homing when no contact has come by the time i
   }
 }
 
-TEST_CASE("A switch that closes with the last step of a pass is found") {
+TEST_CASE("A switch that closes with the last step of a pass is detected") {
   Bench bench;
   bench.to_fast_pass();
   bench.over();
@@ -180,7 +180,7 @@ TEST_CASE("A switch that closes with the last step of a pass is found") {
   CHECK(bench.results.empty());
 }
 
-TEST_CASE("A spike in a pass lets it go on, however often, also at its very end") {
+TEST_CASE("A pass continues after any number of spikes, even at its very end") {
   Bench bench;
   bench.to_slow_pass();
   bench.done();
@@ -195,7 +195,7 @@ TEST_CASE("A spike in a pass lets it go on, however often, also at its very end"
   CHECK(bench.done().front() == "take the position at 1000");
 }
 
-TEST_CASE("A contact that settles while the motor turns counts when it rests") {
+TEST_CASE("A contact that settles while the motor turns is handled when it rests") {
   Bench bench;
   bench.to_slow_pass();
   bench.done();
@@ -209,20 +209,20 @@ TEST_CASE("A contact that settles while the motor turns counts when it rests") {
   CHECK_FALSE(bench.homing.take_contact());
 }
 
-TEST_CASE("A stop at any point of homing stops the motor, and the answer comes when it rests") {
+TEST_CASE("A stop at any point of homing stops the motor and is answered when the motor rests") {
   for (int point = 0; point <= 8; ++point) {
     CAPTURE(point);
     Bench bench;
     bench.home();
     for (int i = 0; i < point; ++i) {
-      // The contacts come in place of the way's end.
+      // The contacts come instead of the end of the pass.
       if (i == 1 || i == 4) {
         bench.contact();
       } else if (i < 6) {
         bench.over();
       }
     }
-    if (point > 6) bench.homing.stop();  // once more
+    if (point > 6) bench.homing.stop();  // a second call
     bench.done();
     bench.homing.stop();
     CHECK(bench.done() == Words{"stop"});
@@ -233,7 +233,7 @@ TEST_CASE("A stop at any point of homing stops the motor, and the answer comes w
   }
 }
 
-TEST_CASE("What a contact comes to after a stop in a pass ends homing as stopped, and moves nothing") {
+TEST_CASE("After a stop in a pass, a contact or a spike ends homing as stopped and moves nothing") {
   for (const bool closed : {false, true}) {
     Bench bench;
     bench.to_slow_pass();
@@ -246,7 +246,7 @@ TEST_CASE("What a contact comes to after a stop in a pass ends homing as stopped
   }
 }
 
-TEST_CASE("Outside its passes homing wants no contact") {
+TEST_CASE("Homing expects no contact outside its passes") {
   Bench bench;
   CHECK_FALSE(bench.homing.in_pass());
   bench.home();
@@ -259,7 +259,7 @@ TEST_CASE("Outside its passes homing wants no contact") {
   CHECK_FALSE(bench.homing.in_pass());
 }
 
-TEST_CASE("A fault is homing's answer, and what still comes of the pass moves nothing") {
+TEST_CASE("A fault becomes homing's answer, and later events of the pass move nothing") {
   Bench bench;
   bench.to_fast_pass();
   bench.done();
@@ -272,7 +272,7 @@ TEST_CASE("A fault is homing's answer, and what still comes of the pass moves no
   CHECK(bench.done().empty());
 }
 
-TEST_CASE("An abort drops homing's answer, and it can begin again, also from its answer") {
+TEST_CASE("An abort drops homing's answer; homing can begin again, also from within its answer") {
   Bench bench;
   bench.to_slow_pass();
   bench.homing.abort();

@@ -1,5 +1,5 @@
-// The kernel that this program's ioctl() reaches: for one descriptor, a line of the one interface or the
-// other. Real lines are tested in the virtual machine (tests/vm).
+// Tests with a fake ioctl(): its one descriptor is a line of the first or the second kernel interface. Real
+// lines are tested in the virtual machine (tests/vm).
 #include "hw/gpio/line_descriptor.hpp"
 
 #include <linux/gpio.h>
@@ -17,7 +17,7 @@ namespace {
 constexpr int kDescriptor = 1'000'000;
 
 struct Kernel {
-  unsigned long answers = 0;  // the request that this line knows
+  unsigned long answers = 0;  // the request that the line supports
   bool refuses = false;
   std::vector<unsigned long> asked{};
   gpio_v2_line_values second{};
@@ -47,7 +47,7 @@ extern "C" int ioctl(int descriptor, unsigned long request, ...) noexcept {
   return static_cast<int>(syscall(SYS_ioctl, descriptor, request, argument));
 }
 
-TEST_CASE("A line is made inactive by the interface of the kernel that it was taken by") {
+TEST_CASE("A line is made inactive through the kernel interface by which it was requested") {
   kernel = {.answers = GPIO_V2_LINE_SET_VALUES_IOCTL};
   kernel.second.bits = 1;
   CHECK(contourd::set_line_inactive(kDescriptor));
@@ -61,7 +61,7 @@ TEST_CASE("A line is made inactive by the interface of the kernel that it was ta
   CHECK(kernel.first.values[0] == 0);
 }
 
-TEST_CASE("A line that the kernel refuses to set, and what is no line, are not said to be inactive") {
+TEST_CASE("A line that the kernel refuses to set, and a descriptor that is no line, give false") {
   kernel = {.answers = GPIOHANDLE_SET_LINE_VALUES_IOCTL, .refuses = true};
   CHECK_FALSE(contourd::set_line_inactive(kDescriptor));
   CHECK(kernel.asked.size() == 2);

@@ -1,6 +1,6 @@
-// A stepper axis made of arithmetic, under a clock of its own: a screw with backlash, switches that bounce, a
-// motor that may be dead, an encoder on the plate. It is the lines, the threads and the event loop of a
-// GpioAxis in one thread, so that a test sees the same every time and nothing waits.
+// A simulated stepper axis with its own clock: a screw with backlash, switches that bounce, a motor that may
+// be dead, an encoder on the plate. It provides the lines, the threads and the event loop of a GpioAxis in
+// one thread, so that tests are deterministic and never wait.
 #pragma once
 
 #include <poll.h>
@@ -22,7 +22,7 @@
 
 namespace contourd::testing {
 
-// Readable while it is not empty; the test looks, no kernel does.
+// An input with a queue of edges. It has no descriptor: the plant calls the reader itself.
 class PlantInput final : public InputLine {
  public:
   [[nodiscard]] int descriptor() const noexcept override { return -1; }
@@ -44,15 +44,14 @@ class PlantInput final : public InputLine {
     edges_.push_back({level, at});
     if (changed) changed();
   }
-  // Up and down again, too short to be seen: two edges to the level that there is.
+  // A pulse that is too short to be seen: two edges to the present level.
   void spike(TimePoint at) {
     edges_.insert(edges_.end(), 2, {level_, at});
     if (changed) changed();
   }
   bool loses_edges = false, unreadable = false;
   std::function<void()> changed;
-  std::function<void()>
-      before_level;  // what happens before the level is read, and after the reader has begun
+  std::function<void()> before_level;  // called in level() before the level is read
 
  private:
   bool level_ = false;
@@ -73,7 +72,7 @@ class PlantOutput final : public CuttableLine {
   std::function<void(bool)> changed;
 };
 
-// Time that a VirtualClock's calls and the steps share. The engine wants a plain function for it.
+// The time that a VirtualClock's calls and the steps share; global because the engine takes a plain function.
 inline VirtualClock* plant_clock = nullptr;
 inline TimePoint plant_now() noexcept {
   return plant_clock->now();
@@ -82,11 +81,11 @@ inline TimePoint plant_now() noexcept {
 class Plant final : public DescriptorWatcher {
  public:
   struct Switch {
-    std::int64_t at = 0;  // closed at motor positions from here on, away from the middle of the travel
-    std::int64_t hysteresis = 0;  // opens so many steps later
-    int bounces = 0;              // closings and openings before it rests
-    Duration bounce{0};           // between them
-    std::optional<bool> stuck;    // at that level
+    std::int64_t at = 0;          // closed from this plate position on, away from the middle of the travel
+    std::int64_t hysteresis = 0;  // the switch opens this many steps later
+    int bounces = 0;              // number of bounces before it rests
+    Duration bounce{0};           // time between bounces
+    std::optional<bool> stuck;    // if set, the switch keeps this level
   };
 
   explicit Plant(GpioAxisConfig axis_config) : config(std::move(axis_config)) {
@@ -98,7 +97,8 @@ class Plant final : public DescriptorWatcher {
     plant_clock = nullptr;
   }
 
-  // The axis over this plant, as it stands now; again when the one before has gone.
+  // Builds an axis on this plant in its present state; may be called again after the previous axis is
+  // destroyed.
   GpioAxis& build() {
     plate_ = motor;
     lines = {};
@@ -142,7 +142,7 @@ class Plant final : public DescriptorWatcher {
     return *axis;
   }
 
-  // Until nothing is pending, or `done`.
+  // Runs until nothing is pending or `done` returns true.
   void run(const std::function<bool()>& done = [] { return false; }) {
     dispatch();
     while (!done() && clock.run_next())
@@ -154,7 +154,7 @@ class Plant final : public DescriptorWatcher {
     run([&] { return over; });
   }
 
-  // The event loop does not run for so long; the threads do.
+  // Runs the threads but not the event loop for `time`.
   void run_threads_for(Duration time) {
     loop_busy_ = true;
     run_for(time);
@@ -182,14 +182,14 @@ class Plant final : public DescriptorWatcher {
     run([&] { return result.has_value(); });
     return result;
   }
-  // The chip with the inputs is gone.
+  // Removes the chip with the inputs.
   void pull_chip() {
     inputs_engine_->lose();
     dispatch();
   }
-  // The stepping thread does not run for so long.
+  // Delays the step thread for `time`.
   void hold_up_steps(Duration time) { held_up_until_ = clock.now() + time; }
-  // The reading thread does not run for so long; steps and bounces go on.
+  // Delays the input thread for `time`; steps and bounces continue.
   void preempt_for(Duration time) {
     if (preempted_) return;
     preempted_ = true;
@@ -205,36 +205,38 @@ class Plant final : public DescriptorWatcher {
     return std::make_unique<PlantWatch>(*this, fd, std::move(call));
   }
 
-  // Plate, in steps: the motor moves a nut that bears on it from below, and from above `slack` later.
+  // The plate's position in steps. The motor moves a nut that lifts the plate from below and, `slack` later,
+  // pulls it down.
   [[nodiscard]] std::int64_t plate() const { return plate_; }
 
   VirtualClock clock;
-  // An event loop that may be held up; nothing: it never is, and its clock is the plant's.
+  // The clock of an event loop that may be delayed. If null, it is never delayed and uses the plant's clock.
   Clock* loop = nullptr;
   std::function<bool()> loop_is_held_up = [] { return false; };
   GpioAxisConfig config;
   std::unique_ptr<GpioAxis> axis;
   std::vector<MachineEvent> events;
-  std::vector<std::string> refusals;  // of the threads
+  std::vector<std::string> refusals;  // returned by AxisThreads::refusals()
   std::function<void()> on_event;
 
   std::int64_t motor = 4'000;
   std::int64_t slack = 0;
   Switch limit, second;
   bool dead = false, reversed = false, counts_down = false;
-  std::function<bool()> loses_step;  // asked for each
-  // Above it, in steps/s, the motor neither starts dead nor stops dead: it loses steps.
+  std::function<bool()> loses_step;  // called for each step
+  // Above this speed, in steps/s, the motor loses steps when it starts or stops dead.
   double pull_in = std::numeric_limits<double>::infinity();
-  // What it makes of the pulse behind a dead stop from above it: nothing; or it has run on, by whole periods
-  // of its field.
+  // The steps that the motor moves at the pulse after a dead stop from above pull_in: 0, or whole periods of
+  // its field if it overruns.
   std::int64_t overrun = 0;
-  double swing_s = 0.005;  // a quarter of the rotor's: it has come to rest when its field stands for as long
-  std::function<bool()> loses_count;       // of the encoder; asked for each step of the plate
+  double swing_s =
+      0.005;  // a quarter of the rotor's oscillation; after this time of a resting field it is at rest
+  std::function<bool()> loses_count;       // called for each step of the plate; the encoder then misses it
   std::int64_t index_every = 400;          // steps between two marks of the encoder's index
-  Duration latency{20'000};                // of the stepping thread
-  std::function<Duration()> step_latency;  // instead, where given
-  Duration input_latency{60'000};          // of the reading thread
-  std::vector<TimePoint> pulses;           // rising edges
+  Duration latency{20'000};                // latency of the step thread
+  std::function<Duration()> step_latency;  // replaces `latency` if set
+  Duration input_latency{60'000};          // latency of the input thread
+  std::vector<TimePoint> pulses;           // times of the step line's rising edges
   Duration shortest_pulse{1'000'000'000}, shortest_pause{1'000'000'000}, shortest_setup{1'000'000'000};
   PlantOutput *step = nullptr, *direction = nullptr, *enable = nullptr;
   PlantInput *encoder_a = nullptr, *encoder_b = nullptr, *encoder_index = nullptr;
@@ -272,7 +274,7 @@ class Plant final : public DescriptorWatcher {
     Plant& plant_;
   };
 
-  // What the kernel would do next: run the threads that have work, then the event loop.
+  // Does what a kernel would: runs the threads that have work, then the event loop.
   void dispatch() {
     if (engine_ == nullptr) return;
     const int steps = engine_->work().descriptor(), reader = inputs_engine_->work().descriptor();
@@ -298,9 +300,9 @@ class Plant final : public DescriptorWatcher {
 
   void plan_act() {
     const Duration late = step_latency ? step_latency() : latency;
-    // The thread looks up every 10 ms for something to interrupt it.
+    // The thread wakes every 10 ms to check for interruptions,
     const TimePoint wake = std::min(engine_->due() + late, clock.now() + std::chrono::milliseconds{10});
-    // Then it looks at the clock again and again.
+    // and if interrupted acts after 100 ns.
     const TimePoint look = engine_->interrupted() ? clock.now() + Duration{100} : wake;
     next_act_ = clock.call_at(std::max(look, held_up_until_), [this] {
       if (clock.now() < held_up_until_) return plan_act();
@@ -345,12 +347,12 @@ class Plant final : public DescriptorWatcher {
     update_switches();
   }
 
-  // Steps of the rotor, at the time of a pulse: its speed is that of the last pulses.
+  // Returns the rotor's steps at a pulse; the rotor's speed is that of the last pulses.
   std::int64_t turned_by_pulse() {
     if (pulses.empty() || !std::isfinite(pull_in)) return 1;
     const double interval_s = std::chrono::duration<double>(clock.now() - pulses.back()).count();
     const double rate = 1 / interval_s, late_s = interval_s - (rotor_rate_ > 0 ? 1 / rotor_rate_ : 0);
-    // Its field stood still for a full step's time, or for a quarter of the rotor's swing.
+    // The field was at rest for a full step's time, or for a quarter of the rotor's oscillation.
     const bool stood = late_s > std::min(16 / rotor_rate_, swing_s);
     const bool overran = stood && rotor_rate_ > pull_in;
     const bool turns = !overran && rate <= std::max(pull_in, stood ? 0 : 2 * rotor_rate_);
@@ -363,7 +365,7 @@ class Plant final : public DescriptorWatcher {
     const std::int64_t before = plate_;
     plate_ = std::clamp(plate_, motor, motor + slack);
     if (encoder_a == nullptr) return;
-    // Four counts a period; one count a step, one after the other.
+    // Four counts per period and one count per step, 1 us apart.
     TimePoint at = clock.now();
     for (std::int64_t p = before; p != plate_; at += std::chrono::microseconds{1}) {
       const std::int64_t step_of_plate = plate_ > p ? 1 : -1;

@@ -13,9 +13,9 @@ using testing::PlantOutput;
 
 namespace {
 
-TimePoint bench_time{};  // StepEngine wants a plain function
+TimePoint bench_time{};  // global because StepEngine takes a plain function
 
-// 800 steps and counts a mm; the switch at 0.5 mm, 400 steps; 40 steps of play.
+// 800 steps and counts per mm; the switch at 0.5 mm, 400 steps; 40 steps of play.
 GpioAxisConfig config(bool encoder = false, bool homes_upwards = false) {
   GpioAxisConfig config;
   config.switch_height = Nanometers{500'000};
@@ -34,7 +34,7 @@ struct Bench {
     bench_time = TimePoint{1s};
   }
 
-  // The motor makes so many steps, one a millisecond.
+  // Makes `steps` steps, one per millisecond.
   void run(std::int64_t steps) {
     position.run_begins();
     engine.start({.steps = steps, .limits = {1'000, 1e9}});
@@ -44,7 +44,7 @@ struct Bench {
     }
     position.note_rest();
   }
-  // The plate does, as the encoder sees it.
+  // Moves the plate by `steps` counts of the encoder.
   void count(std::int64_t steps) {
     for (std::int64_t i = 0; i != steps; i += steps > 0 ? 1 : -1) {
       scale += steps > 0 ? 1 : -1;
@@ -84,26 +84,26 @@ TEST_CASE("A position is known from homing until it is forgotten") {
   CHECK_FALSE(bench.position.height_at(bench_time));
 }
 
-TEST_CASE("The position is that of the switch's edge, however far the motor has run on since") {
+TEST_CASE("The position is taken at the switch's edge, however far the motor has moved since") {
   for (const bool upwards : {false, true}) {
     CAPTURE(upwards);
     const std::int64_t towards = upwards ? 1 : -1;
     Bench bench(config(false, upwards));
     bench.run(towards * 10);
-    // Between the seventh and the eighth step: three more.
+    // The edge is between the seventh and the eighth step; three more follow.
     bench.position.take_switch(bench_time - 2'500us);
     bench.position.become_known();
     CHECK(bench.position.by_steps().plate() == Microsteps{400 + towards * 3});
-    // The play lies where the motor came from.
+    // The play is on the side that the motor came from.
     CHECK(bench.position.by_steps().play == Microsteps{upwards ? 0 : 40});
   }
 }
 
-TEST_CASE("Without an encoder the height is what the steps make, over the screw's play") {
+TEST_CASE("Without an encoder the height follows from the steps and the screw's play") {
   Bench bench(config());
   bench.position.take_switch(bench_time);
   bench.position.become_known();
-  bench.run(40);  // through the play: the plate rests
+  bench.run(40);  // through the play, so the plate rests
   CHECK(bench.position.height() == Nanometers{500'000});
   bench.run(80);
   CHECK(bench.position.height() == Nanometers{600'000});
@@ -116,14 +116,14 @@ TEST_CASE("Without an encoder the height is what the steps make, over the screw'
   CHECK_FALSE(none.notice);
 }
 
-TEST_CASE("With an encoder the height is what it says, and the steps follow when it is taken for true") {
+TEST_CASE("With an encoder the height is the measured one, and take_encoder() sets the steps to it") {
   Bench bench(config(true));
   bench.inputs.serve();
   bench.position.take_switch(bench_time);
   bench.position.become_known();
   bench.position.move_begins();
-  bench.run(120);   // 80 steps of the plate
-  bench.count(-8);  // and it has gone the other way
+  bench.run(120);   // the plate moves 80 steps
+  bench.count(-8);  // the plate has moved the other way
   CHECK(bench.position.height() == Nanometers{490'000});
   CHECK(bench.position.by_steps().plate() == Microsteps{480});
   CHECK(bench.position.compare_with_encoder().notice);

@@ -1,5 +1,5 @@
-// What the real-time threads do while the motor turns takes no memory: their calls alone, in one thread under
-// a clock of the test's own.
+// Tests that the real-time threads allocate no memory while the motor turns: their calls are made in one
+// thread with the test's own clock.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-TimePoint test_time{};  // StepEngine wants a plain function
+TimePoint test_time{};  // global because StepEngine takes a plain function
 
 class CountingLine final : public OutputLine {
  public:
@@ -29,7 +29,7 @@ class CountingLine final : public OutputLine {
   int rises = 0;
 };
 
-// Gives one edge whenever it is told to.
+// An input that delivers one edge on demand.
 class TellingLine final : public InputLine {
  public:
   [[nodiscard]] int descriptor() const noexcept override { return -1; }
@@ -49,7 +49,7 @@ class TellingLine final : public InputLine {
   bool level_ = false, pending_ = false;
 };
 
-// A move up to its end, with an encoder that ticks at every step and a lid that opens and closes.
+// A whole move, with an encoder edge at every step and a lid that opens and closes.
 struct Machine {
   Machine() {
     AxisInputs::Lines lines;
@@ -58,7 +58,7 @@ struct Machine {
     lines.encoder_b = &encoder_b;
     inputs.emplace(engine, lines, []() noexcept { return test_time; });
   }
-  // Whether it came to its end.
+  // True if the move completed.
   bool run(std::int64_t steps, const MotionLimits& limits) {
     engine.start({steps, limits});
     if (!engine.begin()) return false;
@@ -82,7 +82,7 @@ struct Machine {
 
 }  // namespace
 
-TEST_CASE("Neither steps nor edges take memory, from the first on") {
+TEST_CASE("Neither steps nor edges allocate memory, from the first one on") {
   Machine machine;
   const MotionLimits trapezoid{4'000, 20'000};
   MotionLimits s_curve = trapezoid;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr Duration kDebounce = 5ms;
 
-// The states it comes to by `now`.
+// Returns the states that the contact reaches by `now`.
 std::vector<SafetyState> states(SafetyContact& contact, Duration now) {
   std::vector<SafetyState> all;
   while (const auto change = contact.change(TimePoint{now}))
@@ -24,14 +24,14 @@ constexpr SafetyState kSafe = SafetyState::Safe, kDoubtful = SafetyState::Deboun
 
 }  // namespace
 
-TEST_CASE("A safety contact at rest has nothing to tell and waits for nothing") {
+TEST_CASE("A safety contact at rest has no change and nothing due") {
   SafetyContact contact(kDebounce, false);
   contact.read(false, TimePoint{1s});
   CHECK_FALSE(contact.due());
   CHECK(states(contact, 2s).empty());
 }
 
-TEST_CASE("A safety contact is unsafe by its first edge, and has lasted when the debounce time is over") {
+TEST_CASE("A safety contact is unsafe from its first edge and has lasted after the debounce time") {
   SafetyContact contact(kDebounce, false);
   contact.edge(true, TimePoint{10ms});
   CHECK(states(contact, 10ms) == States{kDoubtful});
@@ -42,10 +42,10 @@ TEST_CASE("A safety contact is unsafe by its first edge, and has lasted when the
   CHECK(change->from == kDoubtful);
   CHECK(change->to == kUnsafe);
   CHECK(change->since == TimePoint{10ms});
-  CHECK_FALSE(contact.due());  // until it is let go
+  CHECK_FALSE(contact.due());  // until it is released
 }
 
-TEST_CASE("A spike on a safety contact is over after a debounce time of quiet, and has not lasted") {
+TEST_CASE("A spike on a safety contact ends after a debounce time of quiet without having lasted") {
   SafetyContact contact(kDebounce, false);
   contact.edge(true, TimePoint{10ms});
   contact.edge(false, TimePoint{11ms});
@@ -56,7 +56,7 @@ TEST_CASE("A spike on a safety contact is over after a debounce time of quiet, a
   CHECK_FALSE(contact.due());
 }
 
-TEST_CASE("A spike and a press that are learned of late are told apart all the same") {
+TEST_CASE("A spike and a press are told apart even if their edges are read late") {
   SafetyContact spike(kDebounce, false), press(kDebounce, false);
   spike.edge(true, TimePoint{10ms});
   spike.edge(false, TimePoint{11ms});
@@ -66,10 +66,10 @@ TEST_CASE("A spike and a press that are learned of late are told apart all the s
   CHECK(states(press, 1s) == States{kDoubtful, kUnsafe, kSafe});
 }
 
-TEST_CASE("A safety contact that chatters for the debounce time has lasted, however short each touch is") {
+TEST_CASE("A safety contact that chatters for the debounce time has lasted, however short each pulse is") {
   SafetyContact contact(kDebounce, false);
   States all;
-  for (int ms = 10; ms < 100; ms += 4) {  // 4 ms of quiet at the most
+  for (int ms = 10; ms < 100; ms += 4) {  // at most 4 ms of quiet
     contact.edge(true, TimePoint{ms * 1ms});
     contact.edge(false, TimePoint{ms * 1ms + 100us});
     for (const SafetyState state : states(contact, ms * 1ms + 200us))
@@ -80,14 +80,14 @@ TEST_CASE("A safety contact that chatters for the debounce time has lasted, howe
   CHECK(states(contact, 98ms + 100us + kDebounce) == States{kSafe});
 }
 
-TEST_CASE("An edge to the safe level where it was safe says that one was missed, and counts") {
+TEST_CASE("An edge to the safe level of a safe contact shows a missed edge, and counts") {
   SafetyContact contact(kDebounce, false);
   contact.edge(false, TimePoint{10ms});
   CHECK(states(contact, 10ms) == States{kDoubtful});
   CHECK(states(contact, 15ms) == States{kSafe});
 }
 
-TEST_CASE("A level that was read before its edge was told has the edge's time") {
+TEST_CASE("A level that was read before its edge arrived gets the edge's time") {
   SafetyContact contact(kDebounce, false);
   contact.read(true, TimePoint{12ms});
   contact.edge(true, TimePoint{10ms});
@@ -95,7 +95,7 @@ TEST_CASE("A level that was read before its edge was told has the edge's time") 
   CHECK(contact.due() == TimePoint{15ms});
 }
 
-TEST_CASE("A safety contact that is unsafe from the start has lasted") {
+TEST_CASE("A safety contact that is unsafe from the start counts as lasting") {
   SafetyContact contact(kDebounce, true);
   CHECK(contact.state() == kUnsafe);
   CHECK_FALSE(contact.due());
@@ -104,7 +104,7 @@ TEST_CASE("A safety contact that is unsafe from the start has lasted") {
   CHECK(states(contact, 15ms) == States{kSafe});
 }
 
-TEST_CASE("A safety contact without a debounce time lasts from its first edge on") {
+TEST_CASE("A safety contact without a debounce time counts as lasting from its first edge on") {
   SafetyContact contact(Duration{0}, false);
   contact.edge(true, TimePoint{10ms});
   CHECK(states(contact, 10ms) == States{kDoubtful, kUnsafe});

@@ -1,4 +1,4 @@
-// The engine alone, with a thread that is held up, under a time of the test's own.
+// Tests of the engine alone, with a delayed thread and the test's own clock.
 #include "hw/gpio/step_engine.hpp"
 
 #include <algorithm>
@@ -16,9 +16,9 @@ using testing::draw_real;
 
 namespace {
 
-TimePoint engine_time{};  // StepEngine wants a plain function
+TimePoint engine_time{};  // global because StepEngine takes a plain function
 
-// What the thread takes to look at the clock once more.
+// The time that the thread needs to read the clock once.
 constexpr Duration kLook{100};
 
 double seconds(Duration duration) {
@@ -36,7 +36,7 @@ class Line final : public OutputLine {
   std::optional<std::int64_t> refuses_from;
 };
 
-// The thread comes to nothing for so long from that time on, after the move's start.
+// A delay of the thread: it does not run for this long from this time after the move's start on.
 struct HoldUp {
   Duration at{}, lasting{};
 };
@@ -44,7 +44,7 @@ struct HoldUp {
 struct Run {
   Run() { engine_time = TimePoint{1s}; }
 
-  // A move to its end; the owner says stop, if it does, at that time after the start.
+  // Runs a move to its end; the event loop stops it at this time after the start, if given.
   void move(const StepMove& move, const std::vector<HoldUp>& hold_ups, std::optional<Duration> stop = {}) {
     start = engine_time;
     engine.start(move);
@@ -52,7 +52,7 @@ struct Run {
     const bool begun = engine.begin();
     for (bool running = begun; running; running = engine.running()) {
       TimePoint wake = engine.interrupted() ? engine_time + kLook : std::max(engine_time, engine.due());
-      wake = std::min(wake, engine_time + 10ms);  // the thread looks up as often
+      wake = std::min(wake, engine_time + 10ms);  // the thread checks for interruptions this often
       const TimePoint asked = stop ? start + *stop : TimePoint::max();
       if (!said_stop && wake >= asked) {
         engine_time = std::max(engine_time, asked);
@@ -85,8 +85,8 @@ struct Run {
   bool said_stop = false;
 };
 
-// How far a motor gets that slows down from `speed`, speeding up by `acceleration` until then: by arithmetic
-// of its own.
+// Returns the braking distance of a motor that has `speed` and `acceleration` at the stop, computed
+// independently of the code under test.
 double braking_way(double speed, double acceleration, const MotionLimits& limits) {
   if (!std::isfinite(limits.jerk)) return speed * speed / (2 * limits.acceleration);
   const double fall = std::max(acceleration, 0.0) / limits.jerk;
@@ -98,7 +98,7 @@ double braking_way(double speed, double acceleration, const MotionLimits& limits
   return way + top * ramp / 2;
 }
 
-// The way that is left at most to a move that makes its k-th step and is to stop.
+// Returns the longest distance that a stopping move may have left after its k-th step.
 double profile_way(std::int64_t steps, const MotionLimits& limits, std::int64_t k) {
   const MotionCurve curve(static_cast<double>(steps), limits);
   const double at = curve.time_at(static_cast<double>(k) - 0.5), speed = curve.speed_at(at);
@@ -107,16 +107,15 @@ double profile_way(std::int64_t steps, const MotionLimits& limits, std::int64_t 
   return braking_way(speed, std::clamp(acceleration, 0.0, limits.acceleration), limits);
 }
 
-// 5 mm/s and 50 mm/s^2 at 800 steps a mm.
+// 5 mm/s and 50 mm/s^2 at 800 steps per mm.
 constexpr MotionLimits kTrapezoid{4'000, 40'000};
 constexpr MotionLimits kSCurve{4'000, 40'000, 400'000};
-// A ramp takes 0.1 s, or 0.2 s; the cruise lasts beyond 4 s.
+// A ramp takes 0.1 s or 0.2 s; the cruise lasts longer than 4 s.
 constexpr std::int64_t kWay = 18'000;
 
 }  // namespace
 
-TEST_CASE(
-    "After stop the steps end within the profile, however long the thread was held up before, and where") {
+TEST_CASE("After a stop the steps end within the profile, however long and where the thread was delayed") {
   for (const MotionLimits& limits : {kTrapezoid, kSCurve}) {
     const Duration whole = StepPlanner(kWay, limits).duration();
     for (const Duration at : {20ms, 60ms, 2'000ms, 4'000ms}) {
@@ -128,7 +127,7 @@ TEST_CASE(
                               << ", stopped at " << seconds(asked) << " s");
           const auto before = run.made_by(run.start + asked);
           const auto travelled = static_cast<double>(std::ssize(run.step.rises) - before);
-          // At the step that is due next; a step more, since the way is rounded to whole ones.
+          // From the step that is due next; one step more, since the distance is rounded to whole steps.
           CHECK(travelled <= profile_way(kWay, limits, before + 1) + 2);
           CHECK(run.engine.last_end() == StepEnd::Stopped);
           CHECK(run.engine.position() == std::ssize(run.step.rises));
@@ -138,7 +137,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("A stop that comes while the motor stands, held up, makes no further step") {
+TEST_CASE("A stop while a delayed motor is at rest makes no further step") {
   for (const Duration held : {100ms, 1'000ms, 4'000ms}) {
     Run run;
     run.move({kWay, kTrapezoid}, {{1s, held}}, 1s + held / 2);
@@ -147,7 +146,7 @@ TEST_CASE("A stop that comes while the motor stands, held up, makes no further s
   }
 }
 
-TEST_CASE("However a thread is held up, a stop ends a move within its profile") {
+TEST_CASE("However the thread is delayed, a stop ends a move within its profile") {
   CHECK(rc::check([] {
     MotionLimits limits{draw_real(50, 20'000), draw_real(500, 400'000)};
     if (draw(0, 1) != 0) limits.jerk = draw_real(5'000, 20'000'000);
@@ -166,14 +165,14 @@ TEST_CASE("However a thread is held up, a stop ends a move within its profile") 
     }
     const std::int64_t due = std::min<std::int64_t>(before + 1, steps);
     double most = profile_way(steps, limits, due);
-    // Where it stood meanwhile, it has ramped up from rest again.
+    // After a rest the motor has ramped up again.
     const std::int64_t stood_at = run.made_by(run.start + at);
     if (stood_at < due) most = std::max(most, profile_way(steps - stood_at, limits, due - stood_at));
     RC_ASSERT(static_cast<double>(made - before) <= most + 2);
   }));
 }
 
-TEST_CASE("After it has stood, held up, the motor ramps up again from rest") {
+TEST_CASE("After a delay that brings it to rest the motor ramps up again") {
   for (const MotionLimits& limits : {kTrapezoid, kSCurve}) {
     for (const Duration at : {60ms, 2'000ms, 4'480ms}) {
       Run run;
@@ -181,7 +180,7 @@ TEST_CASE("After it has stood, held up, the motor ramps up again from rest") {
       CHECK(run.engine.last_end() == StepEnd::Completed);
       const auto made = run.made_by(run.start + at);
       REQUIRE(std::ssize(run.step.rises) == kWay);
-      // As a move over what is left, from the moment on at which the thread came back.
+      // The rest equals a new move over the remaining steps, from the time at which the thread runs again.
       StepPlanner left(kWay - made, limits);
       const TimePoint back = run.start + at + 1s;
       for (auto i = static_cast<std::size_t>(made); !left.finished(); left.advance(), ++i) {
@@ -194,8 +193,8 @@ TEST_CASE("After it has stood, held up, the motor ramps up again from rest") {
   }
 }
 
-TEST_CASE("A step that is late by less than the motor needs to stop shifts the rest and no more") {
-  // 16 intervals of 0.25 ms, from when the step was due: up to an interval after the hold-up's beginning.
+TEST_CASE("A step that is late by less than the motor needs to stop only shifts the rest") {
+  // 16 intervals of 0.25 ms after the step was due, which is up to one interval after the delay's beginning.
   for (const auto& [held, again] : {std::pair{3'900us, false}, std::pair{4'300us, true}}) {
     Run run;
     run.move({kWay, kTrapezoid}, {{1s, held}});
@@ -210,7 +209,7 @@ TEST_CASE("A step that is late by less than the motor needs to stop shifts the r
   }
 }
 
-TEST_CASE("Above its pull-in speed a motor that stood has stalled, and a move may end with that") {
+TEST_CASE("Above its pull-in speed a motor that comes to rest has stalled, and the move may end then") {
   const auto end = [](double pull_in, bool ends, Duration at) {
     Run run;
     run.move({kWay, kTrapezoid, pull_in, ends}, {{at, 1s}});
@@ -227,10 +226,10 @@ TEST_CASE("Above its pull-in speed a motor that stood has stalled, and a move ma
   CHECK(end(2'000, true, 40ms).second.count == 0);
   CHECK(end(2'000, true, 60ms).first == StepEnd::Stalled);  // 2,400
   CHECK(end(4'001, true, 1s).first == StepEnd::Completed);
-  CHECK(end(2'000, true, 0ms).first == StepEnd::Completed);  // before the first step it stood anyhow
+  CHECK(end(2'000, true, 0ms).first == StepEnd::Completed);  // the motor is at rest before the first step
 }
 
-TEST_CASE("What is foreseen of a move is what it makes of it, held up, ramping again, or stopped") {
+TEST_CASE("A move makes the predicted steps, whether delayed, ramping again or stopped") {
   CHECK(rc::check([] {
     const MotionLimits& limits = draw(0, 1) != 0 ? kSCurve : kTrapezoid;
     const std::int64_t steps = draw(500, 4'000), sign = draw(0, 1) != 0 ? 1 : -1;
@@ -257,15 +256,13 @@ TEST_CASE("What is foreseen of a move is what it makes of it, held up, ramping a
       engine_time = wake;
       run.engine.act();
     }
-    // A step's time is rounded to a nanosecond, and due at the very time: a step.
+    // A step's time is rounded to a nanosecond and may fall on this very time: one step.
     for (const auto& [time, position] : foreseen)
       RC_ASSERT(std::llabs(position - sign * run.made_by(time)) <= 1);
   }));
 }
 
-TEST_CASE(
-    "A stop ends with its move, a halt holds until it is forgotten, steps stay inhibited until they are "
-    "enabled") {
+TEST_CASE("A stop ends with its move, a halt lasts until forget_halt(), inhibition until enable()") {
   Run run;
   run.move({500, kTrapezoid}, {}, 0ms);
   CHECK(run.engine.last_end() == StepEnd::Stopped);
@@ -292,7 +289,7 @@ TEST_CASE(
   CHECK(run.engine.position() == 1'000);
 }
 
-TEST_CASE("Whatever a move's end, its position is where it began and the steps that its line has taken") {
+TEST_CASE("However a move ends, its position is its start plus the steps that the line has accepted") {
   CHECK(rc::check([] {
     Run run;
     std::int64_t position = 0;

@@ -19,13 +19,13 @@ TimePoint at(std::int64_t ns) {
 
 }  // namespace
 
-TEST_CASE("A history counts the steps made at a time or before, as a naive count does") {
+TEST_CASE("A history's count at a time equals a naive count") {
   CHECK(rc::check([] {
     StepHistory history;
     std::vector<std::int64_t> times;
     std::int64_t time = 0;
     for (std::int64_t steps = draw(0, 300); steps > 0; --steps) {
-      time += draw(0, 3);  // two at one time, too
+      time += draw(0, 3);  // sometimes two at one time
       times.push_back(time);
       history.add(at(time));
     }
@@ -37,12 +37,12 @@ TEST_CASE("A history counts the steps made at a time or before, as a naive count
   }));
 }
 
-TEST_CASE("A history keeps the last steps, and of earlier ones how many they were") {
+TEST_CASE("A history keeps the last steps and the number of earlier ones") {
   StepHistory history;
   const auto all = static_cast<std::int64_t>(StepHistory::kKept * 2 + 100);
   for (std::int64_t step = 1; step <= all; ++step)
     history.add(at(step));
-  // A few of the oldest are left out, since the writer may be about to overwrite them.
+  // A few of the oldest are left out, since the writer may be overwriting them.
   const std::int64_t gone = all - static_cast<std::int64_t>(StepHistory::kKept) + 64;
   CHECK(history.count_at(at(0)) == static_cast<std::uint64_t>(gone));
   CHECK(history.count_at(at(gone)) == static_cast<std::uint64_t>(gone));
@@ -50,12 +50,11 @@ TEST_CASE("A history keeps the last steps, and of earlier ones how many they wer
   CHECK(history.count_at(at(all)) == static_cast<std::uint64_t>(all));
 }
 
-TEST_CASE("Whoever has read a history's count finds that step's time, however fast others are added",
-          "[threads]") {
+TEST_CASE("A reader of a history's count finds that step's time, however fast steps are added", "[threads]") {
   StepHistory history;
   std::atomic<bool> quit{false};
   std::thread writer([&] {
-    // The n-th step at n.
+    // Step n is made at time n.
     for (std::int64_t step = 1; !quit; ++step)
       history.add(at(step));
   });
@@ -68,7 +67,7 @@ TEST_CASE("Whoever has read a history's count finds that step's time, however fa
     const std::uint64_t then = history.count();
     grows = grows && made >= last;
     last = made;
-    // A reader that was held up for the whole of what is kept learns how many are no longer kept.
+    // A reader that was delayed for all kept steps gets the number of steps that are no longer kept.
     if (then - made > StepHistory::kKept / 2) continue;
     finds = finds && found == made;
     ++compared;

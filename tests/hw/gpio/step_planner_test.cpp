@@ -32,18 +32,18 @@ MotionLimits draw_limits() {
   return limits;
 }
 
-// The times of a planned move's steps are rounded to whole nanoseconds.
+// Planned step times are rounded to whole nanoseconds.
 constexpr double kRounding_s = 1e-9;
 
-// Speeds between neighbouring steps, and the accelerations from one to the next, stay within the limits.
+// True if the speeds between neighbouring steps, and the accelerations between those, are within the limits.
 bool within_limits(const std::vector<Duration>& at, const MotionLimits& limits) {
   double last_speed = 0;
   for (std::size_t i = 1; i < at.size(); ++i) {
     const double interval = seconds(at[i] - at[i - 1]);
     if (interval < 1 / limits.speed - kRounding_s) return false;
     const double speed = 1 / interval;
-    // The mean speed of an interval is the speed at some moment within it: two of them lie at most both
-    // intervals apart. A rounding of a nanosecond changes a speed by its square times that.
+    // The mean speed of an interval is the speed at some moment within it, and two such moments are at most
+    // two intervals apart. A rounding by 1 ns changes a speed by its square times 1 ns.
     if (i > 1) {
       const double apart = seconds(at[i] - at[i - 2]);
       const double noise = 2 * kRounding_s * std::max(speed * speed, last_speed * last_speed);
@@ -56,8 +56,8 @@ bool within_limits(const std::vector<Duration>& at, const MotionLimits& limits) 
 
 }  // namespace
 
-TEST_CASE("Steps on a trapezoid are where arithmetic puts them") {
-  // 100 steps/s^2: the half-way mark of step k is passed after sqrt((2k-1)/100) s; full speed after 0.5 s.
+TEST_CASE("Steps on a trapezoid have the times of a direct calculation") {
+  // At 100 steps/s^2 the middle of step k is passed after sqrt((2k-1)/100) s; full speed after 0.5 s.
   StepPlanner plan(100, {50, 100});
   const std::vector<Duration> at = times(plan);
   REQUIRE(at.size() == 100);
@@ -69,14 +69,14 @@ TEST_CASE("Steps on a trapezoid are where arithmetic puts them") {
   CHECK(at[99] == 2400ms);
 }
 
-TEST_CASE("A move of no steps is finished and takes no time") {
+TEST_CASE("A move of 0 steps is finished and takes no time") {
   const StepPlanner plan(0, {50, 100});
   CHECK(plan.finished());
   CHECK(plan.duration() == Duration{0});
   CHECK(StepPlanner{}.finished());
 }
 
-TEST_CASE("A move makes each of its steps once, one after the other, and mirrored") {
+TEST_CASE("A move makes each of its steps once, in order, with symmetric times") {
   CHECK(rc::check([] {
     const std::int64_t steps = draw(1, 3'000);
     const MotionLimits limits = draw_limits();
@@ -88,14 +88,14 @@ TEST_CASE("A move makes each of its steps once, one after the other, and mirrore
     RC_ASSERT(at.back() < whole);
     for (std::size_t i = 1; i < at.size(); ++i)
       RC_ASSERT(at[i] > at[i - 1]);
-    // Three roundings to a nanosecond, and that of the doubles: a ramp's end is known to 1e-16 of the way,
-    // which the slow first and last step (speed with the root of the way) turns into time.
+    // Three roundings to 1 ns, plus that of the doubles: a ramp's end is known to 1e-16 of the distance,
+    // which the slow first and last steps (speed grows with the root of the distance) turn into time.
     for (std::size_t i = 0; i < at.size(); ++i)
       RC_ASSERT(std::chrono::abs(at[i] + at[at.size() - 1 - i] - whole) <= 3ns);
   }));
 }
 
-TEST_CASE("Steps keep within speed and acceleration") {
+TEST_CASE("Steps stay within the limits of speed and acceleration") {
   CHECK(rc::check([] {
     const MotionLimits limits = draw_limits();
     StepPlanner plan(draw(1, 3'000), limits);
@@ -103,21 +103,21 @@ TEST_CASE("Steps keep within speed and acceleration") {
   }));
 }
 
-TEST_CASE("The number of steps due by a time is that of the steps planned before it") {
+TEST_CASE("The number of steps due by a time equals the number of steps planned before it") {
   CHECK(rc::check([] {
     StepPlanner plan(draw(1, 500), draw_limits());
     const StepPlanner fresh = plan;
     const std::vector<Duration> at = times(plan);
     const Duration t{draw(0, plan.duration().count())};
     const auto before = std::upper_bound(at.begin(), at.end(), t) - at.begin();
-    // Unless a step falls on that very nanosecond.
+    // One more or less if a step falls on this very nanosecond.
     if (std::none_of(at.begin(), at.end(), [t](Duration s) { return std::chrono::abs(s - t) <= 1ns; })) {
       RC_ASSERT(fresh.due_by(t) == before);
     }
   }));
 }
 
-TEST_CASE("A stop makes fewer steps, later ones, and within the limits") {
+TEST_CASE("A stop makes fewer and later steps, within the limits") {
   CHECK(rc::check([] {
     const std::int64_t steps = draw(1, 3'000);
     const MotionLimits limits = draw_limits();

@@ -1,4 +1,4 @@
-// The threads themselves, in real time: how long they wait is the machine's matter, what they do is not.
+// Tests of the real threads in real time. Their delays depend on the computer; their results must not.
 #include "hw/gpio/step_thread.hpp"
 
 #include <fcntl.h>
@@ -26,7 +26,7 @@ class CountingLine final : public OutputLine {
   std::atomic<int> rises{0};
 };
 
-// A contact that is a pipe: it closes when something is written.
+// A contact made of a pipe; writing to the pipe closes the contact.
 class PipeLine final : public InputLine {
  public:
   PipeLine() { REQUIRE(pipe2(ends_.data(), O_NONBLOCK) == 0); }
@@ -49,7 +49,7 @@ class PipeLine final : public InputLine {
   std::atomic<bool> pressed_{false};
 };
 
-// Each step takes the processor for longer than it should; with the 100th, the switch closes.
+// A step line whose steps keep the processor busy for too long; with the 100th step the switch closes.
 class LaboriousLine final : public OutputLine {
  public:
   explicit LaboriousLine(PipeLine& contact) : contact_(contact) {}
@@ -65,7 +65,7 @@ class LaboriousLine final : public OutputLine {
   PipeLine& contact_;
 };
 
-// What is run in this thread, and in those that it makes, has one processor between them.
+// While it exists, this thread and the threads that it creates share one processor.
 class OneProcessor {
  public:
   OneProcessor() {
@@ -85,7 +85,7 @@ class OneProcessor {
 
 }  // namespace
 
-TEST_CASE("The threads make a move's steps, then the next move's, and end when told", "[threads]") {
+TEST_CASE("The threads make a move's steps, then the next move's, and end when destroyed", "[threads]") {
   CountingLine step, direction;
   StepEngine engine(step, direction, {});
   AxisInputs inputs(engine, {});
@@ -112,12 +112,12 @@ TEST_CASE("The threads make a move's steps, then the next move's, and end when t
     CHECK(engine.position() == 50 + made - 350);
     engine.ended().clear();
     engine.forget_halt();
-    engine.start({1'000'000, {1'000, 1'000'000}});  // the threads end under way
+    engine.start({1'000'000, {1'000, 1'000'000}});  // the threads end during the move
   }
   CHECK_FALSE(engine.moving());
 }
 
-TEST_CASE("A switch halts the steps with the next one on a processor that has no time beside them",
+TEST_CASE("A switch halts the steps at the next one, even on a processor that they keep fully busy",
           "[threads]") {
   PipeLine contact;
   LaboriousLine step(contact);
@@ -132,18 +132,19 @@ TEST_CASE("A switch halts the steps with the next one on a processor that has no
     std::cout << "SKIPPED: " << threads.refusals()[0] << '\n';
     return;
   }
-  inputs.set_limit_rule(LimitRule::AtContact);  // once it steps, nothing else of this processor runs
+  inputs.set_limit_rule(
+      LimitRule::AtContact);  // once the steps begin, no other thread runs on this processor
   engine.start({5'000, {20'000, 2'000'000}});
   while (engine.moving())
     engine.ended().wait();
   CHECK(engine.last_end() == StepEnd::Halted);
-  CHECK(step.rises == 100);  // the one that it closed with
+  CHECK(step.rises == 100);  // the step at which the switch closed
 }
 
-TEST_CASE("A priority that the system refuses is told in a sentence, and the thread runs", "[threads]") {
+TEST_CASE("A refused priority is reported in a sentence, and the thread runs", "[threads]") {
   CountingLine step, direction;
   StepEngine engine(step, direction, {});
-  const StepThread thread(engine, 1'000);  // there is none above 99
+  const StepThread thread(engine, 1'000);  // the highest is 99
   REQUIRE_FALSE(thread.refusals().empty());
   CHECK(thread.refusals()[0].find("refuses real-time priority 1000 to the thread contourd-steps") !=
         std::string::npos);

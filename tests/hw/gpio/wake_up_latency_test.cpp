@@ -6,7 +6,7 @@ using namespace contourd;
 using namespace std::chrono_literals;
 using testing::Approx;
 
-TEST_CASE("A computer keeps the speed at which its wake-ups shift few steps and stop no motor") {
+TEST_CASE("The sustainable rate is the one at which wake-ups shift few steps and stop no motor") {
   const auto kept = [](Duration p99, Duration worst) {
     return WakeUpLatency{.count = 6'000, .p99 = p99, .worst = worst}.sustainable_rate(20'000);
   };
@@ -17,13 +17,12 @@ TEST_CASE("A computer keeps the speed at which its wake-ups shift few steps and 
   CHECK(kept(5us, 5'001us) == 0);
 }
 
-TEST_CASE("Wake-ups are counted at their rate, and a priority that is refused is told", "[threads]") {
+TEST_CASE("Wake-ups are counted at their rate, and a refused priority is reported", "[threads]") {
   const TimePoint start = std::chrono::steady_clock::now();
-  const WakeUpLatency latency =
-      measure_wake_up_latency(2'000, 1'000, 100ms);  // there is no priority above 99
+  const WakeUpLatency latency = measure_wake_up_latency(2'000, 1'000, 100ms);  // the highest priority is 99
   CHECK(std::chrono::steady_clock::now() - start >= 100ms);
   CHECK(latency.count > 0);
-  CHECK(latency.count <= 201);  // fewer where they came late
+  CHECK(latency.count <= 201);  // fewer if some came late
   CHECK(latency.p99 <= latency.worst);
   REQUIRE_FALSE(latency.refusals.empty());
   CHECK(latency.refusals[0].find("refuses real-time priority 1000") != std::string::npos);

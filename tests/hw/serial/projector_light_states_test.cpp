@@ -21,7 +21,7 @@ struct Row {
   std::vector<F> effects;
 };
 
-// Written out apart from the table, row for row.
+// The expected table, written out separately, row for row.
 const std::vector<Row> kExpected{
     {S::Dark, E::LightOnSent, S::TurningOn, {F::NoteLightOn}},
     {S::AskedWhetherOn, E::LightOnSent, S::TurningOn, {F::NoteLightOn}},
@@ -196,7 +196,7 @@ TEST_CASE("A light off that is wanted is sent in every state, before anything el
   }
 }
 
-TEST_CASE("A light is taken as on from the first byte of light on or of power on") {
+TEST_CASE("A light counts as on from the first byte of light on or of power on") {
   for (const S state : all_states()) {
     for (const E sent : {E::LightOnSent, E::PowerOnSent}) {
       CAPTURE(name_of(state), name_of(sent));
@@ -206,8 +206,7 @@ TEST_CASE("A light is taken as on from the first byte of light on or of power on
   }
 }
 
-TEST_CASE(
-    "A light off under way is sent anew behind what may light: a reply to an earlier one does not count") {
+TEST_CASE("A light off under way is sent again after light on or power on: earlier replies do not count") {
   for (const S state : {S::MakingSure, S::TurningOff, S::Overdue}) {
     for (const E sent : {E::LightOnSent, E::PowerOnSent}) {
       CAPTURE(name_of(state), name_of(sent));
@@ -228,14 +227,14 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("A light on that is not confirmed is asked after or turned off, and never sent again") {
+TEST_CASE("A light on that is not confirmed leads to a question or to light off, and is never sent again") {
   for (const E unconfirmed : {E::LightOnUnanswered, E::LightOnFailed}) {
     const ProjectorLightTransition* found = find(S::TurningOn, unconfirmed);
     REQUIRE(found != nullptr);
     CHECK((found->done().front() == F::AskWhetherLit || found->done().front() == F::SendLightOff));
   }
   CHECK(find(S::AskedWhetherLit, E::SaysUnlit)->done().front() == F::SendLightOff);
-  // No effect sends it: that is its owner's alone.
+  // No effect sends light on: only ProjectorLight::turn_on() does.
   for (const ProjectorLightTransition& t : projector_light_transitions())
     if (has(t, F::TellLit)) CHECK(t.to == S::Lit);
 }
@@ -255,7 +254,7 @@ TEST_CASE("A light off under way ends with an answer to it, or goes on after a p
   }
 }
 
-TEST_CASE("A light that is not confirmed off is reported once, and its end too") {
+TEST_CASE("A light off that is not confirmed is reported once, and so is its confirmation") {
   for (const ProjectorLightTransition& t : projector_light_transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
     CHECK(has(t, F::ReportOverdue) == (!is_overdue(t.from) && is_overdue(t.to)));

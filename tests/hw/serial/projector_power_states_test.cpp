@@ -21,7 +21,7 @@ struct Row {
   std::vector<F> effects;
 };
 
-// Written out apart from the table, row for row.
+// The expected table, written out separately, row for row.
 const std::vector<Row> kExpected{
     {S::Unknown, E::PowerOnWanted, S::Asking, {F::AskWhetherOn}},
     {S::LeftOn, E::PowerOnWanted, S::Asking, {F::AskWhetherOn}},
@@ -163,7 +163,7 @@ TEST_CASE("No state of a projector's power has two rows for one event") {
 
 namespace {
 
-// Where somebody waits for power.
+// True if a power on is pending in this state.
 bool is_wanted(S state) {
   const std::set<S> at_rest{S::Unknown,         S::LeftOn,     S::Off,       S::On,
                             S::WarmingUpUnused, S::TurningOff, S::OffOverdue};
@@ -172,7 +172,8 @@ bool is_wanted(S state) {
 
 }  // namespace
 
-TEST_CASE("A power off that is wanted turns the light off first, in every state, and ends what waits") {
+TEST_CASE(
+    "A power off that is wanted turns the light off first, in every state, and ends a pending power on") {
   for (const S state : all_states()) {
     CAPTURE(name_of(state));
     const ProjectorPowerTransition* found = find(state, E::PowerOffWanted);
@@ -183,7 +184,7 @@ TEST_CASE("A power off that is wanted turns the light off first, in every state,
   }
 }
 
-TEST_CASE("A projector is turned off until that is confirmed, wanted no more or cannot be known") {
+TEST_CASE("Power off is sent until it is confirmed, no longer wanted or cannot be known") {
   const std::set<E> ends{E::PowerOffConfirmed, E::PowerOffUnknowable, E::PowerOnWanted};
   for (const ProjectorPowerTransition& t : projector_power_transitions()) {
     if (!is_turned_off(t.from)) continue;
@@ -219,12 +220,12 @@ TEST_CASE("Power on is sent only where it is wanted, and its light is suspected 
   }
 }
 
-TEST_CASE("Whoever wants power is told when it is on, failed or went off, unless light off came first") {
+TEST_CASE("A power on is answered when it succeeds, fails or is undone, unless light off came first") {
   for (const ProjectorPowerTransition& t : projector_power_transitions()) {
     if (!is_wanted(t.from) || is_wanted(t.to)) continue;
     CAPTURE(name_of(t.from), name_of(t.on));
-    const bool told = has(t, F::Tell) || has(t, F::TellNeverOn) || has(t, F::TellWentOff);
-    CHECK(told == (t.on != E::Dropped && t.on != E::PowerOffWanted));
+    const bool answered = has(t, F::Tell) || has(t, F::TellNeverOn) || has(t, F::TellWentOff);
+    CHECK(answered == (t.on != E::Dropped && t.on != E::PowerOffWanted));
   }
 }
 

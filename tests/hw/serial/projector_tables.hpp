@@ -1,4 +1,4 @@
-// Tables to test with, as a reader of files would make them. Pure functions.
+// Projector tables for tests, as the reader of table files would make them. Pure functions.
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ inline ProjectorCommand hex_command(const std::string& name, const std::string& 
   return command;
 }
 
-// Optoma's, in short.
+// Returns a short form of Optoma's table.
 inline ProjectorTable text_table() {
   using M = ReplyMeaning;
   ProjectorTable table;
@@ -46,7 +46,7 @@ inline ProjectorTable text_table() {
   return table;
 }
 
-// ViewSonic's, with a light.
+// Returns a short form of ViewSonic's table, with light commands.
 inline ProjectorTable bytes_table() {
   using M = ReplyMeaning;
   const std::vector<std::pair<M, std::string>> yes_or_no{{M::Accepted, "03 14 00 00 00 sum"},

@@ -56,11 +56,11 @@ TEST_CASE("a hex message's checksum is computed, or checked where it is written 
   CHECK(complaint("06 14 5D", Checksum::SumAfterFirst) == "its last byte is 5D, but the checksum is 14");
   CHECK(complaint("06 sum", Checksum::None) ==
         "\"sum\" stands for a checksum, but the table's checksum is \"none\"");
-  CHECK(complaint("sum 06", Checksum::SumAfterFirst) == "\"sum\" must be the last");
-  CHECK(complaint(" ", Checksum::None) == "there are no bytes in it");
+  CHECK(complaint("sum 06", Checksum::SumAfterFirst) == "\"sum\" must come last");
+  CHECK(complaint(" ", Checksum::None) == "the text has no bytes");
   CHECK(complaint("{} {}", Checksum::None) == "there is more than one {}");
   CHECK(complaint("01 {} 02", Checksum::SumAfterFirst) == "with a {} in it, its checksum must be \"sum\"");
-  CHECK(complaint("0x2A", Checksum::None).starts_with("\"0x2A\" is no byte"));
+  CHECK(complaint("0x2A", Checksum::None).starts_with("\"0x2A\" is not a byte"));
 }
 
 TEST_CASE("a brightness goes in as digits or as a byte, and the checksum follows it") {

@@ -19,7 +19,7 @@ constexpr TimePoint kNow{};
 constexpr Duration kPatience{10s};
 constexpr TimePoint kLater = kNow + kPatience;
 
-// What a reader makes of these bytes, one word a reply.
+// Returns the replies that a reader finds in these bytes, one string per reply.
 std::vector<std::string> heard(ReplyReader& reader, const std::string& bytes, TimePoint now = kNow) {
   std::vector<std::string> all;
   for (const char byte : bytes) {
@@ -52,13 +52,13 @@ TEST_CASE("a command before one that was answered has gone unanswered") {
   CHECK(reader.unexplained() == "P\r");
 }
 
-TEST_CASE("what began to come before a command was sent is no reply to it") {
+TEST_CASE("bytes that began to come before a command was sent are no reply to it") {
   SECTION("a line") {
     const ProjectorTable table = text_table();
     ReplyReader reader(table);
     CHECK(heard(reader, "P").empty());
     reader.expect(1, *table.light_off, kNow, kPatience);
-    SECTION("that ends behind it") {
+    SECTION("that ends after it") {
       CHECK(heard(reader, "\r").empty());
     }
     SECTION("that ends with silence") {
@@ -66,7 +66,7 @@ TEST_CASE("what began to come before a command was sent is no reply to it") {
     }
     CHECK(heard(reader, "P\r") == Words{"1 P"});
   }
-  SECTION("a line of the command before it is that one's") {
+  SECTION("a line that belongs to the command before it") {
     const ProjectorTable table = text_table();
     ReplyReader reader(table);
     reader.expect(1, table.power_on, kNow, kPatience);
@@ -74,7 +74,7 @@ TEST_CASE("what began to come before a command was sent is no reply to it") {
     reader.expect(2, *table.light_off, kNow, kPatience);
     CHECK(heard(reader, "\rP\r") == Words{"1 P", "2 P"});
   }
-  SECTION("blanks before it are no line's beginning") {
+  SECTION("blanks, which do not begin a line") {
     const ProjectorTable table = text_table();
     ReplyReader reader(table);
     CHECK(heard(reader, " \x7F").empty());
@@ -94,7 +94,7 @@ TEST_CASE("what began to come before a command was sent is no reply to it") {
   }
 }
 
-TEST_CASE("a command is waited for as long as one before it is, and as long again behind that one's reply") {
+TEST_CASE("a reply is awaited as long as the previous one, and for its own time again after that one") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
   reader.expect(1, *table.light_on, kNow, 3 * kPatience);
@@ -108,7 +108,7 @@ TEST_CASE("a command is waited for as long as one before it is, and as long agai
   CHECK(heard(reader, "P\r", late + kPatience + 1ns).empty());
 }
 
-TEST_CASE("a reply is ambiguous where the like was still to come for another request when its command went") {
+TEST_CASE("a reply is ambiguous if one like it was still due for another request when its command was sent") {
   const ProjectorTable table = text_table();
   const auto ambiguous = [&table](const ProjectorCommand& before, ReplyReader::RequestId id) {
     ReplyReader reader(table);
@@ -122,13 +122,11 @@ TEST_CASE("a reply is ambiguous where the like was still to come for another req
     return last.reply.value().ambiguous;
   };
   CHECK(ambiguous(*table.light_on, 2));
-  CHECK_FALSE(ambiguous(*table.light_on, 1));  // the same request, sent once more
-  CHECK_FALSE(ambiguous(*table.power, 2));     // that answers otherwise
+  CHECK_FALSE(ambiguous(*table.light_on, 1));  // a repetition of the request
+  CHECK_FALSE(ambiguous(*table.power, 2));     // a command with other replies
 }
 
-TEST_CASE(
-    "a reply is ambiguous where the like had answered a request that was sent more than once, while one may "
-    "follow") {
+TEST_CASE("a reply is ambiguous while one like it may still answer a request that was sent more than once") {
   const ProjectorTable table = text_table();
   const auto ambiguous = [&table](int sent, TimePoint then) {
     ReplyReader reader(table);
@@ -146,36 +144,37 @@ TEST_CASE(
     return ambiguous_replies;
   };
   CHECK(ambiguous(1, kNow) == 0);
-  CHECK(ambiguous(2, kNow) == 2);  // each of both may come once more
+  CHECK(ambiguous(2, kNow) == 2);  // each of the two may be repeated
   CHECK(ambiguous(2, kNow + kPatience + 1ns) == 0);
 }
 
-TEST_CASE("behind a reply that may have been another's, a request's own may still come for a later one's") {
+TEST_CASE(
+    "after an ambiguous reply, the request's own reply may still come, and be taken for a later one's") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
   reader.expect(1, *table.light_off, kNow, kPatience);
   reader.expect(2, table.power_on, kNow, kPatience);
-  CHECK(heard(reader, "F\rF\r") == Words{"1 F", "2 F"});  // light off's, twice
+  CHECK(heard(reader, "F\rF\r") == Words{"1 F", "2 F"});  // both are light off's
   const auto ambiguous = [&reader](const std::string& bytes, TimePoint then) {
     ReplyReader::Heard last;
     for (const char byte : bytes)
       last = reader.take(byte, then);
     return last.reply.value().ambiguous;
   };
-  SECTION("while it may") {
+  SECTION("as long as it may come") {
     reader.expect(1, *table.light_off, kNow, kPatience);
     CHECK(ambiguous("P\r", kNow));  // power on's
     reader.expect(1, *table.light_off, kNow, kPatience);
     CHECK_FALSE(ambiguous("P\r", kNow));
   }
-  SECTION("and no longer") {
+  SECTION("but no longer") {
     const TimePoint then = kNow + kPatience + 1ns;
     reader.expect(1, *table.light_off, then, kPatience);
     CHECK_FALSE(ambiguous("P\r", then));
   }
 }
 
-TEST_CASE("a reply that is too late to be one is none") {
+TEST_CASE("a reply that comes too late is ignored") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
   reader.expect(1, table.power_on, kNow, kPatience);
@@ -183,7 +182,7 @@ TEST_CASE("a reply that is too late to be one is none") {
   CHECK(heard(reader, "P\r").empty());
 }
 
-TEST_CASE("blanks, line feeds and NULs around a reply are not part of it, and are nothing to wonder at") {
+TEST_CASE("blanks, line feeds and NULs around a reply are not part of it, and count as explained") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
   reader.expect(1, table.power_on, kNow, kPatience);
@@ -191,7 +190,7 @@ TEST_CASE("blanks, line feeds and NULs around a reply are not part of it, and ar
   CHECK(reader.unexplained().empty());
 }
 
-TEST_CASE("a command's echo is taken out once, with the prompt before it") {
+TEST_CASE("a command's echo is removed once, with the prompt before it") {
   ProjectorTable table = text_table();
   table.echo = true;
   table.power_on = text_command("power on", "\r*pow=on#", {{ReplyMeaning::Accepted, "\\*pow=on#"}});
@@ -202,7 +201,7 @@ TEST_CASE("a command's echo is taken out once, with the prompt before it") {
   CHECK(heard(reader, "*pow=on#\r") == Words{"1 *pow=on#"});
 }
 
-TEST_CASE("a raw command's echo is taken out before its reply is looked for") {
+TEST_CASE("a raw command's echo is removed before its reply is looked for") {
   ProjectorTable table = bytes_table();
   table.echo = true;
   ReplyReader reader(table);
@@ -213,7 +212,7 @@ TEST_CASE("a raw command's echo is taken out before its reply is looked for") {
   CHECK(heard(reader, yes) == Words{"1 " + yes});
 }
 
-TEST_CASE("raw replies are found behind noise, and not without their checksum") {
+TEST_CASE("raw replies are found after noise, and not without their checksum") {
   const ProjectorTable table = bytes_table();
   ReplyReader reader(table);
   reader.expect(1, *table.power, kNow, kPatience);
@@ -221,7 +220,7 @@ TEST_CASE("raw replies are found behind noise, and not without their checksum") 
   CHECK(heard(reader, std::string("\xff\x05\x14\x00\x03\x00\x00\x00\x01\x18", 10)).size() == 1);
 }
 
-TEST_CASE("a line that never ends is cut, and what came last is kept to be shown") {
+TEST_CASE("a line that never ends is cut, and its last bytes are kept to be shown") {
   const ProjectorTable table = text_table();
   ReplyReader reader(table);
   reader.expect(1, table.power_on, kNow, kPatience);
@@ -230,8 +229,8 @@ TEST_CASE("a line that never ends is cut, and what came last is kept to be shown
   CHECK(heard(reader, "\rP\r") == Words{"1 P"});
 }
 
-TEST_CASE("however bytes are portioned, a projector hears the same") {
-  // Whole conversations over a channel, in portions of any size, against the same in one portion.
+TEST_CASE("the portions in which bytes come do not change the replies") {
+  // Compares whole conversations in portions of any size with the same conversations in one portion.
   const auto converse = [](const ProjectorTable& table, const std::string& bytes,
                            const std::vector<std::size_t>& sizes) {
     ReplyReader reader(table);

@@ -18,10 +18,10 @@ class ScriptedChannel final : public ByteChannel {
  public:
   explicit ScriptedChannel(VirtualClock& clock) : clock_(clock) {}
 
-  // What the projector does with each message that is sent to it.
+  // The projector's reaction to each message that is sent to it.
   std::function<void(const std::string& message)> projector = [](const std::string&) {};
 
-  // The projector sends bytes, after a while.
+  // Sends bytes as the projector, after `delay`.
   void send(std::string bytes, Duration delay = std::chrono::milliseconds{20}) {
     timers_.push_back(clock_.call_after(delay, [this, bytes = std::move(bytes)] {
       if (listener_.bytes) listener_.bytes(bytes);
@@ -56,7 +56,7 @@ class ScriptedChannel final : public ByteChannel {
     if (!bytes.empty()) last_words.emplace_back(bytes);
   }
   [[nodiscard]] int descriptor() const noexcept override { return -1; }
-  std::vector<std::string> last_words;  // on the way out
+  std::vector<std::string> last_words;  // sent by write_and_wait()
 
  private:
   VirtualClock& clock_;

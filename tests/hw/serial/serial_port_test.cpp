@@ -9,8 +9,8 @@
 
 using namespace contourd;
 
-// A serial port of its own no build machine has, and libserialport refuses ptys: here is only what goes wrong
-// before one is open. The tests in a virtual machine have a null-modem pair.
+// Build machines have no serial port to themselves, and libserialport refuses ptys: these tests only cover
+// failures before a port is open. The tests in a virtual machine have a null-modem pair.
 namespace {
 
 class NoWatcher final : public DescriptorWatcher {
@@ -37,10 +37,10 @@ TEST_CASE("a serial port that does not exist is named, with those that do") {
         "the serial port /dev/ttyNone7 does not exist; " + serial_ports_there_are());
 }
 
-TEST_CASE("a file or a device that is no serial port is told from one that is missing") {
+TEST_CASE("a file or a device that is not a serial port is distinguished from a missing one") {
   const testing::TemporaryFolder folder;
   const std::string file = folder.write("port", "");
-  CHECK(refusal(file) == "the serial port " + file + " is no serial port; " + serial_ports_there_are());
+  CHECK(refusal(file) == "the serial port " + file + " is not a serial port; " + serial_ports_there_are());
   CHECK(refusal("/dev/null") ==
-        "the serial port /dev/null is no serial port that can be used; " + serial_ports_there_are());
+        "the serial port /dev/null is not a usable serial port; " + serial_ports_there_are());
 }

@@ -18,7 +18,7 @@ namespace {
 
 using Messages = std::vector<std::string>;
 
-// A projector of the text table that behaves, with what it is told and what comes of it.
+// A projector of the text table that behaves, with the messages that it gets and the results of the calls.
 struct Bench {
   explicit Bench(ProjectorTable table = text_table()) : projector(channel, clock, std::move(table)) {
     channel.projector = [this](const std::string& message) { behave(message); };
@@ -106,11 +106,11 @@ TEST_CASE("a serial projector that is off is turned on, warmed up, asked again a
   CHECK(bench.now() < 31s);  // four commands and their gaps beside the warm-up
 }
 
-TEST_CASE("a projector that refuses light off while it warms up is told again and again from power on on") {
+TEST_CASE("a projector that refuses light off while it warms up gets it again and again after power on") {
   Bench bench;
   std::optional<TimePoint> on_at;
   bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0000 1\r") on_at = bench.clock.now(), bench.light = true;  // its start-up picture
+    if (message == "~0000 1\r") on_at = bench.clock.now(), bench.light = true;  // with a start-up picture
     if (message == "~0002 1\r" && bench.clock.now() - *on_at < 25s) return bench.channel.send("F\r");
     bench.behave(message);
   };
@@ -122,13 +122,13 @@ TEST_CASE("a projector that refuses light off while it warms up is told again an
   CHECK(bench.light);
   bench.pass(7s);
   CHECK_FALSE(bench.light);
-  CHECK_FALSE(bench.answer);  // it is not warm yet
+  CHECK_FALSE(bench.answer);  // the projector is not warm yet
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::Ok);
   CHECK(bench.events.empty());
 }
 
-TEST_CASE("a projector that is deaf while it warms up is made dark behind that, and is no machine event") {
+TEST_CASE("a projector that is deaf while it warms up is made dark after that, without a machine event") {
   Bench bench;
   std::optional<TimePoint> on_at;
   bench.channel.projector = [&](const std::string& message) {
@@ -143,7 +143,7 @@ TEST_CASE("a projector that is deaf while it warms up is made dark behind that, 
   CHECK(bench.events.empty());
 }
 
-TEST_CASE("a projector that refuses light off when it is warm is told of") {
+TEST_CASE("a projector that refuses light off when it is warm is reported") {
   Bench bench;
   bench.channel.projector = [&](const std::string& message) {
     if (message == "~0002 1\r") return bench.channel.send("F\r");
@@ -227,7 +227,7 @@ TEST_CASE("light off waits only for the gap that the projector needs after a com
   CHECK(bench.channel.sent[1].at - asked == 100ms + std::chrono::nanoseconds{8'333'333});
 }
 
-TEST_CASE("the late reply to a light on does not confirm the light off behind it") {
+TEST_CASE("the late reply to a light on does not confirm the light off after it") {
   Bench bench;
   bench.power_on();
   bench.pass(1s);
@@ -242,7 +242,7 @@ TEST_CASE("the late reply to a light on does not confirm the light off behind it
   CHECK(bench.channel.sent.size() > 4);
 }
 
-TEST_CASE("a reply to light on that comes late and twice does not confirm the light off behind it") {
+TEST_CASE("a reply to light on that comes late and twice does not confirm the light off after it") {
   Bench bench;
   bench.power_on();
   bench.pass(1s);
@@ -267,7 +267,7 @@ TEST_CASE("a reply to light on that comes late and twice does not confirm the li
   CHECK(dark);
 }
 
-TEST_CASE("a reply to light off that comes late and twice does not confirm the power off behind it") {
+TEST_CASE("a reply to light off that comes late and twice does not confirm the power off after it") {
   Bench bench;
   bench.power_on();
   bench.pass(1s);
@@ -275,14 +275,14 @@ TEST_CASE("a reply to light off that comes late and twice does not confirm the p
   bench.channel.projector = [&](const std::string& message) {
     if (message == "~0000 0\r" && ++power_offs == 1) return;  // lost
     if (message != "~0002 1\r") return bench.behave(message);
-    // Of the first two, one after the other, the second's comes twice.
+    // The first two light offs are both answered, and the second one's reply comes twice.
     ++light_offs == 1 ? bench.channel.send("P\r", 1100ms) : bench.channel.send("P\rP\r", 200ms);
   };
   bench.projector.power_off();
   bench.pass(1300ms);
   REQUIRE(power_offs == 1);
   bench.pass(500ms);
-  CHECK(power_offs == 3);  // light off was sent twice: the second one's reply might be a third of its
+  CHECK(power_offs == 3);  // the second power off's reply might be light off's third
   CHECK_FALSE(bench.is_on);
 }
 
@@ -322,10 +322,10 @@ TEST_CASE(
   bench.channel.sent.clear();
   bench.pass(60s);
   for (const std::string& message : bench.channel.messages())
-    CHECK(message == "~00124 1\r");  // whether it is still on
+    CHECK(message == "~00124 1\r");  // the question whether it is still on
 }
 
-TEST_CASE("why the light may be on is still told when another command fails behind it") {
+TEST_CASE("the reason why the light may be on is still reported after another command has failed") {
   Bench bench;
   bench.power_on();
   bench.light_on();
@@ -342,7 +342,7 @@ TEST_CASE("why the light may be on is still told when another command fails behi
   CHECK_FALSE(bench.projector.why_not_ready().empty());
 }
 
-TEST_CASE("a light whose off is not confirmed is not turned on again") {
+TEST_CASE("a light is not turned on again while its light off is not confirmed") {
   Bench bench;
   bench.power_on();
   bench.light_on();
@@ -364,7 +364,7 @@ TEST_CASE("light on that is not confirmed is followed by light off") {
   bench.pass(1s);
   bench.channel.projector = [&](const std::string& message) {
     if (message == "~0002 1\r") bench.behave(message);
-    if (message == "~0002 0\r") bench.light = true;  // it does it, and says nothing
+    if (message == "~0002 0\r") bench.light = true;  // obeyed, but not answered
   };
   bench.start_light_on();
   bench.wait_for_answer();
@@ -377,7 +377,7 @@ TEST_CASE("light on that is not confirmed is followed by light off") {
   CHECK_FALSE(bench.light);
 }
 
-TEST_CASE("a projector that is silent from the start is asked whether it is on, and is no machine event") {
+TEST_CASE("a projector that is silent from the start is asked whether it is on, without a machine event") {
   Bench bench;
   bench.fall_silent();
   bench.projector.light_off();
@@ -401,7 +401,7 @@ TEST_CASE("a projector that is off and refuses light off is dark") {
 }
 
 TEST_CASE(
-    "a projector found on that does not confirm its light off is told of once, and told again and again") {
+    "a projector found on that does not confirm light off is reported once, and gets it again and again") {
   Bench bench;
   bench.is_on = bench.light = true;
   bool hears = false;
@@ -425,7 +425,7 @@ TEST_CASE(
   CHECK(bench.events[1].kind == MachineEvent::Kind::Recovery);
 }
 
-TEST_CASE("garbage for an answer to the first light off is told of once") {
+TEST_CASE("garbage in answer to the first light off is reported once") {
   Bench bench;
   bench.answer_always("\x8f\xe0\x03\xff");
   bench.projector.light_off();
@@ -434,11 +434,10 @@ TEST_CASE("garbage for an answer to the first light off is told of once") {
   CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
   CHECK(
       bench.events[0].what.starts_with("the light may be on: the projector at /dev/ttyUSB7 answered "
-                                       "\"light off\" in 3 tries of 1000 ms with what "
-                                       "is no reply of its kind"));
+                                       "\"light off\" in 3 tries of 1000 ms with \""));
 }
 
-TEST_CASE("whether the light is off is told when the projector has said so, or was asked often enough") {
+TEST_CASE("confirm_dark answers when the projector has confirmed, or was asked often enough") {
   const auto reply_of = [](Bench& bench) {
     std::optional<ProjectorReply> reply;
     bench.projector.confirm_dark([&](ProjectorReply r) { reply = r; });
@@ -490,7 +489,7 @@ TEST_CASE("whether the light is off is told when the projector has said so, or w
     CHECK(reply_of(lost) == ProjectorReply::NoAnswer);
   }
   {
-    // All that --light-off knows of a table.
+    // The part of a table that --light-off knows.
     ProjectorTable table = text_table();
     table.light_on.reset();
     table.power.reset();
@@ -529,7 +528,7 @@ TEST_CASE("a silent projector is asked again as often as its table says, then gi
         "baud?");
 }
 
-TEST_CASE("a projector that is deaf to questions while it is off is turned on all the same") {
+TEST_CASE("a projector that ignores questions while it is off is turned on all the same") {
   Bench bench;
   bench.channel.projector = [&](const std::string& message) {
     if (bench.is_on || message == "~0000 1\r") bench.behave(message);
@@ -544,15 +543,14 @@ TEST_CASE("garbage, as from a wrong baud rate, is shown in the message") {
   bench.start_power_on();
   bench.wait_for_answer();
   CHECK(bench.answer == ProjectorReply::NoAnswer);
-  CHECK(bench.projector.last_problem() ==
-        "the projector at /dev/ttyUSB7 answered \"power on\" in 3 tries of 1000 ms with what is no reply of "
-        "its kind, "
-        "\"\\x8F\\xE0\\x03\\xFF\\x8F\\xE0\\x03\\xFF\\x8F\\xE0\\x03\\xFF\": is its baud rate 9600, and is it "
-        "the projector of "
-        "the table \"Optoma\"?");
+  CHECK(
+      bench.projector.last_problem() ==
+      "the projector at /dev/ttyUSB7 answered \"power on\" in 3 tries of 1000 ms with "
+      "\"\\x8F\\xE0\\x03\\xFF\\x8F\\xE0\\x03\\xFF\\x8F\\xE0\\x03\\xFF\", which is not a reply to it: is its "
+      "baud rate 9600, and is the table \"Optoma\" the right one for it?");
 }
 
-TEST_CASE("a refusal is told from silence, with what came") {
+TEST_CASE("a refusal is distinguished from silence, and its bytes are shown") {
   Bench bench;
   bench.power_on();
   bench.pass(1s);
@@ -577,7 +575,8 @@ TEST_CASE("a reply without its line end counts when nothing more has come in tim
   CHECK(bench.channel.sent.size() == 1);
 }
 
-TEST_CASE("a reply that comes after a command was sent again answers it, and its twin answers nothing else") {
+TEST_CASE(
+    "a reply that comes after a command was sent again answers it, and its repetition answers no other") {
   Bench bench;
   bench.power_on();
   bench.pass(1s);
@@ -619,9 +618,9 @@ TEST_CASE("light on is sent once, and the light counts from its first byte, what
     REQUIRE(light);
     CHECK(light->on_earliest == asked);
     CHECK_FALSE(light->on_latest);
-    // The reply was waited for a second from the command's last byte, then light off went out. That one's
-    // reply may be light on's, and the next one that reply once more: the third counts, each a gap of 100 ms
-    // and a reply of 20 ms later.
+    // The reply was waited for during a second from the command's last byte, then light off was sent. The
+    // first reply may be light on's and the second a repetition of it, so the third counts; each takes a gap
+    // of 100 ms and a reply of 20 ms.
     CHECK(light->most(bench.clock.now()) > 1240ms);
     CHECK(light->most(bench.clock.now()) < 1300ms);
     CHECK(light->least() == Duration{0});
@@ -660,12 +659,12 @@ TEST_CASE("after a lost reply to light on the projector is asked, where it can b
     CHECK(bench.projector.last_light()->on_latest.has_value() == obeyed);
     bench.pass(3s);
     CHECK(bench.light == obeyed);
-    // It was not obeyed: it is told to be off all the same.
+    // Light off is sent although light on was not obeyed.
     CHECK((bench.times_sent("~0002 1\r") > 0) == !obeyed);
   }
 }
 
-TEST_CASE("a reply to light on that may be an earlier light off's once more does not say that it is on") {
+TEST_CASE("a reply to light on that may be a repeated one to light off does not confirm that it is on") {
   for (const bool asked : {true, false}) {
     for (const bool obeyed : {true, false}) {
       CAPTURE(asked, obeyed);
@@ -679,7 +678,7 @@ TEST_CASE("a reply to light on that may be an earlier light off's once more does
       bench.channel.projector = [&](const std::string& message) {
         if (message == "~00355 1\r") return bench.channel.send(bench.light ? "OK0\r" : "OK1\r");
         bench.light = message == "~0002 0\r" && obeyed;
-        // The second light off's, to both; and once more.
+        // The second light off is answered for both of them; light on's reply looks like one more of these.
         if (message == "~0002 0\r") return bench.channel.send("P\r");
         if (bench.times_sent("~0002 1\r") == 2) bench.channel.send("P\rP\r");
       };
@@ -697,7 +696,7 @@ TEST_CASE("a reply to light on that may be an earlier light off's once more does
   }
 }
 
-TEST_CASE("whoever waits for darkness is called when light off is confirmed, not before") {
+TEST_CASE("the callback of when_dark is called when light off is confirmed, not before") {
   Bench bench;
   bench.power_on();
   std::optional<TimePoint> dark_at;
@@ -708,7 +707,7 @@ TEST_CASE("whoever waits for darkness is called when light off is confirmed, not
   };
   wait();
   bench.pass(1s);
-  CHECK(dark_at);  // it was dark
+  CHECK(dark_at);  // dark from the start
   bench.light_on();
   wait();
   bench.pass(1s);
@@ -725,7 +724,7 @@ TEST_CASE("whoever waits for darkness is called when light off is confirmed, not
   CHECK(bench.projector.last_light()->off_earliest == off);
   CHECK(bench.projector.last_light()->off_latest == dark_at);
   wait();
-  bench.start_light_on();  // darkness is no longer what is waited for
+  bench.start_light_on();  // drops the wait for darkness
   bench.pass(1s);
   CHECK_FALSE(dark_at);
 }
@@ -744,7 +743,7 @@ TEST_CASE("a light on is refused while a light off is not confirmed") {
   CHECK(bench.light);
 }
 
-TEST_CASE("whether it is still on is not asked where light off would have to wait for the answer") {
+TEST_CASE("a projector is not asked whether it is still on if light off would have to wait for the answer") {
   Bench bench;
   bench.power_on();
   bench.pass(3900ms);
@@ -776,12 +775,11 @@ TEST_CASE("a power off that no projector answers is checked where it can be aske
   CHECK_FALSE(bench.is_on);
   bench.channel.sent.clear();
   bench.pass(60s);
-  CHECK(bench.channel.sent.empty());  // it has said that it is off
+  CHECK(bench.channel.sent.empty());  // the projector has said that it is off
   CHECK(bench.events.empty());
 }
 
-TEST_CASE(
-    "a projector that stays on though it was turned off is told of, also where power off has no reply") {
+TEST_CASE("a projector that stays on though it was turned off is reported, even if power off has no reply") {
   ProjectorTable table = text_table();
   table.power_off.replies.clear();
   Bench bench(table);
@@ -832,7 +830,7 @@ TEST_CASE("power on right after power off waits for the cool-down too where a pr
   CHECK(on->at - off_at < 61s);  // a gap and a reply
 }
 
-TEST_CASE("a power off that waits behind a question is sent when light off drops that") {
+TEST_CASE("a power off that waits for a question to be answered is sent when light off drops the question") {
   ProjectorTable table = text_table();
   table.light_on.reset();
   table.light_off.reset();
@@ -840,7 +838,7 @@ TEST_CASE("a power off that waits behind a question is sent when light off drops
   bench.power_on();
   bench.fall_silent();
   bench.projector.power_off();
-  bench.pass(8s);  // three tries of a second; 5 s later it is told again
+  bench.pass(8s);  // three tries of a second; 5 s later power off is sent again
   REQUIRE(bench.is_on);
   bench.projector.ask_status([](const ProjectorStatus&) {});
   bench.pass(500ms);
@@ -888,7 +886,7 @@ TEST_CASE("power off follows a light off that is never confirmed, and ends the l
   CHECK(bench.channel.sent.empty());  // off is dark
 }
 
-TEST_CASE("power off comes soon once it is known that light off is not heard") {
+TEST_CASE("power off comes soon once light off is known to be ignored") {
   Bench bench;
   bench.power_on();
   bench.light_on();
@@ -906,7 +904,7 @@ TEST_CASE("power off comes soon once it is known that light off is not heard") {
   CHECK(bench.channel.sent[1].at - asked < 1200ms);  // one try of light off
 }
 
-TEST_CASE("light off does not call back a power off that waits") {
+TEST_CASE("light off does not cancel a pending power off") {
   Bench bench;
   bench.power_on();
   bench.light_on();
@@ -917,7 +915,7 @@ TEST_CASE("light off does not call back a power off that waits") {
   CHECK_FALSE(bench.light);
 }
 
-TEST_CASE("what a projector says by itself is a machine event when it matters") {
+TEST_CASE("a message that a projector sends by itself is a machine event if it matters") {
   Bench bench;
   bench.power_on();
   bench.channel.send("INFO1\r");
@@ -933,7 +931,7 @@ TEST_CASE("what a projector says by itself is a machine event when it matters") 
   CHECK(bench.events.size() == 2);
 }
 
-TEST_CASE("a projector that cools down because it was told to is no machine event") {
+TEST_CASE("a projector that cools down because it was told to causes no machine event") {
   Bench bench;
   bench.power_on();
   bench.projector.power_off();
@@ -976,7 +974,7 @@ TEST_CASE("a serial line that is lost is a fault, and every command is answered 
         "the projector at /dev/ttyUSB7 cannot be reached: the serial line is lost");
 }
 
-TEST_CASE("a projector's status is whether it is on and its lamp's hours, and asking changes nothing") {
+TEST_CASE("a projector's status is its power and its lamp hours, and asking changes nothing") {
   Bench bench;
   std::optional<ProjectorStatus> status;
   const auto ask = [&] {
@@ -1040,8 +1038,7 @@ TEST_CASE("a table without a light has its projector shine as long as it is on")
   CHECK(bench.events.empty());
 }
 
-TEST_CASE(
-    "a serial projector's end turns the light off once more where that is not confirmed, and the power") {
+TEST_CASE("a serial projector's destructor sends an unconfirmed light off, or power off, once more") {
   VirtualClock clock;
   ScriptedChannel channel{clock};
   {
@@ -1055,7 +1052,7 @@ TEST_CASE(
 
 namespace {
 
-// Obeys power on at once, its light with it, and takes nothing else before it is warm.
+// A projector that obeys power on at once, with its light, and takes no other command before it is warm.
 struct SlowStarter : Bench {
   explicit SlowStarter(Duration warm_after, const std::string& until_then,
                        ProjectorTable table = text_table())
@@ -1127,7 +1124,7 @@ TEST_CASE(
   CHECK(bench.events.empty());
 }
 
-TEST_CASE("power on that is refused by a projector that is off is no light") {
+TEST_CASE("power on that is refused by a projector that is off does not count as light") {
   Bench bench;
   bench.channel.projector = [&](const std::string& message) {
     if (message == "~00124 1\r") return bench.channel.send("OK0\r");
@@ -1200,7 +1197,7 @@ TEST_CASE("power off is repeated until the projector confirms it or says that it
   }
 }
 
-TEST_CASE("a print that begins while power off is not yet confirmed is not turned off under way") {
+TEST_CASE("a print that begins while power off is not yet confirmed does not lose its power later") {
   Bench bench;
   bench.power_on();
   bench.channel.projector = [&](const std::string& message) {
@@ -1215,7 +1212,7 @@ TEST_CASE("a print that begins while power off is not yet confirmed is not turne
   CHECK(bench.is_on);
 }
 
-TEST_CASE("a projector that falls silent or turns itself off in a print is a fault, told once") {
+TEST_CASE("a projector that falls silent or turns itself off in a print is a fault, reported once") {
   for (const bool switches_light : {true, false}) {
     for (const bool silent : {true, false}) {
       ProjectorTable table = text_table();
@@ -1239,14 +1236,14 @@ TEST_CASE("a projector that falls silent or turns itself off in a print is a fau
       CHECK(bench.events[0].what ==
             (silent ? "the projector at /dev/ttyUSB7 did not answer \"power\" in 3 tries of 1000 ms: is it "
                       "connected, and set to 9600 baud?"
-                    : "the projector at /dev/ttyUSB7 says that it is off, though nobody has turned it off"));
+                    : "the projector at /dev/ttyUSB7 says that it is off, although it was not turned off"));
       bench.pass(60s);
       CHECK(bench.events.size() == 1);
     }
   }
 }
 
-TEST_CASE("a projector that a dead process has left on is turned off, unless a print has begun") {
+TEST_CASE("a projector that a crashed process has left on is turned off, unless a print has begun") {
   for (const bool prints : {false, true}) {
     Bench bench;
     bench.is_on = bench.light = true;
@@ -1284,7 +1281,8 @@ TEST_CASE(
     CAPTURE(may_warm_up);
     Bench bench;
     bench.channel.projector = [&](const std::string& message) {
-      // It calls itself on, and hears light off, when it is warm; then it has a picture of its own.
+      // The projector calls itself on, and obeys light off, once it is warm; then it has a picture of its
+      // own.
       const bool warm = bench.clock.now() >= TimePoint{} + 10s;
       if (warm && !bench.is_on) bench.is_on = bench.light = true;
       if (message == "~0002 1\r" && !warm) return bench.channel.send("F\r");

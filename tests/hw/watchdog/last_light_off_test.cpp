@@ -48,7 +48,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("The last light off goes to where the light watchdog was last told that it goes") {
+TEST_CASE("The last light off goes to the port that was last given to the light watchdog") {
   Bench bench;
   Port first, second;
   bench.watchdog.set_serial({first.near.get(), "OFF\r", 100ms});
@@ -63,7 +63,7 @@ TEST_CASE("The last light off goes to where the light watchdog was last told tha
   CHECK(second.heard().empty());
 }
 
-TEST_CASE("The last light off goes nowhere when there is no light watchdog any more") {
+TEST_CASE("The last light off goes nowhere once there is no light watchdog any more") {
   Port port;
   {
     Bench bench;
@@ -74,7 +74,7 @@ TEST_CASE("The last light off goes nowhere when there is no light watchdog any m
   CHECK(port.heard().empty());
 }
 
-TEST_CASE("The last light off takes no memory, and does not wait for a port that takes no more") {
+TEST_CASE("The last light off allocates no memory, and does not wait for a port that takes no more") {
   Bench bench;
   Port port;
   const std::string kilobyte(1024, 'x');

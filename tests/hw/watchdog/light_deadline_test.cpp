@@ -15,11 +15,11 @@ WatchedExposure exposure(Duration end, bool off_asked = false, std::uint64_t num
   return {number, kStart + end, off_asked};
 }
 
-// What it does from one time to another, when it is asked as it wants to be.
 struct Done {
   Duration at;
   LightDeadline::Act act;
 };
+// Returns the actions from one time to another, when due() is called at next().
 std::vector<Done> run(LightDeadline& deadline, Duration from, Duration until) {
   std::vector<Done> all;
   for (TimePoint now = kStart + from; now <= kStart + until;) {
@@ -29,13 +29,13 @@ std::vector<Done> run(LightDeadline& deadline, Duration from, Duration until) {
     if (act.end) break;
     const auto next = deadline.next();
     if (!next) break;
-    REQUIRE((acts || *next > now));  // else it would be asked for ever
+    REQUIRE((acts || *next > now));  // otherwise this loop would not end
     now = std::max(*next, now);
   }
   return all;
 }
 
-// Sends beats every 50 ms in [from, until].
+// Sends heartbeats every 50 ms in [from, until].
 std::vector<Done> run_with_beats(LightDeadline& deadline, const WatchedExposure& watched, Duration from,
                                  Duration until) {
   std::vector<Done> all;
@@ -49,7 +49,7 @@ std::vector<Done> run_with_beats(LightDeadline& deadline, const WatchedExposure&
 
 }  // namespace
 
-TEST_CASE("A light watchdog with no exposure to watch over does nothing, and ends when the daemon does") {
+TEST_CASE("A light watchdog with no exposure to watch does nothing, and ends when the daemon does") {
   LightDeadline deadline;
   CHECK_FALSE(deadline.next());
   CHECK(run(deadline, 0ms, 1h).empty());
@@ -60,7 +60,7 @@ TEST_CASE("A light watchdog with no exposure to watch over does nothing, and end
   CHECK_FALSE(done[0].act.light_off);
 }
 
-TEST_CASE("An exposure that ends in time, with a daemon that lives, is left alone") {
+TEST_CASE("An exposure that ends in time is left alone while the daemon is alive") {
   LightDeadline deadline;
   deadline.arm(exposure(2s), kStart, kStart);
   CHECK(run_with_beats(deadline, exposure(2s), 0ms, 2s).empty());
@@ -89,22 +89,20 @@ TEST_CASE("The light goes off 200 ms after the last sign of life, three times, t
   CHECK_FALSE(done[2].act.end);
 }
 
-TEST_CASE(
-    "A daemon that stays silent is answered by light off every second; one that is back is left to it") {
+TEST_CASE("Light off is repeated every second while the daemon is silent, and no more once it is back") {
   LightDeadline deadline;
   deadline.set_gap(100ms);
   deadline.arm(exposure(10s), kStart, kStart);
   CHECK(run(deadline, 0ms, 5450ms).size() == 8);  // at 0.2, 0.3, 0.4, 1.4 ... 5.4 s
   CHECK(run_with_beats(deadline, exposure(10s, true), 5500ms, 60s).empty());
-  // And is watched over still.
+  // The exposure is still watched.
   const auto again = run(deadline, 60050ms, 63s);
   CHECK(again.size() >= 2);
   for (const Done& done : again)
-    CHECK(done.act.trip == LightTrip::None);  // that has been told
+    CHECK(done.act.trip == LightTrip::None);  // the trip has been reported already
 }
 
-TEST_CASE(
-    "A daemon that is back at once gets its three light offs all the same: it may have been in the gap") {
+TEST_CASE("Light off is sent three times even if the daemon is back at once: one may have been in the gap") {
   LightDeadline deadline;
   deadline.set_gap(100ms);
   deadline.arm(exposure(10s), kStart, kStart);
@@ -112,8 +110,7 @@ TEST_CASE(
   CHECK(run_with_beats(deadline, exposure(10s, true), 250ms, 10s).size() == 2);
 }
 
-TEST_CASE(
-    "The daemon's death turns the light off at once, and ends the watchdog when it has been told thrice") {
+TEST_CASE("The daemon's death turns the light off at once, and ends the watchdog after three light offs") {
   for (const bool off_asked : {false, true}) {
     LightDeadline deadline;
     deadline.set_gap(100ms);
@@ -141,7 +138,7 @@ TEST_CASE("A daemon that dies after it fell silent is not waited for") {
   CHECK(done[0].act.end);
 }
 
-TEST_CASE("A daemon that lives and does not turn the light off is overrun by 250 ms") {
+TEST_CASE("The light of a live daemon is turned off 250 ms after the exposure's end if it is still on") {
   LightDeadline deadline;
   deadline.arm(exposure(2s), kStart, kStart);
   CHECK(run_with_beats(deadline, exposure(2s), 0ms, 2150ms).empty());
@@ -151,14 +148,14 @@ TEST_CASE("A daemon that lives and does not turn the light off is overrun by 250
   CHECK(done[0].act.trip == LightTrip::Overrun);
 }
 
-TEST_CASE("The end moves with the exposure's, which begins when light on is sent") {
+TEST_CASE("The deadline moves with the exposure's end, which counts from when light on is sent") {
   LightDeadline deadline;
   deadline.arm(exposure(2s), kStart, kStart);
   CHECK(run_with_beats(deadline, exposure(3s), 0ms, 3200ms).empty());
   CHECK(run_with_beats(deadline, exposure(3s), 3250ms, 3250ms)[0].act.trip == LightTrip::Overrun);
 }
 
-TEST_CASE("Words that have lain about are no sign of life, nor are those from the future") {
+TEST_CASE("Messages that were delayed are no sign of life, nor are messages from the future") {
   LightDeadline deadline;
   deadline.arm(exposure(10s), kStart, kStart);
   deadline.heartbeat(exposure(10s), kStart + 10ms, kStart + 199ms);
@@ -175,7 +172,7 @@ TEST_CASE("Words that have lain about are no sign of life, nor are those from th
   CHECK(third.due(kStart + 200ms).trip == LightTrip::Silence);
 }
 
-TEST_CASE("Words about another exposure neither keep one alive nor end it") {
+TEST_CASE("Messages about another exposure neither keep a watch alive nor end it") {
   LightDeadline deadline;
   deadline.arm(exposure(10s, false, 7), kStart, kStart);
   deadline.heartbeat(exposure(10s, true, 6), kStart + 150ms, kStart + 150ms);
@@ -184,7 +181,7 @@ TEST_CASE("Words about another exposure neither keep one alive nor end it") {
   CHECK(deadline.due(kStart + 200ms).trip == LightTrip::Silence);
 }
 
-TEST_CASE("A watchdog that has turned a light off watches over the next exposure as over the first") {
+TEST_CASE("A watchdog that has turned a light off watches the next exposure like the first") {
   LightDeadline deadline;
   deadline.arm(exposure(10s), kStart, kStart);
   CHECK_FALSE(run(deadline, 0ms, 300ms).empty());
@@ -195,7 +192,7 @@ TEST_CASE("A watchdog that has turned a light off watches over the next exposure
   CHECK(deadline.due(kStart + 5200ms).trip == LightTrip::Silence);
 }
 
-TEST_CASE("An exposure that is confirmed dark while light off is told gets no more of it") {
+TEST_CASE("An exposure that is confirmed dark while light off is repeated gets no further light off") {
   LightDeadline deadline;
   deadline.set_gap(100ms);
   deadline.arm(exposure(10s), kStart, kStart);

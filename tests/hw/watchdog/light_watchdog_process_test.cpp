@@ -1,5 +1,5 @@
-// The real process, with a socket pair in a serial port's place. Nothing here waits for a time to pass: what
-// is to happen is waited for, up to kPatience.
+// Tests the real process, with a socket pair in a serial port's place. No test waits for a time to pass: each
+// waits for what is to happen, up to kPatienceMs.
 #include "hw/watchdog/light_watchdog_process.hpp"
 
 #include <fcntl.h>
@@ -43,7 +43,7 @@ bool readable(const FileDescriptor& end) {
 // The far end of a serial port.
 struct Projector {
   Projector() { std::tie(port, line) = socket_pair(SOCK_STREAM); }
-  // All that comes until so many bytes are there, or nobody holds the port any more.
+  // Returns all bytes that come until `size` bytes are there, or no process holds the port any more.
   std::string heard(std::size_t size) {
     std::string all;
     std::array<char, 64> bytes;
@@ -62,7 +62,7 @@ struct Projector {
   FileDescriptor port, line;
 };
 
-// In a forked child: with nothing of the test's open, as if it had been started anew.
+// Runs in a forked child without the test's descriptors, as if the program had been started again.
 int serve_alone(const FileDescriptor& socket) {
   ::close_range(3, static_cast<unsigned>(socket.get()) - 1, 0);
   return serve_light_watchdog(socket.get());
@@ -78,7 +78,7 @@ struct Watchdog {
     socket = std::move(ours);
     REQUIRE(reply().type == WatchdogMessageType::Ready);
   }
-  // One that somebody else has forked.
+  // A watchdog that another process has forked.
   explicit Watchdog(FileDescriptor ours) : socket(std::move(ours)) {}
   ~Watchdog() {
     socket = FileDescriptor();
@@ -111,7 +111,7 @@ struct Watchdog {
     REQUIRE(answer.type == WatchdogMessageType::Heard);
     REQUIRE(answer.exposure == exposure);
   }
-  // Its exit status, when it has ended.
+  // Waits for the process to end, and returns its exit status.
   int ended() {
     int status = -1;
     REQUIRE(::waitpid(std::exchange(process, -1), &status, 0) > 0);
@@ -150,7 +150,7 @@ TEST_CASE("When the daemon's end of the socket closes in an exposure, light off 
   CHECK(watchdog.ended() == 0);
 }
 
-TEST_CASE("A daemon that says nothing any more has its light turned off, and is told") {
+TEST_CASE("A daemon that falls silent has its light turned off, and is informed") {
   Projector projector;
   Watchdog watchdog;
   watchdog.give(projector);
@@ -158,13 +158,13 @@ TEST_CASE("A daemon that says nothing any more has its light turned off, and is 
   watchdog.arm();
   CHECK(projector.heard(kOff.size()) == kOff);
   CHECK(now() - armed >= LightDeadline::kMaxSilence);
-  const WatchdogReply told = watchdog.reply();
-  CHECK(told.type == WatchdogMessageType::Tripped);
-  CHECK(told.trip == LightTrip::Silence);
-  CHECK(told.exposure == watchdog.exposure);
+  const WatchdogReply tripped = watchdog.reply();
+  CHECK(tripped.type == WatchdogMessageType::Tripped);
+  CHECK(tripped.trip == LightTrip::Silence);
+  CHECK(tripped.exposure == watchdog.exposure);
   CHECK(projector.heard(2 * kOff.size()) == kOff + kOff);
 
-  // And is served again.
+  // The daemon is served again after that.
   watchdog.say(WatchdogMessageType::Disarm, 0s);
   watchdog.arm();
   CHECK_FALSE(projector.has_heard_something());
@@ -172,13 +172,13 @@ TEST_CASE("A daemon that says nothing any more has its light turned off, and is 
   CHECK(watchdog.reply().trip == LightTrip::Silence);
 }
 
-TEST_CASE("A daemon that lives has its light turned off when the exposure is over and it has not done so") {
+TEST_CASE("A live daemon has its light turned off if it has not done so when the exposure is over") {
   Projector projector;
   Watchdog watchdog;
   watchdog.give(projector);
   TimePoint armed;
   LightTrip trip = LightTrip::Silence;
-  // A test that was itself held up for that long was silent: once more.
+  // A test that was itself held up for that long counts as silent, and is tried again.
   for (int attempt = 0; attempt < 20 && trip == LightTrip::Silence; ++attempt) {
     watchdog.say(WatchdogMessageType::Disarm, 0s);
     armed = now();
@@ -207,19 +207,19 @@ TEST_CASE("The signals that end a daemon end no light watchdog") {
   CHECK(watchdog.ended() == 0);
 }
 
-TEST_CASE("A new port takes the old one's place, which is given back") {
+TEST_CASE("A new port replaces the old one, which is closed") {
   Projector before, after;
   Watchdog watchdog;
   watchdog.give(before);
   watchdog.give(after);
   before.port = FileDescriptor();
   after.port = FileDescriptor();
-  CHECK(before.heard(1).empty());  // the end of it: nobody holds the port
+  CHECK(before.heard(1).empty());  // the end of the stream: no process holds the port
   watchdog.arm();
   CHECK(after.heard(kOff.size()) == kOff);
 }
 
-TEST_CASE("A port that is taken away is given back, and the light watchdog goes on without") {
+TEST_CASE("A port that is withdrawn is closed, and the light watchdog goes on without it") {
   Projector projector;
   Watchdog watchdog;
   watchdog.give(projector);
@@ -232,7 +232,7 @@ TEST_CASE("A port that is taken away is given back, and the light watchdog goes 
   CHECK(watchdog.reply().trip == LightTrip::Silence);
 }
 
-TEST_CASE("What is no message is passed over, and a descriptor with it closed") {
+TEST_CASE("A packet that is not a message is ignored, and its descriptor is closed") {
   Projector stray, projector;
   Watchdog watchdog;
   watchdog.give(projector);
@@ -267,7 +267,7 @@ TEST_CASE("A message that claims more bytes than it has room for sends no more t
 
 namespace {
 
-// A process in between that beats until it is stopped or killed, with a watchdog of its own.
+// A daemon's process that sends heartbeats until it is stopped or killed, with a watchdog of its own.
 struct Daemon {
   explicit Daemon(Projector& projector) {
     auto [ours, its] = socket_pair(SOCK_SEQPACKET);
@@ -289,7 +289,7 @@ struct Daemon {
     }
   }
 
-  // As a real one, but five times as often: a busy machine keeps it from that.
+  // Sends heartbeats as a real daemon does, but five times as often, because a busy machine delays them.
   static int heartbeat(FileDescriptor& socket, FileDescriptor& to_test, Projector& projector) {
     Watchdog watchdog(std::move(socket));
     watchdog.exposure = 1;
@@ -297,7 +297,7 @@ struct Daemon {
     projector.port = FileDescriptor();
     for (WatchdogMessageType type = WatchdogMessageType::Arm;; type = WatchdogMessageType::Heartbeat) {
       watchdog.say(type, 1h);
-      ::poll(nullptr, 0, 10);  // as often as that
+      ::poll(nullptr, 0, 10);  // a fifth of LightWatchdog::kHeartbeat
       WatchdogPacket packet;
       while (receive_packet(watchdog.socket.get(), packet) == Received::Packet) {
         const auto reply = packet.as<WatchdogReply>();
@@ -306,7 +306,7 @@ struct Daemon {
       }
     }
   }
-  // Waits for that type; false when it does not come.
+  // Waits for that kind of report; false if it does not come.
   bool reports(char wanted) {
     char kind = 0;
     while (readable(report) && ::read(report.get(), &kind, 1) == 1) {
@@ -322,7 +322,7 @@ struct Daemon {
 }  // namespace
 
 TEST_CASE(
-    "A daemon that is stopped in an exposure has its light turned off, and finds that when it goes on") {
+    "A daemon that is stopped in an exposure has its light turned off, and learns that when it goes on") {
   Projector projector;
   Daemon daemon(projector);
   REQUIRE(daemon.reports('h'));

@@ -1,4 +1,4 @@
-// The daemon's side, on a virtual clock; the test is the process at the other end of the socket.
+// Tests the daemon's side, on a virtual clock; the test is the process at the other end of the socket.
 #include "hw/watchdog/light_watchdog.hpp"
 
 #include <fcntl.h>
@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-// Calls what watches when the test lets it.
+// Calls the function that watches a descriptor when the test says so.
 class Readiness final : public DescriptorWatcher {
  public:
   [[nodiscard]] std::unique_ptr<Watch> when_readable(int, std::function<void()> call) override {
@@ -65,7 +65,7 @@ struct Bench {
     CHECK(send_message(process.get(), message));
   }
 
-  // What came, by type; ExposureMessage's are kept.
+  // Returns the types of the messages that came; the last ExposureMessage is kept.
   std::vector<WatchdogMessageType> received() {
     std::vector<WatchdogMessageType> came;
     WatchdogPacket packet;
@@ -79,15 +79,15 @@ struct Bench {
     }
     return came;
   }
-  // The daemon hears what has been said, and goes on with what comes of it at once.
+  // Lets the daemon read its messages, and runs the calls that this leads to at once.
   void hear() {
     readiness.serve();
     run_for(1us);
   }
-  // Time passes; the process answers, if it does.
+  // Lets time pass, during which the process answers if `answers` is set.
   void run_for(Duration duration) {
     const TimePoint until = clock.now() + duration;
-    // A timer of ours, so that the clock comes to its end.
+    // A timer that makes the clock reach `until`.
     bool over = false;
     const auto end = clock.call_at(until, [&] { over = true; });
     while (!over && clock.run_next()) {
@@ -118,7 +118,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("An exposure is armed when the watchdog says that it has heard, and not before") {
+TEST_CASE("An exposure is armed when the watchdog confirms that it has heard, and not before") {
   Bench bench;
   CHECK(bench.watchdog->problem().empty());
   bench.answers = false;
@@ -127,7 +127,7 @@ TEST_CASE("An exposure is armed when the watchdog says that it has heard, and no
   bench.readiness.serve();
   CHECK_FALSE(armed);
   REQUIRE(bench.received() == std::vector{WatchdogMessageType::Arm});
-  bench.reply(WatchdogMessageType::Heard, bench.last.exposure.number + 1);  // of another
+  bench.reply(WatchdogMessageType::Heard, bench.last.exposure.number + 1);  // another exposure's
   bench.readiness.serve();
   CHECK_FALSE(armed);
   bench.reply(WatchdogMessageType::Heard, bench.last.exposure.number);
@@ -135,7 +135,7 @@ TEST_CASE("An exposure is armed when the watchdog says that it has heard, and no
   CHECK(armed);
 }
 
-TEST_CASE("The daemon tells every 50 ms that it lives, from arming until darkness is confirmed") {
+TEST_CASE("The daemon sends a heartbeat every 50 ms, from arming until darkness is confirmed") {
   Bench bench;
   REQUIRE(bench.arm());
   bench.run_for(1010ms);
@@ -148,8 +148,7 @@ TEST_CASE("The daemon tells every 50 ms that it lives, from arming until darknes
   CHECK(bench.troubles.empty());
 }
 
-TEST_CASE(
-    "The end that is told stays ahead until light on was sent, and is that of the exposure from then on") {
+TEST_CASE("The end that is sent moves on until light on was sent, and is the exposure's from then on") {
   Bench bench;
   REQUIRE(bench.arm(2s));
   bench.run_for(500ms);
@@ -164,14 +163,14 @@ TEST_CASE(
   CHECK(bench.last.exposure.off_asked);
 }
 
-TEST_CASE("A watchdog that has turned the light off is told of, and watches on until darkness is confirmed") {
+TEST_CASE("A trip of the watchdog is reported, and it watches on until darkness is confirmed") {
   Bench bench;
   REQUIRE(bench.arm());
   bench.reply(WatchdogMessageType::Tripped, bench.last.exposure.number, LightTrip::Silence);
   bench.hear();
   REQUIRE(bench.troubles.size() == 1);
   CHECK(bench.troubles[0] ==
-        "the light watchdog has turned the light off: contourd had not answered it in time");
+        "the light watchdog has turned the light off: contourd had not answered in time");
   CHECK(bench.watchdog->problem().empty());
   REQUIRE(bench.watchdog->trip());
   CHECK(bench.watchdog->trip()->at == TimePoint{});
@@ -182,7 +181,7 @@ TEST_CASE("A watchdog that has turned the light off is told of, and watches on u
   CHECK(bench.arm());
 }
 
-TEST_CASE("A trip of an exposure that is over is nobody's") {
+TEST_CASE("A trip of an exposure that is over is ignored") {
   Bench bench;
   REQUIRE(bench.arm());
   const std::uint64_t number = bench.last.exposure.number;
@@ -192,7 +191,8 @@ TEST_CASE("A trip of an exposure that is over is nobody's") {
   CHECK(bench.troubles.empty());
 }
 
-TEST_CASE("A watchdog that dies in an exposure is told of at once, and one that dies otherwise is replaced") {
+TEST_CASE(
+    "A watchdog that dies in an exposure is reported at once, and one that dies otherwise is replaced") {
   Bench bench;
   REQUIRE(bench.arm());
   bench.process = FileDescriptor();
@@ -211,7 +211,7 @@ TEST_CASE("A watchdog that dies in an exposure is told of at once, and one that 
   CHECK_FALSE(bench.watchdog->problem().empty());
 }
 
-TEST_CASE("An exposure that is asked for while there is no watchdog is armed by the next, or not at all") {
+TEST_CASE("An exposure that is requested without a watchdog is armed by the next one, or not at all") {
   Bench bench;
   bench.process = FileDescriptor();
   bench.readiness.serve();
@@ -232,7 +232,7 @@ TEST_CASE("An exposure that is asked for while there is no watchdog is armed by 
   CHECK_FALSE(armed);
 }
 
-TEST_CASE("A watchdog that does not answer is taken for dead after ten beats") {
+TEST_CASE("A watchdog that does not answer counts as dead after ten heartbeats") {
   Bench bench;
   REQUIRE(bench.arm());
   bench.answers = false;
@@ -243,8 +243,7 @@ TEST_CASE("A watchdog that does not answer is taken for dead after ten beats") {
   CHECK(bench.troubles[0] == "the light watchdog does not answer; no light is turned on without it");
 }
 
-TEST_CASE(
-    "What a watchdog that has died is told goes nowhere, and its death is told from the event loop only") {
+TEST_CASE("Messages to a dead watchdog are lost, and its death is reported only from the event loop") {
   Bench bench;
   REQUIRE(bench.arm());
   bench.process = FileDescriptor();
@@ -256,7 +255,7 @@ TEST_CASE(
   CHECK(bench.troubles.size() == 1);
 }
 
-TEST_CASE("What the light is turned off by is handed over as it comes, and again to each new watchdog") {
+TEST_CASE("Descriptors that turn the light off are handed over at once, and again to each new watchdog") {
   Bench bench;
   const FileDescriptor device(::open("/dev/null", O_RDWR | O_CLOEXEC));
   bench.watchdog->set_line(device.get());
@@ -269,7 +268,7 @@ TEST_CASE("What the light is turned off by is handed over as it comes, and again
   CHECK(bench.descriptors.size() == 3);
   bench.watchdog->set_line(-1);
   CHECK(bench.received() == std::vector{WatchdogMessageType::Line});
-  CHECK(bench.descriptors[WatchdogMessageType::Line] == 1);  // that one came without
+  CHECK(bench.descriptors[WatchdogMessageType::Line] == 1);  // the last message came without a descriptor
 
   bench.process = FileDescriptor();
   bench.readiness.serve();
@@ -279,7 +278,7 @@ TEST_CASE("What the light is turned off by is handed over as it comes, and again
   CHECK(bench.words[WatchdogMessageType::Display] == 1);
 }
 
-TEST_CASE("A watchdog that cannot be started is looked for again, and says why there is no light") {
+TEST_CASE("A watchdog that cannot be started is tried again, and says why there is no light") {
   Bench bench(false);
   CHECK(bench.watchdog->problem().find("cannot be started: /proc/self/exe") != std::string::npos);
   bench.can_start = true;
@@ -290,7 +289,7 @@ TEST_CASE("A watchdog that cannot be started is looked for again, and says why t
   CHECK(bench.watchdog->refusals()[0].find("real-time priority") != std::string::npos);
 }
 
-TEST_CASE("What is no answer of a watchdog's is passed over") {
+TEST_CASE("A packet that is not a watchdog's answer is ignored") {
   Bench bench;
   REQUIRE(bench.arm());
   CHECK(::write(bench.process.get(), "garbage", 7) == 7);

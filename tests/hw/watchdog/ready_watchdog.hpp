@@ -1,4 +1,5 @@
-// A light watchdog for a machine in a test: it is ready, and answers nothing else. Not thread-safe.
+// A light watchdog for a machine in a test: it says that it is ready, and sends no other answer by itself.
+// Not thread-safe.
 #pragma once
 
 #include <sys/socket.h>
@@ -9,7 +10,7 @@
 
 namespace contourd::testing {
 
-// Both must outlive it, as must `process`, the other end.
+// Returns a watchdog that is ready. The clock, the watcher and `process`, the other end, must outlive it.
 inline LightWatchdog ready_watchdog(Clock& clock, DescriptorWatcher& watcher, FileDescriptor& process) {
   return LightWatchdog(clock, watcher, [&process] {
     int ends[2];
@@ -23,7 +24,7 @@ inline LightWatchdog ready_watchdog(Clock& clock, DescriptorWatcher& watcher, Fi
   });
 }
 
-// It says that it watches over the exposure that it was asked to.
+// Answers, for the process, that it watches the exposures that it was asked to watch.
 inline void watch_over_exposure(LightWatchdog& watchdog, const FileDescriptor& process) {
   WatchdogPacket packet;
   while (receive_packet(process.get(), packet) == Received::Packet) {
@@ -34,7 +35,7 @@ inline void watch_over_exposure(LightWatchdog& watchdog, const FileDescriptor& p
     heard.exposure = asked->exposure.number;
     if (!send_message(process.get(), heard)) throw std::runtime_error("the socket pair takes nothing");
   }
-  (void)watchdog.trip();  // hears it
+  (void)watchdog.trip();  // reads the answers
 }
 
 }  // namespace contourd::testing

@@ -1,4 +1,4 @@
-// On a virtual clock; the test is the light watchdog's process.
+// Tests on a virtual clock; the test is the light watchdog's process.
 #include "hw/watchdog/watched_projector.hpp"
 
 #include <string>
@@ -21,7 +21,7 @@ class NoDescriptors final : public DescriptorWatcher {
   }
 };
 
-// Notes what it is told, and answers when the test lets it.
+// Records its commands, and answers when the test says so.
 class NotedProjector final : public testing::PlainProjector {
  public:
   void power_on(Done done) override { note("power on"), done(ProjectorReply::Ok); }
@@ -34,13 +34,13 @@ class NotedProjector final : public testing::PlainProjector {
   [[nodiscard]] std::string last_problem() const override { return "the projector's problem"; }
   [[nodiscard]] std::string light_off_unconfirmed() const override { return "light off is not confirmed"; }
 
-  std::vector<std::string> told;
+  std::vector<std::string> commands;
   LightOn answer;
   std::function<void()> dark;
   std::optional<LightSpan> light;
 
  private:
-  void note(const std::string& what) { told.push_back(what); }
+  void note(const std::string& what) { commands.push_back(what); }
 };
 
 struct Bench {
@@ -49,15 +49,15 @@ struct Bench {
     (void)came();
   }
 
-  // What the watchdog was told since.
+  // Returns the types of the messages that have been sent to the watchdog since the last call.
   std::vector<WatchdogMessageType> came() {
-    std::vector<WatchdogMessageType> words;
+    std::vector<WatchdogMessageType> types;
     WatchdogPacket packet;
     while (receive_packet(process.get(), packet) == Received::Packet) {
-      words.push_back(packet.type().value());
+      types.push_back(packet.type().value());
       if (const auto exposure = packet.as<ExposureMessage>()) last = exposure->exposure;
     }
-    return words;
+    return types;
   }
   void reply(WatchdogMessageType type, LightTrip trip = LightTrip::None, bool line_off = false) {
     WatchdogReply message{};
@@ -67,13 +67,13 @@ struct Bench {
     message.at = clock.now();
     message.line_off = line_off;
     CHECK(send_message(process.get(), message));
-    (void)watchdog.trip();  // hears it
+    (void)watchdog.trip();  // reads the message
   }
   void turn_on(Duration exposure = 2s) {
     projector.light_on(exposure, {.sent = [this](TimePoint at) { sent = at; },
                                   .done = [this](ProjectorReply reply) { answered = reply; }});
   }
-  // On, and told to be on.
+  // Turns the light on, and has the watchdog and the projector confirm that.
   void shine() {
     turn_on();
     (void)came();
@@ -107,16 +107,16 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("No light on is sent before the watchdog has said that it watches") {
+TEST_CASE("No light on is sent before the watchdog has confirmed that it watches") {
   Bench bench;
-  bench.inner.light = LightSpan{};  // an earlier one
+  bench.inner.light = LightSpan{};  // an earlier light
   bench.turn_on();
-  CHECK(bench.inner.told.empty());
+  CHECK(bench.inner.commands.empty());
   CHECK(bench.offered == 1);
   CHECK(bench.came() == std::vector{WatchdogMessageType::Arm});
-  CHECK_FALSE(bench.projector.last_light());  // its command was never sent
+  CHECK_FALSE(bench.projector.last_light());  // light on was never sent
   bench.reply(WatchdogMessageType::Heard);
-  CHECK(bench.inner.told == std::vector<std::string>{"light on"});
+  CHECK(bench.inner.commands == std::vector<std::string>{"light on"});
   bench.inner.answer.sent(TimePoint{300ms});
   CHECK(bench.sent == TimePoint{300ms});
   (void)bench.came();
@@ -126,23 +126,23 @@ TEST_CASE("No light on is sent before the watchdog has said that it watches") {
   CHECK(bench.answered == ProjectorReply::Ok);
 }
 
-TEST_CASE("A watchdog that does not answer lets no light on through, and that is told") {
+TEST_CASE("A watchdog that does not answer lets no light on through, and that is reported") {
   Bench bench;
   bench.answers = false;
   bench.turn_on();
   bench.wait(1s);
-  CHECK(bench.inner.told.empty());
+  CHECK(bench.inner.commands.empty());
   CHECK_FALSE(bench.answered);
   CHECK(bench.troubles ==
         std::vector<std::string>{"the light watchdog does not answer; no light is turned on without it"});
 }
 
-TEST_CASE("The light is off before the watchdog is told, and watched over until it is confirmed dark") {
+TEST_CASE("The light is turned off before the watchdog hears of it, and watched until it is confirmed dark") {
   Bench bench;
   bench.shine();
   (void)bench.came();
   bench.projector.light_off();
-  CHECK(bench.inner.told.back() == "light off");
+  CHECK(bench.inner.commands.back() == "light off");
   CHECK(bench.came() == std::vector{WatchdogMessageType::Heartbeat});
   CHECK(bench.last.off_asked);
   bool dark = false;
@@ -153,7 +153,7 @@ TEST_CASE("The light is off before the watchdog is told, and watched over until 
   CHECK(bench.came() == std::vector{WatchdogMessageType::Disarm});
 }
 
-TEST_CASE("Darkness that nobody else waits for ends the watch too") {
+TEST_CASE("Darkness ends the watch even if no one else waits for it") {
   for (const bool power : {false, true}) {
     Bench bench;
     bench.shine();
@@ -165,16 +165,16 @@ TEST_CASE("Darkness that nobody else waits for ends the watch too") {
   }
 }
 
-TEST_CASE("A light off that overtakes the watchdog's word leaves the light off") {
+TEST_CASE("A light off that overtakes the watchdog's confirmation keeps the light off") {
   Bench bench;
   bench.turn_on();
   (void)bench.came();
   bench.projector.light_off();
   bench.reply(WatchdogMessageType::Heard);
-  CHECK(bench.inner.told == std::vector<std::string>{"light off"});
+  CHECK(bench.inner.commands == std::vector<std::string>{"light off"});
 }
 
-TEST_CASE("A light off when nothing is lit leaves alone who waits for darkness") {
+TEST_CASE("A light off while no light is on does not drop a wait for darkness") {
   Bench bench;
   bool dark = false;
   bench.projector.when_dark([&] { dark = true; });
@@ -184,8 +184,7 @@ TEST_CASE("A light off when nothing is lit leaves alone who waits for darkness")
   CHECK(dark);
 }
 
-TEST_CASE(
-    "A light that the watchdog has turned off by its line went off then, and not when that was noticed") {
+TEST_CASE("A light that the watchdog turned off by its line went off then, not when that was noticed") {
   for (const bool by_line : {true, false}) {
     Bench bench;
     bench.shine();
@@ -196,12 +195,12 @@ TEST_CASE(
     bench.inner.light->off_earliest = bench.inner.light->off_latest = bench.clock.now();
     const LightSpan light = bench.projector.last_light().value();
     CHECK(light.least() == 1s);
-    // Of a projector's own light only its reply is a proof.
+    // For a projector's own light, only its reply is proof.
     CHECK(light.most(bench.clock.now()) == (by_line ? 1s : 21s));
   }
 }
 
-TEST_CASE("What the watchdog did to the light before is nothing of the next") {
+TEST_CASE("A trip of the watchdog does not affect the times of the next light") {
   Bench bench;
   bench.shine();
   (void)bench.came();
@@ -219,7 +218,7 @@ TEST_CASE("Another projector takes the place of one that is gone") {
   NotedProjector another;
   bench.projector.watch(another);
   bench.projector.light_off();
-  CHECK(bench.inner.told.empty());
-  CHECK(another.told == std::vector<std::string>{"light off"});
+  CHECK(bench.inner.commands.empty());
+  CHECK(another.commands == std::vector<std::string>{"light off"});
   CHECK(bench.projector.light_off_unconfirmed() == "light off is not confirmed");
 }

@@ -1,1 +1,2 @@
-"""The test bed: a virtual machine with a real kernel and our devices, what is put into it, and what it recorded."""
+"""The test bed: a virtual machine with a real kernel and our devices, the content of its guests, and the records of its
+devices."""

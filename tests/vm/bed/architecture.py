@@ -1,4 +1,4 @@
-"""What differs between amd64 and arm64 guests, and where the bed keeps what belongs to each."""
+"""The differences between amd64 and arm64 guests, and the bed's folders for each."""
 
 import os
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ VM = SOURCE / "tests" / "vm"
 
 
 def host_debian():
-    """The name of the Debian that this machine runs, such as "bookworm"."""
+    """Returns the name of this machine's Debian release, such as "bookworm"."""
     release = dict(line.split("=", 1) for line in Path("/etc/os-release").read_text().splitlines() if "=" in line)
     return release["VERSION_CODENAME"]
 
@@ -30,7 +30,7 @@ class Architecture:
     machine: str
     cpu: str
     console: str
-    loader: str  # where programs look for the dynamic linker
+    loader: str  # the path at which programs expect the dynamic linker
     libraries: tuple  # folders
 
     @property
@@ -55,7 +55,7 @@ class Architecture:
         return BED / f"modules-{self.name}"
 
     def program(self, name):
-        """A program of contourd's, or one of the guest's own."""
+        """Returns the path of a program of contourd's or of the guest's own."""
         own = BED / f"programs-{self.name}" / name
         contourd = SOURCE / "build" if self.name == "amd64" else BED / "contourd-arm64"
         return own if own.exists() else contourd / "bin" / name
@@ -65,7 +65,7 @@ AMD64 = Architecture(
     name="amd64",
     qemu="qemu-system-x86_64",
     machine="q35",
-    # Random numbers come from the host with these instructions: no two runs would be alike.
+    # These instructions give random numbers of the host, so that no two runs would be identical.
     cpu="max,-rdrand,-rdseed",
     console="ttyS0",
     loader="/lib64/ld-linux-x86-64.so.2",

@@ -1,4 +1,4 @@
-"""Masks as the core computes them here, outside the guest: by contourctl, at exact heights, with zproj's CRC."""
+"""The core's masks, computed outside the guest with contourctl at exact heights, and their CRC as zproj computes it."""
 
 import os
 import subprocess
@@ -18,7 +18,7 @@ import harness  # noqa: E402
 
 
 def mask_at(model, height_nm, *options):
-    """The mask of a model file at a height, as rows of grey values (numpy, height x width)."""
+    """Returns the mask of a model file at a height, as rows of grey values (numpy, height x width)."""
     with tempfile.TemporaryDirectory() as folder:
         png = Path(folder, "mask.png")
         _slice(model, "--z", f"{height_nm / 1e6:.6f}", "--mask", png, *options)
@@ -26,7 +26,7 @@ def mask_at(model, height_nm, *options):
 
 
 def layers_of(model, layer_nm, folder, *options):
-    """The masks of a model file's layers, from the plate up, by way of files in the folder."""
+    """Returns the masks of a model file's layers, from the plate up. Uses files in the folder."""
     _slice(model, "--layer-height-um", f"{layer_nm / 1000:g}", "--masks", folder, *options)
     return [_grey(png) for png in sorted(folder.glob("*.png"))]
 
@@ -41,13 +41,13 @@ def _grey(png):
 
 
 def xrgb_crc(grey):
-    """CRC-32 of the picture as XRGB8888, row by row, X zero: what zproj logs."""
+    """Returns the CRC-32 of the picture as XRGB8888, row by row with X zero, as zproj logs it."""
     pixels = numpy.zeros((*grey.shape, 4), numpy.uint8)
     pixels[..., :3] = grey[..., None]
     return zlib.crc32(pixels.tobytes())
 
 
 def rgb565_crc(grey):
-    """The same as RGB565: each colour the nearest value that its bits can say."""
+    """Returns the CRC-32 of the picture as RGB565, with each colour rounded to its nearest value."""
     five, six = ((2 * grey.astype(numpy.uint32) * most + 255) // 510 for most in (31, 63))
     return zlib.crc32((five << 11 | six << 5 | five).astype("<u2").tobytes())

@@ -1,5 +1,5 @@
-"""What zplant recorded: every change of a line's level, with its time and where the plate was. Read from
-/sys/kernel/debug/zplant/log; positions are steps above the place where the limit switch closes."""
+"""zplant's record: every change of a line's level, with its time and the plate's position, read from
+/sys/kernel/debug/zplant/log. Positions are steps above the place where the limit switch closes."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ LOST = LOST_DISABLED | LOST_STOP | LOST_RATE
 
 @dataclass(frozen=True)
 class Lines:
-    """Numbers of the chip's lines; the defaults are zplant's own."""
+    """The numbers of the chip's lines; the defaults are zplant's."""
 
     step: int = 17
     direction: int = 27
@@ -35,24 +35,24 @@ class EdgeLog:
 
     @staticmethod
     def pack(events):
-        """The bytes of a log of (time_ns, position, flags, line, value): for tests of what reads them."""
+        """Returns the bytes of a log of (time_ns, position, flags, line, value), for tests of its readers."""
         return numpy.array(events, _EVENT).tobytes()
 
     def edges(self, line):
         return self.events[self.events["line"] == line]
 
     def steps(self):
-        """The rising edges of the step line."""
+        """Returns the rising edges of the step line."""
         edges = self.edges(self.lines.step)
         return edges[edges["value"] == 1]
 
     def position_at(self, time_ns):
-        """Where the plate was; nothing before the first event."""
+        """Returns the plate's position, or None before the first event."""
         index = int(numpy.searchsorted(self.events["time_ns"], time_ns, side="right")) - 1
         return None if index < 0 else int(self.events["position"][index])
 
     def active(self, line):
-        """[(start_ns, end_ns)] in which the line was high; an end that never came is None."""
+        """Returns [(start_ns, end_ns)] during which the line was high; the end is None if the line stayed high."""
         intervals, start = [], None
         for edge in self.edges(line):
             if edge["value"] and start is None:

@@ -1,4 +1,4 @@
-"""What a display says of itself: its EDID, as VESA's E-EDID 1.4 has it."""
+"""A display's description of itself: EDID according to VESA's E-EDID 1.4."""
 
 import struct
 from dataclasses import dataclass
@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Timing:
-    """Of one mode: pixels across and lines down, each shown, before the sync, in the sync, and in all."""
+    """The timing of one mode. For pixels across and lines down: the number shown, before the sync, in the sync, and in
+    total."""
 
     clock_khz: int
     across: tuple
@@ -32,7 +33,7 @@ def _detailed_timing(timing):
 
 
 def edid(timing):
-    """Of a digital display of unknown size that has this one mode."""
+    """Returns the EDID of a digital display of unknown size that has only this mode."""
     block = bytes.fromhex("00ffffffffffff00") + struct.pack(">H", 0x6A0A) + bytes(6) + bytes([1, 30])  # maker "ZPJ"; 2020
     block += bytes([1, 4, 0x80, 0, 0, 120, 0x02]) + bytes(10)  # digital; gamma 2.2; the first timing is preferred
     block += bytes(3) + b"\x01\x01" * 8  # no established and no standard timings

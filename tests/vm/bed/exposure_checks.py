@@ -1,16 +1,16 @@
-"""What light and screen must hold to: the display's log, the axis' log and the core's masks against each other. Every
-check returns sentences on what broke its rule, none when nothing did."""
+"""Checks of light and screen: the display's log, the axis' log and the core's masks are compared with each other. Every
+check returns a sentence for each violation."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class ExpectedLayer:
-    """A layer as the printer was told to make it, counted from 1."""
+    """A layer of the job, counted from 1."""
 
     number: int
-    position: int  # of the plate, in steps above the switch
-    mask_crc: int  # of the core's mask at the plate's position in the axis' log, as zproj counts it
+    position: int  # the plate's, in steps above the switch
+    mask_crc: int  # CRC of the core's mask at the plate's position in the axis' log, as zproj computes it
     exposure_ns: int
 
 
@@ -18,7 +18,7 @@ REFRESH_NS = 16_666_667
 
 
 def masks(frames, edges, layers):
-    """Every picture with light in it is its layer's mask, at the height that the plate had."""
+    """Checks that every lit picture is its layer's mask at the plate's height."""
     pictures = frames.lit_pictures()
     broken = []
     if len(pictures) != len(layers):
@@ -33,8 +33,8 @@ def masks(frames, edges, layers):
 
 
 def exposures(frames, edges, layers, refresh_ns=REFRESH_NS):
-    """Light is on once a layer, for as long as was asked; the mask's time on the screen, from vblank to vblank, is
-    within a refresh of it."""
+    """Checks that the light is on once per layer for the requested time, and that the mask's time on the screen, from
+    vblank to vblank, differs from it by at most a refresh."""
     light = edges.active(edges.lines.light)
     pictures = frames.lit_pictures()
     broken = []
@@ -44,20 +44,20 @@ def exposures(frames, edges, layers, refresh_ns=REFRESH_NS):
         if off is None or picture.end_ns is None:
             broken.append(f"layer {layer.number}: {'the light' if off is None else 'the mask'} stayed on")
             continue
-        # Nothing but the timer's own lateness lies between light on and light off.
+        # The exposure can be longer only by the timer's own lateness.
         if not 0 <= off - on - layer.exposure_ns <= 1_000_000:
-            broken.append(f"layer {layer.number} had light for {off - on} ns, {layer.exposure_ns} ns were asked")
-        # Black comes with the vblank after light off: one refresh later at most, but for the way to light on.
+            broken.append(f"layer {layer.number} had light for {off - on} ns; {layer.exposure_ns} ns were requested")
+        # Black comes at the vblank after light off: at most one refresh later, plus the delay until light on.
         beyond = picture.end_ns - picture.start_ns - layer.exposure_ns
         if not 0 <= beyond <= refresh_ns + 2_000_000:
-            broken.append(f"layer {layer.number}'s mask was on the screen for {beyond} ns more than was asked")
+            broken.append(f"layer {layer.number}'s mask was on the screen for {beyond} ns more than was requested")
     return broken
 
 
 def light_only_on_masks(frames, edges, light=None, on_the_way_ns=0):
-    """While there is light, a mask is on the screen, the same one all the time, and the plate does not move. Where the
-    light is not a line's, `light` is [(on_ns, off_ns)], and the screen may be black already while light off is on its
-    way."""
+    """Checks that while there is light one mask is on the screen and the plate does not move. If the light is not
+    switched by a line, `light` is [(on_ns, off_ns)], and the screen may be black already while light off is being
+    sent."""
     pictures = frames.lit_pictures()
     steps = edges.steps()["time_ns"]
     broken = []
@@ -67,7 +67,7 @@ def light_only_on_masks(frames, edges, light=None, on_the_way_ns=0):
             continue
         covering = [p for p in pictures if p.start_ns <= on and (p.end_ns is None or p.end_ns >= off - on_the_way_ns)]
         if not covering:
-            broken.append(f"the light from {on} to {off} ns was not on one mask")
+            broken.append(f"the light from {on} to {off} ns was not on a single mask")
         moved = int(((steps >= on) & (steps <= off)).sum())
         if moved:
             broken.append(f"the plate made {moved} steps in the light from {on} to {off} ns")
@@ -75,7 +75,7 @@ def light_only_on_masks(frames, edges, light=None, on_the_way_ns=0):
 
 
 def dark_at_the_end(frames, edges):
-    """Light off and the screen black, or off, when the logs end."""
+    """Checks that the light is off and the screen black or off when the logs end."""
     broken = []
     pictures = frames.pictures()
     if pictures and pictures[-1].end_ns is None and pictures[-1].lit:

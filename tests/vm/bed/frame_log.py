@@ -1,5 +1,5 @@
-"""What zproj recorded: every picture that was on the screen, from which vblank on, with the CRC-32 of its pixels. Read
-from /sys/kernel/debug/zproj/log."""
+"""zproj's record, read from /sys/kernel/debug/zproj/log: every picture on the screen with its first vblank and the CRC-32
+of its pixels."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Picture:
-    """One frame's time on the screen. end_ns is None for the last one."""
+    """A frame's time on the screen. end_ns is None for the last frame."""
 
     start_ns: int
     end_ns: int
@@ -36,7 +36,7 @@ class FrameLog:
         return Entry(int(fields[0]), int(fields[1]), fields[2], fields[3], int(fields[4], 16), int(fields[5]))
 
     def pictures(self):
-        """What was shown, in order; while the output was off nothing was."""
+        """Returns the pictures in order, without the times at which the output was off."""
         shown = []
         changes = [entry for entry in self.entries if entry.kind in ("FLIP", "REDRAW", "OFF")]
         for entry, following in zip(changes, [*changes[1:], None]):

@@ -1,4 +1,4 @@
-"""The guests that the tests boot: what is in their initial file systems."""
+"""The guests that the tests boot: the content of their initial file systems."""
 
 import json
 import os
@@ -19,7 +19,7 @@ _VIRTIO_MODULES = ("virtio_pci", "virtio_blk", "virtio_console")
 
 
 def printer_guest(arch, config, model_height_mm=0.2, resin=None, model=models.twisted_star):
-    """contourd with its configuration, a model to print (of that height) and our devices' modules."""
+    """Returns a guest with contourd, its configuration, a model of that height and our devices' modules."""
     guest = Initramfs(arch)
     guest.add_kernel_modules(*_SCREEN_MODULES, *_VIRTIO_MODULES)
     guest.add_our_modules()
@@ -35,7 +35,7 @@ def printer_guest(arch, config, model_height_mm=0.2, resin=None, model=models.tw
 
 @contextmanager
 def _installed(debian):
-    """The folder in which contourd is installed as it was built on that Debian, or on this one."""
+    """Gives the folder in which contourd is installed, as built for that Debian or for this one."""
     if debian and debian != host_debian():
         yield BED / f"contourd-{debian}"
         return
@@ -47,7 +47,8 @@ def _installed(debian):
 
 
 def _debian_guest(our_modules=()):
-    """What a guest with a root image boots from. `our_modules` are lines such as "zplant bounce_us=300"."""
+    """Returns the initial file system for a guest with a root image. `our_modules` are lines such as "zplant
+    bounce_us=300"."""
     guest = Initramfs(AMD64)
     guest.add_kernel_modules("crc32c_generic", "ext4", *_SCREEN_MODULES, *_VIRTIO_MODULES)
     guest.add_our_modules()
@@ -58,7 +59,7 @@ def _debian_guest(our_modules=()):
 
 
 def systemd_guest(config, resin=None, our_modules=(), debian=None):
-    """A Debian that brings the installed contourd along, as a package would put it there, with a printer's configuration."""
+    """Returns a Debian guest with contourd installed as by a package, and a printer's configuration."""
     guest = _debian_guest(our_modules)
     with _installed(debian) as folder:
         # /lib is a link to /usr/lib in the image.
@@ -74,8 +75,8 @@ def systemd_guest(config, resin=None, our_modules=(), debian=None):
 
 
 def package_guest(upgrades, debian=None):
-    """A Debian without contourd, and with the package that was made of this tree for it, as /root/contourd.deb; the same
-    with higher and higher versions as /root/upgrade-1.deb and so on."""
+    """Returns a Debian guest without contourd. /root/contourd.deb is the package of this tree for that Debian;
+    /root/upgrade-1.deb and so on are the same package with increasing versions."""
     guest = _debian_guest()
     (package,) = (BED / (f"packages-{debian}" if debian else "packages")).glob("contourd_*_amd64.deb")
     guest.add_file("/install/root/contourd.deb", package)
@@ -99,7 +100,7 @@ def resin_profile(changes):
 
 @contextmanager
 def written(guest):
-    """The guest's initramfs as a file, for as long as the context lasts."""
+    """Writes the guest's initramfs to a file that exists as long as the context."""
     with tempfile.NamedTemporaryFile(prefix="initramfs.", dir=BED) as file:
         guest.write(Path(file.name))
         yield Path(file.name)
@@ -109,12 +110,12 @@ def simulated_config(**changes):
     config = json.loads((SOURCE / "config" / "contourd.json").read_text())
     config.pop("$schema")
     config["projector"]["warm_up_s"] = 1
-    # A short axis: homing and parking take no time that a test would have to wait.
+    # A short axis, so that tests do not have to wait for homing and parking.
     config["z_axis"]["travel_mm"] = 10
     config["simulation"]["start_height_mm"] = 2.5
     config["wait_for_plate_cleared"] = False
     config["min_free_disk_mb"] = 0
-    # What is shown is compared with the model's own sections.
+    # No supports, since the pictures are compared with sections of the model alone.
     config["supports"] = "off"
     return {**config, **changes}
 
@@ -124,8 +125,8 @@ def _line(number, active_low=False):
 
 
 def real_config(**changes):
-    """A printer made of our devices: zplant's lines, zproj's output, zserial's port. Keys of `changes` are sections,
-    whose keys are changed (None: removed)."""
+    """Returns the configuration of a printer with our devices: zplant's lines, zproj's output, zserial's port. `changes`
+    maps sections to changed keys (None removes a key)."""
     config = simulated_config()
     config["hardware"] = "real"
     config["z_axis"] |= {
@@ -145,13 +146,13 @@ def real_config(**changes):
     return config
 
 
-# Lines of zplant's without a function of their own; ENCODER's are given to the module as it is loaded.
+# Lines of zplant without a fixed function; the encoder's lines are parameters of the module.
 EMERGENCY_STOP, LID, ENCODER_A, ENCODER_B = 5, 6, 20, 21
 
-# What the acer table's commands are answered with: off at first.
+# The answers to the acer table's commands; the lamp is off at first.
 ACER = r"'* 0 IR 001\r=>*001\r' '* 0 IR 002\r=>*001\r' '* 0 Lamp ?\r=>Lamp 0\r' '* 0 Lamp ?\r=>Lamp 1\r'"
 
-# Short prints: every layer is short of nothing that a long one has.
+# A resin for short prints, whose layers have all parts of a normal layer.
 QUICK_RESIN = {
     "exposure_ms": 1000,
     "bottom_exposure_ms": 2000,

@@ -1,4 +1,4 @@
-"""How well this machine itself keeps real time: what the hypervisor beneath it, if there is one, takes away."""
+"""The host's own real-time latency, including delays by a hypervisor below it."""
 
 import os
 import threading
@@ -9,15 +9,15 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class LateWakes:
     wakes: int
-    late: int  # by a period or more
+    late: int  # wakes that were late by a period or more
     worst_s: float
 
     def __str__(self):
-        return f"this machine's own real-time thread: {self.late} of {self.wakes} wakes late by a period, the worst {self.worst_s * 1e3:.1f} ms"
+        return f"the host's own real-time thread: {self.late} of {self.wakes} wake-ups late by a period, the worst {self.worst_s * 1e3:.1f} ms"
 
 
 def late_wakes(period_s, seconds):
-    """Of a thread with the highest real-time priority that does nothing but wake every period."""
+    """Measures a thread with the highest real-time priority that only wakes up every period."""
     lateness = []
 
     def wake():

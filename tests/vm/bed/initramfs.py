@@ -1,5 +1,6 @@
-"""Builds a guest's initial file system: busybox, kernel modules in the order in which they load, programs with the
-libraries that they need. A cpio archive (newc), as the kernel's Documentation/driver-api/early-userspace tells."""
+"""Builds a guest's initial file system: busybox, kernel modules in the order in which they are loaded, and programs with
+the libraries that they need. The result is a cpio archive (newc), see the kernel's
+Documentation/driver-api/early-userspace."""
 
 import gzip
 import lzma
@@ -57,7 +58,7 @@ class Initramfs:
             self._add_libraries(found[0])
 
     def add_kernel_modules(self, *names):
-        """Modules of the kernel's own, with those that they need; the guest's init loads them."""
+        """Adds modules of the kernel with their dependencies; the guest's init loads them."""
         folder = self._arch.kernel_modules
         needs, paths = {}, {}
         for line in (folder / "modules.dep").read_text().splitlines():
@@ -84,7 +85,7 @@ class Initramfs:
         self._loaded_modules.append(name)
 
     def add_our_modules(self):
-        """zplant, zproj and zserial in /mod; the guest loads them as it needs them, with their parameters."""
+        """Adds zplant, zproj and zserial in /mod; the guest loads them when needed, with their parameters."""
         for module in sorted(self._arch.our_modules.glob("*.ko")):
             self.add_file(f"/mod/{module.name}", module)
 

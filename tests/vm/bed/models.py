@@ -1,12 +1,12 @@
-"""The models that the guests print: a star that turns and tapers as it rises, so that no two layers are alike and an error
-of one step in height changes the mask; and a table, whose top has to be held."""
+"""The models that the guests print: a star that turns and tapers as it rises, so that no two layers are equal and an
+error of one step in height changes the mask; and a table whose top needs supports."""
 
 import math
 import struct
 
 
 def twisted_star(height_mm, points=9, levels=24):
-    """Facets of a closed solid, counter-clockwise seen from outside."""
+    """Returns the facets of a closed solid, counter-clockwise seen from outside."""
     rings = [_ring(level / levels, height_mm, points) for level in range(levels + 1)]
     facets = []
     for below, above in zip(rings, rings[1:]):
@@ -30,10 +30,11 @@ def _ring(part, height_mm, points):
 
 
 def table(height_mm):
-    """Facets of a slab of 20 by 16 mm, a millimetre thick, on a post of 6 by 6 mm: all around it hangs in the air."""
+    """Returns the facets of a slab of 20 by 16 mm, 1 mm thick, on a post of 6 by 6 mm, so that the slab overhangs on all
+    sides."""
     under = height_mm - 1
     post, slab = _box((-3, -3, 0), (3, 3, under + 0.5)), _box((-10, -8, under), (10, 8, height_mm))
-    return post + slab  # they overlap, as parts that a person puts together do
+    return post + slab  # they overlap, like parts that a user has assembled
 
 
 def _box(low, high):

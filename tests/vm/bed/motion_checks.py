@@ -1,4 +1,4 @@
-"""What an axis' edge log must hold to. Every check returns sentences on what broke its rule, none when nothing did."""
+"""Checks of an axis' edge log. Every check returns a sentence for each violation."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import numpy
 
 from bed import edge_log
 
-# A pause in the steps this long ends a move: the slowest start of one (25 mm/s2, 800 steps/mm) takes 10 ms a step.
+# A pause of this length between steps ends a move. The slowest start of a move (25 mm/s2, 800 steps/mm) takes 10 ms per step.
 _MOVE_GAP_NS = 100_000_000
 
 
@@ -17,12 +17,12 @@ class MotionLimits:
     acceleration_mm_s2: float = 25.0
     pulse_width_ns: int = 2_000
     direction_setup_ns: int = 5_000
-    # A step that comes late leaves less time to the next when that is on time.
+    # A late step leaves less time to the next if that is on time.
     lateness_ns: int = 50_000
 
 
 def lost_steps(log):
-    """Steps that did not move the plate."""
+    """Finds steps that did not move the plate."""
     lost = log.steps()[(log.steps()["flags"] & edge_log.LOST) != 0]
     return [f"the step at {step['time_ns']} ns was lost (flags {step['flags']:#x})" for step in lost]
 
@@ -37,7 +37,7 @@ def pulse_widths(log, limits):
 
 
 def direction_setups(log, limits):
-    """A step too soon after a change of direction, or a direction changed within a pulse."""
+    """Finds steps too soon after a change of direction, and changes of direction during a pulse."""
     steps = log.edges(log.lines.step)
     broken = []
     for edge in log.edges(log.lines.direction):
@@ -51,7 +51,7 @@ def direction_setups(log, limits):
 
 
 def moves(log):
-    """The steps' times by moves: runs in one direction without a pause. [(times_ns, positions)]"""
+    """Returns the steps by moves, which are runs in one direction without a pause: [(times_ns, positions)]."""
     steps = log.steps()
     if not len(steps):
         return []
@@ -64,7 +64,7 @@ def moves(log):
 
 
 def speeds(log, limits):
-    """Steps that follow each other faster than at the top speed."""
+    """Finds steps that follow each other faster than at the top speed."""
     shortest = 1e9 / (limits.top_speed_mm_s * limits.steps_per_mm) - limits.lateness_ns
     broken = []
     for times, _ in moves(log):
@@ -74,7 +74,7 @@ def speeds(log, limits):
 
 
 def _ended_at_the_switch(log, times):
-    """Whether the limit switch closed with the move's last step."""
+    """True if the limit switch closed with the move's last step."""
     closed = log.edges(log.lines.limit)
     closed = closed[closed["value"] == 0]["time_ns"].astype(numpy.int64)
     return bool((numpy.abs(closed - times[-1]) < 1_000_000).any())
@@ -93,7 +93,7 @@ def accelerations(log, limits):
     broken = []
     for times, _ in moves(log):
         start, end = times[0] * 1e-9, times[-1] * 1e-9
-        # The switch stops the plate at once in homing: the ramp that is not there is no fault.
+        # In homing the switch stops the plate at once, so the missing ramp is not an error.
         last = end - window_s if _ended_at_the_switch(log, times) else end + window_s
         at = numpy.arange(start - window_s, last, window_s / 8)
         seconds = times * 1e-9

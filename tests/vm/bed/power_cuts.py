@@ -1,5 +1,5 @@
-"""Power cuts at chance moments: jobs are dropped and printed on a disk whose writes are recorded (dm-log-writes), and the
-daemon is started on what each cut leaves of it."""
+"""Power cuts at random moments: jobs are dropped and printed on a disk whose writes are recorded (dm-log-writes), and the
+daemon is started on the disk that each cut leaves."""
 
 import base64
 import io
@@ -24,7 +24,7 @@ def _config(**changes):
     config = guests.simulated_config(spool_folder="/disk/spool", **changes)
     config["simulation"]["pace"] = "fast"
     config["z_axis"]["travel_mm"] = 20
-    # Masks are not what this is about.
+    # Small masks, since this test is not about them.
     config["display"] |= {"width_px": 320, "height_px": 240, "pixel_pitch_um": 200}
     return config
 
@@ -67,7 +67,7 @@ def _kept_record(kind):
 
 
 def _seeds(kind, count):
-    """All of them, or the one that CUT=KIND:SEED asks for, on the record that a failure has kept."""
+    """Returns all seeds, or only the one that CUT=KIND:SEED asks for, to repeat a failure with its kept record."""
     wanted = os.environ.get("CUT", "").split(":")
     return range(1, count + 1) if wanted == [""] else [int(wanted[1])] if wanted[0] == kind else []
 
@@ -86,7 +86,7 @@ def _files(archive):
 
 
 def _cut(machine, seed):
-    """What guest/power_cuts.sh leaves in /run/out, and where it cut."""
+    """Cuts the power. Returns the content of /run/out after guest/power_cuts.sh, and the place of the cut."""
     packed = machine.run(f"sh /srv/power_cuts.sh cut_power {seed} && tar -C /run/out -cz . | base64 -w0", limit_s=300)
     out = _files(base64.b64decode(packed))
     *marks, where = out["cut"].decode().splitlines()
@@ -110,10 +110,11 @@ def _told(kind, seed, where, cut, broken):
 
 
 def run(kind, count):
-    """`kind` is what else writes on the disk, see guest/power_cuts.sh. Says how many cuts there were, of how many barriers."""
+    """Makes `count` power cuts. `kind` selects the other writer on the disk, see guest/power_cuts.sh. Returns a sentence
+    with the number of cuts and barriers."""
     seeds = _seeds(kind, count)
     if not seeds:
-        return "not asked for"
+        return "not selected"
     repeated = len(seeds) < count
     failures, barriers = [], {}
     with tempfile.TemporaryDirectory(prefix="cuts.", dir=BED) as name, guests.written(_guest()) as initramfs:
@@ -137,4 +138,4 @@ def run(kind, count):
             (folder / "record").rename(_kept_record(kind))
     if failures:
         raise AssertionError(f"{len(failures)} of {len(seeds)} cuts\n" + "\n\n".join(failures[:5]))
-    return f"{len(seeds)} cuts, behind {len(barriers)} of {next(iter(barriers)).split(' of ')[1]} barriers"
+    return f"{len(seeds)} cuts, after {len(barriers)} of {next(iter(barriers)).split(' of ')[1]} barriers"

@@ -1,5 +1,5 @@
-"""Runs guests: in deterministic time to the end of their scenario, or in real time with a command line to talk to.
-Always by QEMU's emulator (TCG); every run has a limit."""
+"""Runs guests: in deterministic time to the end of their scenario, or in real time with a command line. Always with
+QEMU's emulator (TCG); every run has a time limit."""
 
 import io
 import json
@@ -15,19 +15,19 @@ from pathlib import Path
 
 from bed.architecture import BED
 
-# Room for what a scenario leaves in /out.
+# The space for a scenario's files in /out.
 _RESULTS_BYTES = 128 << 20
 
 
 class GuestFailure(AssertionError):
-    """The guest did not do what every guest must: start, answer, end."""
+    """The guest failed at something that every guest must do: start, answer, end."""
 
 
 def _common(arch, initramfs, memory_mb, options=""):
     return [
         arch.qemu, "-M", arch.machine, "-cpu", arch.cpu, "-m", str(memory_mb), "-nodefaults", "-no-user-config",
         "-display", "none", "-no-reboot", "-kernel", str(arch.kernel), "-initrd", str(initramfs),
-        # no_timer_check: on a busy host the timer's interrupts come too late for the kernel to believe in them.
+        # no_timer_check: on a busy host the timer's interrupts are so late that the kernel would reject the timer.
         "-append", f"console={arch.console} quiet panic=-1 mitigations=off no_timer_check {options}",
     ]  # fmt: skip
 
@@ -38,8 +38,8 @@ def _drive(path, kind="raw"):
 
 @contextmanager
 def disk_over(image):
-    """A disk that holds what the image does, and takes changes that the image is kept from, as long as the context
-    lasts. It outlives the machine that it is in, as a disk does a power cut."""
+    """Makes a disk with the image's content that is written separately from the image, as long as the context. The disk
+    survives the end of its machine, as in a power cut."""
     with tempfile.TemporaryDirectory(prefix="disk.", dir=BED) as folder:
         disk = Path(folder, "disk.qcow2")
         command = ["qemu-img", "create", "-q", "-f", "qcow2", "-b", str(image), "-F", "raw", str(disk)]
@@ -48,7 +48,7 @@ def disk_over(image):
 
 
 class Results:
-    """What a scenario left in /out, by name."""
+    """The files that a scenario left in /out, by name."""
 
     def __init__(self, tar):
         self._files = {}
@@ -77,9 +77,9 @@ class Results:
 
 
 def run_scenario(arch, initramfs, limit_s=300, memory_mb=512, shift=1):
-    """Boots and lets /scenario run in deterministic time: the guest's clock counts instructions (2^shift ns each), and
-    time in which it has nothing to do is skipped. Nothing outside reaches it, so that runs of the same initramfs are
-    alike. Returns its Results."""
+    """Boots and runs /scenario in deterministic time: the guest's clock counts instructions (2^shift ns each) and idle
+    time is skipped. The guest has no connection to the outside, so runs of the same initramfs are identical. Returns its
+    Results."""
     with tempfile.TemporaryDirectory(prefix="run.", dir=BED) as folder:
         disk, console = Path(folder, "results"), Path(folder, "console")
         with open(disk, "wb") as file:
@@ -105,7 +105,7 @@ def _tail(path):
 
 
 class Machine:
-    """A guest in real time. Commands go in by run(), one line of shell each."""
+    """A guest in real time. run() executes commands, one line of shell each."""
 
     def __init__(self, arch, initramfs, disk=None, extra=(), memory_mb=512, cpus=1, limit_s=600, options=""):
         self._folder = tempfile.TemporaryDirectory(prefix="run.", dir=BED)
@@ -170,7 +170,7 @@ class Machine:
             pass
 
     def run(self, command, limit_s=120, check=True):
-        """Runs one line of shell; its output. With check, an exit code other than 0 is a failure."""
+        """Runs one line of shell and returns its output. With check, an exit code other than 0 is a failure."""
         deadline = time.monotonic() + limit_s
         self._control.sendall(command.encode() + b"\n")
         lines = []
@@ -182,14 +182,14 @@ class Machine:
         return output
 
     def wait_for(self, command, limit_s=60, pause_s=0.2):
-        """Runs the command again and again until it succeeds; its output then."""
+        """Repeats the command until it succeeds, and returns its output."""
         deadline = time.monotonic() + limit_s
         while True:
             output = self.run(f"{{ {command}; }} && echo __YES", check=False)
             if output.endswith("__YES"):
                 return output.removesuffix("__YES").rstrip("\n")
             if time.monotonic() > deadline:
-                raise GuestFailure(f"waited {limit_s} s in vain for {command!r}: {output}\n{_tail(self.console)}")
+                raise GuestFailure(f"timed out after {limit_s} s waiting for {command!r}: {output}\n{_tail(self.console)}")
             time.sleep(pause_s)
 
     def qmp(self, command, **arguments):
@@ -203,7 +203,7 @@ class Machine:
                 return reply["return"]
 
     def power_off(self, limit_s=60):
-        """By the guest's own means."""
+        """Powers off by the guest's own command."""
         self._control.sendall(b"poweroff\n")
         try:
             self._process.wait(limit_s)
@@ -211,8 +211,8 @@ class Machine:
             raise GuestFailure(f"the guest did not power off within {limit_s} s:\n{_tail(self.console)}") from None
 
     def kill(self):
-        """As a power cut does."""
-        # QEMU is the child of timeout, which ends with it: then QEMU is gone for sure, and its disk is free.
+        """Ends the guest like a power cut."""
+        # QEMU is a child of timeout, which exits after it. So when timeout has exited, QEMU is gone and its disk is free.
         while self._process.poll() is None:
             for child in Path(f"/proc/{self._process.pid}/task/{self._process.pid}/children").read_text().split():
                 os.kill(int(child), signal.SIGKILL)

@@ -1,5 +1,4 @@
-"""The list of tests and how they are run. A test is a function that raises when something is wrong; its docstring is a
-sentence."""
+"""The list of tests, and how they are run. A test is a function that raises on failure; its docstring is a sentence."""
 
 import importlib
 import sys
@@ -16,7 +15,7 @@ _tests = []
 
 
 class Skipped(Exception):
-    """This machine cannot show what the test is about; says why."""
+    """Raised with a reason if this machine cannot run the test."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +32,8 @@ class VmTest:
 
 
 def vm_test(tier, name=None, other_debian=False, alone=False):
-    """Makes a test of a function: tier "quick" (then it is in "full" too) or "full". One that says `alone` measures
-    real time and runs when nothing else does."""
+    """Makes a test of a function, with tier "quick" (which is also part of "full") or "full". A test with `alone`
+    measures real time and runs while no other test does."""
 
     def register(call):
         test = VmTest(name or call.__name__.replace("_", "-"), tier, other_debian, alone, call)
@@ -61,14 +60,14 @@ def select(names):
 
 
 def check(broken):
-    """Fails with the sentences of a check (the first ten of them)."""
+    """Fails with the first ten sentences of a check."""
     if broken:
         more = f"\n... and {len(broken) - 10} more" if len(broken) > 10 else ""
         raise AssertionError("\n".join(broken[:10]) + more)
 
 
 def run(tests, jobs):
-    """Runs them; the number that failed."""
+    """Runs the tests. Returns the number of failed ones."""
     printing = threading.Lock()
     failed, skipped = [], []
 
@@ -80,7 +79,7 @@ def run(tests, jobs):
         except Skipped as why:
             note, word = str(why), "SKIP"
             skipped.append(test.name)
-        except Exception as error:  # whatever it is, it is this test's failure and no other's
+        except Exception as error:  # any exception is a failure of this test only
             trouble = traceback.format_exc() if not isinstance(error, AssertionError) else str(error) or traceback.format_exc()
         with printing:
             print(f"{'FAIL' if trouble else word} {test.name} ({time.monotonic() - start:.1f} s) {note}", flush=True)

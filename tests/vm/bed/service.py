@@ -1,4 +1,4 @@
-"""contourd as a service in a Debian with systemd: what the tests of it do again and again."""
+"""contourd as a service in a Debian with systemd: steps that its tests share."""
 
 import base64
 import gzip
@@ -22,7 +22,7 @@ _INSTALL = (
 
 @contextmanager
 def booted(initramfs, disk, extra=()):
-    """The machine, with `extra` for QEMU; what happens to it wrong comes with its journal."""
+    """Boots the machine, with `extra` options for QEMU; a failure is reported with the machine's journal."""
     with Machine(AMD64, initramfs, disk=disk, extra=extra) as machine:
         machine.wait_until_ready()
         try:
@@ -53,13 +53,13 @@ def submit(machine, name="part"):
 
 
 def journal(machine, event):
-    """Its entries with that EVENT, as dictionaries of their fields."""
+    """Returns the service's journal entries with that EVENT, as dictionaries of their fields."""
     lines = machine.run("journalctl -u contourd -o json --all --no-pager").splitlines()
     return [entry for entry in map(json.loads, lines) if entry.get("EVENT") == event]
 
 
 def device_logs(machine):
-    """What the axis and the display have recorded so far."""
+    """Returns the records of the axis and the display so far."""
     machine.run("gzip -c /sys/kernel/debug/zplant/log >/run/edges; gzip -c /sys/kernel/debug/zproj/log >/run/frames")
     edges, frames = (gzip.decompress(base64.b64decode(machine.run(f"base64 /run/{name}"))) for name in ("edges", "frames"))
     return EdgeLog(edges), FrameLog(frames.decode())

@@ -1,4 +1,4 @@
-"""The rules that a spool keeps after a power cut: as it was found, and after the daemon has come to rest on it."""
+"""The rules that a spool must keep after a power cut: as found, and after the daemon has processed it."""
 
 import json
 import re
@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 _BESIDE = (".report.json", ".report.html", ".preview.png", ".reason.txt")
 _INTERRUPTED = "The print was interrupted"
-# "reading" is not synchronized, and of no meaning after a power cut.
+# "reading" is not synchronized and has no meaning after a power cut.
 _READING = {"state/reading", "state/reading.next"}
-# SQLite's. The write-ahead log is empty until something is written, and behind a checkpoint.
+# SQLite's files. The write-ahead log is empty before the first write and after a checkpoint.
 _HISTORY_LOG = "state/history.sqlite-wal"
 _HISTORY = {"state/history.sqlite", _HISTORY_LOG, "state/history.sqlite-shm"}
 _KNOWN = _READING | _HISTORY | {"spool/.lock", "state/plate-occupied", "state/queue-held", "state/copied-originals"}
@@ -16,13 +16,13 @@ _KNOWN = _READING | _HISTORY | {"spool/.lock", "state/plate-occupied", "state/qu
 
 @dataclass
 class Cut:
-    """`found` and `left` hold files by path below the disk, such as spool/done/part.stl. `marks` are those that were on
-    the disk before the cut: in, begun, done or failed, and a job's name."""
+    """A power cut. `found` and `left` are files by path below the disk, such as spool/done/part.stl: before and after the
+    daemon processed the disk. `marks` were on the disk before the cut: in, begun, done or failed, and a job's name."""
 
     marks: list
     found: dict
     left: dict
-    status: dict  # before the owner has spoken
+    status: dict  # before the operator's commands
     log: str = ""
     exit_code: int = 0
     trouble: str = ""
@@ -42,7 +42,7 @@ class Place:
 
 
 def broken_rules(jobs, cut):
-    """A sentence each."""
+    """Returns a sentence for each violated rule."""
     broken = [cut.trouble] if cut.trouble else []
     for job in jobs:
         for item in job.items:
@@ -51,11 +51,11 @@ def broken_rules(jobs, cut):
 
 
 def places_of(item, files):
-    """Where the item's first file lies, its contents tell."""
+    """Finds the item's first file by its content, and returns its places."""
     (suffix, model), *_ = item.items()
     places = []
     for path, data in files.items():
-        # Hidden, it is not dropped yet.
+        # A hidden file is not dropped yet.
         match = re.fullmatch(r"spool/(\w+)/([^.].*)", path)
         if data == model and match:
             name = match[2].removesuffix(suffix) if suffix.startswith("/") else re.sub(r"(?i)\.stl$", "", match[2])
@@ -80,7 +80,7 @@ def _ended(item, files):
 
 
 def _is_left_there(job, cut):
-    """Refused as it waited, and not to be moved: its reason alone is in failed/."""
+    """True for a job that was refused while it waited and cannot be moved: only its reason is in failed/."""
     return job.foreign and cut.left.get(f"spool/failed/{job.name}.reason.txt") and not any(
         path.startswith(f"spool/failed/{job.name}/") for path in cut.left
     )
@@ -90,27 +90,27 @@ def _place(job, item, cut):
     places = _ended(item, cut.left)
     count = len(places) + (1 if _is_left_there(job, cut) else 0)
     if count > 1:
-        yield f"it is there {count} times: {', '.join(map(str, places))}"
+        yield f"it exists {count} times: {', '.join(map(str, places))}"
     if count == 0 and cut.has("in", job):
         yield "it is lost"
     for place in places_of(item, cut.left):
         if place.folder == "printing" or (place.folder == "incoming" and not job.foreign):
-            yield f"it has stayed in {place.folder}"
+            yield f"it stayed in {place.folder}"
 
 
 def _contents(job, item, cut):
     for place in _ended(item, cut.left):
         for suffix, data in item.items():
-            # As long as the owner has not said that all is there, a model may come without its ticket.
+            # Until the user has marked the job as complete, a model may come without its ticket.
             owed = cut.has("in", job) or suffix.startswith("/")
             there = cut.left.get(place.path(suffix))
             if there != data and (owed or there is not None):
-                yield f"{place.path(suffix)} is {'not there' if there is None else 'not what was dropped'}"
+                yield f"{place.path(suffix)} is {'missing' if there is None else 'not the dropped file'}"
         if place.folder == "failed" and not cut.left.get(place.path(".reason.txt"), b"").strip():
             yield f"{place} has no reason"
         report = cut.left.get(place.path(".report.json"))
         if report is not None and not _is_report(report, place):
-            yield f"the report of {place} is not whole: {report[:100]}"
+            yield f"the report of {place} is incomplete: {report[:100]}"
 
 
 def _is_report(text, place):
@@ -126,12 +126,12 @@ def _what_was_told(job, item, cut):
     for event in ("done", "failed"):
         if cut.has(event, job) and not [place for place in found if place.folder == event]:
             if not (event == "failed" and _is_left_there(job, cut)):
-                yield f"it was {event}, and is found in {', '.join(map(str, found)) or 'no folder'}"
+                yield f"it was reported as {event}, but is in {', '.join(map(str, found)) or 'no folder'}"
     for place in found if cut.has("done", job) else []:
         if place.folder == "done" and place.path(".report.json") not in cut.found:
-            yield "it was done, and its report is not there"
+            yield "it was reported as done, but its report is missing"
     if cut.has("begun", job) and any(place.folder == "incoming" for place in found):
-        yield "its print had begun, and it waits as if it had not"
+        yield "its print had begun, but it waits as if it had not"
 
 
 def _recorded_outcome(name, cut):
@@ -149,9 +149,9 @@ def _what_became_of_it(job, item, cut):
         wanted = "done" if job.good else "failed"
         for place in ended:
             if place.folder != wanted:
-                yield f"it waited, and went to {place}: {cut.left.get(place.path('.reason.txt'), b'')}"
+                yield f"it waited, but went to {place}: {cut.left.get(place.path('.reason.txt'), b'')}"
             elif job.good and place.path(".report.json") not in cut.left:
-                yield "it was printed after the cut, and has no report"
+                yield "it was printed after the cut, but has no report"
     for place in found:
         if place.folder == "printing" and ended:
             yield from _interrupted(place, ended[0], cut)
@@ -161,18 +161,18 @@ def _interrupted(was, place, cut):
     outcome = _recorded_outcome(was.name, cut)
     reason = cut.left.get(place.path(".reason.txt"), b"").decode()
     if (place.folder == "done") != (outcome == "done"):
-        yield f"it was in printing, its print {outcome or 'not ended'}, and went to {place}"
+        yield f"it was in printing, its print {outcome or 'not ended'}, but went to {place}"
     if outcome is None and _INTERRUPTED not in reason:
-        yield f"it was interrupted, and its reason is {reason!r}"
+        yield f"it was interrupted, but its reason is {reason!r}"
     if outcome in (None, "failed") and not cut.status.get("held"):
-        yield "it was interrupted, and the queue was not held"
+        yield "it was interrupted, but the queue was not held"
 
 
 # --- all together
 
 
 def _found_without_owner(jobs, cut):
-    """Whatever is neither a job nor beside one."""
+    """Finds files that neither belong to a job nor accompany one."""
     owned = set()
     for job in jobs:
         for place in (place for item in job.items for place in _ended(item, cut.left)):
@@ -180,7 +180,7 @@ def _found_without_owner(jobs, cut):
             owned |= {place.path(suffix) for suffix in _BESIDE}
         if _is_left_there(job, cut):
             owned.add(f"spool/failed/{job.name}.reason.txt")
-        # Of an owner who had not come to the end.
+        # Files of a user who had not finished dropping them.
         if job.foreign or not cut.has("in", job):
             owned |= {f"spool/incoming/{path}" for path in job.files if job.foreign or path.endswith(".json")}
     for path in sorted(set(cut.left) - owned):
@@ -196,18 +196,18 @@ def _plate(jobs, cut):
     occupant = cut.status.get("plate_job")
     for job in jobs:
         if cut.has("occupied", job) and not cut.has("clearing", job) and occupant != job.name:
-            yield f"the plate holds {job.name}, and the daemon says {occupant}"
+            yield f"the plate holds {job.name}, but the daemon reports {occupant}"
         if cut.has("cleared", job) and occupant == job.name:
-            yield f"the plate was cleared of {job.name}, and the daemon has forgotten it"
+            yield f"the plate was cleared of {job.name}, but the daemon has forgotten it"
 
 
 def _daemon(jobs, cut):
     if cut.exit_code != 0:
-        yield f"the daemon ended with {cut.exit_code}"
+        yield f"the daemon exited with {cut.exit_code}"
     refused = [job.name for job in jobs if not job.good]
     for line in cut.log.splitlines():
         error = re.fullmatch(r"\S+ error +(.*)", line)
         if not error or "contourd did not end this print" in error[1] or "contourd did not file this print" in error[1]:
             continue
         if not any(error[1].startswith(name) for name in refused):
-            yield f"the daemon says: {error[1]}"
+            yield f"the daemon logged: {error[1]}"

@@ -1,4 +1,4 @@
-"""The jobs of the power cuts, one of every kind. guest/power_cuts.sh drops them by name."""
+"""The jobs for the power cuts, one of each kind. guest/power_cuts.sh drops them by name."""
 
 import json
 from dataclasses import dataclass
@@ -6,19 +6,19 @@ from dataclasses import dataclass
 from bed import models
 
 _HEIGHT_MM = 0.2  # four layers
-_LONG_MM = 5.0  # 200: there is time to pause it
+_LONG_MM = 5.0  # 200 layers, so that there is time to pause the print
 
 
 @dataclass(frozen=True)
 class Job:
-    """`files` are what is dropped, by path in incoming/. `items` are what it consists of: of each model or plate its
-    files, by what their names have behind the item's own; the first of them is in no other item."""
+    """`files` are the dropped files, by path in incoming/. `items` are the models or plates of the job: each maps the
+    endings after the item's name to contents; the first file of an item is in no other item."""
 
     name: str
     files: dict
     items: tuple
     good: bool = True
-    foreign: bool = False  # a folder that only its owner may move
+    foreign: bool = False  # a folder that the daemon may not move
 
 
 def _star(points, height_mm=_HEIGHT_MM):
@@ -47,14 +47,14 @@ def _plate(name, points, good=True, foreign=False):
 
 
 def _twins():
-    """Two models that differ in the case of their names, and share their ticket."""
+    """Returns two models whose names differ only in case and that share their ticket."""
     files = {"twin.stl": _star(30), "twin.STL": _star(31), "twin.json": _ticket(60)}
     items = tuple({".stl": files[name], ".json": files["twin.json"]} for name in ("twin.stl", "twin.STL"))
     return Job("twins", files, items)
 
 
 def all_jobs():
-    """In the order in which they are dropped."""
+    """Returns the jobs in the order in which they are dropped."""
     return (
         _single("plain", _star(5)),
         _single("ticketed", _star(6), _ticket(40)),

@@ -1,9 +1,8 @@
-// A projector at the other end of the serial line: answers what it was told to answer, and notes when it was
-// asked.
+// A fake projector at the other end of the serial line: gives the configured answers and logs the requests.
 //   fake-projector TTY BAUD LOG [--delay-ms N] [--silent-after N] [--garble] REQUEST=>REPLY...
-// Requests end in a carriage return; in REQUEST and REPLY \r, \n and \xHH stand for bytes. A request that it
-// does not know it does not answer; with several REPLYs to one, they come in turn, the last one from then on.
-// A line of LOG is CLOCK_MONOTONIC's nanoseconds and the request. Runs until it is killed.
+// Requests end in a carriage return; in REQUEST and REPLY \r, \n and \xHH stand for bytes. Unknown
+// requests get no answer. Several REPLYs to one REQUEST are given in turn; the last one is then repeated.
+// Each line of LOG has the time (CLOCK_MONOTONIC in ns) and the request. Runs until it is killed.
 #include <fcntl.h>
 #include <termios.h>
 #include <time.h>
@@ -19,10 +18,10 @@
 namespace {
 
 struct Behaviour {
-  // By request, its carriage return included: each is given once, in turn, and the last one from then on.
+  // Replies by request (with its carriage return): given in turn, the last one repeatedly.
   std::map<std::string, std::deque<std::string>> replies;
   long delay_ms = 0;
-  long silent_after = -1;  // answers; -1: never
+  long silent_after = -1;  // stops after this many answers; -1: never
   bool garble = false;
 };
 

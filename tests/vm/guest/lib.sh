@@ -1,5 +1,5 @@
 # shellcheck shell=dash
-# What scenarios share. Sourced by /scenario, in the guest.
+# Functions that scenarios share. Sourced by /scenario in the guest.
 
 PLANT=/sys/kernel/debug/zplant
 SCREEN=/sys/kernel/debug/zproj
@@ -10,19 +10,19 @@ fail() {
   exit 1
 }
 
-# wait_for SECONDS WHAT COMMAND...: asks every 50 ms of the guest's time.
+# wait_for SECONDS WHAT COMMAND...: runs the command every 50 ms of the guest's time until it succeeds.
 wait_for() {
   left=$(($1 * 20))
   what=$2
   shift 2
   until "$@"; do
     left=$((left - 1))
-    [ $left -gt 0 ] || fail "waited in vain for $what"
+    [ $left -gt 0 ] || fail "timed out waiting for $what"
     sleep 0.05
   done
 }
 
-# A folder for the spool and the socket, and the daemon in it: start_daemon OPTION...
+# Makes folders for the spool and the socket and starts the daemon: start_daemon OPTION...
 start_daemon() {
   mkdir -p $SPOOL /run/contourd
   contourd --config /etc/contourd/contourd.json "$@" 2>>/out/daemon.log &
@@ -40,12 +40,12 @@ print_model() {
   mv $SPOOL/incoming/.part $SPOOL/incoming/part.stl
 }
 
-# A print takes minutes, and asking often costs the emulator more than the print does.
+# Polls rarely: a print takes minutes, and frequent polls cost the emulator more than the print.
 wait_for_print() {
   left=900
   until print_is_over; do
     left=$((left - 1))
-    [ $left -gt 0 ] || fail "waited in vain for the end of the print"
+    [ $left -gt 0 ] || fail "timed out waiting for the end of the print"
     sleep 1
   done
 }
@@ -62,8 +62,8 @@ keep_logs() {
   cp -r $SPOOL/done $SPOOL/failed $SPOOL/incoming $SPOOL/printing /out/spool/
 }
 
-# The printer's devices: load_devices [PARAMETER OF ZPLANT...]; ZPROJ has those of zproj. The plate stands 2.5 mm above
-# the switch.
+# Loads the printer's devices: load_devices [PARAMETER OF ZPLANT...]; ZPROJ has the parameters of zproj. The plate is 2.5 mm
+# above the switch.
 load_devices() {
   insmod /mod/zplant.ko start_pos=2000 "$@"
   # shellcheck disable=SC2086  # none, or some
@@ -75,11 +75,11 @@ light_is_on() { grep -q '^light 1$' $PLANT/state; }
 light_is_off() { grep -q '^light 0$' $PLANT/state; }
 lit_pictures() { awk '$3 == "FLIP" && $6 > 0 { n++ } END { print n + 0 }' $SCREEN/log; }
 
-still_printing() { ! print_is_over || fail "the print was over too soon"; }
+still_printing() { ! print_is_over || fail "the print ended too early"; }
 
-# In the exposure of layer N, counted from 1: its mask is on the screen and the light on.
+# True during the exposure of layer N, counted from 1: its mask is on the screen and the light is on.
 exposing() { still_printing && [ "$(lit_pictures)" -ge "$1" ] && light_is_on; }
-# Layer N has had its exposure.
+# True after the exposure of layer N.
 exposed() { still_printing && [ "$(lit_pictures)" -ge "$1" ] && [ "$(awk '{ lit = $6 } END { print lit }' $SCREEN/log)" = 0 ]; }
 state_is() { contourctl status --json | grep -q "\"state\": *\"$1\""; }
 uptime_s() { cut -d' ' -f1 /proc/uptime; }

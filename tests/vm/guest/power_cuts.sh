@@ -1,9 +1,9 @@
 # shellcheck shell=dash
-# Jobs on a disk whose writes are recorded, and that disk as a power cut leaves it. In the guest, as root:
-#   sh power_cuts.sh work alone           the daemon's are the only writes
-#   sh power_cuts.sh work among-others    another program synchronizes the file system again and again
-#   sh power_cuts.sh cut_power SEED       cuts, starts the daemon on what is left, and lets it come to rest
-# What it leaves is in /run/out.
+# Runs jobs on a disk whose writes are recorded, and starts the daemon on that disk as a power cut leaves it. In the guest, as root:
+#   sh power_cuts.sh work alone           only the daemon writes
+#   sh power_cuts.sh work among-others    another program keeps synchronizing the file system
+#   sh power_cuts.sh cut_power SEED       cuts the power, starts the daemon on the disk, and waits until it is idle
+# Results are in /run/out.
 # shellcheck source=tests/vm/guest/lib.sh
 . /srv/lib.sh
 
@@ -13,20 +13,20 @@ DISK=/disk
 SPOOL=$DISK/spool
 OUT=/run/out
 
-# within SECONDS WHAT COMMAND...: asks until then by the clock, however slow the machine is.
+# within SECONDS WHAT COMMAND...: repeats the command until it succeeds, for so many seconds by the clock.
 within() {
   end=$(($(date +%s) + $1))
   what=$2
   shift 2
   until "$@"; do
-    [ "$(date +%s)" -lt $end ] || fail "waited in vain for $what"
+    [ "$(date +%s)" -lt $end ] || fail "timed out waiting for $what"
     sleep 0.1
   done
 }
 
-# --- the daemon and its owner
+# --- the daemon and its user
 
-# As the unit runs it, with what it keeps on the disk as well: start_daemon CONFIGURATION
+# Starts the daemon like the unit, with its state folder on the disk: start_daemon CONFIGURATION
 start_daemon() {
   install -d -o contourd -g contourd /run/contourd
   setpriv --reuid contourd --regid contourd --clear-groups --inh-caps +lease --ambient-caps +lease \
@@ -40,8 +40,8 @@ stop_daemon() {
   wait "$DAEMON"
 }
 
-# What it tells its watchers goes to a file, until it stops. A watch ends with each print; the next one begins with
-# what ended last.
+# Writes the daemon's reports to watchers to a file until it stops. A watch ends with each print; the next one begins with the
+# job that ended last.
 start_watched_daemon() {
   start_daemon "$1"
   while kill -0 "$DAEMON" 2>/dev/null; do contourctl watch --json; done >>$OUT/told 2>/dev/null &
@@ -51,11 +51,11 @@ has_told() { grep -q "\"last\":{\"job\":\"$1\",\"outcome\":\"$2\"" $OUT/told; }
 pauses() { contourctl pause >/dev/null 2>&1; }
 occupies_plate() { contourctl status | grep -q "^plate *occupied by $1\$"; }
 
-# --- whoever drops a job
+# --- the user who drops jobs
 
 mark() { dmsetup message recorded 0 mark "$1"; }
 
-# As a member of the group, who has it on the disk before he says so. Tickets come before their models.
+# Drops a job as a member of the group, and synchronizes it to the disk before it is marked. Tickets come before their models.
 drop() {
   umask "$2"
   cd /srv/jobs/"$1" || exit
@@ -70,7 +70,7 @@ drop() {
 
 put() {
   cp -r "$1" "$SPOOL/incoming/.$1"
-  # By the umask alone.
+  # Permissions come from the umask alone.
   chmod -R =rwX "$SPOOL/incoming/.$1"
   find "$SPOOL/incoming/.$1" -exec sync {} +
   mv "$SPOOL/incoming/.$1" "$SPOOL/incoming/$1"
@@ -82,7 +82,7 @@ give() {
   mark "in:$1"
 }
 
-# ended JOB OUTCOME [NAME]: under that name, where the daemon had to find one.
+# ended JOB OUTCOME [NAME]: waits for the job's end, under NAME if the daemon had to rename it.
 ended() {
   within 120 "the end of $1" has_told "${3:-$1}" "$2"
   case $2 in done) mark "done:$1" ;; *) mark "failed:$1" ;; esac
@@ -93,7 +93,7 @@ prints() {
   ended "$1" "done"
 }
 
-# Its first light was on; then it waits.
+# Starts a job that pauses after its first light.
 begins() {
   give "$1"
   within 60 "the print of $1" pauses
@@ -121,7 +121,7 @@ one_by_one() {
   ended broken-foreign failed
 }
 
-# Those behind a print are looked at, and refused, while it waits.
+# Jobs that wait for a print are checked, and refused, while it is paused.
 in_a_queue() {
   begins cancelled
   give twins
@@ -202,7 +202,7 @@ work() {
 
 # --- after the cut
 
-# Nothing is under way, and in incoming/ lies only what the status names as deletable, and tickets of nobody's.
+# True if no job is being processed and incoming/ contains only files that the status lists as deletable, and tickets without a model.
 at_rest() {
   contourctl status >$OUT/status.now
   grep -q '^state *idle$' $OUT/status.now && [ -z "$(ls $SPOOL/printing)" ] || return
@@ -217,10 +217,10 @@ keep_state() { tar -C $DISK -cf "$OUT/$1.tar" --exclude='*.png' --exclude='*.htm
 cut_power() {
   rm -rf $OUT
   mkdir -p $DISK $OUT
-  replay-log $RECORD $DATA "$1" >$OUT/cut || fail "no disk was made"
+  replay-log $RECORD $DATA "$1" >$OUT/cut || fail "replay-log did not make the disk"
   mount -t ext4 $DATA $DISK || fail "the file system cannot be mounted"
   keep_state before
-  # The computer has been started anew.
+  # Simulates a restart of the computer by a new boot id.
   cat /proc/sys/kernel/random/uuid >/run/boot_id
   mount --bind /run/boot_id /proc/sys/kernel/random/boot_id
   start_daemon printer >$OUT/trouble

@@ -1,10 +1,10 @@
-// Makes the disk that a power cut leaves, from what dm-log-writes recorded (the kernel's
+// Makes the disk that a power cut leaves, from the record of dm-log-writes (the kernel's
 // Documentation/admin-guide/device-mapper/log-writes.rst):
 //   replay-log LOG DISK SEED
-// The cut comes behind a flush, a write that bypasses the cache (FUA) or a mark, after the mark "start". What
-// was recorded up to there is on the disk; of what comes behind, up to the next such barrier, a drive may
-// have written any part: the seed says which blocks. Says the marks that came before the cut, a line each,
-// and where it is.
+// The cut comes after a barrier: a flush, a write that bypasses the cache (FUA) or a mark, after the mark
+// "start". Everything recorded up to the barrier is on the disk. Of the writes between it and the next barrier
+// a drive may have written any part; the seed selects the blocks. Prints the marks before the cut, one per
+// line, and the place of the cut.
 #include <fcntl.h>
 #include <linux/fs.h>
 #include <sys/ioctl.h>
@@ -23,10 +23,10 @@ namespace {
 
 constexpr std::uint64_t kMagic = 0x6a736677736872, kVersion = 1;
 constexpr std::uint64_t kFlush = 1, kFua = 2, kDiscard = 4, kMark = 8;
-// What a drive writes whole or not at all; the file system's blocks have as many.
+// The number of bytes that a drive writes completely or not at all; equal to the file system's block size.
 constexpr std::size_t kBlockBytes = 4096;
 
-// As they are in the log, little-endian; each begins a sector.
+// The log's structures, little-endian; each starts a sector.
 struct Header {
   std::uint64_t magic, version, entries;
   std::uint32_t sector_bytes;
@@ -37,7 +37,7 @@ struct Entry {
 
 struct Recorded {
   Entry entry;
-  std::uint64_t data;  // its place in the log
+  std::uint64_t data;  // offset of the data in the log
   std::string mark;
 };
 
@@ -106,7 +106,7 @@ std::vector<Recorded> read_log(const Device& log, std::uint32_t& sector_bytes) {
   return records;
 }
 
-// The records behind which a cut may come.
+// The records after which a cut may come.
 std::vector<std::size_t> cuts_of(const std::vector<Recorded>& records) {
   std::vector<std::size_t> cuts;
   bool started = false;
@@ -123,7 +123,7 @@ class Disk {
   Disk(const Device& log, std::uint64_t bytes, std::uint32_t sector_bytes)
       : log_(log), image_(bytes), sector_bytes_(sector_bytes) {}
 
-  // The blocks of the record that `is_written` takes.
+  // Writes those blocks of the record for which `is_written` returns true.
   template <typename IsWritten>
   void apply(const Recorded& record, const IsWritten& is_written) {
     const std::uint64_t bytes = record.entry.sectors * sector_bytes_,
@@ -172,6 +172,6 @@ int main(int argc, char** argv) {
     });
   }
   device.write_all(disk.image());
-  std::printf("cut behind record %zu of %zu, barrier %zu of %zu; of %u blocks behind it %u are written\n",
+  std::printf("cut after record %zu of %zu, barrier %zu of %zu; of %u blocks after it %u are written\n",
               last + 1, records.size(), chosen + 1, cuts.size(), unflushed, written);
 }

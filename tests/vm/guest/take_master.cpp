@@ -1,6 +1,6 @@
-// Takes a display's card away from the program that has it, as a display server does that comes to the front:
+// Takes a display's card from the program that has it, like a display server that becomes active:
 //   take-master PROCESS CARD
-// Gives it back when it is killed. Says "taken" when it has it.
+// Prints "taken" when it has the card. The card is released when this program is killed.
 #include <dirent.h>
 #include <drm.h>
 #include <fcntl.h>
@@ -19,7 +19,7 @@ namespace {
   std::exit(1);
 }
 
-// The number that the process has the card open as.
+// Returns the file descriptor under which the process has the card open.
 int descriptor_of(const std::string& process, const std::string& card) {
   const std::string folder = "/proc/" + process + "/fd/";
   DIR* const descriptors = ::opendir(folder.c_str());

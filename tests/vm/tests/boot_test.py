@@ -1,4 +1,4 @@
-"""That the bed itself works: the daemon, built for each architecture, runs on its kernel beside our devices."""
+"""Tests of the bed itself: the daemon, built for each architecture, runs on its kernel together with our devices."""
 
 from bed import guests
 from bed.architecture import AMD64, ARM64
@@ -35,11 +35,11 @@ def _boot_and_print(arch):
 
 @vm_test("quick")
 def boot_arm64():
-    """contourd prints with simulated hardware on arm64; our devices are there and the kernel has no complaint."""
+    """contourd prints with simulated hardware on arm64; our devices exist and the kernel reports no problem."""
     _boot_and_print(ARM64)
 
 
 @vm_test("quick")
 def boot_amd64():
-    """The same on amd64."""
+    """contourd prints with simulated hardware on amd64; our devices exist and the kernel reports no problem."""
     _boot_and_print(AMD64)

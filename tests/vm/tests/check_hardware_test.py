@@ -1,4 +1,4 @@
-"""`contourd --check-hardware` before a printer with all devices there are. arm64, in deterministic time."""
+"""`contourd --check-hardware` with all supported devices. arm64, in deterministic time."""
 
 from bed import guests
 from bed.architecture import ARM64
@@ -6,7 +6,7 @@ from bed.qemu import run_scenario
 from bed.registry import vm_test
 
 _SECOND_SWITCH = 25
-# All that may be asked of an Optoma that is on.
+# The only questions that an Optoma that is on may get.
 _QUESTIONS = [r"~00124 1\x0d", r"~00108 1\x0d"]
 
 _FINDINGS = """\
@@ -19,7 +19,7 @@ ok   emergency stop  line 5 of {chip} (zplant), an input, free; it is not presse
 ok   lid             line 6 of {chip} (zplant), an input, free; it is closed
 ok   encoder A       line 20 of {chip} (zplant), an input, free; it is inactive
 ok   encoder B       line 21 of {chip} (zplant), an input, free; it is active
-ok   step thread     2400 steps/s wanted, 3 mm/s; {lateness}
+ok   step thread     2400 steps/s needed (3 mm/s); {lateness}
 ok   light           line 24 of {chip} (zplant), an input, free
 ok   display         HDMI-A-1 of /dev/dri/card0 (zproj): 1920x1080 at 60.00 Hz, atomic; formats: XR24 RG16 R8
 ok   projector       Optoma at /dev/ttyZ0, on, lamp 1234 h
@@ -39,7 +39,7 @@ keep_logs
 def _config():
     line = lambda number: {"chip": "zplant", "line": number}  # noqa: E731
     encoder = {"a": line(guests.ENCODER_A), "b": line(guests.ENCODER_B), "counts_per_mm": 200}
-    # What the emulator keeps: its one processor hashes the screen's pictures besides.
+    # A rate that the emulator can keep: its one processor also hashes the screen's pictures.
     speeds = {f"{name}_speed_mm_s": 3 for name in ("homing", "travel", "top")}
     axis = {"encoder": encoder, "second_switch": {**line(_SECOND_SWITCH), "active_low": True}, **speeds}
     return guests.real_config(z_axis=axis, projector={"table": "optoma"})
@@ -47,8 +47,8 @@ def _config():
 
 @vm_test("full")
 def check_hardware():
-    """Every device is found and named, with what it answers; nothing moves, nothing is lit, nothing is shown, and the
-    projector is asked no more than how it is."""
+    """Every device is found and listed with its state; nothing moves, lights up or is shown, and the projector is only
+    asked for its state."""
     guest = guests.printer_guest(ARM64, _config())
     guest.add_text("/scenario", _SCENARIO)
     with guests.written(guest) as initramfs:
@@ -56,9 +56,9 @@ def check_hardware():
     said = results.text("said")
     assert results.text("ended_with") == "0\n", said
     chip = said.split(" of ", 1)[1].split()[0]
-    # How late threads wake is this computer's matter, not the check's.
-    lateness = said.split("3 mm/s; ", 1)[1].splitlines()[0]
-    assert "this computer keeps" in lateness, said
+    # The threads' latency depends on this computer, not on the check.
+    lateness = said.split("(3 mm/s); ", 1)[1].splitlines()[0]
+    assert "this computer sustains" in lateness, said
     assert said == _FINDINGS.format(chip=chip, lateness=lateness), said
     assert not results.bytes("edges"), "levels of the axis' lines changed"
     assert not results.text("frames"), results.text("frames")

@@ -1,5 +1,5 @@
 """The exact print: contourd with its real hardware prints a model of twenty layers on arm64, in deterministic time, and
-what the axis and the display recorded is compared with what the core says."""
+the records of the axis and the display are compared with the core's masks."""
 
 import hashlib
 import json
@@ -18,11 +18,11 @@ from bed.qemu import run_scenario
 from bed.registry import check, vm_test
 
 _LAYER_NM = 50_000
-_STEP_NM = 1_250  # 800 microsteps a mm
+_STEP_NM = 1_250  # 800 microsteps per mm
 _RESIN = {"exposure_ms": 1000, "bottom_exposure_ms": 2000, "bottom_layers": 2, "fade_layers": 3, "lift_mm": 1,
           "settle_ms": 300, "rest_ms": 100}  # fmt: skip
 
-# The plate stands 2.5 mm above a switch that bounces for 1.2 ms.
+# The plate is 2.5 mm above a switch that bounces for 1.2 ms.
 _SCENARIO = f"""\
 . /lib.sh
 {{devices}} bounce_us=300
@@ -47,7 +47,7 @@ def _print(arch, layers, config=None, devices="load_devices", layer_nm=_LAYER_NM
 
 
 def _expected_layers(report, edges, frames, crc=core_masks.xrgb_crc):
-    """What the core shows at the heights that the axis' log has the plate at, and the light that was asked."""
+    """Returns the layers with the core's masks at the heights in the axis' log, and the exposures of the job."""
     expected = []
     with tempfile.TemporaryDirectory() as folder:
         model = Path(folder, "model.stl")
@@ -78,15 +78,15 @@ def _fingerprint(results):
 
 @vm_test("quick")
 def exact_print():
-    """Five layers: every picture is the core's mask for where the plate was, nothing is lit beside exposures, exposures
-    last what was asked, steps keep to the motor's rules, homing is exact with a switch that bounces."""
+    """Five layers: every picture is the core's mask at the plate's height, nothing is lit outside exposures, exposures
+    have the requested length, steps keep the motor's rules, and homing is exact with a bouncing switch."""
     return _verify(_print(ARM64, 5), 5)
 
 
 @vm_test("full")
 def exact_print_with_supports():
-    """Forty layers of a table that the daemon holds by itself: every picture is model and supports as contourctl slice has
-    them for where the plate was; and the other checks of a print without."""
+    """Forty layers of a table that gets supports from the daemon: every picture is the model with the supports of
+    contourctl slice at the plate's height, and the other checks of exact_print hold."""
     layers, layer_nm = 40, 100_000
     config = {**guests.real_config(), "supports": "auto"}
     results = _print(ARM64, layers, config, layer_nm=layer_nm, model=models.table)
@@ -110,7 +110,7 @@ def exact_print_with_supports():
 
 @vm_test("full")
 def exact_print_twice():
-    """Twenty layers, the same checks; and a second run's logs are the same to the bit."""
+    """Twenty layers with the same checks as exact_print; the logs of a second run are identical."""
     first, second = _print(ARM64, 20), _print(ARM64, 20)
     note = _verify(first, 20)
     differing = [name for name, digest in _fingerprint(first).items() if _fingerprint(second)[name] != digest]
@@ -120,7 +120,7 @@ def exact_print_twice():
 
 @vm_test("full")
 def exact_print_without_atomic():
-    """Two layers on a display whose driver has no atomic mode setting: the same checks."""
+    """Two layers on a display whose driver has no atomic mode setting: the checks of exact_print hold."""
     results = _print(ARM64, 2, devices="ZPROJ=atomic=0 load_devices")
     log = results.text("daemon.log")
     assert "1920x1080 at 60.00 Hz, legacy" in log, log
@@ -129,16 +129,16 @@ def exact_print_without_atomic():
 
 @vm_test("full")
 def exact_print_in_rgb565():
-    """Two layers in pixels of 16 bits: every picture is the core's mask as near as these can say it."""
+    """Two layers in 16-bit pixels: every picture is the core's mask rounded to these pixels."""
     results = _print(ARM64, 2, config=guests.real_config(display={"format": "rgb565"}))
     return _verify(results, 2, core_masks.rgb565_crc)
 
 
 @vm_test("full")
 def exact_print_on_a_slow_computer():
-    """Two layers on a computer that has no time left while it makes steps (64 ns an instruction), at speeds from which the
-    motor may stop dead, up to half the homing speed: the switch halts the plate with the next step all the same, homing is
-    exact, every picture is the core's mask for where the plate was."""
+    """Two layers on a computer that is fully busy while it makes steps (64 ns per instruction), at speeds from which the
+    motor may stop dead (up to half the homing speed): the switch still halts the plate at the next step, homing is exact,
+    and every picture is the core's mask at the plate's height."""
     results = _print(ARM64, 2, guests.real_config(z_axis={"travel_speed_mm_s": 2.5}), shift=6)
     edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
     expected = _expected_layers(json.loads(results.text("spool/done/part.report.json")), edges, frames)
@@ -146,12 +146,12 @@ def exact_print_on_a_slow_computer():
     check(exposure_checks.masks(frames, edges, expected))
     check(exposure_checks.light_only_on_masks(frames, edges))
     check(exposure_checks.dark_at_the_end(frames, edges))
-    # No more than this of the motion: steps that come late, as here, are no even acceleration.
+    # The motion is not checked further, because late steps do not give a uniform acceleration.
     check(motion_checks.lost_steps(edges))
     check(motion_checks.pulse_widths(edges, MotionLimits()))
     check(motion_checks.direction_setups(edges, MotionLimits()))
     lowest = int(edges.steps()["position"].min())
-    # The step that was just being made when the switch closed.
+    # One step may be in progress when the switch closes.
     assert lowest >= -1, f"the plate went to step {lowest}"
     periods = numpy.diff(edges.steps()["time_ns"].astype(numpy.int64))
     return f"shortest time between two steps {periods.min() / 1e3:.0f} us, lowest step {lowest}"

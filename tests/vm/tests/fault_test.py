@@ -1,5 +1,5 @@
-"""What goes wrong with a real printer, one fault a guest: each ends as the documentation says, with a sentence in the
-log and beside the job, the light off and the screen dark. arm64, in deterministic time."""
+"""Faults of a real printer, one per guest: each ends as documented, with a sentence in the log and beside the job, the
+light off and the screen dark. arm64, in deterministic time."""
 
 import json
 import re
@@ -43,12 +43,13 @@ class Outcome:
         return self.results.text(name).strip() if name in self.results else None
 
     def was_dark(self):
-        """Nothing was lit beside exposures, and nothing is at the end."""
+        """Checks that nothing was lit outside exposures and nothing is lit at the end."""
         check(exposure_checks.light_only_on_masks(self.frames, self.edges))
         check(exposure_checks.dark_at_the_end(self.frames, self.edges))
 
     def failed_with(self, pattern, layers=None):
-        """The job is under failed/ with a reason like that, which the log has too; that many layers had begun."""
+        """Checks that the job is in failed/ with a matching reason, which is also in the log, after this many layers.
+        Returns the reason."""
         assert self.reason is not None, f"it did not fail\n{self.log}"
         assert re.search(pattern, self.reason), f"the reason is {self.reason!r}"
         sentence = re.search(pattern, self.reason).group()
@@ -83,13 +84,13 @@ def run(before="", during="", devices="load_devices", projector=_PROJECTOR, conf
 
 @vm_test("full")
 def switch_stuck_open():
-    """The limit switch never closes: homing ends at the travel's end and says so."""
+    """The limit switch never closes: homing ends at the end of the travel and reports that."""
     return run(before="echo limit 1 >$PLANT/ctl").failed_with("did not trigger after the full travel", layers=0)
 
 
 @vm_test("full")
 def switch_stuck_closed():
-    """The limit switch stays closed: homing says so after backing off."""
+    """The limit switch stays closed: homing reports that after backing off."""
     return run(before="echo limit 0 >$PLANT/ctl").failed_with("still closed after backing off", layers=0)
 
 
@@ -99,13 +100,13 @@ def _encoder(policy):
     return guests.real_config(z_axis={"encoder": encoder})
 
 
-# A count for four steps.
+# One count per four steps.
 _WITH_ENCODER = f"load_devices enc_a={guests.ENCODER_A} enc_b={guests.ENCODER_B}"
 
 
 @vm_test("full")
 def dead_motor():
-    """The motor stops turning after the first layer: the encoder notices and the print has failed."""
+    """The motor stops turning after the first layer: the encoder detects that and the print fails."""
     outcome = run(
         devices=_WITH_ENCODER,
         config=_encoder("fault"),
@@ -123,22 +124,22 @@ def lost_steps_are_made_good():
         during='wait_for 300 "layer 1" exposed 1\necho skip 100 >$PLANT/ctl',
     )
     outcome.is_printed()
-    # The encoder's count is four steps: a height is known no better.
+    # One count of the encoder is four steps, which limits the precision of a height.
     for number, picture in enumerate(outcome.frames.lit_pictures(), 1):
         off = outcome.edges.position_at(picture.start_ns) - 40 * number
         assert abs(off) <= 40, f"layer {number} was {off} steps off"
 
 
-# From a safety input's edge until the input thread has cut the light's line.
+# The time from a safety input's edge until the input thread has cut the light's line.
 _CUT_NS = 5_000_000
 
 
 @vm_test("full")
 def stopped_in_a_move():
-    """The daemon is stopped for two seconds while the plate moves at full speed: the steps end at once and the motor, which
-    stopped dead, may have lost some; no step follows, the position is unknown, and the print has failed and says so."""
+    """The daemon is stopped for two seconds while the plate moves at full speed: the motor stops dead and may have lost
+    steps; no step follows, the position is unknown, and the print fails with that reason."""
     outcome = run(
-        # At half of this a motor stops dead without a loss; the lift of 1 mm is faster, and takes 0.7 s.
+        # At half of this speed the motor can stop dead without loss; the lift of 1 mm is faster and takes 0.7 s.
         config=guests.real_config(z_axis={"homing_speed_mm_s": 1}),
         during="""wait_for 300 "layer 1" exposed 1
 sleep 0.3
@@ -157,21 +158,21 @@ kill -CONT $DAEMON""",
 
 @vm_test("full")
 def emergency_stop_in_a_move():
-    """The emergency stop is pressed while the plate moves: the next step does not come, and the print has failed."""
+    """The emergency stop is pressed while the plate moves: the next step is not made, and the print fails."""
     pressed = f'wait_for 300 "layer 1" exposed 1\nsleep 0.5\necho in {guests.EMERGENCY_STOP} 1 >$PLANT/ctl'
     outcome = run(during=pressed)
     reason = outcome.failed_with("emergency stop", layers=1)
     at = int(outcome.edges.edges(guests.EMERGENCY_STOP)["time_ns"][0])
     late = outcome.edges.steps()["time_ns"]
     late = late[late > at]
-    # A step that was due in the time that the event takes to the thread; the debounce of 5 ms does not delay a stop.
+    # Steps may be due until the event reaches the thread. The debounce time of 5 ms does not delay a stop.
     assert len(late) == 0 or int(late[-1]) - at < 10_000_000, f"steps until {int(late[-1]) - at} ns after the stop"
     return reason
 
 
 @vm_test("full")
 def emergency_stop_in_an_exposure():
-    """The emergency stop is pressed in an exposure: the light goes off, and the print has failed."""
+    """The emergency stop is pressed in an exposure: the light goes off, and the print fails."""
     outcome = run(during=f'wait_for 300 "layer 2" exposing 2\necho in {guests.EMERGENCY_STOP} 1 >$PLANT/ctl')
     reason = outcome.failed_with("emergency stop", layers=2)
     at = int(outcome.edges.edges(guests.EMERGENCY_STOP)["time_ns"][0])
@@ -182,8 +183,8 @@ def emergency_stop_in_an_exposure():
 
 @vm_test("full")
 def chattering_emergency_stop_in_an_exposure():
-    """The emergency stop chatters 250 times in an exposure, with other programs that want the processor: the
-    light goes off at its first edge and stays off, and the print has failed."""
+    """The emergency stop chatters 250 times in an exposure while other programs keep the processor busy: the light goes
+    off at the first edge and stays off, and the print fails."""
     outcome = run(
         during=f"""wait_for 300 "layer 2" exposing 2
 for program in 1 2 3; do sh -c 'while :; do :; done' & busy="$busy $!"; done
@@ -207,7 +208,8 @@ kill $busy"""
 
 @vm_test("full")
 def lid_opened_in_an_exposure():
-    """The lid is opened in an exposure: light off; once closed and resumed, the layer gets what it had left."""
+    """The lid is opened in an exposure: the light goes off; after closing and resuming, the layer gets the rest of its
+    light."""
     outcome = run(
         during=f"""wait_for 300 "layer 2" exposing 2
 sleep 1
@@ -237,8 +239,8 @@ _UNPLUG, _PLUG = "echo unplug >$SCREEN/ctl", "echo plug >$SCREEN/ctl"
 
 @vm_test("full")
 def display_unplugged_before_the_print():
-    """The display is unplugged when the print is to begin: the job waits, the log says for what, and it is printed when
-    the display is back."""
+    """The display is unplugged before a print begins: the job waits, the log says why, and the job is printed when the
+    display is back."""
     outcome = run(
         scenario=_SCENARIO.replace("print_model", f"{_UNPLUG}\nsleep 1\nprint_model"),
         during=f"""sleep 60
@@ -251,7 +253,8 @@ def display_unplugged_before_the_print():
 
 @vm_test("full")
 def display_unplugged_between_exposures():
-    """The display is unplugged while the plate moves: the print waits, and is finished when it is back and resumed."""
+    """The display is unplugged while the plate moves: the print waits, and finishes after the display is back and the
+    print is resumed."""
     outcome = run(
         during=f"""wait_for 300 "layer 1" exposed 1
 sleep 0.5
@@ -268,7 +271,8 @@ contourctl resume || true"""
 
 @vm_test("full")
 def display_unplugged_in_an_exposure():
-    """The display is unplugged in an exposure: light off; back and resumed, the layer gets what it had left."""
+    """The display is unplugged in an exposure: the light goes off; after the display is back and the print is resumed,
+    the layer gets the rest of its light."""
     outcome = run(
         during=f"""wait_for 300 "layer 2" exposing 2
 sleep 1
@@ -287,12 +291,12 @@ contourctl resume || true"""
 
 
 def _light_lost_after(outcome, moment):
-    """How long after this moment, in ns, of layer 2's exposure the light went off: soon. The layer gets the rest of its
-    light later."""
+    """Checks that the light of layer 2 went off soon after this time and that the layer got the rest of its light later.
+    Returns the delay in ns."""
     at = round(float(outcome.results.text(moment)) * 1e9)
     lit = outcome.edges.active(outcome.edges.lines.light)
     off = [end for _, end in lit if end > at][0]
-    assert off - at < 100_000_000, f"the light went off {off - at} ns after what was to turn it off"
+    assert off - at < 100_000_000, f"the light went off {off - at} ns after its cause"
     whole = sum(end - start for start, end in lit[1:3])
     assert abs(whole - 2_000_000_000) < 20_000_000, f"layer 2 had light for {whole} ns in two parts"
     return off - at
@@ -300,8 +304,8 @@ def _light_lost_after(outcome, moment):
 
 @vm_test("full")
 def mode_lost_in_an_exposure():
-    """The display says in an exposure that it has its mode no longer, only a smaller one: light off and the screen with
-    it; with the mode back and the print resumed, the layer gets what it had left."""
+    """The display loses its mode in an exposure and has only a smaller one: light and screen go off; after the mode is
+    back and the print is resumed, the layer gets the rest of its light."""
     outcome = run(
         before="cat /edid-1080 >$SCREEN/edid",
         during=f"""wait_for 300 "layer 2" exposing 2
@@ -326,8 +330,8 @@ contourctl resume || true""",
 
 @vm_test("full")
 def card_taken_between_exposures():
-    """Another program takes the display's card while the plate moves: the next mask cannot be shown, so that there is no
-    light; the log says who has it; when it has let go and the print is resumed, the print is finished."""
+    """Another program takes the display's card while the plate moves: the next mask cannot be shown, so there is no
+    light, and the log names the program; after it has dropped the card and the print is resumed, the print finishes."""
     outcome = run(
         during="""wait_for 300 "layer 1" exposed 1
 sleep 0.5
@@ -337,12 +341,12 @@ sleep 20
 [ $(lit_pictures) = 1 ] || fail "a mask was shown on a card that is another's"
 light_is_off || fail "light without a mask"
 kill $taker
-# It is looked for every 5 s.
+# The daemon probes for the display every 5 s.
 sleep 6
 contourctl resume || true""",
     )
     outcome.is_printed()
-    said = re.search(r"another program took HDMI-A-1 .* over: take-master \(process \d+\) is its DRM master", outcome.log)
+    said = re.search(r"another program took over HDMI-A-1 .*: take-master \(process \d+\) is its DRM master", outcome.log)
     assert said and "the display is back" in outcome.log, outcome.log
     assert len(outcome.frames.lit_pictures()) == 4
     return said.group()
@@ -350,7 +354,7 @@ contourctl resume || true""",
 
 @vm_test("full")
 def card_taken_in_an_exposure():
-    """Another program takes the display's card in an exposure, and may show what it likes: light off."""
+    """Another program takes the display's card in an exposure and may show anything: the light goes off."""
     outcome = run(
         during="""wait_for 300 "layer 2" exposing 2
 sleep 0.5
@@ -360,7 +364,7 @@ uptime_s >/out/taken
 sleep 5
 light_is_off || fail "light on a card that is another's"
 kill $taker
-# It is looked for every 5 s.
+# The daemon probes for the display every 5 s.
 sleep 6
 contourctl resume || true""",
     )
@@ -384,7 +388,7 @@ def silent_projector():
 
 @vm_test("full")
 def projector_silent_in_the_print():
-    """The projector, whose light a line switches, answers no more once it is warm: the print fails before it is through."""
+    """A projector whose light is switched by a line stops answering once it is warm: the print fails before its end."""
     outcome = run(projector=_projector("--silent-after 3"))
     outcome.failed_with('did not answer "power"')
     return outcome.reason
@@ -392,19 +396,19 @@ def projector_silent_in_the_print():
 
 @vm_test("full")
 def projector_at_another_baud():
-    """The projector speaks at another speed: what comes is rubbish, and the print fails."""
+    """The projector uses another baud rate: the replies are garbage, and the print fails."""
     return run(projector=_projector("", baud=19200)).failed_with("/dev/ttyZ0|answer", layers=0)
 
 
 @vm_test("full")
 def garbling_projector():
-    """What the projector answers is damaged: the print fails."""
+    """The projector's replies are damaged: the print fails."""
     return run(projector=_projector("--garble")).failed_with("/dev/ttyZ0|answer", layers=0)
 
 
 @vm_test("full")
 def slow_projector():
-    """The projector takes nine tenths of its time to answer: the print is made."""
+    """The projector takes nine tenths of the timeout to answer: the print succeeds."""
     run(projector=_projector("--delay-ms 900")).is_printed()
 
 
@@ -415,11 +419,11 @@ _OPTOMA = (
     r"fake-projector /dev/ttyZ1 9600 /out/projector '~0000 1\r=>P\r' '~0000 0\r=>P\r' '~0002 0\r=>P\r' '~0002 1\r=>P\r' "
     r"'~00124 1\r=>Ok0\r' '~00124 1\r=>Ok1\r' &"
 )
-# Eight bytes and two at 9600 baud; and how long the guest's one processor, which hashes the pictures besides, may be busy
-# with that before the kernel's worker for the line, and again before the program that reads it, has its turn.
+# The time of eight plus two bytes at 9600 baud; and the time that the guest's one processor may be busy hashing pictures before
+# the kernel's worker for the line runs, and again before the program that reads the line runs.
 _BUSY_NS = 3_000_000
 _COMMAND_NS, _REPLY_NS = (8 * 10 * 1_000_000_000 // 9600 + 2 * _BUSY_NS, 2 * 10 * 1_000_000_000 // 9600 + 2 * _BUSY_NS)
-_GAP_NS = 100_000_000  # the table's
+_GAP_NS = 100_000_000  # gap_ms of the table
 _LIT_BY_SERIAL = r"""
 lit_by_serial() {
   still_printing && [ "$(lit_pictures)" -ge "$1" ] && grep '~0002' /out/projector | tail -n 1 | grep -q '~0002 0'
@@ -432,7 +436,7 @@ def _light_by_serial():
 
 
 def _commanded_light(outcome):
-    """[(on_ns, off_ns)] as the projector was told, at the commands' last bytes."""
+    """Returns [(on_ns, off_ns)] as commanded to the projector, at the commands' last bytes."""
     intervals, on = [], None
     for line in outcome.results.text("projector").splitlines():
         time_ns, request = line.split(" ", 1)
@@ -446,27 +450,27 @@ def _commanded_light(outcome):
 
 @vm_test("full")
 def light_by_serial():
-    """The projector's light is switched by its commands: it is on once a layer, with the layer's mask on the screen and
-    the plate at rest, and off at the end."""
+    """The projector's light is switched by commands: it is on once per layer, with the layer's mask on the screen and the
+    plate at rest, and off at the end."""
     outcome = run(projector=_OPTOMA, config=_light_by_serial())
     outcome.is_printed()
     light = _commanded_light(outcome)
     assert len(light) == 4, f"the light was on {len(light)} times"
     check(exposure_checks.light_only_on_masks(outcome.frames, outcome.edges, light, _COMMAND_NS))
-    # From first byte to first byte, whatever the replies take; the same from last to last.
+    # The times from first byte to first byte, and from last to last, do not depend on the replies' duration.
     beyond = [off - on - 2_000_000_000 for on, off in light]
-    assert all(abs(ns) <= 2 * _BUSY_NS for ns in beyond), f"{beyond} ns more than was asked"
-    return f"light {max(beyond) / 1e6:.1f} ms more than was asked at most"
+    assert all(abs(ns) <= 2 * _BUSY_NS for ns in beyond), f"{beyond} ns more than was requested"
+    return f"light {max(beyond) / 1e6:.1f} ms more than was requested at most"
 
 
 @vm_test("full")
 def reply_lost():
-    """The second layer's reply to light on is lost: no second light on is sent, the light goes off when the reply has been
-    waited for, the print waits for its owner, and is told of with the bounds of its light."""
+    """The reply to the second layer's light on is lost: light on is not sent again, the light goes off after the timeout,
+    and the print waits for the operator, with the bounds of the exposure in the report."""
     outcome = run(
         projector=_OPTOMA.replace(r"'~0002 0\r=>P\r'", r"'~0002 0\r=>P\r' '~0002 0\r=>' '~0002 0\r=>P\r'"),
         config=_light_by_serial(),
-        # Asking the daemon costs the emulator more than the print does.
+        # The log is polled, because asking the daemon costs the emulator more than the print.
         during='wait_for 300 "the interruption" grep -q "did not answer .light on" /out/daemon.log\ncontourctl resume',
     )
     outcome.is_printed()
@@ -483,8 +487,8 @@ def reply_lost():
 
 @vm_test("full")
 def lid_opened_in_an_exposure_by_serial():
-    """The lid is opened in an exposure by the projector's commands, with other programs that want the processor: light off
-    is sent within the table's gap, what is under way and one command's time on the wire."""
+    """The lid is opened in an exposure with a light that is switched by commands, while other programs keep the processor
+    busy: light off is sent within the table's gap, the command in progress and one command's time on the wire."""
     outcome = run(
         projector=_OPTOMA,
         config=_light_by_serial(),
@@ -504,14 +508,14 @@ contourctl resume || true""",
     off = [off for on, off in _commanded_light(outcome) if on < at < off]
     assert len(off) == 1, f"the light was {_commanded_light(outcome)}, and the edge at {at} ns"
     late, most = off[0] - at, _GAP_NS + 2 * _COMMAND_NS
-    assert late <= most, f"light off came {late} ns after the lid's edge, {most} ns are allowed"
+    assert late <= most, f"light off came {late} ns after the lid's edge; {most} ns are allowed"
     return f"light off {late / 1e6:.1f} ms after the edge"
 
 
 @vm_test("full")
 def stopped_in_the_warm_up():
-    """The daemon is stopped while the projector warms up and refuses everything: the unit's clean-up tells it again until
-    it takes light off."""
+    """The daemon is stopped while the projector warms up and refuses all commands: the unit's clean-up repeats light off
+    until it is accepted."""
     refusals = r"'~0002 1\r=>F\r' " * 12
     outcome = run(
         projector=_OPTOMA.replace(r"'~0002 1\r=>P\r'", refusals + r"'~0002 1\r=>P\r'").replace(
@@ -536,7 +540,7 @@ keep_logs
     assert "light off, motor still" not in outcome.log, outcome.log
 
 
-# --- What keeps the daemon from its devices
+# --- Devices that the daemon cannot open
 
 _REFUSED = """\
 . /lib.sh
@@ -551,7 +555,7 @@ keep_logs
 
 @vm_test("full")
 def line_busy():
-    """Somebody else has the step line: the daemon says which line and who, and that it cannot print."""
+    """Another program holds the step line: the daemon reports the line and the program, and that it cannot print."""
     outcome = run(
         scenario=_REFUSED,
         before="""
@@ -569,7 +573,8 @@ mkdir -p $SPOOL/done $SPOOL/failed $SPOOL/incoming $SPOOL/printing""",
 
 @vm_test("full")
 def no_permission():
-    """The daemon's user may not open the GPIO chip: it says so, with the device's name, and that it cannot print."""
+    """The daemon's user may not open the GPIO chip: the daemon reports that with the device's name, and that it cannot
+    print."""
     outcome = run(
         scenario=_REFUSED,
         before="""
@@ -588,19 +593,19 @@ mkdir -p $SPOOL/done $SPOOL/failed $SPOOL/incoming $SPOOL/printing""",
 
 # --- The daemon itself
 
-# Of the light watchdog: 200 ms of silence and 50 ms to be woken in, after the daemon's last sign of life.
+# The light watchdog's time: 200 ms of silence after the daemon's last sign of life, and 50 ms for the wake-up.
 _WATCHDOG_NS = 250_000_000
-# From the moment that the scenario notes until the signal is sent: the clock's hundredth, and a program that starts.
+# The time from the scenario's note until the signal is sent: the clock's resolution of 10 ms, and the start of a program.
 _NOTED_NS = 30_000_000
 
 
 def _off_after(outcome, light, moment):
-    """How long after that moment, in ns, the light went off: within the light watchdog's time."""
+    """Checks that the light went off within the light watchdog's time after this time. Returns the delay in ns."""
     at = round(float(outcome.results.text(moment)) * 1e9)
     off = [end for start, end in light if start < at and (end is None or end > at)]
     assert len(off) == 1 and off[0] is not None, f"the light was {light}, and the moment {at} ns"
     late = off[0] - at
-    assert late <= _WATCHDOG_NS + _NOTED_NS, f"the light went off {late} ns after what was to turn it off"
+    assert late <= _WATCHDOG_NS + _NOTED_NS, f"the light went off {late} ns after its cause"
     return late
 
 
@@ -617,14 +622,14 @@ contourctl resume || true"""
 
 @vm_test("full")
 def stopped_in_an_exposure():
-    """The daemon is stopped for 20 s in an exposure: the light watchdog turns the light off, which is told; resumed, the
-    layer gets what it had left."""
+    """The daemon is stopped for 20 s in an exposure: the light watchdog turns the light off, which is reported; after
+    resuming, the layer gets the rest of its light."""
     outcome = run(during=_STOPPED.format(exposing="exposing", dark="light_is_off"))
     outcome.is_printed()
     light = outcome.edges.active(outcome.edges.lines.light)
     late = _off_after(outcome, light, "stopped")
     assert "the light watchdog has turned the light off" in outcome.log, outcome.log
-    # The watchdog knows when it turned the line off.
+    # The watchdog reports when it turned the line off.
     whole = sum(end - start for start, end in light[1:3])
     assert abs(whole - 2_000_000_000) < 20_000_000, f"layer 2 had light for {whole} ns in two parts"
     return f"light off {late / 1e6:.0f} ms after the stop"
@@ -632,7 +637,8 @@ def stopped_in_an_exposure():
 
 @vm_test("full")
 def stopped_in_an_exposure_by_serial():
-    """The same with a light that is switched by the projector's commands: the light watchdog sends light off."""
+    """The daemon is stopped in an exposure with a light that is switched by commands: the light watchdog sends light
+    off."""
     outcome = run(
         projector=_OPTOMA,
         config=_light_by_serial(),
@@ -659,8 +665,8 @@ wait_for_print"""
 
 @vm_test("full")
 def killed_in_an_exposure():
-    """The daemon is killed in an exposure: the light watchdog turns the light off by itself, and ends; the next start finds
-    the job and files it as failed with its reason."""
+    """The daemon is killed in an exposure: the light watchdog turns the light off and exits; at the next start the job is
+    filed as failed with its reason."""
     outcome = run(during=_KILLED.format(exposing="exposing"))
     assert "light 0" in outcome.results.text("after"), outcome.results.text("after")
     assert outcome.reason, outcome.log
@@ -671,7 +677,7 @@ def killed_in_an_exposure():
 
 @vm_test("full")
 def killed_in_an_exposure_by_serial():
-    """The same with a light that is switched by the projector's commands: light off is sent three times."""
+    """The daemon is killed in an exposure with a light that is switched by commands: light off is sent three times."""
     outcome = run(
         projector=_OPTOMA,
         config=_light_by_serial(),
@@ -682,13 +688,13 @@ def killed_in_an_exposure_by_serial():
     restarted = float(outcome.results.text("restarted")) * 1e9
     told = [line.split(" ", 1) for line in outcome.results.text("projector").splitlines()]
     before = [request for time_ns, request in told if int(time_ns) < restarted - 500_000_000]
-    assert before[-3:] == [_LIGHT_OFF] * 3, f"the projector was told {before[-5:]}"
+    assert before[-3:] == [_LIGHT_OFF] * 3, f"the projector got {before[-5:]}"
     assert outcome.reason, outcome.log
     check(exposure_checks.dark_at_the_end(outcome.frames, outcome.edges))
     return f"light off {late / 1e6:.0f} ms after the kill"
 
 
-# Both at once: the watchdog cannot notice.
+# Kills both at once, so that the watchdog cannot react.
 _KILL_BOTH = r"""
 kill_both() {
   both=$DAEMON
@@ -714,14 +720,15 @@ def killed_with_its_watchdog():
     """The daemon and its light watchdog are killed in an exposure, on a chip whose lines keep their level: the light goes
     off when the daemon is started again, and the job is filed as failed with its reason."""
     outcome = run(before=_KILL_BOTH, during=_KILLED_BOTH)
-    assert "light 1" in outcome.results.text("after"), "the light was off: not what this test is for"
+    assert "light 1" in outcome.results.text("after"), "the light was off already, so this test shows nothing"
     assert outcome.reason, outcome.log
     check(exposure_checks.dark_at_the_end(outcome.frames, outcome.edges))
 
 
 @vm_test("full")
 def killed_with_its_watchdog_lines_fall_back():
-    """The same on a chip that makes inputs of lines given back, as the Raspberry Pi's does: the light is off at once."""
+    """The daemon and its light watchdog are killed in an exposure, on a chip whose released lines become inputs, as the
+    Raspberry Pi's do: the light goes off at once."""
     outcome = run(before=_KILL_BOTH, during=_KILLED_BOTH, devices="load_devices free_input=1")
     assert "light 0" in outcome.results.text("after"), outcome.results.text("after")
     assert outcome.reason, outcome.log
@@ -730,8 +737,9 @@ def killed_with_its_watchdog_lines_fall_back():
 
 @vm_test("full")
 def killed_with_its_watchdog_by_serial():
-    """The same with a light that the projector's commands switch: the kernel turns the screen off at once, and the unit's
-    clean-up tells the projector to turn the light off; the daemon's next start, its lamp."""
+    """The daemon and its light watchdog are killed in an exposure with a light that is switched by commands: the kernel
+    turns the screen off at once, the unit's clean-up turns the light off, and the daemon's next start turns the lamp
+    off."""
     outcome = run(
         projector=_OPTOMA,
         config=_light_by_serial(),
@@ -747,7 +755,7 @@ kill_both
 uptime_s >/out/killed
 wait_for 5 "the screen to go dark" screen_is_off
 uptime_s >/out/dark
-# What the unit's ExecStopPost runs.
+# The command of the unit's ExecStopPost.
 contourd --config /etc/contourd/contourd.json --light-off >/out/light_off 2>&1 || fail "light off ended with $?"
 uptime_s >/out/cleaned_up
 start_daemon
@@ -762,8 +770,8 @@ keep_logs
     assert len(light) == 2, f"the light was on {len(light)} times"
     on, off = light[-1]
     assert on < killed, "the light was not on when the daemon was killed"
-    assert off is not None, "the projector was not told to turn its light off"
-    # /proc/uptime tells hundredths.
+    assert off is not None, "the projector got no command to turn its light off"
+    # /proc/uptime has a resolution of 10 ms.
     assert killed - 10_000_000 <= off <= cleaned_up + 10_000_000, f"light off came {off - killed} ns after the kill"
     return f"light off {(off - killed) / 1e6:.0f} ms after the kill"
 
@@ -771,7 +779,7 @@ keep_logs
 @vm_test("full")
 def watchdog_killed_in_an_exposure():
     """The light watchdog is killed in an exposure: the light goes off, the print is interrupted, another watchdog is
-    started, and the print is finished when it is resumed."""
+    started, and the print finishes after it is resumed."""
     outcome = run(
         during="""wait_for 300 "layer 2" exposing 2
 sleep 1

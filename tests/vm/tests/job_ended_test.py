@@ -1,4 +1,5 @@
-"""What systemd makes of jobs that end: a command of the owner's for each; and the file of figures, outside the sandbox."""
+"""The units for jobs that have ended: systemd runs the user's command for each; and the metrics file outside the
+sandbox."""
 
 import re
 
@@ -46,7 +47,7 @@ def _tells(machine):
     user = re.search(r"(?m)^(\d+) hears of part: done, , report$", said)
     assert user and user[1] not in ("0", machine.run("id -u contourd")), said
     assert "wrote into the spool" not in said and "silent" not in said, said
-    # Nobody but the daemon's user speaks there.
+    # Only the daemon's user can connect.
     machine.run("setpriv --reuid nobody --regid contourd --clear-groups sh -c 'test ! -w /run/contourd-job-ended.socket'")
 
 
@@ -61,7 +62,7 @@ def _ends_one_that_hangs(machine):
     machine.wait_for(f"{_SAID} | grep -q 'hears of meanwhile: done'", limit_s=200)
     said = machine.run(_SAID)
     assert all(f"hears of hangs{number}: failed" in said for number in range(6)), said
-    # None is left behind, neither as a process nor as a failed unit.
+    # No instance remains, neither as a process nor as a failed unit.
     machine.wait_for("test -z \"$(systemctl list-units --all --no-legend 'contourd-job-ended@*')\"", limit_s=120)
     machine.run("systemctl is-active contourd contourd-job-ended.socket")
 
@@ -75,7 +76,7 @@ def _tells_of_a_stop(machine):
 
 
 def _lets_out_who_is_to_write(machine):
-    """docs/connections.md, "After a job": another user, and the sandbox away."""
+    """Sets another user and removes the sandbox, as docs/connections.md describes in "After a job"."""
     folder = "/etc/systemd/system/contourd-job-ended@.service.d"
     machine.run("install -d -o games /var/tmp/told && printf '#!/bin/sh\\ntouch /var/tmp/told/wrote\\n' >/etc/contourd/job-ended")
     machine.run(f"printf '[Service]\\nDynamicUser=no\\nUser=games\\n' >{folder}/override.conf && systemctl daemon-reload")
@@ -95,9 +96,10 @@ def _gives_figures(machine):
 
 @vm_test("full")
 def job_ended():
-    """Once its socket is enabled, a command of the owner's hears of each job that has ended, as a user of its own, however the
-    job is called; commands that hang are ended and keep no print waiting; who is to write is let out of the sandbox; without the socket
-    nothing is started. The file of figures can be read by all, and goes with the daemon."""
+    """Once the socket is enabled, the user's command runs for each job that has ended, as a separate user, whatever the
+    job's name; commands that hang are killed and delay no print; a command that needs to write can run without the
+    sandbox; without the socket no command is started. The metrics file is readable by all users, and is removed with the
+    daemon."""
     with guests.written(_guest()) as initramfs, disk_over(root_image()) as disk:
         with booted(initramfs, disk) as machine:
             install(machine)

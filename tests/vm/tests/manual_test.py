@@ -1,5 +1,5 @@
-"""The printer by hand on a real kernel's devices: heights, light and pictures as the devices recorded them, and what
-becomes of them when the client is killed. arm64, in deterministic time."""
+"""Manual control with a real kernel's devices: heights, light and pictures as the devices recorded them, and their end
+when the client is killed. arm64, in deterministic time."""
 
 import json
 
@@ -21,14 +21,14 @@ killed() {
   kill -9 "$2"
   sleep 2
 }
-contourctl move --by 5 --unhomed && fail "a way that is too far from nobody knows where"
+contourctl move --by 5 --unhomed && fail "too long a move from an unknown position"
 uptime_s >/out/nudged
-contourctl move --by 2 --unhomed || fail "a short way from nobody knows where"
+contourctl move --by 2 --unhomed || fail "a short move from an unknown position"
 uptime_s >/out/nudge_over
-contourctl move --to 5 && fail "a move from nobody knows where"
+contourctl move --to 5 && fail "a move from an unknown position"
 contourctl home || fail "home"
 contourctl move --to 5 || fail "move"
-contourctl home | grep -q "found [01][.][0-9] um" || fail "the switch is where it was"
+contourctl home | grep -q "found [01][.][0-9] um" || fail "home did not report the switch's shift"
 contourctl move --to 5 || fail "move"
 contourctl show grid &
 SHOWS=$!
@@ -39,7 +39,7 @@ killed show $SHOWS
 contourctl light on --seconds 20 --confirm --in-resin &
 LIGHTS=$!
 wait_for 60 "light" light_is_on
-contourctl move --to 6 && fail "a move in the light"
+contourctl move --to 6 && fail "a move while the light is on"
 killed light $LIGHTS
 contourctl move --to 9 --speed 1 &
 killed move $!
@@ -48,20 +48,20 @@ contourctl home &
 killed home $!
 contourctl home || fail "home"
 contourctl motor off || fail "motor off"
-contourctl move --to 1 && fail "a move from nobody knows where"
+contourctl move --to 1 && fail "a move from an unknown position"
 contourctl switches --once --json >/out/switches || fail "switches"
 keep_logs
 stop_daemon || fail "the daemon ended with $?"
 """
 
 _WITHIN_NS = 100_000_000
-_UPTIME_NS = 10_000_000  # of /proc/uptime
+_UPTIME_NS = 10_000_000  # the resolution of /proc/uptime
 _STEPS_A_MM = 800
 _WIDTH, _HEIGHT, _CELL_PX = 1920, 1080, 100  # 5 mm of 50 um
 
 
 def _lit_by_grid():
-    """Lines of a pixel every 5 mm from the centre, the two through it three pixels wide."""
+    """Returns lines of one pixel every 5 mm from the centre; the two lines through the centre are three pixels wide."""
     def lines(side):
         return {side // 2 - 1, side // 2 + 1, *range(side // 2 % _CELL_PX, side, _CELL_PX)}
     return _WIDTH * _HEIGHT - (_WIDTH - len(lines(_WIDTH))) * (_HEIGHT - len(lines(_HEIGHT)))
@@ -78,8 +78,8 @@ def _run():
 
 @vm_test("full")
 def by_hand():
-    """Home, move, light and a test pattern by hand are what the devices recorded; with its client killed the picture is
-    gone and the light off within 100 ms, and a motion slows down to rest from then on."""
+    """Home, move, light and a test pattern by manual control match the devices' records; when the client is killed the
+    picture and the light go off within 100 ms, and a motion slows down to rest at once."""
     results = _run()
     edges, frames = EdgeLog(results.bytes("edges")), FrameLog(results.text("frames"))
 
@@ -108,8 +108,8 @@ def by_hand():
 
     times = edges.steps()["time_ns"]
     nudged = times[(times > second("nudged")) & (times < second("nudge_over") + _UPTIME_NS)]
-    assert len(nudged) == 2 * _STEPS_A_MM, f"{len(nudged)} steps from nobody knows where"
-    assert edges.position_at(int(nudged[-1])) - edges.position_at(int(nudged[0]) - 1) == 2 * _STEPS_A_MM, "it did not go up"
+    assert len(nudged) == 2 * _STEPS_A_MM, f"{len(nudged)} steps from an unknown position"
+    assert edges.position_at(int(nudged[-1])) - edges.position_at(int(nudged[0]) - 1) == 2 * _STEPS_A_MM, "the plate did not go up"
     # The profile of contourd.json: 25 mm/s2. A stop at 1 mm/s takes 40 ms, one at 5 mm/s 200 ms.
     for what, speed in (("move", 1), ("home", 5)):
         at = killed(what)
@@ -117,7 +117,7 @@ def by_hand():
         assert last < _WITHIN_NS + _UPTIME_NS + speed / 25 * 1e9, f"{what}: the last step came {last} ns after the kill"
     assert not (edges.events["flags"] & LOST).any(), "steps were lost"
     enabled = edges.edges(edges.lines.enable)
-    assert int(enabled["value"][-1]) == 1, "the motor still has its current"  # active low
+    assert int(enabled["value"][-1]) == 1, "the motor is still enabled"  # active low
     (limit,) = [each for each in json.loads(results.text("switches")) if each["name"] == "limit switch"]
     recorded = edges.edges(edges.lines.limit)
     assert limit["active"] and limit["edges"] == len(recorded), f"{limit}, and {len(recorded)} edges were recorded"

@@ -1,4 +1,4 @@
-"""contourd's package with apt and systemd: from its installation to its purge, upgrades in all states between."""
+"""contourd's package with apt and systemd: from installation to purge, with upgrades in all states in between."""
 
 import re
 
@@ -14,7 +14,7 @@ _LAYERS = 4
 
 
 def _apt(machine, *arguments):
-    """What it said."""
+    """Runs apt-get and returns its output."""
     return machine.run(f"DEBIAN_FRONTEND=noninteractive NEEDRESTART_MODE=a apt-get -y -q {' '.join(arguments)} </dev/null 2>&1", limit_s=900)
 
 
@@ -29,7 +29,7 @@ def _process(machine):
 
 
 def _is_installed_and_prints(machine):
-    """Nothing is edited."""
+    """Checks a new installation, with no file edited."""
     _apt(machine, "install", "/root/contourd.deb")
     assert unit_property(machine, "ActiveState") == "active" and unit_property(machine, "UnitFileState") == "enabled"
     submit(machine, "first")
@@ -38,7 +38,7 @@ def _is_installed_and_prints(machine):
 
 
 def _is_upgraded_while_idle(machine):
-    """The plate is not clear: what is submitted waits, and still does so behind the upgrade."""
+    """Checks an upgrade while a submitted job waits because the plate is not clear; the job still waits afterwards."""
     machine.run(f"sed -i 's/\"name\": .*/\"name\": \"mine\",/' {_CONFIG} && cp /root/quick.json /etc/contourd/resins/standard.json")
     machine.run(f"cp {_CONFIG} /root/mine.json && cp /root/tall.stl /root/part.stl")
     submit(machine, "second")
@@ -57,10 +57,10 @@ def _is_upgraded_in_a_print(machine):
     machine.wait_for("contourctl status --json | grep -q '\"layer\"'", limit_s=120)
     before = _process(machine)
     said = _upgrade(machine, 2)
-    # needrestart is apt's to call, and restarts what runs an old program: but not this.
+    # apt calls needrestart, which restarts services that run an old program, but not this one.
     assert re.search(r"(?s)Service restarts being deferred:.* systemctl restart\b.* contourd\.service", said), said
     machine.run("contourctl status --json | grep -q '\"layer\"'")
-    assert _process(machine) == before, "it was restarted in a print"
+    assert _process(machine) == before, "contourd was restarted during a print"
     machine.wait_for(f"test -e {SPOOL}/done/second.stl", limit_s=200)
     machine.wait_for(f"test $(systemctl show -P MainPID contourd) != {before} && systemctl is-active contourd")
     machine.run("case $(readlink /proc/$(systemctl show -P MainPID contourd)/exe) in *deleted*) false ;; esac")
@@ -70,11 +70,12 @@ def _is_upgraded_in_a_print(machine):
 
 
 def _keeps_running_with_a_wrong_configuration(machine):
-    """It is told at once; what starts with it ends, once."""
+    """Checks that a wrong configuration is reported at once, and that a daemon started with it exits without a
+    restart."""
     machine.run(f"echo '{{' >{_CONFIG}")
     before = _process(machine)
     said = _upgrade(machine, 3)
-    assert _CONFIG in said and "none starts with this configuration" in said, said
+    assert _CONFIG in said and "contourd cannot start with it" in said, said
     assert _process(machine) == before and unit_property(machine, "ActiveState") == "active"
     machine.run("contourctl status")
     machine.run("! systemctl restart contourd")
@@ -86,7 +87,7 @@ def _keeps_running_with_a_wrong_configuration(machine):
 def _is_not_started_for_one_who_stopped_it(machine):
     machine.run("systemctl stop contourd")
     said = _upgrade(machine, 4)
-    assert "it does not run" in said, said
+    assert "the service is stopped" in said, said
     assert unit_property(machine, "ActiveState") == "inactive"
     machine.run("systemctl start contourd")
 
@@ -100,7 +101,7 @@ def _is_removed_and_purged(machine):
     machine.run(f"test -e {SPOOL}/done/first.stl && cmp /root/tall.stl {SPOOL}/done/second.stl")
     kept = r"^(/proc|/sys|/root|/install|/var/log|/var/cache|/var/spool/contourd|/run/systemd/transient)(/|$)"
     left = machine.run(f"find / -xdev -iname '*contour*' | grep -vE '{kept}'", check=False)
-    assert left == "", f"left behind: {left}"
+    assert left == "", f"files were left: {left}"
     machine.run("! systemctl cat contourd && test -z \"$(systemctl list-units --failed --no-legend)\"")
 
 
@@ -124,11 +125,11 @@ def _run(debian=None):
 @vm_test("full")
 def package():
     """The package is installed by apt and prints without an edit; it is upgraded while idle with a queue and an edited
-    configuration, in a print, with a wrong configuration, and stopped; removed and purged, it leaves the parts alone."""
+    configuration, in a print, with a wrong configuration, and while stopped; removing and purging it keeps the parts."""
     _run()
 
 
 @vm_test("full", other_debian=True)
 def package_on_the_other_debian():
-    """The same with the package and on the system of the other Debian: trixie where this is bookworm."""
+    """The package for the other Debian release passes the same test there: trixie if this is bookworm."""
     _run(other_debian())

@@ -1,4 +1,4 @@
-"""What is on the screen, seen from outside the machine: QEMU's picture of a virtio-gpu display against the core's mask."""
+"""The screen seen from outside the machine: QEMU's picture of a virtio-gpu display is compared with the core's mask."""
 
 import tempfile
 from pathlib import Path
@@ -15,7 +15,7 @@ _LAYER_NM = 50_000
 
 
 def _screen(machine):
-    """Height x width x 3."""
+    """Returns the screen's picture, height x width x 3."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "screen.ppm")
         machine.qmp("screendump", filename=str(path))
@@ -39,8 +39,8 @@ def _differing(screen, mask):
 
 @vm_test("full")
 def pixel_truth():
-    """In each exposure, of the screen's 2,073,600 pixels not one differs from the core's mask; it is black after the
-    print, and no console comes back when the daemon has ended."""
+    """In each exposure all 2,073,600 pixels of the screen equal the core's mask; the screen is black after the print, and
+    no console appears when the daemon has ended."""
     config = guests.real_config(display={"card": "virtio_gpu"}, projector={"port": None, "table": None})
     resin = {**guests.QUICK_RESIN, "exposure_ms": 20000, "bottom_exposure_ms": 20000}
     guest = guests.printer_guest(AMD64, config, _MODEL_MM, resin)
@@ -60,6 +60,6 @@ def pixel_truth():
         machine.wait_for("print_is_over", limit_s=120)
         assert not _screen(machine).any(), "the screen is not black after the print"
         machine.run("stop_daemon")
-        assert not _screen(machine).any(), "something is on the screen that the daemon has left"
+        assert not _screen(machine).any(), "the screen is not black after the daemon has ended"
     assert compared == [0, 0], f"{compared} pixels differ"
     return "0 of 2,073,600 pixels differ"

@@ -1,5 +1,5 @@
-"""contourd as a service with its real hardware, on both Debians: libgpiod 1.6 and 2, the unit's sandbox, the devices'
-permissions, and what becomes of the light when the daemon is killed."""
+"""contourd as a service with its real hardware, on both Debian releases: libgpiod 1.6 and 2, the unit's sandbox, the
+devices' permissions, and the light after the daemon is killed."""
 
 from bed import exposure_checks, guests, models, motion_checks
 from bed.architecture import other_debian, root_image
@@ -15,7 +15,7 @@ _PROJECTOR = f"systemd-run --unit=projector /usr/local/bin/fake-projector /dev/t
 
 _DAEMON = "$(systemctl show -P MainPID contourd)"
 _WATCHDOG = "$(grep -sx contourd-light /proc/[0-9]*/comm | cut -d/ -f3)"
-# Neither may see the other one die.
+# Stops both first, so that neither notices the other's death.
 _KILL_BOTH = f'both="{_DAEMON} {_WATCHDOG}"; kill -STOP $both; kill -9 $both'
 
 
@@ -35,11 +35,12 @@ def _prints(machine):
 
 
 def _is_killed_in_an_exposure(machine, name, kill=f"kill -9 {_DAEMON}"):
-    """When the light went off and when systemd started the daemon again, in ns after the kill."""
+    """Kills the daemon in an exposure. Returns when the light went off and when systemd started the daemon again, in ns
+    after the kill."""
     submit(machine, name)
     machine.wait_for(". /root/lib.sh; light_is_on", limit_s=120)
     restarts = int(unit_property(machine, "NRestarts"))
-    # The time first: what it is compared with cannot have happened before.
+    # The time is read first, so that later events cannot be earlier than it.
     killed = machine.run("cut -d' ' -f1 /proc/uptime; " + kill)
     killed_ns = int(float(killed) * 1e9)
     again = f"test $(systemctl show -P NRestarts contourd) = {restarts + 1} && systemctl is-active contourd"
@@ -51,13 +52,14 @@ def _is_killed_in_an_exposure(machine, name, kill=f"kill -9 {_DAEMON}"):
     return edges.active(edges.lines.light)[-1][1] - killed_ns, started_ns - killed_ns
 
 
-# Of the light watchdog: at once when the daemon is gone, 250 ms when it is silent; this much more for a machine in real
-# time, whose clock is read in hundredths and whose processor is emulated.
+# The limit for the light watchdog, which acts at once when the daemon is gone and after 250 ms when it is silent. It includes a
+# margin for a machine in real time, whose clock is read in hundredths of a second and whose processor is emulated.
 _WATCHDOG_NS = 300_000_000
 
 
 def _light_watchdog_turns_the_light_off(machine):
-    """zplant's lines keep their level when they are given back, so that the kernel turns no light off."""
+    """Checks that the light watchdog turns the light off. zplant's released lines keep their level, so the kernel does
+    not."""
     off_ns, started_ns = _is_killed_in_an_exposure(machine, "killed")
     assert 0 < off_ns < _WATCHDOG_NS, f"light off {off_ns} ns after the kill"
     assert off_ns < started_ns
@@ -65,7 +67,7 @@ def _light_watchdog_turns_the_light_off(machine):
 
 
 def _clean_up_turns_the_light_off(machine):
-    """Without the light watchdog too."""
+    """Checks that the unit's clean-up turns the light off without the light watchdog."""
     machine.run("contourctl resume")  # the print that was killed holds the queue
     off_ns, started_ns = _is_killed_in_an_exposure(machine, "killed-both", _KILL_BOTH)
     assert 0 < off_ns < started_ns, f"light off {off_ns} ns after the kill, the next start after {started_ns} ns"
@@ -73,7 +75,7 @@ def _clean_up_turns_the_light_off(machine):
 
 
 def _without_the_clean_up_the_next_start_does(machine):
-    """What is known to be the clean-up's work above is not done without it."""
+    """Checks that without the clean-up the next start turns the light off, which shows that the clean-up did it above."""
     machine.run("mkdir -p /run/systemd/system/contourd.service.d")
     machine.run(r"printf '[Service]\nExecStopPost=\n' >/run/systemd/system/contourd.service.d/no-clean-up.conf")
     machine.run("systemctl daemon-reload")
@@ -84,7 +86,7 @@ def _without_the_clean_up_the_next_start_does(machine):
 
 
 def _run(debian=None):
-    # In real time an emulator holds steps up by 10 ms. At up to half the homing speed that loses none.
+    # In real time an emulator delays steps by 10 ms, which loses none at up to half the homing speed.
     slow = guests.real_config(z_axis={"homing_speed_mm_s": 6, "travel_speed_mm_s": 3})
     guest = guests.systemd_guest(slow, _RESIN, _MODULES, debian)
     guest.add_bytes("/install/root/part.stl", models.binary_stl(models.twisted_star(0.1)))
@@ -103,12 +105,12 @@ def _run(debian=None):
 
 @vm_test("full", alone=True)
 def real_service():
-    """The installed service prints with real devices as its own user; when it is killed in an exposure the
-    unit's clean-up turns the light off, and were there none, the next start would."""
+    """The installed service prints with real devices as its own user; when it is killed in an exposure the unit's
+    clean-up turns the light off, and without the clean-up the next start would."""
     return _run()
 
 
 @vm_test("full", other_debian=True, alone=True)
 def real_service_on_the_other_debian():
-    """The same on the other Debian: with libgpiod 2 where this is Debian 12."""
+    """The installed service passes the same test on the other Debian release: with libgpiod 2 if this is Debian 12."""
     return _run(other_debian())

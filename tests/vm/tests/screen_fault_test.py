@@ -1,6 +1,5 @@
-"""What goes wrong between the daemon and the display's driver: the kernel's word that a picture is on the screen does not
-come, the display takes long to say what it is, the kernel announces what is of no concern. arm64, in deterministic
-time."""
+"""Faults between the daemon and the display's driver: page flips that are not confirmed, a display that takes long to
+report its modes, irrelevant announcements of the kernel. arm64, in deterministic time."""
 
 import re
 from itertools import islice
@@ -9,20 +8,20 @@ from bed import guests
 from bed.registry import vm_test
 from tests.fault_test import run
 
-_OVERDUE = r"HDMI-A-1 of /dev/dri/card0 \(zproj\) has not said for \d+ ms that it shows a picture"
+_OVERDUE = r"HDMI-A-1 of /dev/dri/card0 \(zproj\) did not confirm a picture within \d+ ms"
 _BACK = "the display is back: HDMI-A-1"
 _EXPOSURE_NS = 2_000_000_000
-# The guest's one processor hashes the pictures besides.
+# A tolerance for the guest's one processor, which also hashes the pictures.
 _BUSY_NS = 20_000_000
 
 
 def _exposed_as_asked(outcome, parts=(1, 1, 1, 1)):
-    """Every layer has had its light, in as many parts."""
+    """Checks that every layer has had its light, in this many parts."""
     lit = iter(outcome.edges.active(outcome.edges.lines.light))
     for layer, count in enumerate(parts, 1):
         given = sum(end - start for start, end in islice(lit, count))
         assert abs(given - _EXPOSURE_NS) < _BUSY_NS, f"layer {layer} had light for {given} ns"
-    assert not list(lit), "there was light besides"
+    assert not list(lit), "there was additional light"
 
 
 def _told_and_back(outcome):
@@ -41,13 +40,13 @@ contourctl resume || fail "the print cannot be resumed"
 
 @vm_test("full")
 def lost_flip_of_a_mask():
-    """The kernel's word that a mask is on the screen is lost: no light on it; the display is taken up again by itself, and
-    the print is finished once it is resumed."""
+    """The kernel does not confirm a mask: the mask gets no light; the display is set again, and the print finishes after
+    it is resumed."""
     outcome = run(
         during=f"""wait_for 300 "layer 1" exposed 1
 echo lose >$SCREEN/ctl
-wait_for 300 "the loss to be told" grep -q 'has not said for' /out/daemon.log
-light_is_off || fail "light on a mask that nobody knows to be on the screen"
+wait_for 300 "the report of the loss" grep -q 'did not confirm a picture' /out/daemon.log
+light_is_off || fail "light on a mask that was not confirmed"
 [ "$(lit_pictures)" = 2 ] || fail "there was no mask"
 {_RESUME_WHEN_BACK}"""
     )
@@ -58,7 +57,8 @@ light_is_off || fail "light on a mask that nobody knows to be on the screen"
 
 @vm_test("full")
 def lost_flip_of_black():
-    """The same for the black after an exposure, which has had all its light: that layer is not exposed again."""
+    """The kernel does not confirm the black picture after an exposure, which has had all its light: the layer is not
+    exposed again."""
     outcome = run(
         during=f"""wait_for 300 "layer 2" exposing 2
 echo lose >$SCREEN/ctl
@@ -72,13 +72,14 @@ echo lose >$SCREEN/ctl
 
 @vm_test("full")
 def lost_flip_of_black_at_once():
-    """The same for the black that an opened lid asks for, and nobody waits for: the next print needs no restart."""
+    """The kernel does not confirm the black picture after the lid was opened, which no call waits for: the next print
+    needs no restart."""
     outcome = run(
         during=f"""wait_for 300 "layer 2" exposing 2
 sleep 0.5
 echo lose >$SCREEN/ctl
 echo in {guests.LID} 1 >$PLANT/ctl
-wait_for 5 "the loss to be told" grep -q 'has not said for' /out/daemon.log
+wait_for 5 "the report of the loss" grep -q 'did not confirm a picture' /out/daemon.log
 echo in {guests.LID} 0 >$PLANT/ctl
 {_RESUME_WHEN_BACK}"""
     )
@@ -89,7 +90,8 @@ echo in {guests.LID} 0 >$PLANT/ctl
 
 @vm_test("full")
 def lost_flip_without_atomic_calls():
-    """The same with a driver that has the old calls only."""
+    """The kernel does not confirm a mask, and the driver has only the legacy calls: the display is set again and the
+    print finishes."""
     outcome = run(
         devices="ZPROJ=atomic=0 load_devices",
         during=f"""wait_for 300 "layer 2" exposing 2
@@ -103,12 +105,12 @@ echo lose >$SCREEN/ctl
 
 @vm_test("full")
 def hung_flip():
-    """The driver hangs over a flip, for which the kernel itself waits 10 s and more: the daemon answers all the while and
-    does not let the print be resumed; what the driver says in the end, long after, does no harm."""
+    """The driver hangs in a flip, for which the kernel itself waits 10 s or more: the daemon keeps answering and refuses
+    to resume the print; a very late confirmation does no harm."""
     outcome = run(
         during=f"""wait_for 300 "layer 2" exposing 2
 echo hold >$SCREEN/ctl
-wait_for 5 "the loss to be told" grep -q 'has not said for' /out/daemon.log
+wait_for 5 "the report of the loss" grep -q 'did not confirm a picture' /out/daemon.log
 light_is_off || fail "light while the driver hangs"
 for second in 1 2 3 4 5; do
   before=$(uptime_s)
@@ -129,14 +131,14 @@ echo free >$SCREEN/ctl"""
     _told_and_back(outcome)
     took = [float(after) - float(before) for before, after in map(str.split, outcome.results.text("answers").splitlines())]
     assert max(took) < 1, f"the daemon took {max(took)} s to answer"
-    assert "has not said for" in outcome.results.text("status"), outcome.results.text("status")
+    assert "did not confirm a picture" in outcome.results.text("status"), outcome.results.text("status")
     return f"two answers took {max(took) * 1000:.0f} ms at most"
 
 
 @vm_test("full")
 def slow_display_in_an_exposure():
-    """The kernel announces again and again that something changed, and the display takes 300 ms to say what it is: every
-    exposure is as long as was asked, and in one piece."""
+    """The kernel keeps announcing changes, and the display takes 300 ms to report its modes: every exposure has its
+    requested length, in one piece."""
     outcome = run(
         devices="ZPROJ=edid_ms=300 load_devices",
         during="""wait_for 300 "layer 2" exposing 2
@@ -149,13 +151,14 @@ done""",
     lit = [end - start for start, end in outcome.edges.active(outcome.edges.lines.light)]
     assert len(lit) == 4, f"the light was on {len(lit)} times"
     beyond = [ns - _EXPOSURE_NS for ns in lit]
-    assert all(abs(ns) < 5_000_000 for ns in beyond), f"{beyond} ns more than was asked"
-    return f"light {max(beyond) / 1e6:.1f} ms more than was asked at most"
+    assert all(abs(ns) < 5_000_000 for ns in beyond), f"{beyond} ns more than was requested"
+    return f"light {max(beyond) / 1e6:.1f} ms more than was requested at most"
 
 
 @vm_test("full")
 def slow_display_unplugged_in_an_exposure():
-    """Such a display is unplugged while it is being asked: light off as soon as it has been asked again."""
+    """A slow display is unplugged while it is being asked for its modes: the light goes off as soon as it has been asked
+    again."""
     outcome = run(
         devices="ZPROJ=edid_ms=300 load_devices",
         during="""wait_for 300 "layer 2" exposing 2
@@ -186,19 +189,21 @@ def _neutral(parameters):
 
 @vm_test("full")
 def neutral_colors():
-    """Somebody left a gamma table, and the range to the driver's choice: both are set right before anything is shown."""
+    """Another program has left a gamma table, and the driver chooses the range: both are corrected before anything is
+    shown."""
     _neutral("")
 
 
 @vm_test("full")
 def neutral_colors_without_atomic_calls():
-    """The same with a driver that has the old calls only."""
+    """A gamma table and the driver's range are corrected with a driver that has only the legacy calls."""
     _neutral("atomic=0")
 
 
 @vm_test("full")
 def colors_that_stay():
-    """A gamma table that cannot be changed and a driver that cannot be told the range: the log says what follows."""
+    """With a gamma table that cannot be changed and a driver without a setting for the range, the log states the
+    consequences."""
     outcome = run(devices="ZPROJ='gamma=2 range=0' load_devices")
     outcome.is_printed()
     said = re.search("HDMI-A-1 .* keeps a gamma table.*", outcome.log)

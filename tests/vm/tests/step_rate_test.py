@@ -1,4 +1,4 @@
-"""How fast steps can be made, and how evenly: the way to the parking height, at full speed."""
+"""The rate and the regularity of steps: the move to the parking height at full speed."""
 
 import base64
 import gzip
@@ -23,8 +23,8 @@ def _config(steps_per_s, travel_mm):
 
 
 def _cruise(log, steps_per_s):
-    """The times between the steps at full speed, in ns: of the longest move, from where it is first reached to where it
-    is left. A slower move may have led up to it without a pause."""
+    """Returns the times between the steps at full speed, in ns, of the longest move, from where full speed is first
+    reached to where it is left. A slower move may precede it without a pause."""
     times = max((times for times, _ in motion_checks.moves(log)), key=len)
     periods = numpy.diff(times)
     full = numpy.flatnonzero(periods < 1.02 * 1e9 / steps_per_s)
@@ -42,7 +42,7 @@ def _report(periods, steps_per_s):
 
 
 def _edges_of_print(config, shift, beside=":"):
-    """Of a print in deterministic time; the shell command `beside` comes before it."""
+    """Returns the edge log of a print in deterministic time; the shell command `beside` runs before it."""
     guest = guests.printer_guest(ARM64, config, 0.05, guests.QUICK_RESIN)
     guest.add_text(
         "/scenario",
@@ -65,8 +65,8 @@ stop_daemon || fail "the daemon ended with $?"
 
 @vm_test("full")
 def ten_thousand_steps_a_second():
-    """10,000 steps a second in deterministic time, none late by a period."""
-    # A thousand million instructions a second: a small computer of today.
+    """10,000 steps per second in deterministic time: no step is late by a period."""
+    # 1e9 instructions per second, like a small computer of today.
     log = _edges_of_print(_config(10_000, travel_mm=30), shift=0)
     check(motion_checks.all_checks(log, MotionLimits(top_speed_mm_s=12.5, acceleration_mm_s2=_ACCELERATION)))
     late, text = _report(_cruise(log, 10_000), 10_000)
@@ -76,7 +76,8 @@ def ten_thousand_steps_a_second():
 
 @vm_test("full")
 def four_thousand_steps_a_second_on_a_busy_processor():
-    """4,000 steps a second in deterministic time, with other programs that want the processor: none late by a period."""
+    """4,000 steps per second in deterministic time while other programs keep the processor busy: no step is late by a
+    period."""
     busy = "for program in 1 2 3; do sh -c 'while :; do :; done' & done"
     log = _edges_of_print(_config(4_000, travel_mm=20), shift=2, beside=busy)
     check(motion_checks.lost_steps(log) + motion_checks.pulse_widths(log, MotionLimits()))
@@ -87,8 +88,8 @@ def four_thousand_steps_a_second_on_a_busy_processor():
 
 @vm_test("full", alone=True)
 def four_thousand_steps_a_second():
-    """4,000 steps a second by the real clock, with both of the guest's processors busy: none late by a period. Skipped
-    where this machine's own real-time threads come late."""
+    """4,000 steps per second in real time with both of the guest's processors busy: no step is late by a period. Skipped
+    if the host's own real-time threads are late."""
     guest = guests.printer_guest(AMD64, _config(4_000, travel_mm=60), 0.05, guests.QUICK_RESIN)
     with guests.written(guest) as initramfs, Machine(AMD64, initramfs, cpus=2) as machine:
         machine.wait_until_ready()
@@ -101,7 +102,7 @@ def four_thousand_steps_a_second():
     late, text = _report(_cruise(log, 4_000), 4_000)
     own = host_clock.late_wakes(1 / 4_000, seconds=5)
     if late > 0 and own.late > 0:
-        # No emulator keeps better time than the machine that it runs on.
+        # An emulator cannot keep better time than its host.
         raise Skipped(f"{text}; {own}")
     assert late == 0, f"{text}; {own}"
     return text

@@ -1,4 +1,4 @@
-"""contourd as a service of a real Debian system: installed as its README says, with simulated hardware."""
+"""contourd as a service of a real Debian system, installed as its README describes, with simulated hardware."""
 
 from bed import guests, models
 from bed.architecture import root_image
@@ -50,8 +50,9 @@ def _is_restarted_when_it_stalls(machine):
 
 @vm_test("quick")
 def systemd():
-    """The unit starts and is ready, a print's journal has its fields, it stops cleanly, and when it stalls in a print the
-    watchdog starts it again: the job is filed as failed with its reason, and nothing else is lost."""
+    """The unit starts and is ready, a print's journal entries have their fields, the service stops cleanly, and if it
+    stalls in a print systemd's watchdog restarts it: the job is filed as failed with its reason, and nothing else is
+    lost."""
     with guests.written(_guest()) as initramfs, disk_over(root_image()) as disk:
         with booted(initramfs, disk) as machine:
             _starts_and_prints(machine)
@@ -64,8 +65,8 @@ def systemd():
 
 @vm_test("full")
 def power_cut():
-    """The power fails in a print: after the next boot the job lies in failed/ with its reason, whole, the one behind it
-    waits for the owner's word and is printed, and a done one is still there."""
+    """The power fails in a print: after the next boot the job is in failed/ with its reason, complete; the next job waits
+    for the operator and is printed, and a job that was done is still there."""
     with guests.written(_guest(exposure_ms=3000, bottom_exposure_ms=3000)) as initramfs, disk_over(root_image()) as disk:
         with booted(initramfs, disk) as machine:
             install(machine)
@@ -74,7 +75,7 @@ def power_cut():
             submit(machine, "cut")
             machine.wait_for("contourctl status --json | grep -q '\"layer\"'")
             submit(machine, "waiting")
-            # Whoever copies a file owes it this; what has been claimed is the daemon's to keep.
+            # The user synchronizes copied files; the daemon is responsible for claimed ones.
             machine.run(f"sync {SPOOL}/incoming/waiting.stl")
             machine.wait_for("contourctl status --json | grep -q waiting")
             machine.kill()
@@ -94,8 +95,8 @@ def power_cut():
 
 @vm_test("full")
 def reload():
-    """systemctl reload in a print: the print ends undisturbed, then a new process takes over, with what was waiting. A
-    configuration that is wrong is told, and the running contourd goes on."""
+    """systemctl reload in a print: the print ends undisturbed, then a new process takes over with the waiting jobs. A
+    wrong configuration is reported, and the running contourd continues."""
     with guests.written(_guest(exposure_ms=2000, bottom_exposure_ms=2000)) as initramfs, disk_over(root_image()) as disk:
         with booted(initramfs, disk) as machine:
             install(machine)
@@ -105,7 +106,7 @@ def reload():
             machine.run("systemctl reload contourd")
             submit(machine, "second")
             machine.run("contourctl status --json | grep -q '\"name\":\"first\"'")
-            assert unit_property(machine, "MainPID") == before, "it was restarted in a print"
+            assert unit_property(machine, "MainPID") == before, "contourd was restarted during a print"
             machine.wait_for(f"test -e {SPOOL}/done/first.stl", limit_s=120)
             machine.wait_for(f"test $(systemctl show -P MainPID contourd) != {before}", limit_s=60)
             machine.wait_for(f"test -e {SPOOL}/done/second.stl", limit_s=120)
@@ -118,5 +119,5 @@ def reload():
             machine.run("cp /root/good.json /etc/contourd/contourd.json")
             submit(machine, "third")
             machine.wait_for(f"test -e {SPOOL}/done/third.stl", limit_s=120)
-            assert unit_property(machine, "MainPID") == now, "it was restarted for a wrong configuration"
+            assert unit_property(machine, "MainPID") == now, "contourd was restarted with a wrong configuration"
             machine.power_off()

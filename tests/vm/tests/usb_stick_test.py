@@ -1,4 +1,4 @@
-"""What becomes of a USB stick that is plugged in: its models are queued once, and it can be pulled out at any moment."""
+"""A USB stick that is plugged in: its models are queued once, and it can be pulled out at any moment."""
 
 import contextlib
 import hashlib
@@ -16,7 +16,7 @@ from bed.service import SPOOL, booted, install
 _INCOMING = f"{SPOOL}/incoming"
 _SAID = "journalctl -t contourd-usb -o cat --no-pager"
 _PART = models.binary_stl(models.twisted_star(0.1))
-# Half a minute of the slow stick.
+# A file that the slow stick delivers in half a minute.
 _SLOW_BYTES_PER_S = 100_000
 _LARGE = models.binary_stl(models.twisted_star(0.1) * 65)
 _MODULES = ("xhci_pci", "usb_storage", "sd_mod", "vfat", "nls_cp437", "nls_ascii")
@@ -29,7 +29,7 @@ def _guest():
 
 
 class Sticks:
-    """Images of sticks, and what QEMU is told of them."""
+    """Images of sticks, with QEMU's options for them."""
 
     def __init__(self, folder):
         self._folder, self.options = Path(folder), ["-device", "qemu-xhci,id=usb"]
@@ -47,7 +47,7 @@ class Sticks:
         self._add(name)
 
     def ext4(self, name, make_files):
-        """`make_files` makes what is in it in the folder that it is given."""
+        """Makes an ext4 image. `make_files` creates its content in the folder that it is given."""
         with tempfile.TemporaryDirectory(dir=self._folder) as root:
             Path(root).chmod(0o755)
             make_files(Path(root))
@@ -89,15 +89,16 @@ def _plug(machine, name):
 
 
 def _unplug(machine):
-    """Nothing of the unit is left then, neither active nor failed."""
+    """Unplugs the stick and checks that no unit remains, neither active nor failed."""
     machine.qmp("device_del", id="plugged")
     machine.wait_for("test ! -e /dev/sda")
     machine.wait_for("test -z \"$(systemctl list-units --all --no-legend 'contourd-usb@*')\"", limit_s=120)
 
 
 def _is_over(machine):
-    """Nothing of the unit runs, and nothing of the stick is in any mount namespace. Of a stick that cannot be read it stays
-    listed as failed while the stick is there: its device wants the unit, whatever CollectMode= says."""
+    """Waits until no unit of the stick is running, and checks that no mount namespace contains the stick. The unit of an
+    unreadable stick stays listed as failed while the stick is plugged in, because its device wants the unit, whatever
+    CollectMode= says."""
     states = "activating,active,reloading,deactivating"
     machine.wait_for(f"test -z \"$(systemctl list-units --all --state={states} --no-legend 'contourd-usb@*')\"", limit_s=120)
     machine.run("! grep -qs /dev/sda /proc/[0-9]*/mountinfo")
@@ -159,15 +160,15 @@ def _hostile_stick_is_taken_for_what_it_is(machine):
 def _make_sticks(sticks):
     sticks.fat("good", {"first.stl": _PART, "first.json": b'{"copies": 2}', "second.STL": _PART})
     sticks.ext4("hostile", _hostile)
-    # A file system by its first bytes, and nothing behind them.
+    # Only the first bytes of a file system.
     sticks.bytes("broken", sticks.image("hostile").read_bytes()[:4096] + b"\xff" * (1 << 20))
 
 
 @vm_test("full")
 def usb_stick():
-    """Once its unit is enabled, a stick's models are queued, each once, with their tickets; the stick is mounted for nobody else
-    and is as it was; links, FIFOs, devices, endless files and broken file systems are told and do no harm; before that, nothing
-    is looked at."""
+    """Once the unit is enabled, a stick's models are queued, each once, with their tickets; the stick is mounted for no
+    other process and stays unchanged; links, FIFOs, devices, endless files and broken file systems are reported and do no
+    harm; before the unit is enabled, sticks are ignored."""
     with _machine(_make_sticks) as (machine, sticks):
         before = {name: hashlib.sha256(sticks.image(name).read_bytes()).digest() for name in ("good", "hostile")}
         _is_left_alone_as_installed(machine)
@@ -186,8 +187,8 @@ def _make_slow_stick(sticks):
 
 @vm_test("full")
 def usb_stick_pulled_out():
-    """A stick that is pulled out while it is copied leaves nothing in the spool, nothing mounted and nothing running, and keeps
-    no other job waiting; plugged in again, its model is taken whole."""
+    """A stick that is pulled out during copying leaves nothing in the spool, no mount and no process, and delays no other
+    job; when it is plugged in again its model is copied completely."""
     with _machine(_make_slow_stick) as (machine, _):
         _enable(machine)
         _plug(machine, "large-slow")

@@ -11,11 +11,11 @@ class EdgeLogTest(unittest.TestCase):
         self.assertIsNone(log.position_at(99))
         self.assertEqual([log.position_at(t) for t in (100, 199, 200, 10_000)], [5, 5, 6, 6])
 
-    def test_times_in_which_a_line_is_high_come_as_intervals(self):
+    def test_active_returns_the_intervals_in_which_a_line_is_high(self):
         log = EdgeLog(EdgeLog.pack([(1, 0, 0, 24, 1), (5, 0, 0, 24, 0), (9, 0, 0, 24, 1)]))
         self.assertEqual(log.active(24), [(1, 5), (9, None)])
 
-    def test_a_log_that_was_cut_short_or_runs_backwards_is_refused(self):
+    def test_a_truncated_log_and_one_with_decreasing_times_are_refused(self):
         whole = EdgeLog.pack([(1, 0, 0, 24, 1)])
         with self.assertRaises(ValueError):
             EdgeLog(whole[:-1])

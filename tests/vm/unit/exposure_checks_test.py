@@ -18,19 +18,19 @@ class ExposureChecksTest(unittest.TestCase):
     def test_a_faultless_print_breaks_no_rule(self):
         self.assertEqual(exposure_checks.all_checks(*logs_of(self.recorder), self.layers), [])
 
-    def test_a_mask_that_is_not_the_cores_is_found(self):
+    def test_a_mask_that_differs_from_the_cores_is_found(self):
         self.layers[1] = replace(self.layers[1], mask_crc=0xDEAD)
         self.assertEqual(len(exposure_checks.masks(*logs_of(self.recorder), self.layers)), 1)
 
-    def test_a_plate_one_step_off_is_found(self):
+    def test_a_plate_that_is_off_by_one_step_is_found(self):
         self.layers[2] = replace(self.layers[2], position=self.layers[2].position + 1)
         self.assertEqual(len(exposure_checks.masks(*logs_of(self.recorder), self.layers)), 1)
 
-    def test_a_layer_too_many_or_too_few_is_found(self):
+    def test_an_additional_or_missing_layer_is_found(self):
         self.assertTrue(exposure_checks.masks(*logs_of(self.recorder), self.layers[:2]))
         self.assertTrue(exposure_checks.exposures(*logs_of(self.recorder), self.layers[:2]))
 
-    def test_light_too_long_or_too_short_is_found(self):
+    def test_an_exposure_that_is_too_long_or_too_short_is_found(self):
         for asked in (2 * SECOND - 2_000_000, 2 * SECOND + 30_000):
             layers = [replace(layer, exposure_ns=asked) for layer in self.layers]
             broken = exposure_checks.exposures(*logs_of(self.recorder), layers)
@@ -56,7 +56,7 @@ class ExposureChecksTest(unittest.TestCase):
         on, _ = self.recorder.edge_log().active(LINES.light)[0]
         return f"{on + SECOND} 0 FLIP 1920x1080 00001234 5"
 
-    def test_a_step_in_the_light_is_found(self):
+    def test_a_step_during_an_exposure_is_found(self):
         on, _ = self.recorder.edge_log().active(LINES.light)[0]
         self.recorder.edges.append((on + 1000, 41, MOVED, LINES.step, 1))
         self.recorder.edges.sort(key=lambda edge: edge[0])

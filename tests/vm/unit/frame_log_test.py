@@ -19,7 +19,7 @@ class FrameLogTest(unittest.TestCase):
     def test_the_last_picture_has_no_end(self):
         self.assertIsNone(FrameLog("200 1 FLIP 1920x1080 0000aaaa 9\n").lit_pictures()[0].end_ns)
 
-    def test_a_line_of_something_else_is_refused(self):
+    def test_a_malformed_line_is_refused(self):
         with self.assertRaises(ValueError):
             FrameLog("no frame log\n")
 

@@ -1,4 +1,4 @@
-"""Logs as a faultless printer would leave them, to be damaged by tests."""
+"""Logs as a faultless printer would leave them, for tests to damage."""
 
 import math
 
@@ -11,7 +11,7 @@ LINES = Lines()
 
 
 def trapezoid_times(steps, speed_mm_s, acceleration_mm_s2, steps_per_mm=800.0):
-    """Nanoseconds from the start at which each step of a move is due."""
+    """Returns the times in ns from the start at which the steps of a move are due."""
     distance = steps / steps_per_mm
     top = min(speed_mm_s, math.sqrt(distance * acceleration_mm_s2))
     ramp_s, ramp_mm = top / acceleration_mm_s2, top * top / (2 * acceleration_mm_s2)
@@ -73,7 +73,7 @@ class Recorder:
 
 
 def print_of(layers=3, exposure_ns=2 * SECOND):
-    """A recorder with a print in it, and its expected layers."""
+    """Returns a recorder with a print, and its expected layers."""
     recorder, expected = Recorder(position=4000), []
     recorder.move(-4000)
     recorder.flip(0, 0)
