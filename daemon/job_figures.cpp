@@ -8,13 +8,7 @@
 #include "daemon/readable.hpp"
 
 namespace contourd {
-namespace {
-
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
-}  // namespace
+namespace {}  // namespace
 
 JobFigures figures_of(const JobSummary& summary, const std::vector<LayerRecord>& layers,
                       Duration print_time) {
@@ -24,7 +18,7 @@ JobFigures figures_of(const JobSummary& summary, const std::vector<LayerRecord>&
                      .height_mm = summary.height_mm,
                      .layers = summary.layers.count,
                      .layers_exposed = layers_exposed(layers),
-                     .print_time_s = seconds(print_time)};
+                     .print_time_s = in_seconds(print_time)};
   Duration lit{}, asked{}, most_over{};
   double volume_mm3 = 0;
   for (const LayerRecord& layer : layers) {
@@ -35,8 +29,8 @@ JobFigures figures_of(const JobSummary& summary, const std::vector<LayerRecord>&
   }
   constexpr double kMm3PerMl = 1000;
   if (!layers.empty()) figures.layer_height_um = to_millimeters(layers.front().thickness).count() * 1000;
-  figures.lit_s = seconds(lit);
-  figures.light_asked_s = seconds(asked);
+  figures.lit_s = in_seconds(lit);
+  figures.light_asked_s = in_seconds(asked);
   figures.most_light_over_ms = milliseconds(most_over);
   figures.resin_ml = volume_mm3 / kMm3PerMl;
   return figures;

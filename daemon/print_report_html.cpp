@@ -36,10 +36,6 @@ std::string row(const std::string& name, const std::string& value) {
   return fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, escaped(value));
 }
 
-double ms(Duration duration) {
-  return std::chrono::duration<double, std::milli>(duration).count();
-}
-
 std::string model_rows(const ModelSummary& model) {
   std::string rows;
   if (!model.file.empty()) rows += row("File", model.file);
@@ -82,9 +78,9 @@ std::string exposure_rows(const std::vector<LayerRecord>& layers) {
     least = std::min(least, layer.exposure_least - layer.exposure_asked);
     most = std::max(most, layer.exposure_most - layer.exposure_asked);
   }
-  return row("Exposure", fmt::format("{:.0f} ms first, {:.0f} ms last", ms(layers.front().exposure_asked),
-                                     ms(layers.back().exposure_asked))) +
-         row("Light", fmt::format("{:+.2f} to {:+.2f} ms from what was asked", ms(least), ms(most)));
+  return row("Exposure", fmt::format("{:.0f} ms first, {:.0f} ms last", in_ms(layers.front().exposure_asked),
+                                     in_ms(layers.back().exposure_asked))) +
+         row("Light", fmt::format("{:+.2f} to {:+.2f} ms from what was asked", in_ms(least), in_ms(most)));
 }
 
 std::string mask_row(const std::vector<LayerRecord>& layers) {
@@ -95,7 +91,7 @@ std::string mask_row(const std::vector<LayerRecord>& layers) {
     sum += layer.mask_time;
   }
   return row("Masks", fmt::format("{:.2f} ms each, the slowest {:.2f} ms",
-                                  ms(sum) / static_cast<double>(layers.size()), ms(slowest)));
+                                  in_ms(sum) / static_cast<double>(layers.size()), in_ms(slowest)));
 }
 
 // What did not go as it should beside stops and the model's own.
@@ -105,7 +101,7 @@ std::string trouble_rows(const PrintReport& report) {
     rows += row("Late steps", fmt::format("{}: the computer was too busy for them", report.late_steps));
   if (report.busiest_lit.busy > kLongestLitTurn) {
     rows += row("Late light", fmt::format("by up to {:.0f} ms: the event loop was busy with {}",
-                                          ms(report.busiest_lit.busy), report.busiest_lit.source));
+                                          in_ms(report.busiest_lit.busy), report.busiest_lit.source));
   }
   return rows;
 }
@@ -154,7 +150,7 @@ std::string facts(const PrintReport& report) {
   rows += resin_row(report) + models_rows(summary.models);
   if (summary.supports) rows += row("Supports", supports_line(counts_of(*summary.supports)));
   rows += settings_rows(summary) + exposure_rows(report.layers) + trouble_rows(report);
-  rows += row("First mask", fmt::format("{:.1f} ms after its turn came", ms(report.first_mask_after)));
+  rows += row("First mask", fmt::format("{:.1f} ms after its turn came", in_ms(report.first_mask_after)));
   rows += mask_row(report.layers);
   if (report.findings) rows += row("Analysis", findings_line(*report.findings));
   return rows;
@@ -292,7 +288,7 @@ std::string plots(const PrintReport& report) {
   if (report.layers.empty()) return "";
   return plot_of(report, "Exposed area, mm² by height", [](const LayerRecord& l) { return l.area_mm2; }) +
          plot_of(report, "Time from height to mask, ms by height",
-                 [](const LayerRecord& l) { return ms(l.mask_time); }) +
+                 [](const LayerRecord& l) { return in_ms(l.mask_time); }) +
          plot_of(report, "Contour loops by height", [](const LayerRecord& l) { return l.loops; });
 }
 

@@ -15,16 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double ms(Duration duration) {
-  return std::chrono::duration<double, std::milli>(duration).count();
-}
-double seconds(Duration duration) {
-  return ms(duration) / 1000;
-}
-double mm(Nanometers height) {
-  return to_millimeters(height).count();
-}
-
 Json scale_json(const Scale& scale) {
   if (scale.uniform()) return scale.x;
   return {scale.x, scale.y, scale.z};
@@ -86,8 +76,8 @@ Json exposure_json(const JobSummary& summary) {
             {"support_grey", summary.resin.support.least_grey},
             {"support_area_mm2", summary.resin.support.contact_area_mm2}};
   if (const auto* fixed = std::get_if<FixedExposure>(&summary.resin.exposure)) {
-    json["exposure_ms"] = ms(fixed->exposure);
-    json["bottom_exposure_ms"] = ms(fixed->bottom_exposure);
+    json["exposure_ms"] = in_ms(fixed->exposure);
+    json["bottom_exposure_ms"] = in_ms(fixed->bottom_exposure);
     return json;
   }
   const auto& curve = std::get<WorkingCurve>(summary.resin.exposure);
@@ -100,11 +90,11 @@ Json exposure_json(const JobSummary& summary) {
 
 void add_layer_figures(const LayerSummary& layers, Json& json) {
   if (layers.adaptive) {
-    json["adaptive_layers"] = {{"cusp_um", mm(layers.adaptive->cusp) * 1000},
-                               {"min_um", mm(layers.adaptive->thinnest) * 1000},
-                               {"max_um", mm(layers.adaptive->thickest) * 1000}};
+    json["adaptive_layers"] = {{"cusp_um", in_mm(layers.adaptive->cusp) * 1000},
+                               {"min_um", in_mm(layers.adaptive->thinnest) * 1000},
+                               {"max_um", in_mm(layers.adaptive->thickest) * 1000}};
   } else {
-    json["layer_height_um"] = mm(layers.thinnest) * 1000;
+    json["layer_height_um"] = in_mm(layers.thinnest) * 1000;
   }
   json["layers"] = layers.count;
 }
@@ -116,7 +106,7 @@ void add_stops(const PrintReport& report, Json& json) {
   for (std::size_t i = 0; i < kPrintStates; ++i) {
     const auto state = static_cast<PrintState>(i);
     if (report.states.in(state) > Duration{0})
-      states[std::string(name_of(state))] = seconds(report.states.in(state));
+      states[std::string(name_of(state))] = in_seconds(report.states.in(state));
   }
   for (const PrintInterruption& each : stops.interruptions)
     interruptions.push_back(fmt::format("layer {}: {}", each.layer + 1, each.what));
@@ -124,7 +114,7 @@ void add_stops(const PrintReport& report, Json& json) {
     interruptions.push_back(fmt::format("and {} more", stops.more_interruptions));
   for (const PrintPause& each : stops.pauses)
     pauses.push_back(
-        {{"layer", each.layer + 1}, {"at_s", seconds(each.at)}, {"lasted_s", seconds(each.lasted)}});
+        {{"layer", each.layer + 1}, {"at_s", in_seconds(each.at)}, {"lasted_s", in_seconds(each.lasted)}});
   json["states_s"] = std::move(states);
   json["interruptions"] = std::move(interruptions);
   json["pauses"] = std::move(pauses);
@@ -133,17 +123,17 @@ void add_stops(const PrintReport& report, Json& json) {
 
 Json layer_json(const LayerRecord& layer) {
   return {{"layer", layer.layer + 1},
-          {"thickness_um", mm(layer.thickness) * 1000},
-          {"plate_height_mm", mm(layer.plate_height)},
-          {"mask_height_mm", mm(layer.mask_height)},
-          {"exposure_asked_ms", ms(layer.exposure_asked)},
-          {"exposure_least_ms", ms(layer.exposure_least)},
-          {"exposure_most_ms", ms(layer.exposure_most)},
+          {"thickness_um", in_mm(layer.thickness) * 1000},
+          {"plate_height_mm", in_mm(layer.plate_height)},
+          {"mask_height_mm", in_mm(layer.mask_height)},
+          {"exposure_asked_ms", in_ms(layer.exposure_asked)},
+          {"exposure_least_ms", in_ms(layer.exposure_least)},
+          {"exposure_most_ms", in_ms(layer.exposure_most)},
           {"exposure_parts", layer.exposure_parts},
           {"complete", layer.complete},
           {"dark_confirmed", layer.dark_confirmed},
-          {"shown_at_s", ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
-          {"mask_ms", ms(layer.mask_time)},
+          {"shown_at_s", in_ms(layer.shown_at.time_since_epoch()) / 1000},  // by the machine's clock
+          {"mask_ms", in_ms(layer.mask_time)},
           {"area_mm2", layer.area_mm2},
           {"intersecting_facets", layer.intersecting_facets},
           {"loops", layer.loops},
@@ -164,22 +154,22 @@ std::string report_as_json(const PrintReport& report) {
   if (!report.reason.empty()) json["reason"] = report.reason;
   json["started"] = iso_time(report.started);
   json["ended"] = iso_time(report.ended);
-  json["print_time_s"] = ms(report.print_time) / 1000;
+  json["print_time_s"] = in_ms(report.print_time) / 1000;
   add_models(summary, json);
   json["resin"] = summary.resin.name;
   json["settings"] = exposure_json(summary);
   json["settings"].update(
-      Json{{"lift_mm", mm(summary.resin.lift)},
+      Json{{"lift_mm", in_mm(summary.resin.lift)},
            {"lift_speed_mm_s", summary.resin.lift_speed.count()},
            {"retract_speed_mm_s", summary.resin.retract_speed.count()},
-           {"settle_ms", ms(summary.resin.settle)},
-           {"rest_ms", ms(summary.resin.rest)},
-           {"exposure_tolerance_ms", ms(summary.resin.tolerance.bounds)},
+           {"settle_ms", in_ms(summary.resin.settle)},
+           {"rest_ms", in_ms(summary.resin.rest)},
+           {"exposure_tolerance_ms", in_ms(summary.resin.tolerance.bounds)},
            {"bottom_layers", summary.resin.bottom_layers},
            {"fade_layers", summary.resin.fade_layers},
            {"growth_um", summary.resin.compensation.growth.count()},
            {"elephant_foot_um", summary.resin.compensation.elephant_foot.count()},
-           {"elephant_foot_height_um", mm(summary.resin.compensation.elephant_foot_height) * 1000},
+           {"elephant_foot_height_um", in_mm(summary.resin.compensation.elephant_foot_height) * 1000},
            {"lamp_mask", summary.uniformity_mask},
            {"gamma", summary.tone.gamma},
            {"threshold", summary.tone.threshold}});
@@ -190,12 +180,12 @@ std::string report_as_json(const PrintReport& report) {
   json["layers_exposed"] = layers_exposed(report.layers);
   add_stops(report, json);
   json["late_steps"] = report.late_steps;
-  json["loop_busy_ms_worst_lit"] = ms(report.busiest_lit.busy);
-  json["reading_ms"] = ms(summary.reading);
-  json["indexing_ms"] = ms(summary.indexing);
-  json["supporting_ms"] = ms(summary.supporting);
-  json["first_mask_ms"] = ms(summary.first_mask);
-  json["arrival_to_first_mask_ms"] = ms(report.first_mask_after);
+  json["loop_busy_ms_worst_lit"] = in_ms(report.busiest_lit.busy);
+  json["reading_ms"] = in_ms(summary.reading);
+  json["indexing_ms"] = in_ms(summary.indexing);
+  json["supporting_ms"] = in_ms(summary.supporting);
+  json["first_mask_ms"] = in_ms(summary.first_mask);
+  json["arrival_to_first_mask_ms"] = in_ms(report.first_mask_after);
   json["exposed_volume_mm3"] = exposed_volume_mm3(report.layers);
   if (report.masks) json["masks_folder"] = report.masks->string();
   json["analysis"] = report.findings ? findings_json(*report.findings) : Json();

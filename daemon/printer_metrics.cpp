@@ -23,10 +23,6 @@ std::string escaped(std::string_view text) {
   return value;
 }
 
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 // Of all that there are, since a state that is not named looks like one that never was.
 std::vector<std::string_view> all_states() {
   std::vector<std::string_view> states;
@@ -71,7 +67,7 @@ void add_print(Exposition& text, const PrinterMetrics::Print& print) {
   text.begin("layers", "gauge", "The layers of the print under way.");
   text.sample(print.layers);
   text.begin("time_left_seconds", "gauge", "The time until the print under way ends.", "seconds");
-  text.sample(seconds(std::chrono::floor<std::chrono::seconds>(print.time_left)));
+  text.sample(in_seconds(std::chrono::floor<std::chrono::seconds>(print.time_left)));
 }
 
 void add_state(Exposition& text, const PrinterMetrics& metrics) {
@@ -97,7 +93,7 @@ void add_counters(Exposition& text, const PrinterMetrics& metrics) {
     text.sample(fmt::format("outcome=\"{}\"", escaped(outcome)), static_cast<double>(count));
   text.begin("light_seconds", "counter", "Light that prints have given since contourd started, at most.",
              "seconds");
-  text.sample(seconds(metrics.lit));
+  text.sample(in_seconds(metrics.lit));
   text.begin("late_steps", "counter", "Steps of the motor that came late since contourd started.");
   text.sample(static_cast<double>(metrics.late_steps));
 }

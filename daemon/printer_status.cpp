@@ -18,10 +18,6 @@ using Json = PrinterStatus::Json;
 
 constexpr std::size_t kMaxQueued = 1'000, kMaxDetailed = 100, kMaxIncomplete = 10;
 
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 template <typename All, typename Take>
 void for_first(const All& all, std::size_t most, const Take& take) {
   for (auto each = all.begin(); each != all.end() && most > 0; ++each, --most)
@@ -106,7 +102,7 @@ Json PrinterStatus::waiting_job(std::size_t number) const {
   job["thinnest_layer_um"] = to_millimeters(outlook.thinnest_layer).count() * 1000;
   job["thickest_layer_um"] = to_millimeters(outlook.thickest_layer).count() * 1000;
   job["height_mm"] = outlook.height_mm;
-  job["print_time_s"] = seconds(outlook.print_time);
+  job["print_time_s"] = in_seconds(outlook.print_time);
   if (outlook.supports) job["supports"] = supports_summary_json(*outlook.supports);
   return job;
 }
@@ -180,10 +176,10 @@ void PrinterStatus::add_print(Json& job) const {
   job["height_mm"] = to_millimeters(print.layer_top()).count();
   job["total_height_mm"] = summary.height_mm;
   job["layer_height_um"] = to_millimeters(print.layer_thickness()).count() * 1000;
-  job["elapsed_s"] = seconds(record.elapsed());
-  job["time_left_s"] = seconds(print.time_left());
+  job["elapsed_s"] = in_seconds(record.elapsed());
+  job["time_left_s"] = in_seconds(print.time_left());
   const std::optional<Duration> state_left = print.state_left();
-  job["state_left_s"] = state_left ? Json(seconds(*state_left)) : Json();
+  job["state_left_s"] = state_left ? Json(in_seconds(*state_left)) : Json();
   job["pause_pending"] = print.pause_pending();
   job["pause"] = print.pause_pending() ? Json(print.next_pause()) : Json();
   job["interruption"] = or_null(print.interruption());

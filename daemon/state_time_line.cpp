@@ -16,12 +16,8 @@ constexpr double kBarTop = 26, kBarHeight = 66;
 // Marks of pauses and interruptions each, and bytes of what is said of one.
 constexpr std::size_t kMaxMarks = 100, kMaxTitle = 100;
 
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 double share(Duration part, Duration whole) {
-  return seconds(part) / seconds(whole);
+  return in_seconds(part) / in_seconds(whole);
 }
 
 double place(Duration at, Duration whole) {
@@ -49,10 +45,10 @@ std::string label(double at_s, double step_s) {
 }
 
 std::string labels(Duration total) {
-  const double step = label_step_s(seconds(total));
+  const double step = label_step_s(in_seconds(total));
   std::string svg;
-  for (int i = 0; i * step <= seconds(total); ++i) {
-    const double x = kLeft + i * step / seconds(total) * (kWidth - kLeft - kRight);
+  for (int i = 0; i * step <= in_seconds(total); ++i) {
+    const double x = kLeft + i * step / in_seconds(total) * (kWidth - kLeft - kRight);
     const char* const anchor = i == 0 ? "start" : x > kWidth - 60 ? "end" : "middle";
     svg += fmt::format(
         "<line class=\"tick\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\"/>"

@@ -13,6 +13,13 @@ using Duration = std::chrono::nanoseconds;
 // CLOCK_MONOTONIC, or a simulated clock's own time. Never the wall clock, which jumps.
 using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 
+[[nodiscard]] constexpr double in_seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+[[nodiscard]] constexpr double in_ms(Duration duration) {
+  return std::chrono::duration<double, std::milli>(duration).count();
+}
+
 // A pending call; destroying it cancels the call. Safe to destroy from inside that call.
 class Timer {
  public:

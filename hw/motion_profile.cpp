@@ -5,10 +5,6 @@
 namespace contourd {
 namespace {
 
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 MotionLimits limits(MillimetersPerSecond speed, MillimetersPerSecondSquared acceleration,
                     std::optional<double> jerk_mm_s3) {
   MotionLimits limits{speed.count(), acceleration.count()};
@@ -28,11 +24,11 @@ Duration MotionProfile::duration() const {
 }
 
 Nanometers MotionProfile::displacement(Duration elapsed) const {
-  return Nanometers{std::llround(sign_ * curve_.position_at(seconds(elapsed)) * 1e6)};
+  return Nanometers{std::llround(sign_ * curve_.position_at(in_seconds(elapsed)) * 1e6)};
 }
 
 void MotionProfile::stop_at(Duration elapsed) {
-  curve_.stop_at(seconds(elapsed));
+  curve_.stop_at(in_seconds(elapsed));
 }
 
 }  // namespace contourd

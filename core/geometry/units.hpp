@@ -63,6 +63,10 @@ using Pixels = Quantity<struct PixelUnit, std::int32_t>;
   return Millimeters{length.count() / 1e3};
 }
 
+[[nodiscard]] constexpr double in_mm(Nanometers height) {
+  return to_millimeters(height).count();
+}
+
 // Rounds to the nearest nanometre. Returns nullopt if the length is not a number, or beyond 9,000 km, where
 // int64 would overflow.
 [[nodiscard]] inline std::optional<Nanometers> to_nanometers(Millimeters length) {

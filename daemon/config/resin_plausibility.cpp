@@ -37,10 +37,6 @@ class Warnings {
   std::vector<Violation> found_;
 };
 
-double in_ms(Duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
 void check_exposures(const ResinProfile& resin, double irradiance_mw_cm2, Warnings& warnings) {
   const bool fixed = std::holds_alternative<FixedExposure>(resin.exposure);
   const double um = to_millimeters(resin.layer_height).count() * 1000;

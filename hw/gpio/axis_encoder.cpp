@@ -12,10 +12,6 @@ namespace {
 // The allowed delay of the encoder's count after the motor; edges are counted half a millisecond late.
 constexpr double kEncoderLag_s = 0.005;
 
-double mm(Nanometers length) {
-  return to_millimeters(length).count();
-}
-
 }  // namespace
 
 AxisEncoder::AxisEncoder(const GpioAxisConfig& axis, const EncoderConfig& encoder)
@@ -63,14 +59,14 @@ std::optional<std::string> AxisEncoder::runaway(const EncoderReading& now, std::
   const Nanometers play = position_known ? Nanometers{0} : backlash_;
   const Nanometers allowed =
       position_known && corrects() ? std::max(config_.tolerance, config_.most_correction) : config_.tolerance;
-  if (std::fabs(off_mm(now, plate)) <= mm(allowed + play) + top_speed_.count() * kEncoderLag_s)
+  if (std::fabs(off_mm(now, plate)) <= in_mm(allowed + play) + top_speed_.count() * kEncoderLag_s)
     return std::nullopt;
   return difference(now, plate, position_known);
 }
 
 AxisEncoder::Finding AxisEncoder::compare(const EncoderReading& now, std::int64_t plate) {
   const double off = off_mm(now, plate);
-  if (std::fabs(off) <= mm(config_.tolerance)) {
+  if (std::fabs(off) <= in_mm(config_.tolerance)) {
     plausibility_.agreed(off);
     return {};
   }

@@ -10,10 +10,6 @@ namespace {
 
 constexpr double kCountsPerIllegalEdge = 2;
 
-double mm(Nanometers length) {
-  return to_millimeters(length).count();
-}
-
 }  // namespace
 
 void EncoderPlausibility::homed() noexcept {
@@ -27,7 +23,8 @@ void EncoderPlausibility::move_begins(std::uint64_t illegal) noexcept {
 }
 
 std::optional<std::string> EncoderPlausibility::wrong_edges(std::uint64_t illegal) const {
-  const double bound = std::max(mm(config_.tolerance) * config_.counts_per_mm / kCountsPerIllegalEdge, 1.0);
+  const double bound =
+      std::max(in_mm(config_.tolerance) * config_.counts_per_mm / kCountsPerIllegalEdge, 1.0);
   const std::uint64_t edges = illegal - illegal_before_;
   if (static_cast<double>(edges) <= bound) return std::nullopt;
   return "the encoder (" + describe(config_.a) + ", " + describe(config_.b) + ") made " +
@@ -51,13 +48,13 @@ std::optional<std::string> EncoderPlausibility::refusal(double off_mm) {
 std::optional<std::string> EncoderPlausibility::beyond_limits(double correction_mm) {
   corrected_in_move_mm_ += correction_mm;
   corrected_mm_ += correction_mm;
-  if (corrected_in_move_mm_ > mm(config_.most_correction)) {
+  if (corrected_in_move_mm_ > in_mm(config_.most_correction)) {
     return "it would need a correction of " + millimeters(corrected_in_move_mm_) + " in one move, and " +
-           millimeters(mm(config_.most_correction)) + " are allowed";
+           millimeters(in_mm(config_.most_correction)) + " are allowed";
   }
-  if (corrected_mm_ > mm(config_.most_correction_sum)) {
+  if (corrected_mm_ > in_mm(config_.most_correction_sum)) {
     return "it would need a correction of " + millimeters(corrected_mm_) + " since homing, and " +
-           millimeters(mm(config_.most_correction_sum)) + " are allowed";
+           millimeters(in_mm(config_.most_correction_sum)) + " are allowed";
   }
   return std::nullopt;
 }
@@ -68,8 +65,8 @@ std::optional<double> EncoderPlausibility::index_error(std::int64_t count) noexc
     index_ = at;
     return std::nullopt;
   }
-  const double off = std::remainder(at - *index_, mm(config_.index_every) * config_.counts_per_mm);
-  if (std::fabs(off) <= mm(config_.tolerance) * config_.counts_per_mm) return std::nullopt;
+  const double off = std::remainder(at - *index_, in_mm(config_.index_every) * config_.counts_per_mm);
+  if (std::fabs(off) <= in_mm(config_.tolerance) * config_.counts_per_mm) return std::nullopt;
   *index_ += off;
   return off;
 }

@@ -8,13 +8,7 @@
 #include "core/contract/expects.hpp"
 
 namespace contourd {
-namespace {
-
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TimePoint monotonic_now() noexcept {
   timespec time{};
@@ -111,8 +105,8 @@ bool StepEngine::begin() noexcept {
   if (!phase_.compare_exchange_strong(handed, Phase::Running, std::memory_order_acquire)) return false;
   plan_ = StepPlanner(move_.steps < 0 ? -move_.steps : move_.steps, move_.limits);
   stopped_ = false;
-  harmless_ =
-      Duration{static_cast<Duration::rep>(std::min(kIntervals / move_.limits.speed, seconds(kSwing)) * 1e9)};
+  harmless_ = Duration{
+      static_cast<Duration::rep>(std::min(kIntervals / move_.limits.speed, in_seconds(kSwing)) * 1e9)};
   if (plan_.finished()) return finish(StepEnd::Completed), false;
   const int direction = move_.steps < 0 ? -1 : 1;
   if (direction != last_direction_) {
@@ -196,7 +190,7 @@ void StepEngine::fall() noexcept {
 bool StepEngine::come_to_rest(Duration late) const noexcept {
   if (plan_.done() == 0) return false;  // the motor was at rest before
   const double interval_s = 1 / plan_.speed_at(planned_);
-  return seconds(late) > std::max(interval_s / 4, std::min(kIntervals * interval_s, seconds(kSwing)));
+  return in_seconds(late) > std::max(interval_s / 4, std::min(kIntervals * interval_s, in_seconds(kSwing)));
 }
 
 void StepEngine::start_again(TimePoint now, Duration late) noexcept {

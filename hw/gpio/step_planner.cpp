@@ -6,10 +6,6 @@
 namespace contourd {
 namespace {
 
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 Duration nearest_nanosecond(double s) {
   return Duration{static_cast<Duration::rep>(s * 1e9 + 0.5)};
 }
@@ -26,15 +22,15 @@ Duration StepPlanner::time_of(std::int64_t step) const noexcept {
 }
 
 std::int64_t StepPlanner::due_by(Duration elapsed) const noexcept {
-  return std::min(steps_within(curve_.position_at(seconds(elapsed))), total_);
+  return std::min(steps_within(curve_.position_at(in_seconds(elapsed))), total_);
 }
 
 double StepPlanner::speed_at(Duration elapsed) const noexcept {
-  return curve_.speed_at(seconds(elapsed));
+  return curve_.speed_at(in_seconds(elapsed));
 }
 
 void StepPlanner::stop_at(Duration elapsed) noexcept {
-  curve_.stop_at(seconds(elapsed));
+  curve_.stop_at(in_seconds(elapsed));
   total_ = std::clamp(steps_within(curve_.distance()), done_, total_);
 }
 

@@ -47,16 +47,12 @@ struct Measurement {
   }
 };
 
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 }  // namespace
 
 double WakeUpLatency::sustainable_rate(double most) const {
   if (worst > StepEngine::kSwing) return 0;
-  if (p99 > Duration{0}) most = std::min(most, 0.5 / seconds(p99));
-  if (worst > Duration{0}) most = std::min(most, StepEngine::kIntervals / seconds(worst));
+  if (p99 > Duration{0}) most = std::min(most, 0.5 / in_seconds(p99));
+  if (worst > Duration{0}) most = std::min(most, StepEngine::kIntervals / in_seconds(worst));
   return most;
 }
 

@@ -75,7 +75,9 @@ class Desk : public testing::CurrentJobFixture {
 
 }  // namespace
 
-TEST_CASE("All that moves or lights wants service rights; what ends that does not") {
+TEST_CASE(
+    "Commands that move the plate or turn on the light need service rights, and commands that stop them do "
+    "not") {
   Desk desk;
   for (const auto& [name, method] : desk.methods) {
     CAPTURE(name);

@@ -15,10 +15,6 @@ namespace {
 using namespace contourd;
 using namespace contourd::rig;
 
-double ms(Duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
 void tell(const Figures& figures, double took_s) {
   fmt::print(
       "{} prints in {:.0f} s: {} done, {} cancelled, {} failed; {} layers in {} parts, {} interruptions; {} "
@@ -28,7 +24,7 @@ void tell(const Figures& figures, double took_s) {
   fmt::print(
       "a record's bounds are at most {:.1f} ms apart; light is at most {:.1f} ms longer than requested, "
       "within its record; the end of the light is unconfirmed for {} layers\n",
-      ms(figures.widest), ms(figures.most_over), figures.unconfirmed);
+      in_ms(figures.widest), in_ms(figures.most_over), figures.unconfirmed);
 }
 
 }  // namespace

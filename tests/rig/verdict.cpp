@@ -7,9 +7,6 @@
 namespace contourd::rig {
 namespace {
 
-double ms(Duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
 double um(Nanometers length) {
   return static_cast<double>(length.count()) / 1000;
 }
@@ -103,9 +100,9 @@ void Verdict::check_light(const Scene& scene) {
 
 void Verdict::recorded(int layer, const LayerRecord& record, TimePoint now) {
   const Duration truly = light_of(layer, now);
-  const auto bounds =
-      fmt::format("layer {}: {:.3f} ms of light, {:.3f} to {:.3f} ms in the record, {:.3f} ms asked", layer,
-                  ms(truly), ms(record.exposure_least), ms(record.exposure_most), ms(record.exposure_asked));
+  const auto bounds = fmt::format(
+      "layer {}: {:.3f} ms of light, {:.3f} to {:.3f} ms in the record, {:.3f} ms asked", layer, in_ms(truly),
+      in_ms(record.exposure_least), in_ms(record.exposure_most), in_ms(record.exposure_asked));
   if (truly < record.exposure_least || truly > record.exposure_most)
     break_rule("b: bounds contain the light", bounds, now);
   if (slack && truly > record.exposure_asked + *slack)
@@ -129,12 +126,12 @@ void Verdict::close(TimePoint now) {
     const Duration truly = light_of(number, now);
     if (truly > Duration{0} && !layer.record)
       break_rule("c: all light is recorded",
-                 fmt::format("layer {}: {:.3f} ms of light, no record", number, ms(truly)), now);
+                 fmt::format("layer {}: {:.3f} ms of light, no record", number, in_ms(truly)), now);
     if (!layer.record || !layer.record->dark_confirmed) continue;
     if (truly > layer.record->exposure_most)
       break_rule("c: no light after a record",
-                 fmt::format("layer {}: {:.3f} ms of light, {:.3f} ms in its record", number, ms(truly),
-                             ms(layer.record->exposure_most)),
+                 fmt::format("layer {}: {:.3f} ms of light, {:.3f} ms in its record", number, in_ms(truly),
+                             in_ms(layer.record->exposure_most)),
                  now);
   }
 }

@@ -23,10 +23,6 @@ constexpr Duration kLongestPrint = 2h;
 // Longest time until the light is off once everything works again: light off is retried after every timeout.
 constexpr Duration kLongestDarkening = 10min;
 
-double seconds(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 }  // namespace
 
 World::World(const Scenario& scenario)
@@ -278,7 +274,7 @@ void World::expect_dark_soon() {
   timers_.push_back(machine_.plant.clock.call_after(*within, [this, within] {
     if (machine_.lit())
       verdict_.break_rule("i: light goes off at a safety input's first edge",
-                          fmt::format("it is still on {:.1f} ms later", seconds(*within) * 1000),
+                          fmt::format("it is still on {:.1f} ms later", in_seconds(*within) * 1000),
                           machine_.loop.now());
   }));
 }
@@ -290,8 +286,8 @@ void World::keep_story() {
 
 void World::tell(const std::string& what) {
   if (keeps_story_)
-    story_.push_back(fmt::format("{:9.4f} s  print {}: {}", seconds(machine_.loop.now().time_since_epoch()),
-                                 print_, what));
+    story_.push_back(fmt::format("{:9.4f} s  print {}: {}",
+                                 in_seconds(machine_.loop.now().time_since_epoch()), print_, what));
 }
 
 void World::layer_done(const LayerRecord& layer) {
@@ -310,10 +306,10 @@ void World::print_ended(PrintOutcome outcome, const std::string& reason, PrintPl
   // A projector found in place of a lost one is responsible only for itself.
   const bool is_decidable = !scenario_.has({Kind::AdapterUnplugged});
   if (machine_.lit() && !machine_.stray() && is_decidable && now - ending_since_ < kEnding)
-    verdict_.break_rule(
-        "c: a print ends in the dark, or has waited for it",
-        fmt::format("it ends with the light on, {:.3f} s after its end began", seconds(now - ending_since_)),
-        now);
+    verdict_.break_rule("c: a print ends in the dark, or has waited for it",
+                        fmt::format("it ends with the light on, {:.3f} s after its end began",
+                                    in_seconds(now - ending_since_)),
+                        now);
   Figures& figures = verdict_.figures;
   ++figures.prints;
   figures.done += outcome == PrintOutcome::Done ? 1 : 0;

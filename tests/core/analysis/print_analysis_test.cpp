@@ -232,7 +232,7 @@ TEST_CASE("A tube on the plate is a cup up to its end, a tube above a gap is non
   CHECK(lifted.suction_cup_count == 0);
 }
 
-TEST_CASE("A closed hollow sucks and then keeps resin; a duct ends the suction where it opens") {
+TEST_CASE("A closed hollow sucks and then keeps resin, and a duct ends the suction where it opens") {
   const PrintFindings closed = analyze(hollowed(2, 8));
   REQUIRE(closed.resin_traps.size() == 1);
   CHECK(closed.resin_trap_count == 1);

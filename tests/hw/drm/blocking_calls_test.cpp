@@ -39,7 +39,7 @@ class OneDescriptor final : public DescriptorWatcher {
 
 }  // namespace
 
-TEST_CASE("Blocking calls run on a thread of their own; their results arrive on the loop's, in order") {
+TEST_CASE("Blocking calls run on a thread of their own, and their results arrive on the loop's, in order") {
   OneDescriptor loop;
   BlockingCalls calls(loop);
   const auto here = std::this_thread::get_id();

@@ -30,7 +30,8 @@ TEST_CASE("The identity gamma table runs from 0 to 0xffff in equal steps, whatev
 }
 
 TEST_CASE(
-    "A table stored with fewer than 16 bits still counts as the identity; one that changes pixels does not") {
+    "A table stored with fewer than 16 bits still counts as the identity, but one that changes pixels does "
+    "not") {
   std::vector<std::uint16_t> table = identity_gamma(256);
   for (std::uint16_t& value : table)
     value &= 0xff00;  // the kernel's own first table
@@ -43,7 +44,9 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("Television modes are recognized by their timing; computer modes of the same size are not") {
+TEST_CASE(
+    "Television modes are recognized by their timing, and computer modes of the same size are not television "
+    "modes") {
   CHECK(is_television_mode(timing(1920, 1080, 2200)));
   CHECK(is_television_mode(timing(1280, 720, 1980)));
   CHECK(is_television_mode(timing(3840, 2160, 4400)));

@@ -69,7 +69,7 @@ TEST_CASE("The kernel may take ten refreshes to confirm a flip, but at least 250
   CHECK(flip_deadline(0ns) == 250ms);
 }
 
-TEST_CASE("A mask is on the screen when the kernel confirms it; the next is written to another buffer") {
+TEST_CASE("A mask is on the screen when the kernel confirms it, and the next is written to another buffer") {
   Screen screen;
   CHECK_FALSE(screen.flips.waiting_since());
   CHECK(screen.flips.mask_to_write() == 0);

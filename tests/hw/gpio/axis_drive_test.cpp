@@ -260,7 +260,7 @@ TEST_CASE("A line that cannot be set is a fault that names it, and line_refused(
   CHECK(other.drive.line_refused());
 }
 
-TEST_CASE("A halt makes no further step and forgets the position; a new motion waits for the run's end") {
+TEST_CASE("A halt makes no further step and forgets the position, and a new motion waits for the run's end") {
   Bench bench;
   bench.position.become_known();
   bench.begin();

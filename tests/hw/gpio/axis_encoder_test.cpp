@@ -85,7 +85,7 @@ TEST_CASE("At rest, a difference beyond the tolerance is a fault with its figure
   CHECK(says(finding.notice, "corrected by further steps, 0.100 mm in all since homing"));
 }
 
-TEST_CASE("A correction beyond the limit per move or since homing is a fault; homing resets the sums") {
+TEST_CASE("A correction beyond the limit per move or since homing is a fault, and homing resets the sums") {
   AxisEncoder encoder = encoder_of(config(Policy::Correct));
   encoder.agree(counted(0), 0);
   encoder.move_begins(counted(0));

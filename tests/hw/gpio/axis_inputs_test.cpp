@@ -271,7 +271,7 @@ TEST_CASE("The loss of the chip cuts the light") {
   CHECK(bench.lamp.is_cut());
 }
 
-TEST_CASE("After random edges an input is unsafe until a debounce time of quiet; changes come in order") {
+TEST_CASE("After random edges an input is unsafe until a debounce time of quiet, and changes come in order") {
   CHECK(rc::check([] {
     Bench bench;
     struct Truth {

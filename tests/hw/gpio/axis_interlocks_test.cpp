@@ -169,7 +169,7 @@ TEST_CASE("A safety input that cannot be read is reported as unreadable") {
         Words{"the emergency stop cannot be read", "the lid cannot be read"});
 }
 
-TEST_CASE("The limit switch's contact goes to homing if that expects it; otherwise it is a fault") {
+TEST_CASE("The limit switch's contact goes to homing if that expects it, and is a fault otherwise") {
   for (const bool homes : {true, false}) {
     CAPTURE(homes);
     Bench bench;

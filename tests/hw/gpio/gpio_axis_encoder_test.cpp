@@ -124,7 +124,7 @@ TEST_CASE("More lost steps in one move than may be corrected are a fault while t
   CHECK(plant.pulses.size() <= 290);
 }
 
-TEST_CASE("Disturbed encoder lines are a fault while the motor turns; a few spikes are not") {
+TEST_CASE("Disturbed encoder lines are a fault while the motor turns, but a few spikes are not") {
   for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
     for (const int spikes : {9, 12}) {
       Plant plant(config(policy));

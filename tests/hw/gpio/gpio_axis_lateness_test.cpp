@@ -49,7 +49,8 @@ std::size_t notices(const Plant& plant) {
 
 }  // namespace
 
-TEST_CASE("A motor that was delayed at speed makes no further step; its position is unknown, with figures") {
+TEST_CASE(
+    "A motor that was delayed at speed stops stepping and reports its position as unknown, with figures") {
   for (const bool s_curve : {false, true}) {
     for (const Duration held : {100ms, 1'000ms, 4'000ms}) {
       Plant plant(config(std::nullopt, s_curve));

@@ -100,7 +100,7 @@ TEST_CASE("An emergency stop slows the motor from its first edge on, and halts i
   CHECK_FALSE(plant.axis->height());
 }
 
-TEST_CASE("An emergency stop halts the motor while the event loop is busy; the fault is reported later") {
+TEST_CASE("An emergency stop halts the motor while the event loop is busy, and the fault is reported later") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -116,7 +116,7 @@ TEST_CASE("An emergency stop halts the motor while the event loop is busy; the f
   CHECK(kinds(plant) == Kinds{Kind::Fault});
 }
 
-TEST_CASE("While the emergency stop is pressed nothing moves; after its release the operator decides") {
+TEST_CASE("While the emergency stop is pressed nothing moves, and after its release the operator decides") {
   Plant plant(config());
   plant.build();
   plant.press(AxisInput::EmergencyStop, true);
@@ -137,7 +137,7 @@ TEST_CASE("While the emergency stop is pressed nothing moves; after its release 
   CHECK(plant.home() == HomingResult::Homed);
 }
 
-TEST_CASE("The callback for an emergency stop may abort the move; its answer is dropped") {
+TEST_CASE("The callback for an emergency stop may abort the move, whose answer is then dropped") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -226,7 +226,8 @@ TEST_CASE("A move that waits for the emergency stop to settle can be stopped and
   CHECK_FALSE(plant.axis->moving());
 }
 
-TEST_CASE("A move that is stopped because of a spike ends there; the next one waits for the spike's end") {
+TEST_CASE(
+    "A move that is stopped because of a spike ends there, and the next one waits for the spike's end") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -334,7 +335,7 @@ TEST_CASE("Lid and emergency stop together are two interruptions and one fault")
   CHECK(plant.axis->why_not_ready().empty());
 }
 
-TEST_CASE("An open lid is one interruption, which ends when it closes; the motor does not stop") {
+TEST_CASE("An open lid is one interruption, which ends when it closes, and the motor does not stop") {
   Plant plant(config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);

@@ -272,7 +272,7 @@ TEST_CASE("A fault becomes homing's answer, and later events of the pass move no
   CHECK(bench.done().empty());
 }
 
-TEST_CASE("An abort drops homing's answer; homing can begin again, also from within its answer") {
+TEST_CASE("An abort drops homing's answer, and homing can begin again, also from within its answer") {
   Bench bench;
   bench.to_slow_pass();
   bench.homing.abort();

@@ -229,8 +229,8 @@ class Plant final : public DescriptorWatcher {
   // The steps that the motor moves at the pulse after a dead stop from above pull_in: 0, or whole periods of
   // its field if it overruns.
   std::int64_t overrun = 0;
-  double swing_s =
-      0.005;  // a quarter of the rotor's oscillation; after this time of a resting field it is at rest
+  // A quarter of the rotor's oscillation: after this time of a resting field the rotor is at rest.
+  double swing_s = 0.005;
   std::function<bool()> loses_count;       // called for each step of the plate; the encoder then misses it
   std::int64_t index_every = 400;          // steps between two marks of the encoder's index
   Duration latency{20'000};                // latency of the step thread

@@ -132,8 +132,8 @@ TEST_CASE("A switch halts the steps at the next one, even on a processor that th
     std::cout << "SKIPPED: " << threads.refusals()[0] << '\n';
     return;
   }
-  inputs.set_limit_rule(
-      LimitRule::AtContact);  // once the steps begin, no other thread runs on this processor
+  // Once the steps begin, no other thread runs on this processor.
+  inputs.set_limit_rule(LimitRule::AtContact);
   engine.start({5'000, {20'000, 2'000'000}});
   while (engine.moving())
     engine.ended().wait();

@@ -2,9 +2,9 @@
 // Documentation/admin-guide/device-mapper/log-writes.rst):
 //   replay-log LOG DISK SEED
 // The cut comes after a barrier: a flush, a write that bypasses the cache (FUA) or a mark, after the mark
-// "start". Everything recorded up to the barrier is on the disk. Of the writes between it and the next barrier
-// a drive may have written any part; the seed selects the blocks. Prints the marks before the cut, one per
-// line, and the place of the cut.
+// "start". Everything recorded up to the barrier is on the disk. Of the writes between it and the next
+// barrier a drive may have written any part; the seed selects the blocks. Prints the marks before the cut,
+// one per line, and the place of the cut.
 #include <fcntl.h>
 #include <linux/fs.h>
 #include <sys/ioctl.h>
