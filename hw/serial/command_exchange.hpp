@@ -31,6 +31,10 @@ class CommandExchange {
     bool ambiguous = false;  // may be a repeated reply to an earlier command
     bool garbled = false;    // other bytes came that made no sense
     TimePoint begun{};       // when the request's turn came
+
+    [[nodiscard]] bool says(ReplyMeaning said) const {
+      return reply == ProjectorReply::Ok && meaning == said;
+    }
   };
   // The treatment of an ambiguous reply, which may be another command's: the reply counts; or the command is
   // sent again until a reply is unambiguous; or is sent again after a reply to an earlier command, too.

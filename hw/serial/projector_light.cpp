@@ -5,13 +5,7 @@
 #include "core/contract/expects.hpp"
 
 namespace contourd {
-namespace {
-
-bool says(const CommandExchange::Answer& answer, ReplyMeaning meaning) {
-  return answer.reply == ProjectorReply::Ok && answer.meaning == meaning;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 ProjectorLight::ProjectorLight(CommandExchange& exchange, Clock& clock, const ProjectorTable& table,
                                Wiring wiring)
@@ -128,7 +122,7 @@ void ProjectorLight::light_on_answered(const Answer& answer) {
 
 void ProjectorLight::ask_whether_lit() {
   exchange_.ask(*table_.light, [this, problem = exchange_.problem()](const Answer& answer) {
-    if (says(answer, ReplyMeaning::On)) return take(Event::SaysLit);
+    if (answer.says(ReplyMeaning::On)) return take(Event::SaysLit);
     exchange_.note_problem(problem);
     on_reply_ = ProjectorReply::NoAnswer;
     take(Event::SaysUnlit);
@@ -185,7 +179,7 @@ void ProjectorLight::ask_whether_on() {
 ProjectorLight::Event ProjectorLight::whether_on(const Answer& power) const {
   // A projector that is warming up may not report itself as on yet.
   if (may_be_on() && clock_.now() < wiring_.warm_at()) return Event::SaysTooEarly;
-  if (says(power, ReplyMeaning::Off)) return Event::SaysOff;
+  if (power.says(ReplyMeaning::Off)) return Event::SaysOff;
   return power.reply == ProjectorReply::Ok || power.garbled ? Event::SaysOn : Event::SaysNothing;
 }
 

@@ -19,10 +19,6 @@ constexpr Duration kOffAgain = 5s, kOffAgainLater = 60s;
 // How long after power off was requested, and the projector was warm, the failure is reported.
 constexpr Duration kOffGrace = 30s;
 
-bool says(const CommandExchange::Answer& answer, ReplyMeaning meaning) {
-  return answer.reply == ProjectorReply::Ok && answer.meaning == meaning;
-}
-
 }  // namespace
 
 ProjectorPower::ProjectorPower(CommandExchange& exchange, Clock& clock, const ProjectorTable& table,
@@ -138,7 +134,7 @@ void ProjectorPower::ask(bool known_on, std::function<Event(const Answer&)> mean
 
 ProjectorPower::Event ProjectorPower::meaning_of(const Answer& answer) const {
   if (answer.reply == ProjectorReply::NoAnswer) return Event::SaysNothing;
-  if (says(answer, ReplyMeaning::On)) return clock_.now() < warm_at_ ? Event::SaysOnEarly : Event::SaysOn;
+  if (answer.says(ReplyMeaning::On)) return clock_.now() < warm_at_ ? Event::SaysOnEarly : Event::SaysOn;
   return answer.meaning == ReplyMeaning::Off ? Event::SaysOff : Event::SaysUnclear;
 }
 
@@ -152,7 +148,7 @@ ProjectorPower::Event ProjectorPower::whether_ready(const Answer& answer) const 
 void ProjectorPower::ask_left_on() {
   const auto heard = [this](const Answer& answer) {
     if (state_ != State::LeftOn) return;
-    if (says(answer, ReplyMeaning::On)) return take(Event::SaysOn);
+    if (answer.says(ReplyMeaning::On)) return take(Event::SaysOn);
     if (exchange_.lost()) return take(Event::LineLost);
     if (clock_.now() < warm_at_) return take(Event::NotOnYet);
     if (answer.reply == ProjectorReply::NoAnswer) return take(Event::SaysNothing);
@@ -222,7 +218,7 @@ void ProjectorPower::ask_whether_off() {
   exchange_.ask(*table_.power, [this](const Answer& answer) {
     // A projector that is warming up may not report itself as on yet.
     if (clock_.now() < warm_at_) return;
-    if (says(answer, ReplyMeaning::Off)) take(Event::PowerOffConfirmed);
+    if (answer.says(ReplyMeaning::Off)) take(Event::PowerOffConfirmed);
   });
 }
 
@@ -254,7 +250,7 @@ void ProjectorPower::ask_whether_still_on() {
   if (!on() || exchange_.lost() || !exchange_.idle()) return;
   if (!wiring_.may_ask(table_.power->timeout + table_.gap)) return;
   const auto heard = [this](const Answer& answer) {
-    const bool says_off = says(answer, ReplyMeaning::Off);
+    const bool says_off = answer.says(ReplyMeaning::Off);
     if (!on() || exchange_.lost() || (answer.reply != ProjectorReply::NoAnswer && !says_off)) return;
     if (says_off)
       exchange_.note_problem(exchange_.called() + " says that it is off, although it was not turned off");

@@ -27,7 +27,7 @@ namespace {
 // for long.
 constexpr int kPriority = 30;
 
-TimePoint now() noexcept {
+TimePoint monotonic_now() noexcept {
   return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
 }
 
@@ -55,7 +55,7 @@ class LightWatchdogProcess {
   explicit LightWatchdogProcess(int socket) : socket_(socket) { deadline_.set_gap(paths_.gap()); }
 
   void run() noexcept {
-    while (!act(deadline_.due(now()))) {
+    while (!act(deadline_.due(monotonic_now()))) {
       wait();
       hear_all();
     }
@@ -72,7 +72,7 @@ class LightWatchdogProcess {
 
   void wait() noexcept {
     const auto next = deadline_.next();
-    const Duration left = next ? std::max(*next - now(), Duration{0}) : Duration{0};
+    const Duration left = next ? std::max(*next - monotonic_now(), Duration{0}) : Duration{0};
     const timespec time{static_cast<time_t>(left / std::chrono::seconds{1}),
                         static_cast<long>((left % std::chrono::seconds{1}).count())};
     pollfd readable{socket_, POLLIN, 0};
@@ -101,8 +101,8 @@ class LightWatchdogProcess {
     if (!message) return;
     const auto& [type, exposure, sent] = *message;
     if (type == WatchdogMessageType::Disarm) return deadline_.disarm(exposure.number);
-    if (type == WatchdogMessageType::Arm) deadline_.arm(exposure, sent, now());
-    if (type == WatchdogMessageType::Heartbeat) deadline_.heartbeat(exposure, sent, now());
+    if (type == WatchdogMessageType::Arm) deadline_.arm(exposure, sent, monotonic_now());
+    if (type == WatchdogMessageType::Heartbeat) deadline_.heartbeat(exposure, sent, monotonic_now());
     if (type == WatchdogMessageType::Arm || type == WatchdogMessageType::Heartbeat)
       reply(WatchdogMessageType::Heard);
   }
@@ -114,7 +114,7 @@ class LightWatchdogProcess {
     reply.type = type;
     reply.trip = trip;
     reply.exposure = deadline_.exposure();
-    reply.at = now();
+    reply.at = monotonic_now();
     reply.line_off = line_off;
     if (socket_ >= 0) (void)send_message(socket_, reply);
   }
@@ -124,7 +124,7 @@ class LightWatchdogProcess {
   LightDeadline deadline_;
 };
 
-void check(int error, const char* what) {
+void throw_on_error(int error, const char* what) {
   if (error != 0) throw std::system_error(error, std::generic_category(), what);
 }
 
@@ -134,16 +134,17 @@ constexpr int kSocket = 3;  // the first descriptor after the standard ones
 class SpawnSettings {
  public:
   explicit SpawnSettings(int socket) {
-    check(posix_spawn_file_actions_init(&files_), "posix_spawn");
-    check(posix_spawnattr_init(&attributes_), "posix_spawn");
+    throw_on_error(posix_spawn_file_actions_init(&files_), "posix_spawn");
+    throw_on_error(posix_spawnattr_init(&attributes_), "posix_spawn");
     for (int standard = 0; standard < kSocket; ++standard)
-      check(posix_spawn_file_actions_addopen(&files_, standard, "/dev/null", O_RDWR, 0), "posix_spawn");
-    check(posix_spawn_file_actions_adddup2(&files_, socket, kSocket), "posix_spawn");
+      throw_on_error(posix_spawn_file_actions_addopen(&files_, standard, "/dev/null", O_RDWR, 0),
+                     "posix_spawn");
+    throw_on_error(posix_spawn_file_actions_adddup2(&files_, socket, kSocket), "posix_spawn");
     // Block all signals from the child's first instruction on.
     sigset_t all;
     sigfillset(&all);
-    check(posix_spawnattr_setsigmask(&attributes_, &all), "posix_spawn");
-    check(posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK), "posix_spawn");
+    throw_on_error(posix_spawnattr_setsigmask(&attributes_, &all), "posix_spawn");
+    throw_on_error(posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK), "posix_spawn");
   }
   SpawnSettings(const SpawnSettings&) = delete;
   SpawnSettings& operator=(const SpawnSettings&) = delete;
@@ -164,13 +165,13 @@ class SpawnSettings {
 
 LightWatchdog::Process start_light_watchdog() {
   int ends[2];
-  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) check(errno, "socketpair");
+  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) throw_on_error(errno, "socketpair");
   LightWatchdog::Process process{FileDescriptor(ends[0]), -1};
   const FileDescriptor its_end(ends[1]);
   const SpawnSettings settings(its_end.get());
   std::string name = "contourd", option = kLightWatchdogOption, number = std::to_string(kSocket);
   char* const arguments[] = {name.data(), option.data(), number.data(), nullptr};
-  check(
+  throw_on_error(
       posix_spawn(&process.id, "/proc/self/exe", settings.files(), settings.attributes(), arguments, environ),
       "/proc/self/exe");
   return process;
