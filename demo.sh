@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Prints a model on the simulated printer: ./demo.sh [--pace realtime|fast] [MODEL.stl]
-# Without a model it prints one that it makes: a gyroid in a ball.
+# Without a model it makes one: a gyroid in a ball.
 set -euo pipefail
 
 usage() {
@@ -22,12 +22,12 @@ if [[ -n $model ]]; then
 fi
 
 cd "$(dirname "$0")"
-echo "First come Debian's packages that are missing, then contourd is compiled: how much either is will be told before it."
+echo "This installs the missing Debian packages and compiles contourd; the amount of each is shown before it begins."
 .ci/install-packages
 .ci/build build -- contourd contourctl make-model
 bin=$PWD/build/bin
 
-# Everything of this print lies in one private folder, and stays there.
+# All files of this print are in one private folder, which is kept.
 folder=$(mktemp -d "${TMPDIR:-/tmp}/contourd-demo.XXXXXX")
 cp -r config/. "$folder"
 mkdir -p "$folder/spool/incoming"

@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kLongestReason = 2000;  // bytes
 // How long until a socket whose queue is full is tried again.
-constexpr Duration kRetryInterval = 2s;
+constexpr Duration kNoticeRetryInterval = 2s;
 
 std::string as_json(const EndedJob& job, const std::string& printer, const std::string& reason) {
   const auto path = [](const std::filesystem::path& file) {
@@ -89,7 +89,7 @@ void EndedJobNotices::hand_over() {
         too_many_told_ = false;
         break;
       case Sent::Busy:
-        timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, "a notice's timer",
+        timer_ = loop_.at(std::chrono::steady_clock::now() + kNoticeRetryInterval, "a notice's timer",
                           [this] { hand_over(); });
         return;
       case Sent::NobodyListens:

@@ -95,14 +95,14 @@ HistoryPage recent_jobs(const JobHistory& recent, const HistoryQuery& query) {
   return page;
 }
 
-Json or_null(const std::string& text) {
+Json json_text(const std::string& text) {
   return text.empty() ? Json() : Json(text);
 }
 
 Json reply(HistoryPage page, const std::string& trouble) {
   return {{"ended", std::move(page.jobs)},
           {"before", page.before ? Json(*page.before) : Json()},
-          {"trouble", or_null(trouble)}};
+          {"trouble", json_text(trouble)}};
 }
 
 constexpr double kSecondsPerHour = 3600;
@@ -131,7 +131,7 @@ Json part_json(const WearPartUse& use, const WearLimits& limits) {
           {"lamp_h_limit", or_null(limits.lamp_h)},
           {"layers_limit", or_null(limits.layers)},
           {"prints_limit", or_null(limits.prints)},
-          {"reminder", or_null(reminder_of(use, limits))}};
+          {"reminder", json_text(reminder_of(use, limits))}};
 }
 
 }  // namespace
@@ -187,10 +187,13 @@ Json HistoryControl::usage_reply(const std::optional<KeptHistory::AllUsage>& usa
   }
   for (const WearPartUse& each : usage ? usage->wear : std::vector<WearPartUse>{})
     parts.push_back(part_json(each, reminders_.limits(each.part)));
-  return {
-      {"jobs", all.jobs},           {"layers", all.layers},        {"lamp_h", all.lit_s / kSecondsPerHour},
-      {"resin_ml", all.resin_ml},   {"resins", std::move(resins)}, {"parts", std::move(parts)},
-      {"trouble", or_null(trouble)}};
+  return {{"jobs", all.jobs},
+          {"layers", all.layers},
+          {"lamp_h", all.lit_s / kSecondsPerHour},
+          {"resin_ml", all.resin_ml},
+          {"resins", std::move(resins)},
+          {"parts", std::move(parts)},
+          {"trouble", json_text(trouble)}};
 }
 
 std::optional<Json> HistoryControl::usage(const ControlCaller& caller, ControlMethod::Later later) {

@@ -15,10 +15,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kRetryInterval = 1s;
+constexpr Duration kFolderRetryInterval = 1s;
 // How often it is asked whether the folder is still the one that is watched. No event tells that another file
 // system was mounted over it, or that a folder above it was renamed.
-constexpr Duration kLookInterval = 3s;
+constexpr Duration kMissingFolderInterval = 3s;
 
 }  // namespace
 
@@ -72,8 +72,8 @@ void IncomingFolder::opened_anew(const Opened& opened) {
     watch(opened);
   } catch (const std::runtime_error& error) {
     if (!std::exchange(missing_, true)) calls_.not_there(error.what());
-    watch_again_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, "the spool's timer",
-                                  [this] { watch_anew(); });
+    watch_again_timer_ = loop_.at(std::chrono::steady_clock::now() + kFolderRetryInterval,
+                                  "the spool's timer", [this] { watch_anew(); });
     return;
   }
   missing_ = false;
@@ -89,7 +89,7 @@ IncomingFolder::Identity IncomingFolder::identity_now() const {
 
 void IncomingFolder::look_later() {
   look_timer_ =
-      loop_.at(std::chrono::steady_clock::now() + kLookInterval, "the spool's folder timer", [this] {
+      loop_.at(std::chrono::steady_clock::now() + kMissingFolderInterval, "the spool's folder timer", [this] {
         look_timer_.reset();
         disk_.run([this] { return identity_now(); }, [this](const Identity& identity) { looked(identity); });
       });

@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "daemon/job_moves.hpp"
+
 namespace contourd {
 namespace {
 
@@ -24,12 +26,6 @@ constexpr int kQuietLooks = 3;
 constexpr std::size_t kLooksATurn = 50;
 
 // In nanoseconds; 0 when it is not there.
-std::int64_t change_time(const fs::path& path) {
-  struct stat status {};
-  if (::lstat(path.c_str(), &status) != 0) return 0;
-  return status.st_ctim.tv_sec * std::int64_t{1'000'000'000} + status.st_ctim.tv_nsec;
-}
-
 }  // namespace
 
 IncomingWatch::IncomingWatch(const SpoolFolders& folders, const CopiedOriginals& copied,

@@ -14,7 +14,7 @@ namespace contourd {
 namespace {
 
 // A model that is read beside a print gives way to the event loop.
-constexpr int kNiceness = 5;
+constexpr int kReaderNiceness = 5;
 constexpr std::size_t kLongestReason = 8000;
 // In the state folder: see reading_record.hpp.
 constexpr const char* kReadingRecord = "reading";
@@ -25,7 +25,7 @@ JobReader::JobReader(const PrinterConfig& config, const Spool& spool, EventLoop&
     : config_(config),
       spool_(spool),
       record_(state_folder_path(config.spool_folder) / kReadingRecord),
-      worker_(loop, "contourd-reader", kNiceness) {}
+      worker_(loop, "contourd-reader", kReaderNiceness) {}
 
 JobReader::~JobReader() {
   give_up();

@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // How long until what the disk did not take is tried again.
-constexpr Duration kRetryInterval = 30s;
+constexpr Duration kClaimRetryInterval = 30s;
 // The same for a resin's profile, by which its owner may be sitting.
 constexpr Duration kProfileInterval = 5s;
 
@@ -48,7 +48,7 @@ void JobScheduler::run() {
     // The spool's disk is gone or full: the queue waits for it.
     const std::string trouble = fmt::format("the spool cannot be used: {}", printable(error.what()));
     if (std::exchange(waiting_for_, trouble) != trouble) context_.log.error("spool", trouble);
-    retry_later(kRetryInterval);
+    retry_later(kClaimRetryInterval);
   }
 }
 
@@ -65,7 +65,7 @@ void JobScheduler::take_what_is_due() {
   if (!has_job && reason.empty()) return claim_next();
   if (queue_.has_first()) queue_.keep_first_waiting();
   // A disk may get room again without a word, and a profile may be mended.
-  if (!reason.empty()) retry_later(waits_for_profile() ? kProfileInterval : kRetryInterval);
+  if (!reason.empty()) retry_later(waits_for_profile() ? kProfileInterval : kClaimRetryInterval);
   queue_.check_next();
 }
 
@@ -179,7 +179,7 @@ void JobScheduler::not_claimed(CopiedJob claimed, const std::system_error& error
   if (Spool::is_immovable(error.code())) return copy(std::move(claimed), error.code().message());
   note_trouble(job, fmt::format("{} cannot be claimed: {}", printable(job.file), printable(error.what())));
   queue_.put_first(std::move(job));
-  retry_later(kRetryInterval);
+  retry_later(kClaimRetryInterval);
 }
 
 void JobScheduler::note_trouble(WaitingJob& job, const std::string& trouble) {
@@ -221,7 +221,7 @@ void JobScheduler::not_copied(WaitingJob job, const std::string& trouble) {
   if (queue_.jobs()[queue_.first()].trouble.empty())
     run_soon();
   else
-    retry_later(kRetryInterval);
+    retry_later(kClaimRetryInterval);
 }
 
 }  // namespace contourd

@@ -12,9 +12,9 @@ namespace {
 using namespace std::chrono_literals;
 
 // It gives way to all else.
-constexpr int kNiceness = 10;
+constexpr int kHistoryNiceness = 10;
 // How long until what the disk did not take is tried again.
-constexpr Duration kRetryInterval = 30s;
+constexpr Duration kWriteRetryInterval = 30s;
 
 std::int64_t new_key() {
   std::random_device chance;
@@ -31,7 +31,7 @@ KeptHistory::KeptHistory(EventLoop& loop, const Log& log, const std::filesystem:
     : loop_(loop),
       log_(log),
       store_(std::make_shared<HistoryStore>(file)),
-      worker_(loop, "contourd-past", kNiceness) {}
+      worker_(loop, "contourd-past", kHistoryNiceness) {}
 
 // --- what happens
 
@@ -112,14 +112,15 @@ void KeptHistory::tell(const Health& health) {
       log_.warning("history", printable(health.trouble) + "; printing goes on");
   }
   if (!health.waits) return;
-  retry_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, "the history's timer", [this] {
-    worker_.run(
-        [store = store_] {
-          store->retry();
-          return health_of(*store);
-        },
-        [this](const Health& later) { tell(later); });
-  });
+  retry_timer_ =
+      loop_.at(std::chrono::steady_clock::now() + kWriteRetryInterval, "the history's timer", [this] {
+        worker_.run(
+            [store = store_] {
+              store->retry();
+              return health_of(*store);
+            },
+            [this](const Health& later) { tell(later); });
+      });
 }
 
 // --- what is asked

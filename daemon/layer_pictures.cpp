@@ -14,7 +14,7 @@ namespace contourd {
 namespace {
 
 // How many of the islands of a layer are marked, and of its hollows; the largest.
-constexpr std::size_t kMaxMarks = 20;
+constexpr std::size_t kMaxCurveMarks = 20;
 // A circle is so much larger than the disc of an island's area, and has so many pixels at least.
 constexpr double kAround = 1.6, kSmallestMark = 7, kPi = std::numbers::pi;
 // How many interruptions are looked at for a picture of their layer.
@@ -99,7 +99,7 @@ struct MarkedPlace {
 std::vector<LayerMark> marks_of(std::vector<MarkedPlace> places, const PixelBox& box,
                                 const PictureScale& scale) {
   std::ranges::stable_sort(places, std::ranges::greater{}, &MarkedPlace::area_mm2);
-  places.resize(std::min(places.size(), kMaxMarks));
+  places.resize(std::min(places.size(), kMaxCurveMarks));
   std::vector<LayerMark> marks;
   for (const MarkedPlace& place : places) {
     const double radius = std::sqrt(place.area_mm2 / kPi) * scale.per_mm;

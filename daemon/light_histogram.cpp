@@ -40,18 +40,20 @@ double width_for(const LightDifference& all) {
   }
 }
 
-constexpr double kWidth = 860, kHeight = 200, kLeft = 84, kRight = 10, kTop = 20, kBottom = 40;
+constexpr double kChartWidth = 860, kChartHeight = 200, kChartLeft = 84, kChartRight = 10, kTop = 20,
+                 kBottom = 40;
 constexpr double kLeastBar = 3;  // one layer among thousands is to be seen
 
 std::string bar(const char* name, double x, double width, std::uint64_t layers, std::uint64_t most,
                 const std::string& where) {
   if (layers == 0) return "";
-  const double full = kHeight - kTop - kBottom;
+  const double full = kChartHeight - kTop - kBottom;
   const double height = std::max(full * static_cast<double>(layers) / static_cast<double>(most), kLeastBar);
   return fmt::format(
       "<rect class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"><title>{} {}: "
       "{}</title></rect>\n",
-      name, x, kHeight - kBottom - height, width, height, layers, layers == 1 ? "layer" : "layers", where);
+      name, x, kChartHeight - kBottom - height, width, height, layers, layers == 1 ? "layer" : "layers",
+      where);
 }
 
 }  // namespace
@@ -95,8 +97,8 @@ std::string svg_of(const LightHistogram& histogram) {
   std::uint64_t highest = 1;
   for (const LightBin& bin : histogram.bins)
     highest = std::max({highest, bin.least, bin.most});
-  const double step = (kWidth - kLeft - kRight) / static_cast<double>(histogram.bins.size());
-  const double base = kHeight - kBottom, width = std::min(step, 90.0);
+  const double step = (kChartWidth - kChartLeft - kChartRight) / static_cast<double>(histogram.bins.size());
+  const double base = kChartHeight - kBottom, width = std::min(step, 90.0);
   std::string svg = fmt::format(
       "<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"Layers by how much longer than asked their "
       "light "
@@ -105,12 +107,13 @@ std::string svg_of(const LightHistogram& histogram) {
       "<text x=\"{5}\" y=\"{6}\" text-anchor=\"end\">{7}</text>\n"
       "<line class=\"grid\" x1=\"{2}\" x2=\"{3}\" y1=\"{8}\" y2=\"{8}\"/>"
       "<text x=\"{5}\" y=\"{9}\" text-anchor=\"end\">0</text>\n",
-      kWidth, kHeight, kLeft, kWidth - kRight, kTop, kLeft - 8, kTop + 4, highest, base, base + 4);
+      kChartWidth, kChartHeight, kChartLeft, kChartWidth - kChartRight, kTop, kChartLeft - 8, kTop + 4,
+      highest, base, base + 4);
   // About seven labels, one of them at 0.
   const auto labels = static_cast<std::int64_t>((histogram.bins.size() + 6) / 7);
   for (std::size_t i = 0; i < histogram.bins.size(); ++i) {
     const LightBin& bin = histogram.bins[i];
-    const double middle = kLeft + (static_cast<double>(i) + 0.5) * step;
+    const double middle = kChartLeft + (static_cast<double>(i) + 0.5) * step;
     const std::string where = fmt::format("{:+.6g} ms", bin.middle_ms);
     if (histogram.exact) {
       svg += bar("most", middle - width * 0.4, width * 0.8, bin.most, highest, where);

@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 // A print of some hours has as many entries.
 constexpr std::size_t kMaxKept = 10'000;
 constexpr std::size_t kMaxATurn = 100;
-constexpr Duration kRetryInterval = 50ms;
+constexpr Duration kJournalRetryInterval = 50ms;
 constexpr Duration kLongestFarewell = 1s;
 // A datagram has some 200 kB at most.
 constexpr std::size_t kLongestValue = 16'384;
@@ -145,7 +145,7 @@ class Log::Backlog {
   }
 
   void retry_later() {
-    retry_timer_ = loop_.at(std::chrono::steady_clock::now() + kRetryInterval, "the log", [this] {
+    retry_timer_ = loop_.at(std::chrono::steady_clock::now() + kJournalRetryInterval, "the log", [this] {
       retry_timer_.reset();
       send_kept(kMaxATurn);
       if (!kept_.empty()) return retry_later();

@@ -17,8 +17,8 @@ namespace {
 using namespace std::chrono_literals;
 
 // For devices that do not answer, as in a print.
-constexpr Duration kProjectorDeadline = 30s;
-constexpr Duration kWarmUpDeadline = 1h;
+constexpr Duration kManualProjectorDeadline = 30s;
+constexpr Duration kManualWarmUpDeadline = 1h;
 constexpr Duration kDarkDeadline = 5s;
 // A lamp that was powered on by hand, and forgotten.
 constexpr Duration kPoweredOnUnused = 10min;
@@ -247,7 +247,7 @@ void ManualProcess::motion_ended(bool well, const std::string& why) {
 void ManualProcess::start_power_on() {
   power_end_.reset();
   powered_on_ = true;
-  expect_within(kWarmUpDeadline, "the projector's lamp to be warm");
+  expect_within(kManualWarmUpDeadline, "the projector's lamp to be warm");
   machine_.projector().power_on(while_in_state<ProjectorReply>([this](ProjectorReply reply) {
     if (reply == ProjectorReply::Ok) return handle(ManualEvent::ProjectorReady);
     fail(fmt::format("power on: {}", machine_.projector().last_problem()));
@@ -255,7 +255,7 @@ void ManualProcess::start_power_on() {
 }
 
 void ManualProcess::start_light() {
-  expect_within(kProjectorDeadline, "the projector to be told to turn the light on");
+  expect_within(kManualProjectorDeadline, "the projector to be told to turn the light on");
   light_asked_ = true;
   const auto sent = while_in_state<TimePoint>([this](TimePoint earliest) {
     light_end_ = earliest + light_time_;
@@ -279,7 +279,7 @@ void ManualProcess::await_dark() {
 }
 
 void ManualProcess::ask_projector() {
-  expect_within(kProjectorDeadline, "the projector's answer");
+  expect_within(kManualProjectorDeadline, "the projector's answer");
   machine_.projector().ask_status([this, operation = operations_](const ProjectorStatus& status) {
     if (operation != operations_ || state_ != ManualState::Asking) return;
     projector_ = status;

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // It gives way to all else.
-constexpr int kNiceness = 19;
+constexpr int kMetricsNiceness = 19;
 
 // Returns why not, or nothing. Its readers see the old file or the new one.
 std::string replace(const fs::path& path, const std::string& text) {
@@ -40,7 +40,7 @@ MetricsFile::MetricsFile(EventLoop& loop, const Log& log, fs::path path, std::fu
       make_(std::move(make)),
       interval_(interval),
       there_(std::make_shared<bool>(false)),
-      worker_(loop, "contourd-metric", kNiceness) {
+      worker_(loop, "contourd-metric", kMetricsNiceness) {
   timer_ = loop_.at(std::chrono::steady_clock::now(), "the metrics' timer", [this] { look(); });
 }
 

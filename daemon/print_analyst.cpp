@@ -8,7 +8,7 @@ namespace contourd {
 namespace {
 
 // A tenth of the processor time that the event loop's thread gets where the two compete.
-constexpr int kNiceness = 10;
+constexpr int kAnalystNiceness = 10;
 
 // Nothing when it was told to stop.
 std::optional<AnalyzedPrint> analyze(const AnalysisTask& task, const std::stop_token& stop) {
@@ -30,7 +30,7 @@ std::optional<AnalyzedPrint> analyze(const AnalysisTask& task, const std::stop_t
 
 }  // namespace
 
-PrintAnalyst::PrintAnalyst(EventLoop& loop) : worker_(loop, "contourd-layers", kNiceness) {}
+PrintAnalyst::PrintAnalyst(EventLoop& loop) : worker_(loop, "contourd-layers", kAnalystNiceness) {}
 
 PrintAnalyst::~PrintAnalyst() {
   cancel();

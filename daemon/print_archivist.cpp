@@ -22,7 +22,7 @@ namespace contourd {
 namespace {
 
 // It gives way to the event loop, and to a model that is read.
-constexpr int kNiceness = 5;
+constexpr int kArchivistNiceness = 5;
 // How long a disk may take to note the print in the history before the print is filed all the same.
 constexpr std::chrono::seconds kLongestNoting{2};
 // For the part's picture, and for those of layers in all: contourd may be about to stop, and waits for what
@@ -107,7 +107,7 @@ std::optional<PrintOutcome> outcome_called(std::string_view name) {
 }  // namespace
 
 PrintArchivist::PrintArchivist(EventLoop& loop, const Spool& spool)
-    : spool_(spool), worker_(loop, "contourd-filing", kNiceness) {}
+    : spool_(spool), worker_(loop, "contourd-filing", kArchivistNiceness) {}
 
 void PrintArchivist::file(EndedPrint print, std::function<void(const FiledPrint&)> done) {
   expects(!busy_, "no other print is being filed");

@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // How many islands, and stretches of layers, a sentence names.
-constexpr std::size_t kNamed = 3;
+constexpr std::size_t kMaxNamedFindings = 3;
 
 // Three digits, and all that stand before the point; where {:g} would take to exponents, something else.
 std::string area_text(double area_mm2) {
@@ -25,7 +25,7 @@ std::string area_text(double area_mm2) {
 // The ends of the first stretches of layers that follow each other, for layers in rising order.
 std::vector<std::span<const std::int32_t>> first_stretches(std::span<const std::int32_t> layers) {
   std::vector<std::span<const std::int32_t>> stretches;
-  for (std::size_t i = 0; i < layers.size() && stretches.size() < kNamed;) {
+  for (std::size_t i = 0; i < layers.size() && stretches.size() < kMaxNamedFindings;) {
     std::size_t end = i + 1;
     while (end < layers.size() && layers[end] == layers[end - 1] + 1)
       ++end;
@@ -57,7 +57,7 @@ FindingWarning warning_about(std::span<const std::int32_t> layers, std::string_v
 }
 
 FindingWarning island_warning(const PrintFindings& findings) {
-  std::vector<Island> largest(std::min(kNamed, findings.islands.size()));
+  std::vector<Island> largest(std::min(kMaxNamedFindings, findings.islands.size()));
   std::ranges::partial_sort_copy(findings.islands, largest,
                                  [](const Island& a, const Island& b) { return a.area_mm2 > b.area_mm2; });
   FindingWarning warning{fmt::format("{} with nothing under {}:",
@@ -102,7 +102,7 @@ struct VoidsWarning {
 };
 
 FindingWarning void_warning(VoidsWarning about, const std::vector<PrintVoid>& voids) {
-  std::vector<PrintVoid> largest(std::min(kNamed, voids.size()));
+  std::vector<PrintVoid> largest(std::min(kMaxNamedFindings, voids.size()));
   std::ranges::partial_sort_copy(voids, largest, [&about](const PrintVoid& a, const PrintVoid& b) {
     return a.*about.figure > b.*about.figure;
   });

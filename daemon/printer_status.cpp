@@ -28,7 +28,7 @@ std::size_t beyond(std::size_t all, std::size_t most) {
   return all > most ? all - most : 0;
 }
 
-Json or_null(const std::string& text) {
+Json text_or_null(const std::string& text) {
   return text.empty() ? Json() : Json(text);
 }
 
@@ -84,7 +84,7 @@ Json PrinterStatus::waiting_job(std::size_t number) const {
            {"file", waiting.file},
            {"job", job_name_of(waiting.file)},
            {"state", state_of(waiting)},
-           {"waiting_for", or_null(reason_to_wait(number))}};
+           {"waiting_for", text_or_null(reason_to_wait(number))}};
   for (const char* key : {"bytes", "parts", "resin", "overrides", "layers", "thinnest_layer_um",
                           "thickest_layer_um", "height_mm", "print_time_s", "supports"})
     job[key] = nullptr;
@@ -182,7 +182,7 @@ void PrinterStatus::add_print(Json& job) const {
   job["state_left_s"] = state_left ? Json(in_seconds(*state_left)) : Json();
   job["pause_pending"] = print.pause_pending();
   job["pause"] = print.pause_pending() ? Json(print.next_pause()) : Json();
-  job["interruption"] = or_null(print.interruption());
+  job["interruption"] = text_or_null(print.interruption());
 }
 
 bool PrinterStatus::dark() const {
@@ -197,11 +197,11 @@ Json PrinterStatus::manual() const {
   Json manual{
       {"state", name_of(process.state())},
       {"operations", process.operations()},
-      {"problem", or_null(process.problem())},
+      {"problem", text_or_null(process.problem())},
       {"dark", !process.light_may_be_on() && context_.machine.projector().light_off_unconfirmed().empty()},
       {"height_mm", height ? Json(to_millimeters(*height).count()) : Json()},
       {"homing_shift_um", shift ? Json(to_millimeters(*shift).count() * 1000) : Json()},
-      {"picture", or_null(process.picture())},
+      {"picture", text_or_null(process.picture())},
       {"projector", Json()}};
   if (const std::optional<ProjectorStatus>& projector = process.projector()) {
     manual["projector"] = {{"powered", projector->powered ? Json(*projector->powered) : Json()},
@@ -253,9 +253,9 @@ void PrinterStatus::add_reasons_to_wait(Json& status) const {
   const QueueHold& hold = parts_.hold;
   status["plate"] = hold.plate_occupant() ? "occupied" : "clear";
   status["plate_job"] = hold.plate_occupant() ? Json(*hold.plate_occupant()) : Json();
-  status["hindrance"] = or_null(context_.machine.why_not_ready());
-  status["held"] = or_null(hold.sentence());
-  status["waiting_for"] = or_null(parts_.scheduler.waiting_for());
+  status["hindrance"] = text_or_null(context_.machine.why_not_ready());
+  status["held"] = text_or_null(hold.sentence());
+  status["waiting_for"] = text_or_null(parts_.scheduler.waiting_for());
 }
 
 }  // namespace contourd

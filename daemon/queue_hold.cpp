@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // How long until what the disk did not take is tried again.
-constexpr Duration kRetryInterval = 30s;
+constexpr Duration kRecordRetryInterval = 30s;
 
 }  // namespace
 
@@ -127,8 +127,8 @@ void QueueHold::try_to_keep() {
     unfiled_.file_all();
   } catch (const std::system_error& error) {
     trouble = error.what();
-    retry_timer_ = context_.loop.at(std::chrono::steady_clock::now() + kRetryInterval, "the queue's timer",
-                                    calls_.retry);
+    retry_timer_ = context_.loop.at(std::chrono::steady_clock::now() + kRecordRetryInterval,
+                                    "the queue's timer", calls_.retry);
   }
   if (std::exchange(trouble_, trouble) == trouble || trouble.empty()) return;
   context_.log.error("spool",

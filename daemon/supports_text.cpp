@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // How many places a sentence names.
-constexpr std::size_t kNamed = 3;
+constexpr std::size_t kMaxNamedPlaces = 3;
 
 Json contact_json(const SupportContact& contact) {
   return {{"cause", name_of(contact.cause)},
@@ -47,9 +47,9 @@ std::string unheld_text(const UnheldPlace& place) {
 std::string unheld_sentence(const std::vector<UnheldPlace>& places) {
   if (places.empty()) return "";
   std::string text = count_of(places.size(), "place cannot", "places cannot") + " be held:";
-  for (std::size_t i = 0; i < std::min(kNamed, places.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMaxNamedPlaces, places.size()); ++i)
     text += (i == 0 ? " " : "; ") + unheld_text(places[i]);
-  if (places.size() > kNamed) text += fmt::format("; and {} more", places.size() - kNamed);
+  if (places.size() > kMaxNamedPlaces) text += fmt::format("; and {} more", places.size() - kMaxNamedPlaces);
   return text;
 }
 

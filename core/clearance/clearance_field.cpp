@@ -19,9 +19,6 @@ constexpr double kUnit = ClearanceField::kUnit_mm;
 // bits.
 constexpr std::uint16_t kFar = 22500;
 static_assert(kFar * kUnit * kUnit >= ClearanceField::kGreatest_mm * ClearanceField::kGreatest_mm - 1e-9);
-// Distance between two samples along a segment. If both are clear, the segment between them can be hardly a
-// micrometre nearer.
-constexpr double kLook_mm = 0.2;
 
 // Returns the squared gap between a cell's middle and the box of a cell, indexed by how many cells away that
 // is.
@@ -47,7 +44,7 @@ const std::vector<std::uint8_t>& roots() {
   return all;
 }
 
-void lower_to(std::uint16_t* into, const std::uint16_t* from, std::uint16_t more, std::size_t count) {
+void lower_squares(std::uint16_t* into, const std::uint16_t* from, std::uint16_t more, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const auto sum = static_cast<std::uint16_t>(from[i] + more);
     into[i] = sum < into[i] ? sum : into[i];
@@ -56,7 +53,7 @@ void lower_to(std::uint16_t* into, const std::uint16_t* from, std::uint16_t more
 
 }  // namespace
 
-ClearanceField::ClearanceField(const LayerStack& layers, const Region& region, const Settings& settings,
+ClearanceField::ClearanceField(const LitLayers& layers, const Region& region, const Settings& settings,
                                const std::stop_token& stop)
     : layers_(layers),
       clearance_mm_(settings.clearance_mm),
@@ -127,7 +124,7 @@ void ClearanceField::mark_solids(std::int32_t level, Squares& squares) const {
       std::uint16_t* const cells =
           squares.data() +
           static_cast<std::size_t>((row - first_pixel_row_) / pixels_) * static_cast<std::size_t>(columns_);
-      for (const LayerStack::Run& run : layers_.runs_in(layer, row)) {
+      for (const LitLayers::Run& run : layers_.runs_in(layer, row)) {
         const std::int32_t first = std::max<std::int32_t>(run.first, first_pixel_);
         const std::int32_t last = std::min<std::int32_t>(run.end, end_column) - 1;
         if (first > last) continue;
@@ -166,8 +163,8 @@ ClearanceField::Squares ClearanceField::spread_across_rows(const Squares& square
     const std::uint16_t* const from = squares.data() + static_cast<std::size_t>(row) * width;
     if (std::all_of(from, from + width, [](std::uint16_t each) { return each == kFar; })) continue;
     for (std::int32_t other = std::max(row - reach, 0); other <= std::min(row + reach, rows_ - 1); ++other) {
-      lower_to(spread.data() + static_cast<std::size_t>(other) * width, from,
-               gaps[static_cast<std::size_t>(std::abs(other - row))], width);
+      lower_squares(spread.data() + static_cast<std::size_t>(other) * width, from,
+                    gaps[static_cast<std::size_t>(std::abs(other - row))], width);
     }
   }
   return spread;
@@ -182,7 +179,7 @@ void ClearanceField::measure(std::int32_t level, std::span<const Squares* const>
   Squares nearest(near.front()->size(), kFar);
   for (std::size_t i = 0; i < near.size(); ++i) {
     const auto away = static_cast<std::size_t>(std::abs(first_near + static_cast<std::int32_t>(i) - level));
-    if (away < gaps.size()) lower_to(nearest.data(), near[i]->data(), gaps[away], nearest.size());
+    if (away < gaps.size()) lower_squares(nearest.data(), near[i]->data(), gaps[away], nearest.size());
   }
   std::uint8_t* const out = distances_.data() + static_cast<std::size_t>(level) * nearest.size();
   const std::vector<std::uint8_t>& root_of = roots();

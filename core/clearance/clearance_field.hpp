@@ -11,7 +11,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/clearance/layer_stack.hpp"
+#include "core/clearance/lit_layers.hpp"
 #include "core/mask/pixel_map.hpp"
 #include "core/support/plate_segment.hpp"
 
@@ -23,6 +23,11 @@ class ClearanceField {
   // Distances are whole multiples of kUnit_mm, rounded down, and at most kGreatest_mm.
   static constexpr double kUnit_mm = 0.02;
   static constexpr double kGreatest_mm = 3;
+  // Distance between two samples along a segment. If both are clear, the segment between them can be hardly a
+  // micrometre nearer.
+  static constexpr double kLook_mm = 0.2;
+  // Length of the first part of a tip or a foot on a model, which the surface at its end may touch.
+  static constexpr double kAtSurface_mm = 0.4;
 
   struct Region {
     double left = 0, right = 0, front = 0, back = 0, top = 0;  // millimetres from the plate's centre
@@ -34,7 +39,7 @@ class ClearanceField {
 
   // Every point that is asked about must lie in the region, kGreatest_mm below its top: outside it nothing is
   // clear. `layers` must outlive the field. The field is unusable if `stop` was requested.
-  ClearanceField(const LayerStack& layers, const Region& region, const Settings& settings,
+  ClearanceField(const LitLayers& layers, const Region& region, const Settings& settings,
                  const std::stop_token& stop);
 
   // True if a ball at that place keeps the clearance.
@@ -70,7 +75,7 @@ class ClearanceField {
   };
   // Returns the cell of a point, which may lie outside the grid.
   [[nodiscard]] Cell cell_of(const PlatePoint& point) const;
-  [[nodiscard]] const LayerStack& layers() const { return layers_; }
+  [[nodiscard]] const LitLayers& layers() const { return layers_; }
 
  private:
   // Bounds for the room that a ball has to spare, from the grid alone; negative if it does not fit.
@@ -93,7 +98,7 @@ class ClearanceField {
   [[nodiscard]] double region_distance(const PlatePoint& point) const;
   [[nodiscard]] Slack slack_at(const PlatePoint& center, double radius_mm) const;
 
-  const LayerStack& layers_;
+  const LitLayers& layers_;
   double clearance_mm_;
   double beyond_mm_ = 0;  // the clearance plus the solid that may extend beyond a lit pixel's middle
   Point half_area_mm_;    // half the width and depth of the build area

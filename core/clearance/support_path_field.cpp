@@ -14,12 +14,9 @@ constexpr double kSpare_mm = 0.06;
 constexpr double kLowestLanding_mm = 0.5, kHighestLanding_mm = 2.5, kNearModel_mm = 1;
 // Greatest horizontal distance from a contact to its foot on a model.
 constexpr double kAside_mm = 8;
-// Length of the first part of a foot, which the surface it stands on may touch.
-constexpr double kAtSurface_mm = 0.4;
-constexpr double kLook_mm = 0.2;
 
 // Does `into[i] = min(into[i], from[i] + more)`, where kNoPath stays kNoPath.
-void lower_to(std::uint16_t* into, const std::uint16_t* from, std::uint16_t more, std::size_t count) {
+void lower_costs(std::uint16_t* into, const std::uint16_t* from, std::uint16_t more, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const auto sum = static_cast<std::uint16_t>(from[i] + more);
     const std::uint16_t bounded = sum < from[i] ? std::uint16_t{0xFFFF} : sum;
@@ -81,9 +78,9 @@ void SupportPathField::reach_level(std::int32_t level) {
     for (std::int32_t from = std::max(row - 1, 0); from <= std::min(row + 1, rows - 1); ++from) {
       const Cost* const other = beneath + static_cast<std::size_t>(from) * width;
       const Cost level_with = from == row ? straight_ : aside_, beside = from == row ? aside_ : across_;
-      lower_to(into, other, level_with, width);
-      lower_to(into + 1, other, beside, width - 1);
-      lower_to(into, other + 1, beside, width - 1);
+      lower_costs(into, other, level_with, width);
+      lower_costs(into + 1, other, beside, width - 1);
+      lower_costs(into, other + 1, beside, width - 1);
     }
   }
 }
@@ -123,21 +120,22 @@ void SupportPathField::mark_near(const PlatePoint& place, std::int32_t level,
 }
 
 std::optional<PlatePoint> SupportPathField::landing_below(const PlatePoint& point) const {
-  const LayerStack& layers = field_.layers();
+  const LitLayers& layers = field_.layers();
   const std::optional<double> top = layers.top_below(point, kHighestLanding_mm);
   if (!top || point.z - *top < kLowestLanding_mm || point.z - *top > kHighestLanding_mm) return std::nullopt;
-  constexpr std::array<std::array<double, 2>, 4> kAround{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
-  for (const auto& [x, y] : kAround) {
+  constexpr std::array<std::array<double, 2>, 4> kSides{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+  for (const auto& [x, y] : kSides) {
     const PlatePoint aside{point.x + x * widths_.landing_mm, point.y + y * widths_.landing_mm, point.z};
     const std::optional<double> beside = layers.top_below(aside, 2 * kHighestLanding_mm);
     if (!beside || std::fabs(*beside - *top) > 1.5 * widths_.landing_mm) return std::nullopt;
   }
   const PlateSegment foot{{point.x, point.y, *top}, point};
-  for (double up = kAtSurface_mm; up < foot.length(); up += kLook_mm) {
+  for (double up = ClearanceField::kAtSurface_mm; up < foot.length(); up += ClearanceField::kLook_mm) {
     const double part = up / foot.length();
     const double radius = widths_.landing_mm + (widths_.least_mm - widths_.landing_mm) * part;
     // The surface may rise beside the foot.
-    if (!field_.is_free(foot.at(part), std::min(radius, up / 2 - kAtSurface_mm / 4))) return std::nullopt;
+    if (!field_.is_free(foot.at(part), std::min(radius, up / 2 - ClearanceField::kAtSurface_mm / 4)))
+      return std::nullopt;
   }
   return foot.from;
 }

@@ -210,7 +210,7 @@ std::string_view as_text(std::span<const std::byte> bytes) {
 
 // Recognises ASCII STL. Text never holds a NUL; STL text begins with `solid`, with a comment, or (without a
 // solid line) with a facet.
-Likeness likeness(const FileStart& start) {
+Likeness ascii_likeness(const FileStart& start) {
   std::string_view text = as_text(start.bytes);
   if (text.find('\0') != std::string_view::npos) return Likeness::None;
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
@@ -221,12 +221,12 @@ Likeness likeness(const FileStart& start) {
   return begins_like_stl ? Likeness::Likely : Likeness::None;
 }
 
-ModelOutline outline(const FileStart& start) {
+ModelOutline ascii_outline(const FileStart& start) {
   // White space after the last facet may be missing.
   return {.most_facets = (start.file_bytes + 1) / kShortestFacet.size(), .buffered_bytes = start.file_bytes};
 }
 
-Model read_file(const FileStart& start, const ReadBytes& read) {
+Model read_ascii(const FileStart& start, const ReadBytes& read) {
   std::vector<std::byte> all(start.file_bytes);
   read(all);
   std::string_view text = as_text(all);
@@ -236,6 +236,6 @@ Model read_file(const FileStart& start, const ReadBytes& read) {
 
 }  // namespace
 
-constinit const ModelFormat kAsciiStl{"ascii", ".stl", likeness, outline, read_file};
+constinit const ModelFormat kAsciiStl{"ascii", ".stl", ascii_likeness, ascii_outline, read_ascii};
 
 }  // namespace contourd

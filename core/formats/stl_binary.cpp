@@ -100,20 +100,20 @@ Extent extent_of(const FileStart& start) {
       claimed, {claim + ", " + std::to_string(surplus) + " more bytes follow them and are ignored"}, false};
 }
 
-Likeness likeness(const FileStart& start) {
+Likeness binary_likeness(const FileStart& start) {
   const bool exact_size = start.bytes.size() >= kHeaderBytes &&
                           kHeaderBytes + kFacetBytes * claimed_facets(start.bytes) == start.file_bytes;
   return exact_size ? Likeness::Certain : Likeness::Possible;
 }
 
-ModelOutline outline(const FileStart& start) {
+ModelOutline binary_outline(const FileStart& start) {
   const Extent extent = extent_of(start);
   return {.most_facets = extent.facets,
           .exact = true,
           .buffered_bytes = extent.fills_file ? 0 : start.file_bytes - kHeaderBytes};
 }
 
-Model read_file(const FileStart& start, const ReadBytes& read) {
+Model read_binary(const FileStart& start, const ReadBytes& read) {
   Extent extent = extent_of(start);
   Model model{{}, std::move(extent.warnings)};
   std::array<std::byte, kHeaderBytes> header{};
@@ -140,6 +140,6 @@ Model read_file(const FileStart& start, const ReadBytes& read) {
 
 }  // namespace
 
-constinit const ModelFormat kBinaryStl{"binary", ".stl", likeness, outline, read_file};
+constinit const ModelFormat kBinaryStl{"binary", ".stl", binary_likeness, binary_outline, read_binary};
 
 }  // namespace contourd

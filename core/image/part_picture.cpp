@@ -7,25 +7,25 @@
 #include <utility>
 
 #include "core/contract/expects.hpp"
+#include "core/image/picture_view.hpp"
 
 namespace contourd {
 namespace {
 
-// The eye is turned 35 degrees to the right and 30 degrees above the horizon.
-constexpr double kSinTurn = 0.573576436, kCosTurn = 0.819152044;
+// The eye is 30 degrees above the horizon.
 constexpr double kSinRise = 0.5, kCosRise = 0.866025404;
 
-struct Vector {
+struct EyeVector {
   double across, up, out;  // in the picture, and towards the eye
 };
 
-// Light from the left, the front and above: (-0.36, -0.56, 0.75) on the plate, converted to the eye's axes.
-constexpr Vector kLight{-0.36 * kCosTurn - 0.56 * kSinTurn,
-                        0.36 * kSinTurn* kSinRise - 0.56 * kCosTurn* kSinRise + 0.75 * kCosRise,
-                        -0.36 * kSinTurn* kCosRise + 0.56 * kCosTurn* kCosRise + 0.75 * kSinRise};
+constexpr EyeVector kLightFromEye{
+    kLight.x * kCosTurn + kLight.y * kSinTurn,
+    -kLight.x* kSinTurn* kSinRise + kLight.y* kCosTurn* kSinRise + kLight.z* kCosRise,
+    kLight.x* kSinTurn* kCosRise - kLight.y* kCosTurn* kCosRise + kLight.z* kSinRise};
 
 constexpr double kMargin = 0.03;  // share of the picture, on each side; the box fits inside
-constexpr double kAmbient = 60, kDiffuse = 190, kFaint = 0.3;
+constexpr double kFaint = 0.3;
 constexpr float kNone = -1;
 
 // A neighbour is on another surface if its depth differs by more than this many of the picture's pixels from
@@ -96,11 +96,11 @@ class Around {
 };
 
 std::uint8_t shade(const Slope& slope) {
-  const Vector normal{-slope.across, -slope.up, 1};
+  const EyeVector normal{-slope.across, -slope.up, 1};
   const double length = std::sqrt(normal.across * normal.across + normal.up * normal.up + 1);
-  const double lit =
-      (normal.across * kLight.across + normal.up * kLight.up + normal.out * kLight.out) / length;
-  return static_cast<std::uint8_t>(kAmbient + kDiffuse * std::clamp(lit, 0.0, 1.0));
+  return shade_of(
+      (normal.across * kLightFromEye.across + normal.up * kLightFromEye.up + normal.out * kLightFromEye.out) /
+      length);
 }
 
 struct Square {

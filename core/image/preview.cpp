@@ -7,39 +7,34 @@
 #include <limits>
 #include <utility>
 
+#include "core/image/picture_view.hpp"
+
 namespace contourd {
 namespace {
 
-struct Vector {
-  double x, y, z;
-};
-
-double dot(const Vector& a, const Vector& b) {
+double dot(const PlateVector& a, const PlateVector& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The eye looks along -kTowardsEye, turned 35 degrees to the right and 25 degrees above the horizon. The
-// three vectors are an orthonormal base: across the picture, up the picture, out of it.
-constexpr double kSinTurn = 0.573576436, kCosTurn = 0.819152044;
-constexpr double kSinRise = 0.422618262, kCosRise = 0.906307787;
-constexpr Vector kRight{kCosTurn, kSinTurn, 0};
-constexpr Vector kUp{-kSinTurn * kSinRise, kCosTurn* kSinRise, kCosRise};
-constexpr Vector kTowardsEye{kSinTurn * kCosRise, -kCosTurn* kCosRise, kSinRise};
-constexpr Vector kLight{-0.36, -0.56, 0.75};  // from the left, the front and above; about of length 1
+// The eye looks along -kTowardsEye, 25 degrees above the horizon. The three vectors are an orthonormal base:
+// across the picture, up the picture, out of it.
+constexpr double kSin25 = 0.422618262, kCos25 = 0.906307787;
+constexpr PlateVector kRight{kCosTurn, kSinTurn, 0};
+constexpr PlateVector kUp{-kSinTurn * kSin25, kCosTurn* kSin25, kCos25};
+constexpr PlateVector kTowardsEye{kSinTurn * kCos25, -kCosTurn* kCos25, kSin25};
 
 // Rounding of the weights must not lose heights exactly at the top.
 constexpr double kRoundingMm = 1e-6;
 
-constexpr double kMargin = 0.06;  // share of the picture, on each side
-constexpr double kAmbient = 60, kDiffuse = 190;
+constexpr double kFrame = 0.06;  // share of the picture, on each side
 
 // Limit for the pixels examined, at some nanoseconds each. A picture of 720 x 720 pixels of a sound model
 // takes a hundredth of it; thousands of facets behind each other that fill the picture take more.
 constexpr double kMostLooks = 1e9;
 
-class Canvas {
+class PreviewCanvas {
  public:
-  Canvas(std::span<const PreviewPart> parts, double top_z, Pixels width, Pixels height)
+  PreviewCanvas(std::span<const PreviewPart> parts, double top_z, Pixels width, Pixels height)
       : image_(width, height),
         depth_(image_.pixels().size(), -std::numeric_limits<double>::infinity()),
         top_z_(top_z) {
@@ -80,7 +75,7 @@ class Canvas {
     for (const PreviewPart& part : parts) {
       for (const Facet& facet : part.facets) {
         for (const Vertex& v : facet.vertices) {
-          const Vector p{v.x + part.x, v.y + part.y, v.z + part.z};
+          const PlateVector p{v.x + part.x, v.y + part.y, v.z + part.z};
           min_x = std::min(min_x, dot(p, kRight));
           max_x = std::max(max_x, dot(p, kRight));
           min_y = std::min(min_y, dot(p, kUp));
@@ -89,7 +84,7 @@ class Canvas {
       }
     }
     const double width = image_.width().count(), height = image_.height().count();
-    const double room = 1 - 2 * kMargin;
+    const double room = 1 - 2 * kFrame;
     const double smallest = std::numeric_limits<double>::min();
     scale_ = std::min(width * room / std::max(max_x - min_x, smallest),
                       height * room / std::max(max_y - min_y, smallest));
@@ -98,7 +93,7 @@ class Canvas {
   }
 
   [[nodiscard]] Corner project(const Vertex& v) const {
-    const Vector p{v.x + move_.x, v.y + move_.y, v.z + move_.z};
+    const PlateVector p{v.x + move_.x, v.y + move_.y, v.z + move_.z};
     return {dot(p, kRight) * scale_ + offset_x_, offset_y_ - dot(p, kUp) * scale_, dot(p, kTowardsEye), p.z};
   }
 
@@ -153,18 +148,17 @@ class Canvas {
 
   [[nodiscard]] static std::uint8_t shade(const Facet& facet) {
     const auto [a, b, c] = facet.vertices;
-    const Vector u{static_cast<double>(b.x) - a.x, static_cast<double>(b.y) - a.y,
-                   static_cast<double>(b.z) - a.z};
-    const Vector v{static_cast<double>(c.x) - a.x, static_cast<double>(c.y) - a.y,
-                   static_cast<double>(c.z) - a.z};
-    Vector normal{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+    const PlateVector u{static_cast<double>(b.x) - a.x, static_cast<double>(b.y) - a.y,
+                        static_cast<double>(b.z) - a.z};
+    const PlateVector v{static_cast<double>(c.x) - a.x, static_cast<double>(c.y) - a.y,
+                        static_cast<double>(c.z) - a.z};
+    PlateVector normal{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
     const double length = std::sqrt(dot(normal, normal));
-    if (!(length > 0.0)) return static_cast<std::uint8_t>(kAmbient);
+    if (!(length > 0.0)) return shade_of(0);
     // A surface seen from behind (a turned facet, or the inside of a half-printed part) is lit as if seen
     // from the front.
     const double facing = dot(normal, kTowardsEye) < 0 ? -1.0 : 1.0;
-    const double lit = facing * dot(normal, kLight) / length;
-    return static_cast<std::uint8_t>(kAmbient + kDiffuse * std::clamp(lit, 0.0, 1.0));
+    return shade_of(facing * dot(normal, kLight) / length);
   }
 
   void plot(std::int32_t row, std::int32_t column, double depth, std::uint8_t grey) {
@@ -178,7 +172,7 @@ class Canvas {
   Mask image_;
   std::vector<double> depth_;
   double top_z_;
-  Vector move_{};  // offset of the part being drawn
+  PlateVector move_{};  // offset of the part being drawn
   double scale_ = 1, offset_x_ = 0, offset_y_ = 0;
 };
 
@@ -196,7 +190,7 @@ Mask enlarged(const Mask& picture, std::int32_t factor, Pixels width, Pixels hei
 }  // namespace
 
 Mask render_preview(std::span<const PreviewPart> parts, Millimeters top, Pixels width, Pixels height) {
-  Canvas canvas(parts, top.count(), width, height);
+  PreviewCanvas canvas(parts, top.count(), width, height);
   double looks = 0;
   for (const PreviewPart& part : parts)
     looks += canvas.looks(part);
@@ -204,7 +198,7 @@ Mask render_preview(std::span<const PreviewPart> parts, Millimeters top, Pixels 
   const auto factor =
       static_cast<std::int32_t>(std::ceil(std::clamp(std::sqrt(looks / kMostLooks), 1.0, longest)));
   const auto divided = [factor](Pixels side) { return Pixels{(side.count() + factor - 1) / factor}; };
-  if (factor > 1) canvas = Canvas(parts, top.count(), divided(width), divided(height));
+  if (factor > 1) canvas = PreviewCanvas(parts, top.count(), divided(width), divided(height));
   for (const PreviewPart& part : parts)
     canvas.draw(part);
   return factor > 1 ? enlarged(canvas.take(), factor, width, height) : canvas.take();

@@ -13,9 +13,9 @@ constexpr std::uint8_t kLit = 255;
 constexpr double kCellMm = 5;
 
 // A mask that is drawn on by columns and rows, which may lie outside it.
-class Canvas {
+class PatternCanvas {
  public:
-  Canvas(Pixels width, Pixels height, Micrometers pitch)
+  PatternCanvas(Pixels width, Pixels height, Micrometers pitch)
       : mask(width, height),
         columns(width.count()),
         rows(height.count()),
@@ -51,7 +51,7 @@ class Canvas {
   const double pixels_per_mm;
 };
 
-void draw_grid(Canvas& canvas, Micrometers pitch) {
+void draw_grid(PatternCanvas& canvas, Micrometers pitch) {
   const double reach = std::max(canvas.columns, canvas.rows) * pitch.count() / 1000 / 2;
   for (int i = 0; i * kCellMm <= reach; ++i) {
     const int width = i == 0 ? 3 : 1;
@@ -62,7 +62,7 @@ void draw_grid(Canvas& canvas, Micrometers pitch) {
   }
 }
 
-void draw_checker(Canvas& canvas, Micrometers pitch) {
+void draw_checker(PatternCanvas& canvas, Micrometers pitch) {
   const double cell = kCellMm * 1000 / pitch.count();
   const auto cell_of = [cell](int pixel, int side) { return std::floor((pixel + 0.5 - side / 2.0) / cell); };
   canvas.fill_where([&](int x, int y) {
@@ -70,7 +70,7 @@ void draw_checker(Canvas& canvas, Micrometers pitch) {
   });
 }
 
-void draw_focus(Canvas& canvas) {
+void draw_focus(PatternCanvas& canvas) {
   constexpr int kBlock = 64;
   canvas.fill_where([](int x, int y) {
     switch ((x / kBlock + y / kBlock) % 3) {
@@ -84,7 +84,7 @@ void draw_focus(Canvas& canvas) {
   });
 }
 
-void draw_border(Canvas& canvas) {
+void draw_border(PatternCanvas& canvas) {
   canvas.upright(0, 1);
   canvas.upright(canvas.columns - 1, 1);
   canvas.lying(0, 1);
@@ -95,7 +95,7 @@ void draw_border(Canvas& canvas) {
   canvas.fill(square / 2, square / 2, square / 2 + square, square / 2 + square);
 }
 
-void draw_dimensions(Canvas& canvas, Micrometers pitch) {
+void draw_dimensions(PatternCanvas& canvas, Micrometers pitch) {
   const auto half = [&](int side) { return ruler_length(Pixels{side}, pitch).count() / 2; };
   const auto reach_of = [](int millimetre) {
     return millimetre % 10 == 0 ? 3.0 : millimetre % 5 == 0 ? 2.0 : 1.0;
@@ -144,7 +144,7 @@ std::optional<TestPattern> find_test_pattern(std::string_view name) {
 
 Mask draw_test_pattern(TestPattern pattern, Pixels width, Pixels height, Micrometers pitch) {
   expects(pitch.count() > 0, "a pixel has a size");
-  Canvas canvas(width, height, pitch);
+  PatternCanvas canvas(width, height, pitch);
   switch (pattern) {
     case TestPattern::White:
       canvas.fill(0, 0, canvas.columns, canvas.rows);

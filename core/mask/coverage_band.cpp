@@ -8,9 +8,7 @@
 namespace contourd {
 namespace {
 
-constexpr std::size_t kBlock = CoverageBand::kBlock;
-constexpr std::size_t kChunkBlocks = 64;
-constexpr std::size_t kChunk = kBlock * kChunkBlocks;
+constexpr std::size_t kChunk = CoverageBand::kBlock * CoverageBand::kChunkBlocks;
 
 // The number of cells in a band: 128 KB, an eighth of a Cortex-A72's second-level cache.
 constexpr std::size_t kBandCells = std::size_t{1} << 15;
@@ -21,12 +19,12 @@ std::uint64_t first_bits(std::size_t count) {
   return count < 64 ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
 }
 
-using Block = std::array<std::uint8_t, kBlock>;
+using Block = std::array<std::uint8_t, CoverageBand::kBlock>;
 
 // Copies a block to its place in a row. The last block of a row may have fewer pixels, or none.
 inline void put_block(const Block& block, std::span<std::uint8_t> pixels, std::size_t begin) {
-  if (begin + kBlock <= pixels.size()) {
-    std::memcpy(pixels.data() + begin, block.data(), kBlock);
+  if (begin + block.size() <= pixels.size()) {
+    std::memcpy(pixels.data() + begin, block.data(), block.size());
   } else if (begin < pixels.size()) {
     std::memcpy(pixels.data() + begin, block.data(), pixels.size() - begin);
   }
@@ -37,7 +35,7 @@ inline void fill_blocks(std::uint64_t blocks, std::uint8_t grey, std::span<std::
   Block block;
   block.fill(grey);
   for (; blocks != 0; blocks &= blocks - 1)
-    put_block(block, pixels, static_cast<std::size_t>(std::countr_zero(blocks)) * kBlock);
+    put_block(block, pixels, static_cast<std::size_t>(std::countr_zero(blocks)) * block.size());
 }
 
 }  // namespace

@@ -29,6 +29,8 @@ class CoverageBand {
   static constexpr int kOneBits = kWindingBits;
   static constexpr std::int32_t kOne = 1 << kOneBits;
   static constexpr std::size_t kBlock = kBlockPixels;
+  // The number of blocks in a chunk: a word of RowBlocks has a bit for each.
+  static constexpr std::size_t kChunkBlocks = 64;
 
   explicit CoverageBand(std::int32_t width);
 

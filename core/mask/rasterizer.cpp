@@ -162,7 +162,7 @@ class FullLight {
   // Marks the area's blocks as not dark. The next picture finds them neither dark nor full, so it writes them
   // again.
   void mark_lit(const PixelArea& area) const {
-    constexpr std::int32_t kBlock = CoverageBand::kBlock, kChunkBlocks = 64;
+    constexpr std::int32_t kBlock = CoverageBand::kBlock, kChunkBlocks = CoverageBand::kChunkBlocks;
     const std::int32_t first = area.left / kBlock, last = (area.right - 1) / kBlock;
     const std::size_t chunks = chunks_;
     for (std::int32_t chunk = first / kChunkBlocks; chunk <= last / kChunkBlocks; ++chunk) {
@@ -433,7 +433,7 @@ RowBlocks Rasterizer::blocks_of(std::int32_t row) {
 // Makes the pixels of convex loops dark. Dark blocks stay dark; the next picture finds a run's blocks no
 // longer full, so it writes them again.
 void Rasterizer::darken(const Contours& convex, const PixelMap& map) {
-  constexpr std::int32_t kBlock = CoverageBand::kBlock, kChunkBlocks = 64;
+  constexpr std::int32_t kBlock = CoverageBand::kBlock, kChunkBlocks = CoverageBand::kChunkBlocks;
   const auto darken = [this](std::int32_t row, std::int32_t first, std::int32_t end) {
     std::fill_n(mask_.row(row).data() + first, end - first, std::uint8_t{0});
     const RowBlocks blocks = blocks_of(row);

@@ -15,10 +15,10 @@ namespace {
 constexpr int kMaxPasses = 50;
 
 // Among n facets turned at random, a majority larger than three times the root of n is not chance.
-constexpr double kClear = 3;
+constexpr double kNotChance = 3;
 
 bool is_clear(const Patch& patch) {
-  return std::fabs(static_cast<double>(patch.net)) > kClear * std::sqrt(static_cast<double>(patch.faces));
+  return std::fabs(static_cast<double>(patch.net)) > kNotChance * std::sqrt(static_cast<double>(patch.faces));
 }
 
 class PatchBalance {

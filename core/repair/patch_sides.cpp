@@ -32,11 +32,11 @@ constexpr double kSolidPart = 0.01;
 
 // Limit on the faces that rays look at in all: a soup of facets must not take seconds. After that, groups
 // count as lying within nothing, and no more walls are found.
-constexpr std::size_t kMaxLooks = 30'000'000;
+constexpr std::size_t kMaxRayLooks = 30'000'000;
 
 // Among n facets turned at random, a majority larger than this many times the root of n is hardly chance: a
 // box with one of its twelve facets turned has such a majority.
-constexpr double kClear = 2.5;
+constexpr double kHardlyChance = 2.5;
 
 // If fewer than this part of all facets are known to be turned, a majority of this part of a group's facets
 // decides.
@@ -210,7 +210,7 @@ class SideFinder {
     const auto most = std::fabs(static_cast<double>(outcome.agree)),
                faces = static_cast<double>(outcome.faces);
     const bool few_turned = turned_faces_ < kFewTurned * sure_faces_;
-    return most > kClear * std::sqrt(faces) || (few_turned && most > kFewTurned * faces);
+    return most > kHardlyChance * std::sqrt(faces) || (few_turned && most > kFewTurned * faces);
   }
 
   [[nodiscard]] WindingProbe& probe() {
@@ -235,7 +235,7 @@ class SideFinder {
     int least = kMaxWindings;
     for (const std::uint32_t p : members(group)) {
       for (const Sample& sample : samples_of(p)) {
-        if (least <= 0 || probe().looks() > kMaxLooks) return 0;
+        if (least <= 0 || probe().looks() > kMaxRayLooks) return 0;
         WindingProbe::Windings windings = windings_at(sample.face);
         std::sort(windings.begin(), windings.end());
         least = std::min(least, windings[windings.size() - kMaxRays]);
@@ -276,7 +276,7 @@ class SideFinder {
     std::size_t within = 0;
     const std::span<const Sample> samples = samples_of(patch);
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      if (probe().looks() > kMaxLooks) return false;
+      if (probe().looks() > kMaxRayLooks) return false;
       within += within_rays(samples[i].face) >= kMaxRays ? 1U : 0U;
       // The remaining samples cannot be enough.
       if ((samples.size() - i - 1 + within) * 10 < samples.size() * kWithinOfTen) return false;

@@ -16,7 +16,7 @@ constexpr double kReachMm = 0.05;
 
 // Limit on the ends compared with one end: the cost of a soup of coinciding ends must not grow with the
 // square of its size.
-constexpr int kMaxLooks = 1000;
+constexpr int kMaxEndsCompared = 1000;
 
 // An end of a patch's boundary edge, and the cube of side kReachMm that it lies in.
 struct RimEnd {
@@ -93,7 +93,7 @@ class WallGroups {
         auto other = std::lower_bound(ends_.begin(), ends_.end(), low,
                                       [](const RimEnd& e, const auto& cube) { return e.cube() < cube; });
         for (; other != ends_.end() && other->cube() <= high; ++other) {
-          if (++looks > kMaxLooks) {
+          if (++looks > kMaxEndsCompared) {
             goes_on_[end.patch] = true;
             return;
           }

@@ -5,18 +5,17 @@
 #include <cmath>
 #include <optional>
 
+#include "core/support/plate_segment.hpp"
+
 namespace contourd {
 namespace {
 
 constexpr std::array<double, 3> kDistances_mm{0.3, 0.6, 0.9};
-constexpr double kHalf = 0.70710678118654757;  // sine and cosine of 45 degrees
-constexpr std::array<Point, 8> kAround{
-    {{1, 0}, {kHalf, kHalf}, {0, 1}, {-kHalf, kHalf}, {-1, 0}, {-kHalf, -kHalf}, {0, -1}, {kHalf, -kHalf}}};
 // How far the surface may lie above or below the contact.
 constexpr double kAcross_mm = 0.6;
 
 // True if the material at height z is continuous from one place to the other.
-bool is_connected(const PlatePoint& from, const PlatePoint& to, double z, const LayerStack& layers) {
+bool is_connected(const PlatePoint& from, const PlatePoint& to, double z, const LitLayers& layers) {
   const int steps = static_cast<int>(std::hypot(to.x - from.x, to.y - from.y) / layers.pitch_mm()) + 1;
   for (int i = 0; i <= steps; ++i) {
     const double part = static_cast<double>(i) / steps;
@@ -27,7 +26,7 @@ bool is_connected(const PlatePoint& from, const PlatePoint& to, double z, const 
 
 }  // namespace
 
-std::vector<SupportContact> neighbours_of(const SupportContact& contact, const LayerStack& layers,
+std::vector<SupportContact> neighbours_of(const SupportContact& contact, const LitLayers& layers,
                                           IslandHold hold) {
   const bool is_island = contact.cause == ContactCause::Island;
   const bool in_first_layer = is_island && hold == IslandHold::FromItsFirstLayer;

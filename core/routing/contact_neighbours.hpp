@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/clearance/layer_stack.hpp"
+#include "core/clearance/lit_layers.hpp"
 #include "core/support/support_contact.hpp"
 
 namespace contourd {
@@ -17,6 +17,6 @@ enum class IslandHold { FromItsFirstLayer, Higher };
 // where the material is connected to the contact's. An island's neighbours are connected to it in its first
 // layer with IslandHold::FromItsFirstLayer.
 [[nodiscard]] std::vector<SupportContact> neighbours_of(const SupportContact& contact,
-                                                        const LayerStack& layers, IslandHold hold);
+                                                        const LitLayers& layers, IslandHold hold);
 
 }  // namespace contourd

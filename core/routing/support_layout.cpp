@@ -134,7 +134,7 @@ class SupportLayout {
 
 }  // namespace
 
-std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, const LayerStack& layers,
+std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts, const LitLayers& layers,
                                          const DisplayGeometry& build_area, const SupportSettings& settings,
                                          const std::stop_token& stop) {
   if (contacts.empty()) return Supports{};

@@ -6,7 +6,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/clearance/layer_stack.hpp"
+#include "core/clearance/lit_layers.hpp"
 #include "core/mask/pixel_map.hpp"
 #include "core/support/support_contact.hpp"
 #include "core/support/support_settings.hpp"
@@ -17,7 +17,7 @@ namespace contourd {
 // Returns the supports; nullopt if `stop` is requested. `layers` holds all layers of everything that stands
 // on the plate.
 [[nodiscard]] std::optional<Supports> lay_out_supports(std::vector<SupportContact> contacts,
-                                                       const LayerStack& layers,
+                                                       const LitLayers& layers,
                                                        const DisplayGeometry& build_area,
                                                        const SupportSettings& settings,
                                                        const std::stop_token& stop = {});

@@ -22,7 +22,7 @@ void add_frustum(const Frustum& frustum, std::vector<SupportPrimitive>& solids) 
 
 // Returns a point inside the model, as deep as the settings ask or as the model is thick there, but at least
 // one step of the sweep.
-PlatePoint inside_from(const PlatePoint& surface, const Direction& inward, const LayerStack& layers,
+PlatePoint inside_from(const PlatePoint& surface, const Direction& inward, const LitLayers& layers,
                        const SupportSettings& settings) {
   double depth = settings.tip_depth.count();
   const double least = std::min(depth, layers.step_mm());
@@ -32,8 +32,8 @@ PlatePoint inside_from(const PlatePoint& surface, const Direction& inward, const
 }
 
 // Extends a support that stands on a model into the model.
-void sink(const PlatePoint& on_model, double radius, const LayerStack& layers,
-          const SupportSettings& settings, std::vector<SupportPrimitive>& solids) {
+void sink(const PlatePoint& on_model, double radius, const LitLayers& layers, const SupportSettings& settings,
+          std::vector<SupportPrimitive>& solids) {
   add_frustum({inside_from(on_model, {0, 0, -1}, layers, settings), on_model, radius, radius}, solids);
 }
 
@@ -50,7 +50,7 @@ void add_tip(const SupportTree::HeldTip& held, const ClearanceField& field, cons
 }
 
 // Adds a foot on a model: a tip upside down.
-void add_landing(const SupportNode& node, const PlatePoint& on_model, const LayerStack& layers,
+void add_landing(const SupportNode& node, const PlatePoint& on_model, const LitLayers& layers,
                  const SupportSettings& settings, std::vector<SupportPrimitive>& solids) {
   const double radius = landing_radius(node.load_mm2, settings);
   add_frustum({on_model, node.place, radius, node.radius_mm}, solids);

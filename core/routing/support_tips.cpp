@@ -14,9 +14,6 @@ constexpr std::array<double, 4> kLengths{1.2, 1.6, 2.2, 3.2};
 // The first kAlongNormal directions follow the normal, the others point around it.
 constexpr std::size_t kAlongNormal = 3;
 constexpr std::array<double, 2> kWidths{1, 0.5};
-// Length of the first part of a cone, which the surface it holds may touch.
-constexpr double kAtSurface_mm = 0.4;
-constexpr double kLook_mm = 0.2;
 // Solid this close below a surface belongs to the surface itself.
 constexpr double kBelowSurface_mm = 0.2;
 // Length of the shortest pin between two parts of a model.
@@ -24,11 +21,6 @@ constexpr double kShortestPin_mm = 0.3;
 
 // An island this near to other material is joined to it if nothing else holds it.
 constexpr double kNear_mm = 0.3;
-
-constexpr double kHalf = 0.70710678118654757;  // sine and cosine of 45 degrees
-
-constexpr std::array<std::array<double, 2>, 8> kAround{
-    {{1, 0}, {kHalf, kHalf}, {0, 1}, {-kHalf, kHalf}, {-1, 0}, {-kHalf, -kHalf}, {0, -1}, {kHalf, -kHalf}}};
 
 Direction unit(double x, double y, double z) {
   const double length = std::sqrt(x * x + y * y + z * z);
@@ -40,7 +32,7 @@ Direction turned_down(const Direction& outward) {
   const double across = std::sqrt(outward.x * outward.x + outward.y * outward.y);
   if (across <= -outward.z) return unit(outward.x, outward.y, outward.z);
   if (across == 0) return {0, 0, -1};
-  return {outward.x / across * kHalf, outward.y / across * kHalf, -kHalf};
+  return {outward.x / across * kSin45, outward.y / across * kSin45, -kSin45};
 }
 
 // Returns the directions to try: along the normal, closer to straight down, then all around.
@@ -48,7 +40,7 @@ std::vector<Direction> directions_for(const Direction& outward) {
   const Direction first = turned_down(outward);
   std::vector<Direction> all{first, unit(first.x, first.y, first.z - 1), {0, 0, -1}};
   for (const auto& [x, y] : kAround) {
-    all.push_back({x * kHalf, y * kHalf, -kHalf});
+    all.push_back({x * kSin45, y * kSin45, -kSin45});
     all.push_back(unit(x, y, -2.4));
   }
   const auto nearest_first = [&first](const Direction& a, const Direction& b) {
@@ -118,15 +110,15 @@ std::optional<SupportTip> SupportTips::pin_at(const PlatePoint& at,
 // Returns a strut as thick as a tip, down to the material beneath the island's first layer, or at 45 degrees
 // into the material beside it.
 std::optional<SupportTip> SupportTips::strut_near(const PlatePoint& at) const {
-  const LayerStack& layers = field_.layers();
+  const LitLayers& layers = field_.layers();
   const double tip = settings_.tip_diameter.count() / 2;
   if (const std::optional<double> top = layers.top_below({at.x, at.y, at.z - layers.step_mm()}, kNear_mm))
     return SupportTip{at, {at.x, at.y, *top}, {0, 0, -1}, tip, {}};
   for (double gap = layers.pitch_mm(); gap <= kNear_mm; gap += layers.pitch_mm()) {
     for (const auto& [x, y] : kAround) {
       if (!layers.is_lit({at.x + x * gap, at.y + y * gap, at.z - layers.step_mm()})) continue;
-      const Direction outward{x * kHalf, y * kHalf, -kHalf};
-      const PlatePoint foot = moved(at, outward, (gap + tip) / kHalf);
+      const Direction outward{x * kSin45, y * kSin45, -kSin45};
+      const PlatePoint foot = moved(at, outward, (gap + tip) / kSin45);
       // The strut's whole depth must be inside the material.
       if (layers.is_lit(foot) && layers.is_lit({foot.x, foot.y, foot.z - settings_.tip_depth.count()}))
         return SupportTip{at, foot, outward, tip, {}};
@@ -156,11 +148,12 @@ bool SupportTips::is_free(const PlatePoint& at, const Cone& cone) const {
   const PlatePoint joint = moved(at, cone.outward, cone.length_mm);
   const PlatePoint above{joint.x, joint.y, joint.z + kBelowSurface_mm};
   const bool on_model = field_.layers().top_below(above, 2 * kBelowSurface_mm).has_value();
-  const double end = on_model ? cone.length_mm - kAtSurface_mm : cone.length_mm;
-  for (double along = kAtSurface_mm; along < end; along += kLook_mm) {
+  const double end = on_model ? cone.length_mm - ClearanceField::kAtSurface_mm : cone.length_mm;
+  for (double along = ClearanceField::kAtSurface_mm; along < end; along += ClearanceField::kLook_mm) {
     const double radius = tip + (cone.radius_mm - tip) * (along / cone.length_mm);
     // The surface that it holds may rise beside it at 45 degrees.
-    if (!field_.is_free(moved(at, cone.outward, along), std::min(radius, along * kHalf - 0.15))) return false;
+    if (!field_.is_free(moved(at, cone.outward, along), std::min(radius, along * kSin45 - 0.15)))
+      return false;
   }
   return true;
 }

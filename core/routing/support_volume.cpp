@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kApart_mm = 0.2;
 
-std::int64_t pixels_beside(const PixelRun& run, std::span<const LayerStack::Run> models) {
+std::int64_t pixels_beside(const PixelRun& run, std::span<const LitLayers::Run> models) {
   std::int64_t pixels = run.end - run.first;
-  for (const LayerStack::Run& model : models)
+  for (const LitLayers::Run& model : models)
     pixels -= std::max(
         0, std::min<std::int32_t>(run.end, model.end) - std::max<std::int32_t>(run.first, model.first));
   return pixels;
@@ -23,7 +23,7 @@ std::int64_t pixels_beside(const PixelRun& run, std::span<const LayerStack::Run>
 }  // namespace
 
 double volume_beside_models_mm3(const std::shared_ptr<const SupportStructure>& structure,
-                                const LayerStack& layers, const std::stop_token& stop) {
+                                const LitLayers& layers, const std::stop_token& stop) {
   const DisplayGeometry grid{Pixels{layers.columns()}, Pixels{layers.rows()},
                              Micrometers{layers.pitch_mm() * 1000}};
   ContourEngine engine({}, {.display = grid, .anti_aliasing = AntiAliasing::Off}, structure);

@@ -2,11 +2,23 @@
 // value is.
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "core/support/support_contact.hpp"
 
 namespace contourd {
+
+inline constexpr double kSin45 = 0.70710678118654757;  // equal to the cosine
+// Horizontal directions of length 1, 45 degrees apart.
+inline constexpr std::array<Point, 8> kAround{{{1, 0},
+                                               {kSin45, kSin45},
+                                               {0, 1},
+                                               {-kSin45, kSin45},
+                                               {-1, 0},
+                                               {-kSin45, -kSin45},
+                                               {0, -1},
+                                               {kSin45, -kSin45}}};
 
 // Returns the horizontal distance between two points, in millimetres.
 [[nodiscard]] inline double level_distance(const PlatePoint& a, const PlatePoint& b) {

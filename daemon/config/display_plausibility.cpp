@@ -11,7 +11,7 @@ constexpr double kMinAspect = 1.2, kMaxAspect = 2.4;
 // As they are focused on a film, their pixels have 47 to 100 um.
 constexpr double kMinPitchUm = 10, kMaxPitchUm = 200;
 
-std::string plain(double whole) {
+std::string whole_number(double whole) {
   return std::to_string(std::llround(whole));
 }
 
@@ -22,11 +22,11 @@ void warn_of_implausible_display(JsonDocument& printer) {
              height = printer.valid_number("/display/height_px");
   if (width && height && *height > *width) {
     printer.add_warning("/display/height_px",
-                        plain(*height) + " is more than width_px, " + plain(*width) +
+                        whole_number(*height) + " is more than width_px, " + whole_number(*width) +
                             ": projectors' pictures are wider than high, are the two exchanged?");
   } else if (width && height && (*width < kMinAspect * *height || *width > kMaxAspect * *height)) {
     printer.add_warning("/display/width_px",
-                        plain(*width) + " by " + plain(*height) +
+                        whole_number(*width) + " by " + whole_number(*height) +
                             " pixels is a shape that no projector's picture has: 5:4 to 21:9 are usual");
   }
   const auto pitch = printer.valid_number("/display/pixel_pitch_um");

@@ -7,8 +7,8 @@
 namespace contourd {
 namespace {
 
-std::string in_ms(Duration duration) {
-  return std::to_string(std::llround(std::chrono::duration<double, std::milli>(duration).count())) + " ms";
+std::string ms_text(Duration duration) {
+  return std::to_string(std::llround(in_ms(duration))) + " ms";
 }
 
 // A start bit, 8 data bits, a stop bit.
@@ -23,28 +23,28 @@ void warn_of_implausible_light(JsonDocument& printer, const ProjectorTable& tabl
   if (!table.switches_light()) return;
   const auto warn = [&printer](const std::string& what) { printer.add_warning("/projector/table", what); };
   const std::string tolerated =
-      "the resin's exposure_tolerance_ms is " + in_ms(tolerance.bounds) +
+      "the resin's exposure_tolerance_ms is " + ms_text(tolerance.bounds) +
       (tolerance.policy == ExposureTolerance::Policy::Interrupt ? ", so every layer will wait for its owner"
                                                                 : ", so every layer will be warned about");
   const Duration commands =
       wire_time(table.light_on->bytes, table.baud) + wire_time(table.light_off->bytes, table.baud);
   if (commands > tolerance.bounds) {
-    warn("light_on and light_off alone take " + in_ms(commands) + " at " + std::to_string(table.baud) +
+    warn("light_on and light_off alone take " + ms_text(commands) + " at " + std::to_string(table.baud) +
          " baud: " + tolerated);
   }
   if (table.latency > tolerance.bounds) {
-    warn("its latency_ms is " + in_ms(table.latency) +
+    warn("its latency_ms is " + ms_text(table.latency) +
          ", and light_off is hardly faster than light_on: " + tolerated);
   }
   const Duration soonest = wire_time(table.light_on->bytes, table.baud) + table.gap;
   if (soonest > exposure) {
-    warn("its gap_ms is " + in_ms(table.gap) + ": light_off comes " + in_ms(soonest) +
-         " after light_on at the soonest, but the resin's exposure is " + in_ms(exposure) +
+    warn("its gap_ms is " + ms_text(table.gap) + ": light_off comes " + ms_text(soonest) +
+         " after light_on at the soonest, but the resin's exposure is " + ms_text(exposure) +
          ": every such layer gets more");
   }
   if (table.light_on->timeout >= exposure) {
-    warn("the reply to light_on may take " + in_ms(table.light_on->timeout) +
-         ", but the resin's exposure is " + in_ms(exposure) +
+    warn("the reply to light_on may take " + ms_text(table.light_on->timeout) +
+         ", but the resin's exposure is " + ms_text(exposure) +
          ": of a reply that is lost nobody knows before the exposure is over, nor whether there was light");
   }
 }

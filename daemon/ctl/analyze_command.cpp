@@ -40,7 +40,7 @@ constexpr int kRuns = 3;
 constexpr std::int32_t kMaxPictureLayers = 500;
 constexpr std::size_t kMaxPicturePoints = 700'000;
 
-struct Subject {
+struct AnalysisSubject {
   std::unique_ptr<ContourEngine> engine;
   std::vector<Duration> layer_durations;  // by layer
   AnalysisOptions analysis;
@@ -48,8 +48,8 @@ struct Subject {
 };
 
 // In the middle of a display, without a printer.
-Subject subject_alone(const AnalyzeOptions& options) {
-  Subject subject;
+AnalysisSubject subject_alone(const AnalyzeOptions& options) {
+  AnalysisSubject subject;
   Model model = read_model(options.model);
   subject.model.warnings = std::move(model.warnings);
   turn_facets(model.facets, options.up, options.scale.value_or(1));
@@ -85,13 +85,13 @@ Subject subject_alone(const AnalyzeOptions& options) {
 }
 
 // As contourd prints it.
-Subject subject_of_printer(const AnalyzeOptions& options) {
+AnalysisSubject subject_of_printer(const AnalyzeOptions& options) {
   const PrinterConfig printer = load_printer_config(*options.printer, Places::Elsewhere);
   // Bad files are told as by the other commands, before anything about the printer.
   (void)read_model(options.model);
   PreparedJob job = prepare_model({options.model.stem().string(), options.model, options.ticket}, printer,
                                   {options.supports, options.scale});
-  Subject subject;
+  AnalysisSubject subject;
   const PrintPlan& plan = job.plan;
   subject.layer_durations = layer_durations(plan, printer);
   subject.engine = std::move(job.analysis_engine);
@@ -151,7 +151,7 @@ class Stopwatch {
   Contours contours_;
 };
 
-AnalyzedModel analyze(Subject subject, bool with_contours) {
+AnalyzedModel analyze(AnalysisSubject subject, bool with_contours) {
   AnalyzedModel model = std::move(subject.model);
   for (const PlateModel& each : subject.engine->models())
     model.facets += each.model->facets().size();
@@ -213,7 +213,7 @@ void print_json(const AnalyzedModel& m) {
 }  // namespace
 
 int analyze(const AnalyzeOptions& options) {
-  Subject subject = options.printer ? subject_of_printer(options) : subject_alone(options);
+  AnalysisSubject subject = options.printer ? subject_of_printer(options) : subject_alone(options);
   subject.model.name = options.model.filename().string();
   const AnalyzedModel model = analyze(std::move(subject), options.html.has_value());
   if (options.html) write_text(*options.html, analysis_page(model));

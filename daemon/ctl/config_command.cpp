@@ -21,8 +21,7 @@
 namespace contourd::ctl {
 namespace {
 
-using Json = nlohmann::json;
-using Pointer = Json::json_pointer;
+using Pointer = nlohmann::json::json_pointer;
 
 const std::map<std::string, std::string_view>& schemas() {
   static const std::map<std::string, std::string_view> all{{"plate", plate_schema_text},
@@ -42,7 +41,7 @@ struct Documents {
   }
 
   JsonDocument effective;
-  Json written;
+  nlohmann::json written;
 };
 
 // A line for each mistake, as contourd has it. Returns the exit code.
@@ -57,7 +56,7 @@ int told(const std::function<void()>& call) {
 }
 
 // The schema's own word on what is not given; nothing where it has none.
-const Json* default_at(const Pointer& place) {
+const nlohmann::json* default_at(const Pointer& place) {
   try {
     return printer_schema().at(place).default_here();
   } catch (const std::out_of_range&) {
@@ -73,17 +72,17 @@ std::string name_of(const Pointer& place) {
   return printable(name);
 }
 
-std::string text_of(const Json& value) {
-  return printable(value.dump(-1, ' ', false, Json::error_handler_t::replace));
+std::string text_of(const nlohmann::json& value) {
+  return printable(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
-void print_differences(const Json& value, const Pointer& place) {
+void print_differences(const nlohmann::json& value, const Pointer& place) {
   if (value.is_object()) {
     for (const auto& [key, member] : value.items())
       print_differences(member, place / key);
     return;
   }
-  const Json* const by_default = default_at(place);
+  const nlohmann::json* const by_default = default_at(place);
   if (by_default != nullptr && *by_default == value) return;
   fmt::print("{} = {}{}\n", name_of(place), text_of(value),
              by_default != nullptr ? " (default " + text_of(*by_default) + ")" : "");
@@ -104,7 +103,7 @@ int config_show(const ConfigOptions& options) {
 
 int config_diff(const ConfigOptions& options) {
   return told([&] {
-    Json written = Documents(options.file).written;
+    nlohmann::json written = Documents(options.file).written;
     written.erase("$schema");
     print_differences(written, Pointer());
   });

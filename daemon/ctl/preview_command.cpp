@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Subject {
+struct PreviewSubject {
   JobFiles files;
   std::string title;  // printable
   bool spooled = false;
@@ -41,7 +41,7 @@ bool is_there(const fs::path& path) {
   return fs::exists(fs::symlink_status(path, code));
 }
 
-Subject file_subject(const PreviewOptions& options) {
+PreviewSubject file_subject(const PreviewOptions& options) {
   const fs::path path = options.subject;
   look_at_model(path);  // what cannot be read is told as by the other commands
   return {{path.stem().string(), path, options.ticket}, printable(path.filename().string())};
@@ -54,7 +54,7 @@ std::string elsewhere(const SpooledJob& job) {
   return folders.empty() ? "" : fmt::format(" (there is another in {})", folders);
 }
 
-Subject job_subject(const ClientOptions& client, const PreviewOptions& options) {
+PreviewSubject job_subject(const ClientOptions& client, const PreviewOptions& options) {
   const SpoolFolders spool = [&] {
     try {
       return SpoolFolders(find_spool(client, options.spool));
@@ -83,7 +83,7 @@ bool is_file(const std::string& subject) {
   return subject.find('/') != std::string::npos || (is_there(subject) && !fs::is_directory(subject, code));
 }
 
-Subject subject_of(const ClientOptions& client, const PreviewOptions& options) {
+PreviewSubject subject_of(const ClientOptions& client, const PreviewOptions& options) {
   return is_file(options.subject) ? file_subject(options) : job_subject(client, options);
 }
 
@@ -98,7 +98,7 @@ PrinterConfig printer_for(const PreviewOptions& options, std::string_view what) 
   return load_printer_config(file, Places::Elsewhere);
 }
 
-NotedPicture mask_of_layer(const Subject& subject, PreparedJob job, int number) {
+NotedPicture mask_of_layer(const PreviewSubject& subject, PreparedJob job, int number) {
   const std::vector<Nanometers>& layers = job.plan.expected_layers;
   if (static_cast<std::size_t>(number) > layers.size())
     throw UsageError(
@@ -124,7 +124,7 @@ std::string size_text(double x, double y, double z) {
   return fmt::format("{:.6g} x {:.6g} x {:.6g} mm", x, y, z);
 }
 
-NotedPicture shaded_job(const Subject& subject, const PreparedJob& job) {
+NotedPicture shaded_job(const PreviewSubject& subject, const PreparedJob& job) {
   const JobSummary& summary = job.summary;
   std::size_t parts = 0;
   for (const ModelSummary& model : summary.models)
@@ -138,7 +138,7 @@ NotedPicture shaded_job(const Subject& subject, const PreparedJob& job) {
           fmt::format("{}: {}, layers {}", subject.title, what, layers_text(job.plan.expected_layers))};
 }
 
-std::vector<Facet> facets_of(const Subject& subject) {
+std::vector<Facet> facets_of(const PreviewSubject& subject) {
   const JobFiles& files = subject.files;
   if (!subject.spooled) return read_model(files.model).facets;
   try {
@@ -150,7 +150,7 @@ std::vector<Facet> facets_of(const Subject& subject) {
   }
 }
 
-NotedPicture shaded_model(const Subject& subject) {
+NotedPicture shaded_model(const PreviewSubject& subject) {
   const std::vector<Facet> facets = facets_of(subject);
   if (facets.empty()) throw ModelError(subject.files.model.string() + ": the file holds no facets");
   const Bounds bounds = bounds_of(facets);
@@ -160,7 +160,7 @@ NotedPicture shaded_model(const Subject& subject) {
                       size_text(bounds.size_x(), bounds.size_y(), bounds.size_z()), facets.size())};
 }
 
-NotedPicture draw(const Subject& subject, const PreviewOptions& options) {
+NotedPicture draw(const PreviewSubject& subject, const PreviewOptions& options) {
   const JobFiles& files = subject.files;
   if (options.layer)
     return mask_of_layer(subject, prepare_model(files, printer_for(options, "--layer")), *options.layer);
@@ -187,7 +187,7 @@ void refuse_to_overwrite(const JobFiles& files, const PreviewOptions& options) {
 
 // A job may be moved while it is looked for: from one folder to the next, and there are four.
 NotedPicture find_and_draw(const ClientOptions& client, const PreviewOptions& options) {
-  Subject subject = subject_of(client, options);
+  PreviewSubject subject = subject_of(client, options);
   refuse_to_overwrite(subject.files, options);
   for (int moves = 0;; ++moves) {
     try {

@@ -17,7 +17,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr auto kAskInterval = 100ms;
+constexpr auto kDaemonPollInterval = 100ms;
 constexpr auto kLongestRestart = 60s;
 constexpr auto kLongestAnswer = 5s;
 
@@ -45,7 +45,8 @@ bool SetupDaemon::start_anew(const std::filesystem::path& config, const std::str
     std::optional<DaemonConnection> before = connect();
     if (dialog_.ask_for_word(prompt, {"done", "skip"}) == "skip") return false;
     if (by_systemd && !restart_service()) continue;
-    if (before && !ends_within(*before, by_systemd ? Clock::duration(kLongestRestart) : kAskInterval)) {
+    if (before &&
+        !ends_within(*before, by_systemd ? Clock::duration(kLongestRestart) : kDaemonPollInterval)) {
       dialog_.say("contourd runs on as it was: it restarts once nothing prints.");
       continue;
     }
@@ -75,7 +76,7 @@ bool SetupDaemon::answers_as(const std::string& name) {
     } catch (const DaemonError& error) {  // it may be starting
       why = error.what();
     }
-    std::this_thread::sleep_for(kAskInterval);
+    std::this_thread::sleep_for(kDaemonPollInterval);
   }
   dialog_.say(fmt::format("{}.", why));
   return false;

@@ -10,19 +10,17 @@
 namespace contourd::ctl {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr const char* kChecks = "checks";
 
 // As whoever answers would type it; nothing for what nobody can type.
-std::optional<std::string> word_of(const Json& value) {
+std::optional<std::string> word_of(const nlohmann::json& value) {
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_number()) return value.dump();
   if (value.is_string()) return value.get<std::string>();
   return std::nullopt;
 }
 
-void read_checks(JsonDocument& document, const Json& checks, SetupRecord& record) {
+void read_checks(JsonDocument& document, const nlohmann::json& checks, SetupRecord& record) {
   const std::string pointer = std::string("/") + kChecks;
   if (!checks.is_object()) return document.add_violation(pointer, "this is no object");
   for (const auto& [name, outcome] : checks.items()) {
@@ -38,7 +36,7 @@ void read_checks(JsonDocument& document, const Json& checks, SetupRecord& record
 SetupRecord read_setup_record(const std::filesystem::path& file) {
   JsonDocument document = JsonDocument::from_file(file);
   SetupRecord record;
-  const Json all = document.value();
+  const nlohmann::json all = document.value();
   if (!all.is_object()) {
     document.add_violation("", "this is no object of answers");
     document.throw_if_violated();

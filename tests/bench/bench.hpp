@@ -45,6 +45,8 @@ inline constexpr const char* kPlate = "plate-figurines-935k.stl";
 inline constexpr const char* kLiver = "minetto-liver.stl";
 inline constexpr const char* kFemur = "minetto-femur.stl";
 inline constexpr const char* kBunny = "bunny-stanford-x4-278k.stl";
+// A layer that results in the layer counts of the thesis and of Minetto et al.
+inline constexpr Nanometers kThinLayer{32'000};
 inline constexpr std::uint64_t kSeed = 2019;  // seed of the random heights
 
 // Returns an engine with the model fitted to the display, as in the thesis.

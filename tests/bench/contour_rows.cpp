@@ -10,18 +10,17 @@
 namespace contourd::bench {
 namespace {
 
-constexpr Nanometers kLayer{32'000};  // results in the layer counts of the thesis and of Minetto et al.
 constexpr Millimeters kTolerance{0.05};
 constexpr int kQuickLayers = 20;
 
-struct Subject {
+struct ContourSubject {
   std::string id, name, file;
   double target_s;
   std::vector<Peer> cited;
 };
 
 std::vector<double> layer_heights(const Bounds& bounds, bool quick) {
-  const LayerStack layers = layers_for(Millimeters{bounds.size_z()}, kLayer);
+  const LayerStack layers = layers_for(Millimeters{bounds.size_z()}, kThinLayer);
   const std::int32_t step = quick ? std::max(layers.count / kQuickLayers, 1) : 1;
   std::vector<double> heights;
   for (std::int32_t layer = 0; layer < layers.count; layer += step)
@@ -60,7 +59,7 @@ Peer run_baseline(const std::filesystem::path& file, bool quick) {
   return {"thesis's algorithms", times.wall_s[0], false, times.cpu_s[0]};
 }
 
-std::vector<Row> rows_of(const Bench& bench, const Subject& subject) {
+std::vector<Row> contour_rows_of(const Bench& bench, const ContourSubject& subject) {
   const std::vector<std::string> ids{subject.id, subject.id + "-without-reading"};
   const auto file = bench.models.shared(subject.file);
   if (!file) return skipped_rows(ids, subject.file);
@@ -78,7 +77,7 @@ std::vector<Row> rows_of(const Bench& bench, const Subject& subject) {
   row.target = Target{Target::Kind::AtMost, subject.target_s};
   row.peers.push_back(run_baseline(*file, bench.quick));
   if (bench.peers) {
-    if (const auto peer = run_slic3r(*file, kLayer)) row.peers.push_back(*peer);
+    if (const auto peer = run_slic3r(*file, kThinLayer)) row.peers.push_back(*peer);
   }
   row.peers.insert(row.peers.end(), subject.cited.begin(), subject.cited.end());
   row.note = fmt::format("{} segments, {} loops", totals.segments, totals.loops);
@@ -94,13 +93,13 @@ std::vector<Row> rows_of(const Bench& bench, const Subject& subject) {
 }  // namespace
 
 std::vector<Row> contour_rows(const Bench& bench) {
-  const std::vector<Subject> subjects{
+  const std::vector<ContourSubject> subjects{
       {"contours-liver", "liver", kLiver, 0.10, {{"thesis", 1.483, true}, {"Minetto et al.", 1.04, true}}},
       {"contours-femur", "femur", kFemur, 0.07, {{"thesis", 2.532, true}, {"Minetto et al.", 0.52, true}}},
       {"contours-bunny", "bunny of 278k facets", kBunny, 0.15, {{"Minetto et al.", 1.08, true}}}};
   std::vector<Row> rows;
-  for (const Subject& subject : subjects) {
-    for (Row& row : rows_of(bench, subject))
+  for (const ContourSubject& subject : subjects) {
+    for (Row& row : contour_rows_of(bench, subject))
       rows.push_back(std::move(row));
   }
   return rows;

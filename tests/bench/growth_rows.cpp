@@ -7,11 +7,11 @@
 namespace contourd::bench {
 namespace {
 
-const DisplayGeometry kDisplay{Pixels{1920}, Pixels{1080}, Micrometers{25}};
+const DisplayGeometry kGrowthDisplay{Pixels{1920}, Pixels{1080}, Micrometers{25}};
 
 ContourEngine engine_for(models::Facets facets, Point center) {
-  return ContourEngine(HeightIndex(std::move(facets)), EngineSettings{kDisplay, AntiAliasing::On},
-                       {PixelMap::true_scale(kDisplay, center)});
+  return ContourEngine(HeightIndex(std::move(facets)), EngineSettings{kGrowthDisplay, AntiAliasing::On},
+                       {PixelMap::true_scale(kGrowthDisplay, center)});
 }
 
 // Returns the medians at random heights.

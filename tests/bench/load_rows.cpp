@@ -10,8 +10,8 @@ namespace contourd::bench {
 namespace {
 
 // The gyroid ball, 40 mm, at true scale.
-const DisplayGeometry kDisplay{Pixels{1920}, Pixels{1080}, Micrometers{40}};
-constexpr Nanometers kLayer{50'000};
+const DisplayGeometry kGyroidDisplay{Pixels{1920}, Pixels{1080}, Micrometers{40}};
+constexpr Nanometers kGyroidLayer{50'000};
 
 double megabytes(const std::filesystem::path& file) {
   return static_cast<double>(std::filesystem::file_size(file)) / 1e6;
@@ -20,8 +20,8 @@ double megabytes(const std::filesystem::path& file) {
 // Makes the mask in the middle of the model: one at the bottom would be almost empty.
 void first_mask(HeightIndex model) {
   const double middle = model.bounds().min_z + model.bounds().size_z() / 2;
-  const PixelMap map = PixelMap::fit(kDisplay, model.bounds());
-  ContourEngine engine(std::move(model), EngineSettings{kDisplay, AntiAliasing::On}, {map});
+  const PixelMap map = PixelMap::fit(kGyroidDisplay, model.bounds());
+  ContourEngine engine(std::move(model), EngineSettings{kGyroidDisplay, AntiAliasing::On}, {map});
   (void)engine.mask_at_z(Millimeters{middle});
 }
 
@@ -49,7 +49,7 @@ Row first_mask_row(const Bench& bench) {
                          best(reading.wall_s) * 1e3, best(indexing.wall_s) * 1e3, best(mask.wall_s) * 1e3,
                          megabytes(file) / best(reading.wall_s));
   if (bench.peers) {
-    if (auto peer = run_prusa_slicer(file, kLayer, kDisplay)) {
+    if (auto peer = run_prusa_slicer(file, kGyroidLayer, kGyroidDisplay)) {
       row.peers.push_back({peer->name + " (all masks: it has none before)", peer->figure * 1e3, false,
                            peer->cpu.value() * 1e3});
     }

@@ -11,7 +11,7 @@ namespace {
 constexpr Nanometers kRise{10'000};
 constexpr int kWarmUp = 50, kPasses = 3, kBaselinePlanes = 15;
 
-struct Subject {
+struct MaskSubject {
   std::string id, name;
   std::filesystem::path file;
 };
@@ -69,7 +69,7 @@ Peer run_baseline(const Bench& bench, const HeightIndex& model) {
           median(times.cpu_s) * 1e3};
 }
 
-std::vector<Row> rows_of(const Bench& bench, const Subject& subject) {
+std::vector<Row> mask_rows_of(const Bench& bench, const MaskSubject& subject) {
   const std::vector<std::string> ids = ids_of(subject.id);
   ContourEngine engine = fitted_engine(subject.file, Pixels{1920}, Pixels{1080});
   const Times random = at_random_heights(bench, engine);
@@ -91,8 +91,8 @@ std::vector<Row> rows_of(const Bench& bench, const Subject& subject) {
 std::vector<Row> mask_rows(const Bench& bench) {
   const auto plate = bench.models.shared(kPlate);
   std::vector<Row> rows =
-      plate ? rows_of(bench, {"plate", "plate", *plate}) : skipped_rows(ids_of("plate"), kPlate);
-  for (Row& row : rows_of(bench, {"gyroid", "gyroid", bench.models.gyroid()}))
+      plate ? mask_rows_of(bench, {"plate", "plate", *plate}) : skipped_rows(ids_of("plate"), kPlate);
+  for (Row& row : mask_rows_of(bench, {"gyroid", "gyroid", bench.models.gyroid()}))
     rows.push_back(std::move(row));
   return rows;
 }

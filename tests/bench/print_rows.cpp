@@ -11,18 +11,17 @@
 namespace contourd::bench {
 namespace {
 
-constexpr Nanometers kLayer{32'000};
 // The liver, 157 by 165 mm, at true scale: 1080 pixels of 160 um are 172.8 mm.
 constexpr double kPitchUm = 160;
-const DisplayGeometry kDisplay{Pixels{1920}, Pixels{1080}, Micrometers{kPitchUm}};
+const DisplayGeometry kLiverDisplay{Pixels{1920}, Pixels{1080}, Micrometers{kPitchUm}};
 
 Row masks_in_memory(const Bench& bench, const std::filesystem::path& file) {
   std::int32_t masks = 0;
   const Times times = time_runs(bench.runs(5), [&] {
     HeightIndex model(read_model_file(file).facets);
-    const PixelMap map = PixelMap::true_scale(kDisplay, model.bounds().center());
-    const LayerStack layers = layers_for(Millimeters{model.bounds().size_z()}, kLayer);
-    ContourEngine engine(std::move(model), EngineSettings{kDisplay, AntiAliasing::On}, {map});
+    const PixelMap map = PixelMap::true_scale(kLiverDisplay, model.bounds().center());
+    const LayerStack layers = layers_for(Millimeters{model.bounds().size_z()}, kThinLayer);
+    ContourEngine engine(std::move(model), EngineSettings{kLiverDisplay, AntiAliasing::On}, {map});
     const std::int32_t step = bench.quick ? 300 : 1;
     masks = 0;
     for (std::int32_t layer = 0; layer < layers.count; layer += step, ++masks)
@@ -44,7 +43,7 @@ Row masks_as_files(const Bench& bench, const std::filesystem::path& file) {
     return row;
   }
   // The layers of a quick run are 10 mm thick: 20 files.
-  const Nanometers layer = bench.quick ? Nanometers{10'000'000} : kLayer;
+  const Nanometers layer = bench.quick ? Nanometers{10'000'000} : kThinLayer;
   std::vector<double> wall, cpu;
   for (int run = 0; run < bench.runs(2); ++run) {
     const testing::TemporaryFolder folder;
@@ -59,7 +58,7 @@ Row masks_as_files(const Bench& bench, const std::filesystem::path& file) {
   row.cpu = best(cpu);
   row.target = Target{Target::Kind::TimesFirstPeer, 8};
   if (bench.peers) {
-    if (const auto peer = run_prusa_slicer(file, layer, kDisplay)) row.peers.push_back(*peer);
+    if (const auto peer = run_prusa_slicer(file, layer, kLiverDisplay)) row.peers.push_back(*peer);
   }
   return row;
 }

@@ -24,7 +24,7 @@ double seconds_of(const timeval& time) {
 std::string read_to_end(int descriptor) {
   std::string text;
   std::array<char, 65536> buffer;
-  for (ssize_t n = 0; (n = read(descriptor, buffer.data(), buffer.size())) > 0;)
+  for (ssize_t n = 0; (n = ::read(descriptor, buffer.data(), buffer.size())) > 0;)
     text.append(buffer.data(), static_cast<std::size_t>(n));
   return text;
 }

@@ -10,7 +10,7 @@
 namespace contourd::bench {
 namespace {
 
-constexpr int kColumns = 25, kRows = 20, kPasses = 5, kHeights = 400;
+constexpr int kColumns = 25, kRows = 20, kSupportPasses = 5, kHeights = 400;
 constexpr double kSpacing = 2.6;
 
 // 500 supports all over a plate of 96 by 54 mm: a foot, a pillar, a branch and a tip each.
@@ -33,7 +33,7 @@ Times masks_of(const std::vector<PlateModel>& models, const DisplayGeometry& dis
   std::vector<Nanometers> heights;
   for (int i = 0; i < count; ++i)
     heights.push_back(Nanometers{1'100'000} + Nanometers{50'000} * (i * 37 % kHeights));
-  return best_of_passes(kPasses, heights, [&](Nanometers height) { (void)engine.mask_at(height); });
+  return best_of_passes(kSupportPasses, heights, [&](Nanometers height) { (void)engine.mask_at(height); });
 }
 
 }  // namespace

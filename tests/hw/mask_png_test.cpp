@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/hw/masks.hpp"
 #include "tests/random_shapes.hpp"
 
 // Tested here and not beside core's tests, which link no library that could read the pictures.
@@ -71,28 +72,9 @@ Mask strictly_decoded(Bytes png) {
   return mask;
 }
 
-Mask mask_of(std::int64_t width, std::int64_t height, int grey) {
-  Mask mask(Pixels{static_cast<std::int32_t>(width)}, Pixels{static_cast<std::int32_t>(height)});
-  for (std::int32_t y = 0; y < height; ++y)
-    std::memset(mask.row(y).data(), grey, mask.row(y).size());
-  return mask;
-}
-
-Mask noise(std::int32_t width, std::int32_t height) {
-  Mask mask(Pixels{width}, Pixels{height});
-  std::uint32_t random = 1;
-  for (std::int32_t y = 0; y < height; ++y) {
-    for (std::uint8_t& grey : mask.row(y)) {
-      random = random * 1664525 + 1013904223;
-      grey = static_cast<std::uint8_t>(random >> 24);
-    }
-  }
-  return mask;
-}
-
 // Draws a mask of runs of all lengths, with the greys that masks have; many rows repeat the row above.
 Mask draw_mask_of_runs() {
-  Mask mask = mask_of(testing::draw(1, 1200), testing::draw(1, 8), 0);
+  Mask mask = testing::mask_of(testing::draw(1, 1200), testing::draw(1, 8), 0);
   for (std::int32_t y = 0; y < mask.height().count(); ++y) {
     const auto row = mask.row(y);
     const auto kind = testing::draw(0, 3);
@@ -126,37 +108,37 @@ TEST_CASE("A mask of any runs comes back from its PNG, every checksum right") {
 
 TEST_CASE("A run of every length comes back from its PNG") {
   for (std::int64_t width = 1; width <= 1100; ++width)
-    REQUIRE(comes_back(mask_of(width, 1, 77)));
+    REQUIRE(comes_back(testing::mask_of(width, 1, 77)));
 }
 
 TEST_CASE("Masks all dark, all lit and of noise come back from their PNG at every small width") {
   for (std::int32_t width = 1; width <= 70; ++width) {
     for (const int grey : {0, 255})
-      REQUIRE(comes_back(mask_of(width, 3, grey)));
-    REQUIRE(comes_back(noise(width, 3)));
+      REQUIRE(comes_back(testing::mask_of(width, 3, grey)));
+    REQUIRE(comes_back(testing::noise(width, 3)));
   }
 }
 
 TEST_CASE("The widest and the highest masks come back from their PNG") {
   for (const int grey : {0, 1, 255}) {
-    CHECK(comes_back(mask_of(16384, 5, grey)));
-    CHECK(comes_back(mask_of(5, 16384, grey)));
+    CHECK(comes_back(testing::mask_of(16384, 5, grey)));
+    CHECK(comes_back(testing::mask_of(5, 16384, grey)));
   }
-  CHECK(comes_back(noise(16384, 5)));
+  CHECK(comes_back(testing::noise(16384, 5)));
 }
 
 TEST_CASE("A mask as large as masks can be, all lit or all dark, comes back from its PNG") {
   for (const int grey : {0, 255})
-    CHECK(comes_back(mask_of(16384, 16384, grey)));
+    CHECK(comes_back(testing::mask_of(16384, 16384, grey)));
 }
 
 TEST_CASE("Noise grows by at most an eighth as PNG") {
   MaskPngEncoder encoder;
   const auto size = [&encoder](const Mask& mask) { return encoder.encode(mask).size(); };
   for (const std::int32_t side : {1, 7, 100, 500})
-    CHECK(size(noise(side, side)) <= static_cast<std::size_t>(side * (side + 1) * 9 / 8 + 200));
+    CHECK(size(testing::noise(side, side)) <= static_cast<std::size_t>(side * (side + 1) * 9 / 8 + 200));
   // Pairs of the costliest grey take two literals each.
-  Mask pairs = mask_of(400, 400, 1);
+  Mask pairs = testing::mask_of(400, 400, 1);
   for (std::int32_t y = 0; y < 400; ++y) {
     for (std::size_t x = 0; x < 400; ++x)
       pairs.row(y)[x] = static_cast<std::uint8_t>(1 + (x / 2 + static_cast<std::size_t>(y)) % 2);
@@ -166,8 +148,8 @@ TEST_CASE("Noise grows by at most an eighth as PNG") {
 
 TEST_CASE("A dark mask of full size is packed six hundredfold, and so are equal rows") {
   MaskPngEncoder encoder;
-  CHECK(encoder.encode(mask_of(1920, 1080, 0)).size() < 1920 * 1080 / 600);
-  Mask stripes = mask_of(1920, 1080, 0);
+  CHECK(encoder.encode(testing::mask_of(1920, 1080, 0)).size() < 1920 * 1080 / 600);
+  Mask stripes = testing::mask_of(1920, 1080, 0);
   for (std::int32_t y = 0; y < 1080; ++y) {
     for (std::size_t x = 0; x < 1920; x += 8)
       stripes.row(y)[x] = 255;
@@ -178,17 +160,17 @@ TEST_CASE("A dark mask of full size is packed six hundredfold, and so are equal 
 
 TEST_CASE("An encoder gives the same bytes whatever it encoded before") {
   MaskPngEncoder used, fresh;
-  (void)used.encode(noise(90, 80));
-  const Mask mask = mask_of(60, 50, 200);
+  (void)used.encode(testing::noise(90, 80));
+  const Mask mask = testing::mask_of(60, 50, 200);
   const Bytes again = used.encode(mask), first = fresh.encode(mask);
   CHECK(std::vector(again.begin(), again.end()) == std::vector(first.begin(), first.end()));
 }
 
 TEST_CASE("A warm encoder keeps its memory") {
   MaskPngEncoder encoder;
-  const std::uint8_t* warm = encoder.encode(noise(200, 200)).data();
-  CHECK(encoder.encode(mask_of(200, 200, 255)).data() == warm);
-  CHECK(encoder.encode(noise(200, 200)).data() == warm);
+  const std::uint8_t* warm = encoder.encode(testing::noise(200, 200)).data();
+  CHECK(encoder.encode(testing::mask_of(200, 200, 255)).data() == warm);
+  CHECK(encoder.encode(testing::noise(200, 200)).data() == warm);
 }
 
 TEST_CASE("A picture without pixels is refused") {

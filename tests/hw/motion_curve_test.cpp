@@ -14,16 +14,16 @@ using testing::draw_real;
 
 namespace {
 
-struct Drawn {
+struct DrawnCurve {
   double distance;
   MotionLimits limits;
   [[nodiscard]] MotionCurve curve() const { return {distance, limits}; }
 };
 
 // Draws a plate's move in millimetres or in microsteps, with or without a jerk limit.
-Drawn draw_move() {
+DrawnCurve draw_curve() {
   const double scale = *rc::gen::element(1.0, 800.0);
-  Drawn move{draw_real(0.0001, 200) * scale, {draw_real(0.1, 50) * scale, draw_real(1, 500) * scale}};
+  DrawnCurve move{draw_real(0.0001, 200) * scale, {draw_real(0.1, 50) * scale, draw_real(1, 500) * scale}};
   if (draw(0, 2) != 0) move.limits.jerk = draw_real(5, 20000) * scale;
   return move;
 }
@@ -59,7 +59,7 @@ TEST_CASE("A move too short for any hold peaks at the cube root of D^2 J / 4") {
 
 TEST_CASE("A curve starts and ends at rest and goes its whole distance") {
   CHECK(rc::check([] {
-    const Drawn move = draw_move();
+    const DrawnCurve move = draw_curve();
     const MotionCurve curve = move.curve();
     RC_ASSERT(curve.position_at(0) == 0.0);
     RC_ASSERT(curve.position_at(-1) == 0.0);
@@ -76,7 +76,7 @@ TEST_CASE("A curve starts and ends at rest and goes its whole distance") {
 
 TEST_CASE("A curve keeps within its speed, its acceleration and its jerk") {
   CHECK(rc::check([] {
-    const Drawn move = draw_move();
+    const DrawnCurve move = draw_curve();
     const MotionCurve curve = move.curve();
     constexpr int kSamples = 400;
     const double step = curve.duration_s() / kSamples;
@@ -101,7 +101,7 @@ TEST_CASE("A curve keeps within its speed, its acceleration and its jerk") {
 
 TEST_CASE("A curve's second half mirrors its first") {
   CHECK(rc::check([] {
-    const Drawn move = draw_move();
+    const DrawnCurve move = draw_curve();
     const MotionCurve curve = move.curve();
     const double t = curve.duration_s() * draw_real(0, 1);
     RC_ASSERT(std::fabs(curve.position_at(t) + curve.position_at(curve.duration_s() - t) - move.distance) <=
@@ -111,7 +111,7 @@ TEST_CASE("A curve's second half mirrors its first") {
 
 TEST_CASE("The time at a position is the inverse of the position at a time") {
   CHECK(rc::check([] {
-    const Drawn move = draw_move();
+    const DrawnCurve move = draw_curve();
     const MotionCurve curve = move.curve();
     const double part = move.distance * draw_real(0, 1);
     RC_ASSERT(std::fabs(curve.position_at(curve.time_at(part)) - part) <= kRounding * move.distance);
@@ -122,7 +122,7 @@ TEST_CASE("The time at a position is the inverse of the position at a time") {
 
 TEST_CASE("A jerk limit makes no move quicker") {
   CHECK(rc::check([] {
-    Drawn move = draw_move();
+    DrawnCurve move = draw_curve();
     const double with_jerk = move.curve().duration_s();
     move.limits.jerk = MotionLimits{}.jerk;
     RC_ASSERT(move.curve().duration_s() <= with_jerk * (1 + kRounding));
@@ -131,7 +131,7 @@ TEST_CASE("A jerk limit makes no move quicker") {
 
 TEST_CASE("A stop comes to rest within the limits and not beyond the end") {
   CHECK(rc::check([] {
-    const Drawn move = draw_move();
+    const DrawnCurve move = draw_curve();
     const MotionCurve whole = move.curve();
     MotionCurve curve = whole;
     const double at = whole.duration_s() * draw_real(0, 1);

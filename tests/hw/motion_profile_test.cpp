@@ -6,12 +6,14 @@
 #include <cstdlib>
 
 #include "tests/catch.hpp"
+#include "tests/hw/millimeters.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
 using testing::draw;
 using testing::draw_real;
+using testing::mm;
 
 namespace {
 
@@ -26,10 +28,6 @@ EarlyStop stopped_at(MotionProfile profile, Duration elapsed) {
   return {profile.displacement(profile.duration()), profile.duration()};
 }
 
-Nanometers mm(double length) {
-  return to_nanometers(Millimeters{length}).value();
-}
-
 MotionProfile profile(double distance_mm, double speed_mm_s, double acceleration_mm_s2) {
   return {mm(distance_mm), MillimetersPerSecond{speed_mm_s}, MillimetersPerSecondSquared{acceleration_mm_s2}};
 }
@@ -40,12 +38,12 @@ bool lasts(Duration duration, double seconds) {
   return std::fabs(std::chrono::duration<double>(duration).count() - seconds) <= 1e-9 + 1e-11;
 }
 
-struct Drawn {
+struct DrawnProfile {
   double distance_mm, speed, acceleration;
   [[nodiscard]] MotionProfile profile() const { return ::profile(distance_mm, speed, acceleration); }
 };
 
-Drawn draw_move() {
+DrawnProfile draw_profile() {
   return {draw_real(-200, 200), draw_real(0.1, 50), draw_real(1, 500)};
 }
 
@@ -98,7 +96,7 @@ TEST_CASE("A move over one nanometre arrives") {
 
 TEST_CASE("Before its start a move stands still and after its end at its whole distance") {
   CHECK(rc::check([] {
-    const Drawn move = draw_move();
+    const DrawnProfile move = draw_profile();
     const MotionProfile p = move.profile();
     RC_ASSERT(p.displacement(Duration{-draw(0, 1'000'000'000)}) == Nanometers{0});
     RC_ASSERT(p.displacement(p.duration() + Duration{draw(0, 1'000'000'000)}) == mm(move.distance_mm));
@@ -108,7 +106,7 @@ TEST_CASE("Before its start a move stands still and after its end at its whole d
 
 TEST_CASE("A move never goes back and never faster than its speed") {
   CHECK(rc::check([] {
-    const Drawn move = draw_move();
+    const DrawnProfile move = draw_profile();
     const MotionProfile p = move.profile();
     Duration one = draw_time(p), other = draw_time(p);
     if (other < one) std::swap(one, other);
@@ -124,7 +122,7 @@ TEST_CASE("A move never goes back and never faster than its speed") {
 
 TEST_CASE("A move's second half mirrors its first") {
   CHECK(rc::check([] {
-    const Drawn move = draw_move();
+    const DrawnProfile move = draw_profile();
     const MotionProfile p = move.profile();
     const Duration t = draw_time(p);
     const std::int64_t sum = (p.displacement(t) + p.displacement(p.duration() - t)).count();
@@ -135,7 +133,7 @@ TEST_CASE("A move's second half mirrors its first") {
 
 TEST_CASE("A move has the duration of its formula") {
   CHECK(rc::check([] {
-    const Drawn move = draw_move();
+    const DrawnProfile move = draw_profile();
     const double distance = std::fabs(to_millimeters(mm(move.distance_mm)).count());
     const double v = std::fmin(move.speed, std::sqrt(distance * move.acceleration));
     RC_PRE(v > 0.0);
@@ -145,7 +143,7 @@ TEST_CASE("A move has the duration of its formula") {
 
 TEST_CASE("A faster or a stronger machine is never slower") {
   CHECK(rc::check([] {
-    const Drawn move = draw_move();
+    const DrawnProfile move = draw_profile();
     const Duration duration = move.profile().duration();
     // A nanosecond for rounding up.
     RC_ASSERT(profile(move.distance_mm, move.speed * 2, move.acceleration).duration() <= duration + 1ns);
@@ -186,7 +184,7 @@ TEST_CASE("A stop before the start stays at the start") {
 
 TEST_CASE("A stop ends between where the plate is and where it was going") {
   CHECK(rc::check([] {
-    const Drawn move = draw_move();
+    const DrawnProfile move = draw_profile();
     const MotionProfile p = move.profile();
     const Duration t = draw_time(p);
     const EarlyStop stop = stopped_at(p, t);

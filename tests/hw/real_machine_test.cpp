@@ -11,19 +11,13 @@
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/hw/no_descriptors.hpp"
 #include "tests/hw/serial/scripted_channel.hpp"
 #include "tests/hw/watchdog/ready_watchdog.hpp"
 
 using namespace contourd;
 
 namespace {
-
-class NoDescriptors final : public DescriptorWatcher {
- public:
-  [[nodiscard]] std::unique_ptr<Watch> when_readable(int, std::function<void()>) override {
-    return std::make_unique<Watch>();
-  }
-};
 
 // Returns a configuration of devices that no computer has.
 RealMachineConfig nowhere() {
@@ -49,11 +43,8 @@ std::size_t count(const std::string& text, const std::string& word) {
 
 }  // namespace
 
-TEST_CASE("A machine whose devices are all missing starts, says what is missing, and does nothing") {
-  VirtualClock clock;
-  NoDescriptors watcher;
-  FileDescriptor process;
-  LightWatchdog watchdog = testing::ready_watchdog(clock, watcher, process);
+TEST_CASE_METHOD(testing::ReadyWatchdogFixture,
+                 "A machine whose devices are all missing starts, says what is missing, and does nothing") {
   RealMachine machine(clock, watcher, watchdog, nowhere());
   const std::string not_ready = machine.why_not_ready();
   CHECK(count(not_ready, "gpiochip-missing") >= 2);  // for the light, and for the axis
@@ -89,12 +80,9 @@ TEST_CASE("A machine whose devices are all missing starts, says what is missing,
   CHECK(moved == MoveResult::NotHomed);
 }
 
-TEST_CASE(
+TEST_CASE_METHOD(
+    testing::ReadyWatchdogFixture,
     "Missing devices are searched for again and again, and those that are still missing are not reported") {
-  VirtualClock clock;
-  NoDescriptors watcher;
-  FileDescriptor process;
-  LightWatchdog watchdog = testing::ready_watchdog(clock, watcher, process);
   RealMachine machine(clock, watcher, watchdog, nowhere());
   int reported = 0;
   machine.on_event([&](const MachineEvent&) { ++reported; });
@@ -109,8 +97,8 @@ TEST_CASE(
 namespace {
 
 // A machine of nothing but an axis, which a test can make missing.
-struct AxisBench {
-  AxisBench() {
+struct AxisMachineFixture {
+  AxisMachineFixture() {
     config.light.reset();
     config.projector.reset();
   }
@@ -138,46 +126,45 @@ struct AxisBench {
 
 }  // namespace
 
-TEST_CASE("An axis whose chip is unplugged prevents printing from then on, and is searched for") {
-  AxisBench bench;
-  bench.start();
-  CHECK(count(bench.machine->why_not_ready(), "axis") == 0);
-  bench.missing = true;
-  bench.plant.pull_chip();
-  REQUIRE(bench.reported.size() == 1);
-  CHECK(bench.reported[0].kind == MachineEvent::Kind::Fault);
-  CHECK(count(bench.machine->why_not_ready(), "the axis' inputs on") == 1);
-  CHECK(bench.opened == 1);
-  bench.plant.run_for(2 * RealMachine::kSearchInterval);
-  CHECK(bench.opened >= 2);
-  CHECK(count(bench.machine->why_not_ready(), "the axis is missing") == 1);
-  CHECK(bench.reported.size() == 1);
+TEST_CASE_METHOD(AxisMachineFixture,
+                 "An axis whose chip is unplugged prevents printing from then on, and is searched for") {
+  start();
+  CHECK(count(machine->why_not_ready(), "axis") == 0);
+  missing = true;
+  plant.pull_chip();
+  REQUIRE(reported.size() == 1);
+  CHECK(reported[0].kind == MachineEvent::Kind::Fault);
+  CHECK(count(machine->why_not_ready(), "the axis' inputs on") == 1);
+  CHECK(opened == 1);
+  plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(opened >= 2);
+  CHECK(count(machine->why_not_ready(), "the axis is missing") == 1);
+  CHECK(reported.size() == 1);
 }
 
-TEST_CASE("An axis whose lines the kernel refuses to set counts as lost") {
-  AxisBench bench;
-  bench.start();
-  bench.plant.step->refuses = true;
+TEST_CASE_METHOD(AxisMachineFixture, "An axis whose lines the kernel refuses to set counts as lost") {
+  start();
+  plant.step->refuses = true;
   std::optional<HomingResult> homed;
-  bench.machine->z_axis().home([&](HomingResult result) { homed = result; });
-  bench.plant.run([&] { return homed.has_value(); });
+  machine->z_axis().home([&](HomingResult result) { homed = result; });
+  plant.run([&] { return homed.has_value(); });
   CHECK(homed == HomingResult::Fault);
-  CHECK(count(bench.machine->why_not_ready(), "line") >= 1);
-  bench.missing = true;
-  bench.plant.run_for(2 * RealMachine::kSearchInterval);
-  CHECK(bench.opened >= 2);
+  CHECK(count(machine->why_not_ready(), "line") >= 1);
+  missing = true;
+  plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(opened >= 2);
 }
 
-TEST_CASE("The warnings of a device that comes late are reported when it is found") {
-  AxisBench bench;
-  bench.missing = true;
-  bench.plant.refusals = {"no real-time priority"};
-  bench.start();
-  bench.missing = false;
-  bench.plant.run_for(2 * RealMachine::kSearchInterval);
-  REQUIRE(bench.reported.size() == 1);
-  CHECK(bench.reported[0].kind == MachineEvent::Kind::Recovery);
-  CHECK(bench.reported[0].warnings == std::vector<std::string>{"no real-time priority"});
+TEST_CASE_METHOD(AxisMachineFixture,
+                 "The warnings of a device that comes late are reported when it is found") {
+  missing = true;
+  plant.refusals = {"no real-time priority"};
+  start();
+  missing = false;
+  plant.run_for(2 * RealMachine::kSearchInterval);
+  REQUIRE(reported.size() == 1);
+  CHECK(reported[0].kind == MachineEvent::Kind::Recovery);
+  CHECK(reported[0].warnings == std::vector<std::string>{"no real-time priority"});
 }
 
 namespace {
@@ -191,9 +178,9 @@ SerialProjectorConfig silent_projector() {
 }
 
 // A machine whose light is a line that may break.
-struct LightBench {
-  explicit LightBench(bool without_light = false, bool without_axis = false,
-                      std::optional<SerialProjectorConfig> projector = std::nullopt)
+struct LightMachineFixture {
+  explicit LightMachineFixture(bool without_light = false, bool without_axis = false,
+                               std::optional<SerialProjectorConfig> projector = std::nullopt)
       : chip_gone(without_light), axis_missing(without_axis) {
     plant.config.lid = GpioInputConfig{.line = {.chip = "gpiochip0", .line = "5"}};
     config.light = GpioLineConfig{.chip = "gpiochip7", .line = "24"};
@@ -262,144 +249,144 @@ constexpr Duration kPastSearch = RealMachine::kSearchInterval + std::chrono::sec
 
 }  // namespace
 
-TEST_CASE(
+TEST_CASE_METHOD(
+    LightMachineFixture,
     "A light line that refuses to go off prevents printing, and its chip is opened again when it is back") {
-  LightBench bench;
-  CHECK(bench.light_on() == ProjectorReply::Ok);
-  REQUIRE(bench.line->level);
-  bench.line->refuses = bench.chip_gone = true;
-  bench.machine->projector().light_off();
-  CHECK_FALSE(bench.machine->projector().light_off_unconfirmed().empty());
-  bench.plant.run_for(std::chrono::milliseconds{100});
-  REQUIRE(bench.reported.size() == 1);
-  CHECK(bench.reported[0].kind == MachineEvent::Kind::Fault);
-  CHECK(count(bench.machine->why_not_ready(), "the light may be on: the light's line 24 of gpiochip7") == 1);
-  bench.plant.run_for(2 * RealMachine::kSearchInterval);
-  CHECK(bench.opened >= 2);
-  CHECK(count(bench.machine->why_not_ready(), "the light may be on: the light's line 24 of gpiochip7") == 1);
-  CHECK(count(bench.machine->why_not_ready(), "there is no GPIO chip") == 1);
-  CHECK_FALSE(bench.machine->projector().light_off_unconfirmed().empty());
-  bench.chip_gone = false;
-  bench.plant.run_for(2 * RealMachine::kSearchInterval);
-  CHECK(count(bench.machine->why_not_ready(), "light") == 0);
-  CHECK(bench.machine->projector().light_off_unconfirmed().empty());
-  REQUIRE(bench.reported.size() == 2);
-  CHECK(bench.reported[1].kind == MachineEvent::Kind::Recovery);
-  CHECK(bench.reported[1].what == "found light: line 24 of gpiochip7");
+  CHECK(light_on() == ProjectorReply::Ok);
+  REQUIRE(line->level);
+  line->refuses = chip_gone = true;
+  machine->projector().light_off();
+  CHECK_FALSE(machine->projector().light_off_unconfirmed().empty());
+  plant.run_for(std::chrono::milliseconds{100});
+  REQUIRE(reported.size() == 1);
+  CHECK(reported[0].kind == MachineEvent::Kind::Fault);
+  CHECK(count(machine->why_not_ready(), "the light may be on: the light's line 24 of gpiochip7") == 1);
+  plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(opened >= 2);
+  CHECK(count(machine->why_not_ready(), "the light may be on: the light's line 24 of gpiochip7") == 1);
+  CHECK(count(machine->why_not_ready(), "there is no GPIO chip") == 1);
+  CHECK_FALSE(machine->projector().light_off_unconfirmed().empty());
+  chip_gone = false;
+  plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(count(machine->why_not_ready(), "light") == 0);
+  CHECK(machine->projector().light_off_unconfirmed().empty());
+  REQUIRE(reported.size() == 2);
+  CHECK(reported[1].kind == MachineEvent::Kind::Recovery);
+  CHECK(reported[1].what == "found light: line 24 of gpiochip7");
 }
 
 TEST_CASE("A projector does not count as dark while its light line, which refused to go off, is gone") {
-  LightBench bench(false, false, silent_projector());
-  bench.power_on();
-  REQUIRE(bench.light_on() == ProjectorReply::Ok);
-  REQUIRE(bench.line->level);
-  bench.line->refuses = bench.chip_gone = true;
+  LightMachineFixture fixture(false, false, silent_projector());
+  fixture.power_on();
+  REQUIRE(fixture.light_on() == ProjectorReply::Ok);
+  REQUIRE(fixture.line->level);
+  fixture.line->refuses = fixture.chip_gone = true;
   bool dark = false;
-  bench.machine->projector().light_off();
-  bench.machine->projector().when_dark([&dark] { dark = true; });
-  bench.plant.run_for(2 * RealMachine::kSearchInterval);
-  CHECK(bench.opened >= 2);
-  CHECK(count(bench.machine->projector().light_off_unconfirmed(), "line 24 of gpiochip7 cannot be set") == 1);
+  fixture.machine->projector().light_off();
+  fixture.machine->projector().when_dark([&dark] { dark = true; });
+  fixture.plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(fixture.opened >= 2);
+  CHECK(count(fixture.machine->projector().light_off_unconfirmed(), "line 24 of gpiochip7 cannot be set") ==
+        1);
   CHECK_FALSE(dark);
-  bench.machine->projector().light_off();
-  bench.machine->projector().when_dark([&dark] { dark = true; });
-  bench.plant.run_for(std::chrono::seconds{1});
+  fixture.machine->projector().light_off();
+  fixture.machine->projector().when_dark([&dark] { dark = true; });
+  fixture.plant.run_for(std::chrono::seconds{1});
   CHECK_FALSE(dark);
-  bench.chip_gone = false;
-  bench.plant.run_for(2 * RealMachine::kSearchInterval);
+  fixture.chip_gone = false;
+  fixture.plant.run_for(2 * RealMachine::kSearchInterval);
   CHECK(dark);
-  CHECK(bench.machine->projector().light_off_unconfirmed().empty());
+  CHECK(fixture.machine->projector().light_off_unconfirmed().empty());
 }
 
-TEST_CASE("A light line that goes off after all no longer prevents printing") {
-  LightBench bench;
-  CHECK(bench.light_on() == ProjectorReply::Ok);
-  bench.line->refuses = bench.chip_gone = true;
-  bench.machine->projector().light_off();
-  bench.plant.run_for(std::chrono::milliseconds{100});
-  bench.line->refuses = false;
-  bench.machine->projector().light_off();
-  bench.plant.run_for(2 * RealMachine::kSearchInterval);
-  CHECK(bench.opened == 1);
-  CHECK(count(bench.machine->why_not_ready(), "light") == 0);
-  CHECK(bench.reported.back().kind == MachineEvent::Kind::Recovery);
+TEST_CASE_METHOD(LightMachineFixture, "A light line that goes off after all no longer prevents printing") {
+  CHECK(light_on() == ProjectorReply::Ok);
+  line->refuses = chip_gone = true;
+  machine->projector().light_off();
+  plant.run_for(std::chrono::milliseconds{100});
+  line->refuses = false;
+  machine->projector().light_off();
+  plant.run_for(2 * RealMachine::kSearchInterval);
+  CHECK(opened == 1);
+  CHECK(count(machine->why_not_ready(), "light") == 0);
+  CHECK(reported.back().kind == MachineEvent::Kind::Recovery);
 }
 
-TEST_CASE("The lid cuts the light line before the event loop notices, until it is closed again") {
-  LightBench bench;
-  REQUIRE(bench.light_on() == ProjectorReply::Ok);
-  REQUIRE(bench.line->level);
-  const TimePoint opened = bench.plant.clock.now();
-  bench.plant.press(AxisInput::Lid, true);
-  bench.plant.run_threads_for(std::chrono::milliseconds{100});
-  CHECK_FALSE(bench.line->level);
-  bench.machine->projector().light_off();
+TEST_CASE_METHOD(LightMachineFixture,
+                 "The lid cuts the light line before the event loop notices, until it is closed again") {
+  REQUIRE(light_on() == ProjectorReply::Ok);
+  REQUIRE(line->level);
+  const TimePoint opened = plant.clock.now();
+  plant.press(AxisInput::Lid, true);
+  plant.run_threads_for(std::chrono::milliseconds{100});
+  CHECK_FALSE(line->level);
+  machine->projector().light_off();
   // The exposure ended with the cut, 60 us for the thread to wake after the lid was opened, not when the
   // event loop noticed.
-  const auto span = bench.machine->projector().last_light();
+  const auto span = machine->projector().last_light();
   REQUIRE((span && span->off_earliest));
   CHECK(*span->off_earliest - opened == std::chrono::microseconds{60});
-  CHECK(bench.light_on() == ProjectorReply::Interlocked);
-  CHECK(count(bench.machine->projector().last_problem(), "stays off") == 1);
-  CHECK_FALSE(bench.line->level);
-  CHECK(count(bench.machine->why_not_ready(), "the lid is open") == 1);
-  bench.move_lid(false);
-  CHECK(count(bench.machine->why_not_ready(), "the lid") == 0);
-  CHECK(bench.light_on() == ProjectorReply::Ok);
+  CHECK(light_on() == ProjectorReply::Interlocked);
+  CHECK(count(machine->projector().last_problem(), "stays off") == 1);
+  CHECK_FALSE(line->level);
+  CHECK(count(machine->why_not_ready(), "the lid is open") == 1);
+  move_lid(false);
+  CHECK(count(machine->why_not_ready(), "the lid") == 0);
+  CHECK(light_on() == ProjectorReply::Ok);
 }
 
 TEST_CASE("A light line that is found after the axis, before it, or again is cut by the axis, too") {
   const bool light_late = GENERATE(false, true), axis_late = GENERATE(false, true);
-  LightBench bench(light_late, axis_late);
-  bench.chip_gone = bench.axis_missing = false;
-  bench.plant.run_for(kPastSearch);
-  REQUIRE(bench.light_on() == ProjectorReply::Ok);
-  bench.line->refuses = bench.chip_gone = true;
-  bench.machine->projector().light_off();
-  bench.plant.run_for(kPastSearch);
-  bench.move_lid(true);  // there is nothing to cut
-  bench.move_lid(false);
-  bench.chip_gone = false;
-  bench.plant.run_for(kPastSearch);
-  REQUIRE(bench.opened >= 3);
-  REQUIRE(bench.light_on() == ProjectorReply::Ok);
-  bench.move_lid(true);
-  CHECK_FALSE(bench.line->level);
+  LightMachineFixture fixture(light_late, axis_late);
+  fixture.chip_gone = fixture.axis_missing = false;
+  fixture.plant.run_for(kPastSearch);
+  REQUIRE(fixture.light_on() == ProjectorReply::Ok);
+  fixture.line->refuses = fixture.chip_gone = true;
+  fixture.machine->projector().light_off();
+  fixture.plant.run_for(kPastSearch);
+  fixture.move_lid(true);  // there is nothing to cut
+  fixture.move_lid(false);
+  fixture.chip_gone = false;
+  fixture.plant.run_for(kPastSearch);
+  REQUIRE(fixture.opened >= 3);
+  REQUIRE(fixture.light_on() == ProjectorReply::Ok);
+  fixture.move_lid(true);
+  CHECK_FALSE(fixture.line->level);
 }
 
-TEST_CASE("A light that was cut because the axis' chip went can go on again when the axis is back") {
-  LightBench bench;
-  REQUIRE(bench.light_on() == ProjectorReply::Ok);
-  bench.axis_missing = true;
-  bench.plant.pull_chip();
-  CHECK_FALSE(bench.line->level);
-  CHECK(bench.light_on() == ProjectorReply::Interlocked);
-  bench.plant.run_for(kPastSearch);
-  CHECK(bench.light_on() == ProjectorReply::Interlocked);
-  bench.axis_missing = false;
-  bench.plant.run_for(kPastSearch);
-  CHECK(bench.light_on() == ProjectorReply::Ok);
+TEST_CASE_METHOD(LightMachineFixture,
+                 "A light that was cut because the axis' chip went can go on again when the axis is back") {
+  REQUIRE(light_on() == ProjectorReply::Ok);
+  axis_missing = true;
+  plant.pull_chip();
+  CHECK_FALSE(line->level);
+  CHECK(light_on() == ProjectorReply::Interlocked);
+  plant.run_for(kPastSearch);
+  CHECK(light_on() == ProjectorReply::Interlocked);
+  axis_missing = false;
+  plant.run_for(kPastSearch);
+  CHECK(light_on() == ProjectorReply::Ok);
 }
 
-TEST_CASE("A missing light watchdog prevents printing, and its return is reported") {
-  AxisBench bench;
-  bench.start();
-  CHECK(count(bench.machine->why_not_ready(), "watchdog") == 0);
-  bench.process = FileDescriptor();
-  (void)bench.watchdog.trip();  // reads the end of the socket
-  CHECK(count(bench.machine->why_not_ready(), "the light watchdog has died") == 1);
-  CHECK(bench.reported.empty());  // no light was on
-  bench.plant.run_for(2 * LightWatchdog::kStartLater);
-  (void)bench.watchdog.trip();
-  CHECK(count(bench.machine->why_not_ready(), "watchdog") == 0);
-  REQUIRE(bench.reported.size() == 1);
-  CHECK(bench.reported[0].kind == MachineEvent::Kind::Recovery);
-  CHECK(bench.reported[0].warnings.size() == 1);
+TEST_CASE_METHOD(AxisMachineFixture,
+                 "A missing light watchdog prevents printing, and its return is reported") {
+  start();
+  CHECK(count(machine->why_not_ready(), "watchdog") == 0);
+  process = FileDescriptor();
+  (void)watchdog.trip();  // reads the end of the socket
+  CHECK(count(machine->why_not_ready(), "the light watchdog has died") == 1);
+  CHECK(reported.empty());  // no light was on
+  plant.run_for(2 * LightWatchdog::kStartLater);
+  (void)watchdog.trip();
+  CHECK(count(machine->why_not_ready(), "watchdog") == 0);
+  REQUIRE(reported.size() == 1);
+  CHECK(reported[0].kind == MachineEvent::Kind::Recovery);
+  CHECK(reported[0].warnings.size() == 1);
 }
 
 TEST_CASE("The hardware check reports every device, whatever is wrong with the others") {
   VirtualClock clock;
-  NoDescriptors watcher;
+  testing::NoDescriptors watcher;
   RealMachineConfig config = nowhere();
   config.axis.lid = GpioInputConfig{.line = {.chip = "gpiochip-missing", .line = "5"}};
   HardwareCheck check(clock, watcher, config, [](double, int) { return WakeUpLatency{}; });
@@ -423,7 +410,7 @@ TEST_CASE("The hardware check reports every device, whatever is wrong with the o
 TEST_CASE(
     "The hardware check finds a top speed that the computer cannot sustain, and names one that it can") {
   VirtualClock clock;
-  NoDescriptors watcher;
+  testing::NoDescriptors watcher;
   const auto finding_with = [&](const WakeUpLatency& wakes) {
     HardwareFinding found;
     HardwareCheck check(clock, watcher, nowhere(), [&](double rate, int priority) {
@@ -454,7 +441,7 @@ TEST_CASE(
 
 TEST_CASE("The light of a process that died is turned off as far as its devices can be reached") {
   VirtualClock clock;
-  NoDescriptors watcher;
+  testing::NoDescriptors watcher;
   const auto problems = [&](const LightConfig& config) {
     LightOff light(clock, watcher, config);
     std::optional<std::vector<std::string>> reported;

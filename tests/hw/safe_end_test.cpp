@@ -3,19 +3,11 @@
 #include "hw/gpio/step_engine.hpp"
 #include "tests/broken_contract.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/gpio/counting_line.hpp"
 
 using namespace contourd;
 
 namespace {
-
-class Wire final : public OutputLine {
- public:
-  [[nodiscard]] bool set(bool active) noexcept override {
-    if (active) ++rises;
-    return true;
-  }
-  int rises = 0;
-};
 
 // A clock that is far past the next due step at every call.
 TimePoint later() noexcept {
@@ -25,7 +17,7 @@ TimePoint later() noexcept {
 
 // Runs in a child process, because every step engine of a process stands still from then on.
 void check_still(int steps_before) {
-  Wire step, direction;
+  testing::CountingLine step, direction;
   StepEngine engine(step, direction, {}, later);
   engine.start({100, {10, 1'000}});
   expects(engine.begin(), "the move begins");

@@ -12,6 +12,8 @@
 #include "hw/png_file.hpp"
 #include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/masks.hpp"
+#include "tests/hw/virtual_time_fixture.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace contourd;
@@ -22,12 +24,7 @@ namespace {
 constexpr Duration kFrame{16'666'667};
 
 Mask mask_of_grey(std::uint8_t grey) {
-  Mask mask(Pixels{8}, Pixels{6});
-  for (std::int32_t y = 0; y < 6; ++y) {
-    for (std::uint8_t& pixel : mask.row(y))
-      pixel = grey;
-  }
-  return mask;
+  return testing::mask_of(8, 6, grey);
 }
 
 SimulatedPrinterConfig small_display() {
@@ -38,20 +35,9 @@ SimulatedPrinterConfig small_display() {
 }
 
 // A printer on its own clock, with the results of its last calls.
-struct Bench {
-  explicit Bench(const SimulatedPrinterConfig& config = small_display()) : printer(clock, config) {}
-
-  void run() {
-    while (clock.run_next()) {
-    }
-  }
-  void pass(Duration time) {
-    bool over = false;
-    const auto timer = clock.call_after(time, [&over] { over = true; });
-    while (!over)
-      clock.run_next();
-  }
-  [[nodiscard]] Duration now() const { return clock.now().time_since_epoch(); }
+struct SimulatedPrinterFixture : testing::VirtualTimeFixture {
+  explicit SimulatedPrinterFixture(const SimulatedPrinterConfig& config = small_display())
+      : printer(clock, config) {}
 
   void start_show(const Mask& mask) {
     answered = false;
@@ -81,7 +67,6 @@ struct Bench {
     REQUIRE(reply == ProjectorReply::Ok);
   }
 
-  VirtualClock clock;
   SimulatedPrinter printer;
   bool answered = false;
   std::optional<TimePoint> presented;
@@ -90,110 +75,106 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("A new printer is dark and black and still") {
-  Bench bench;
-  CHECK_FALSE(bench.printer.light_is_on());
-  CHECK(bench.printer.screen_is_black());
-  CHECK(bench.printer.masks_shown() == 0);
-  CHECK_FALSE(bench.printer.z_axis().moving());
-  CHECK(bench.printer.display().width() == Pixels{8});
-  CHECK(bench.printer.display().height() == Pixels{6});
+TEST_CASE_METHOD(SimulatedPrinterFixture, "A new printer is dark and black and still") {
+  CHECK_FALSE(printer.light_is_on());
+  CHECK(printer.screen_is_black());
+  CHECK(printer.masks_shown() == 0);
+  CHECK_FALSE(printer.z_axis().moving());
+  CHECK(printer.display().width() == Pixels{8});
+  CHECK(printer.display().height() == Pixels{6});
 }
 
-TEST_CASE("A mask is on the screen at the next refresh and not before") {
-  Bench bench;
-  bench.start_show(mask_of_grey(200));
-  CHECK(bench.printer.screen_is_black());
-  CHECK_FALSE(bench.answered);
-  bench.run();
-  CHECK(bench.answered);
-  CHECK(bench.presented == TimePoint{kFrame});
-  CHECK(bench.clock.now() == TimePoint{kFrame});
-  CHECK_FALSE(bench.printer.screen_is_black());
-  CHECK(bench.printer.masks_shown() == 1);
+TEST_CASE_METHOD(SimulatedPrinterFixture, "A mask is on the screen at the next refresh and not before") {
+  start_show(mask_of_grey(200));
+  CHECK(printer.screen_is_black());
+  CHECK_FALSE(answered);
+  run();
+  CHECK(answered);
+  CHECK(presented == TimePoint{kFrame});
+  CHECK(clock.now() == TimePoint{kFrame});
+  CHECK_FALSE(printer.screen_is_black());
+  CHECK(printer.masks_shown() == 1);
 }
 
-TEST_CASE("A mask requested at a refresh is on the screen at the next one") {
-  Bench bench;
-  bench.pass(3 * kFrame);
-  bench.start_show(mask_of_grey(200));
-  bench.run();
-  CHECK(bench.presented == TimePoint{4 * kFrame});
-  bench.pass(1ns);
-  bench.start_show(mask_of_grey(100));
-  bench.run();
-  CHECK(bench.presented == TimePoint{5 * kFrame});
-  bench.pass(kFrame - 1ns);
-  bench.start_black();
-  bench.run();
-  CHECK(bench.presented == TimePoint{6 * kFrame});
-  CHECK(bench.printer.screen_is_black());
+TEST_CASE_METHOD(SimulatedPrinterFixture, "A mask requested at a refresh is on the screen at the next one") {
+  pass(3 * kFrame);
+  start_show(mask_of_grey(200));
+  run();
+  CHECK(presented == TimePoint{4 * kFrame});
+  pass(1ns);
+  start_show(mask_of_grey(100));
+  run();
+  CHECK(presented == TimePoint{5 * kFrame});
+  pass(kFrame - 1ns);
+  start_black();
+  run();
+  CHECK(presented == TimePoint{6 * kFrame});
+  CHECK(printer.screen_is_black());
 }
 
-TEST_CASE("Black at once drops a mask that waits for the next refresh") {
-  Bench bench;
-  bench.start_show(mask_of_grey(200));
-  bench.printer.display().black_now();
-  bench.run();
-  CHECK_FALSE(bench.answered);
-  CHECK(bench.printer.screen_is_black());
-  bench.start_show(mask_of_grey(200));
-  bench.run();
-  CHECK_FALSE(bench.printer.screen_is_black());
-  bench.printer.display().black_now();
-  CHECK(bench.printer.screen_is_black());
+TEST_CASE_METHOD(SimulatedPrinterFixture, "Black at once drops a mask that waits for the next refresh") {
+  start_show(mask_of_grey(200));
+  printer.display().black_now();
+  run();
+  CHECK_FALSE(answered);
+  CHECK(printer.screen_is_black());
+  start_show(mask_of_grey(200));
+  run();
+  CHECK_FALSE(printer.screen_is_black());
+  printer.display().black_now();
+  CHECK(printer.screen_is_black());
 }
 
 TEST_CASE("A lost display answers that it is lost, and is black") {
   SimulatedPrinterConfig config = small_display();
   config.display.lost_after_frames = 2;
-  Bench bench(config);
+  SimulatedPrinterFixture fixture(config);
   for (int i = 0; i < 2; ++i) {
-    bench.start_show(mask_of_grey(200));
-    bench.run();
-    CHECK(bench.presented.has_value());
+    fixture.start_show(mask_of_grey(200));
+    fixture.run();
+    CHECK(fixture.presented.has_value());
   }
-  bench.start_show(mask_of_grey(200));
-  CHECK_FALSE(bench.answered);  // from the event loop, as always
-  bench.run();
-  CHECK(bench.answered);
-  CHECK_FALSE(bench.presented.has_value());
-  CHECK(bench.printer.screen_is_black());
+  fixture.start_show(mask_of_grey(200));
+  CHECK_FALSE(fixture.answered);  // from the event loop, as always
+  fixture.run();
+  CHECK(fixture.answered);
+  CHECK_FALSE(fixture.presented.has_value());
+  CHECK(fixture.printer.screen_is_black());
 }
 
 TEST_CASE("A display is unplugged once, reports that, and comes back") {
   SimulatedPrinterConfig config = small_display();
   config.display.lost_after_frames = 1;
   config.display.back_after = 60s;
-  Bench bench(config);
+  SimulatedPrinterFixture fixture(config);
   std::vector<MachineEvent> reported;
-  bench.printer.on_event([&](const MachineEvent& event) { reported.push_back(event); });
-  bench.start_show(mask_of_grey(200));
-  bench.run();
-  CHECK(bench.printer.why_not_ready().empty());
-  bench.start_show(mask_of_grey(200));
+  fixture.printer.on_event([&](const MachineEvent& event) { reported.push_back(event); });
+  fixture.start_show(mask_of_grey(200));
+  fixture.run();
+  CHECK(fixture.printer.why_not_ready().empty());
+  fixture.start_show(mask_of_grey(200));
   while (reported.empty())
-    REQUIRE(bench.clock.run_next());
+    REQUIRE(fixture.clock.run_next());
   CHECK(reported[0].kind == MachineEvent::Kind::Interlock);
-  CHECK(bench.printer.why_not_ready() == "the display is unplugged");
-  CHECK(bench.printer.screen_is_black());
-  bench.run();
+  CHECK(fixture.printer.why_not_ready() == "the display is unplugged");
+  CHECK(fixture.printer.screen_is_black());
+  fixture.run();
   REQUIRE(reported.size() == 2);
   CHECK(reported[1].kind == MachineEvent::Kind::Recovery);
-  CHECK(bench.printer.why_not_ready().empty());
-  bench.start_show(mask_of_grey(200));
-  bench.run();
-  CHECK(bench.presented.has_value());
+  CHECK(fixture.printer.why_not_ready().empty());
+  fixture.start_show(mask_of_grey(200));
+  fixture.run();
+  CHECK(fixture.presented.has_value());
   CHECK(reported.size() == 2);
 }
 
 TEST_CASE("A display unplugged between a mask and its refresh never showed it") {
-  Bench bench(small_display());
-  bench.start_show(mask_of_grey(200));
-  bench.printer.unplug_display();
-  bench.run();
-  CHECK(bench.answered);
-  CHECK_FALSE(bench.presented.has_value());
+  SimulatedPrinterFixture fixture(small_display());
+  fixture.start_show(mask_of_grey(200));
+  fixture.printer.unplug_display();
+  fixture.run();
+  CHECK(fixture.answered);
+  CHECK_FALSE(fixture.presented.has_value());
 }
 
 TEST_CASE("The lid is opened when the light has been on for long enough, and closed again") {
@@ -225,17 +206,17 @@ TEST_CASE("A job's masks are saved as PNG files in its own folder") {
   const testing::TemporaryFolder folder;
   SimulatedPrinterConfig config = small_display();
   config.display.masks = folder.path() / "masks";
-  Bench bench(config);
-  const auto job = bench.printer.begin_job("cube");
+  SimulatedPrinterFixture fixture(config);
+  const auto job = fixture.printer.begin_job("cube");
   REQUIRE(job.has_value());
   CHECK(*job == folder.path() / "masks" / "cube");
   CHECK(std::filesystem::is_directory(*job));
   for (const std::uint8_t grey : {std::uint8_t{200}, std::uint8_t{100}}) {
-    bench.start_show(mask_of_grey(grey));
-    bench.run();
+    fixture.start_show(mask_of_grey(grey));
+    fixture.run();
   }
-  bench.start_black();
-  bench.run();
+  fixture.start_black();
+  fixture.run();
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(*job))
     files.push_back(entry.path().filename());
@@ -252,13 +233,13 @@ TEST_CASE("Each job counts its masks from one") {
   const testing::TemporaryFolder folder;
   SimulatedPrinterConfig config = small_display();
   config.display.masks = folder.path();
-  Bench bench(config);
+  SimulatedPrinterFixture fixture(config);
   for (const char* name : {"first", "second"}) {
-    (void)bench.printer.begin_job(name);
-    CHECK(bench.printer.masks_shown() == 0);
-    bench.start_show(mask_of_grey(1));
-    bench.run();
-    CHECK(bench.printer.masks_shown() == 1);
+    (void)fixture.printer.begin_job(name);
+    CHECK(fixture.printer.masks_shown() == 0);
+    fixture.start_show(mask_of_grey(1));
+    fixture.run();
+    CHECK(fixture.printer.masks_shown() == 1);
     CHECK(std::filesystem::exists(folder.path() / name / "0001.png"));
   }
 }
@@ -267,60 +248,57 @@ TEST_CASE("A folder for masks that cannot be made is an error") {
   const testing::TemporaryFolder folder;
   SimulatedPrinterConfig config = small_display();
   config.display.masks = folder.write("a file", "");
-  Bench bench(config);
-  CHECK_THROWS_AS(bench.printer.begin_job("cube"), std::filesystem::filesystem_error);
+  SimulatedPrinterFixture fixture(config);
+  CHECK_THROWS_AS(fixture.printer.begin_job("cube"), std::filesystem::filesystem_error);
 }
 
-TEST_CASE("Without a folder for masks none are saved") {
-  Bench bench;
-  CHECK_FALSE(bench.printer.begin_job("cube").has_value());
-  bench.start_show(mask_of_grey(1));
-  bench.run();
-  CHECK(bench.printer.masks_shown() == 1);
+TEST_CASE_METHOD(SimulatedPrinterFixture, "Without a folder for masks none are saved") {
+  CHECK_FALSE(printer.begin_job("cube").has_value());
+  start_show(mask_of_grey(1));
+  run();
+  CHECK(printer.masks_shown() == 1);
 }
 
-TEST_CASE("The lamp is warm after power on and its light stays off") {
-  Bench bench;
-  bench.start_power_on();
-  CHECK_FALSE(bench.reply.has_value());
-  bench.run();
-  CHECK(bench.reply == ProjectorReply::Ok);
-  CHECK(bench.now() == 5s + 20ms);
-  CHECK_FALSE(bench.printer.light_is_on());
+TEST_CASE_METHOD(SimulatedPrinterFixture, "The lamp is warm after power on and its light stays off") {
+  start_power_on();
+  CHECK_FALSE(reply.has_value());
+  run();
+  CHECK(reply == ProjectorReply::Ok);
+  CHECK(now() == 5s + 20ms);
+  CHECK_FALSE(printer.light_is_on());
 }
 
-TEST_CASE("Power on of a warm lamp does not wait again") {
-  Bench bench;
-  bench.power_on();
-  const Duration before = bench.now();
-  bench.power_on();
-  CHECK(bench.now() - before == 20ms);
+TEST_CASE_METHOD(SimulatedPrinterFixture, "Power on of a warm lamp does not wait again") {
+  power_on();
+  const Duration before = now();
+  power_on();
+  CHECK(now() - before == 20ms);
 }
 
-TEST_CASE("The light goes on when the projector has answered and off at once") {
-  Bench bench;
-  bench.power_on();
-  const Duration before = bench.now();
-  bench.start_light_on();
-  CHECK_FALSE(bench.printer.light_is_on());
-  bench.run();
-  CHECK(bench.reply == ProjectorReply::Ok);
-  CHECK(bench.printer.light_is_on());
-  CHECK(bench.now() - before == 20ms);
-  bench.printer.projector().light_off();
-  CHECK_FALSE(bench.printer.light_is_on());
-  bench.printer.projector().light_off();
-  CHECK_FALSE(bench.printer.light_is_on());
+TEST_CASE_METHOD(SimulatedPrinterFixture,
+                 "The light goes on when the projector has answered and off at once") {
+  power_on();
+  const Duration before = now();
+  start_light_on();
+  CHECK_FALSE(printer.light_is_on());
+  run();
+  CHECK(reply == ProjectorReply::Ok);
+  CHECK(printer.light_is_on());
+  CHECK(now() - before == 20ms);
+  printer.projector().light_off();
+  CHECK_FALSE(printer.light_is_on());
+  printer.projector().light_off();
+  CHECK_FALSE(printer.light_is_on());
 }
 
 TEST_CASE("Without power or before the lamp is warm the light is refused") {
-  Bench cold;
+  SimulatedPrinterFixture cold;
   cold.start_light_on();
   CHECK_FALSE(cold.reply.has_value());
   cold.run();
   CHECK(cold.reply == ProjectorReply::Refused);
   CHECK_FALSE(cold.printer.light_is_on());
-  Bench off_again;
+  SimulatedPrinterFixture off_again;
   off_again.power_on();
   off_again.printer.projector().power_off();
   off_again.start_light_on();
@@ -329,90 +307,88 @@ TEST_CASE("Without power or before the lamp is warm the light is refused") {
   CHECK_FALSE(off_again.printer.light_is_on());
 }
 
-TEST_CASE("Light off drops a light on that waits for its answer") {
-  Bench bench;
-  bench.power_on();
-  bench.start_light_on();
-  bench.printer.projector().light_off();
-  bench.run();
-  CHECK_FALSE(bench.reply.has_value());
-  CHECK_FALSE(bench.printer.light_is_on());
+TEST_CASE_METHOD(SimulatedPrinterFixture, "Light off drops a light on that waits for its answer") {
+  power_on();
+  start_light_on();
+  printer.projector().light_off();
+  run();
+  CHECK_FALSE(reply.has_value());
+  CHECK_FALSE(printer.light_is_on());
 }
 
-TEST_CASE("Power off puts the light out and the lamp must warm up again") {
-  Bench bench;
-  bench.power_on();
-  bench.light_on();
-  bench.printer.projector().power_off();
-  CHECK_FALSE(bench.printer.light_is_on());
-  const Duration before = bench.now();
-  bench.power_on();
-  CHECK(bench.now() - before == 5s + 20ms);
+TEST_CASE_METHOD(SimulatedPrinterFixture, "Power off puts the light out and the lamp must warm up again") {
+  power_on();
+  light_on();
+  printer.projector().power_off();
+  CHECK_FALSE(printer.light_is_on());
+  const Duration before = now();
+  power_on();
+  CHECK(now() - before == 5s + 20ms);
 }
 
 TEST_CASE("A projector that falls silent is given up after its timeout and turns no light on") {
   SimulatedPrinterConfig config = small_display();
   config.projector.silent_after_commands = 2;
-  Bench bench(config);
-  bench.power_on();
-  bench.light_on();
-  bench.printer.projector().light_off();
-  const Duration before = bench.now();
-  bench.start_light_on();
-  bench.run();
-  CHECK(bench.reply == ProjectorReply::NoAnswer);
-  CHECK(bench.now() - before == 2s);
-  CHECK_FALSE(bench.printer.light_is_on());
+  SimulatedPrinterFixture fixture(config);
+  fixture.power_on();
+  fixture.light_on();
+  fixture.printer.projector().light_off();
+  const Duration before = fixture.now();
+  fixture.start_light_on();
+  fixture.run();
+  CHECK(fixture.reply == ProjectorReply::NoAnswer);
+  CHECK(fixture.now() - before == 2s);
+  CHECK_FALSE(fixture.printer.light_is_on());
 }
 
 TEST_CASE("A projector that never answers does not get warm") {
   SimulatedPrinterConfig config = small_display();
   config.projector.silent_after_commands = 0;
-  Bench bench(config);
-  bench.start_power_on();
-  bench.run();
-  CHECK(bench.reply == ProjectorReply::NoAnswer);
-  CHECK(bench.now() == 2s);
-  bench.start_light_on();
-  bench.run();
-  CHECK(bench.reply != ProjectorReply::Ok);
-  CHECK_FALSE(bench.printer.light_is_on());
+  SimulatedPrinterFixture fixture(config);
+  fixture.start_power_on();
+  fixture.run();
+  CHECK(fixture.reply == ProjectorReply::NoAnswer);
+  CHECK(fixture.now() == 2s);
+  fixture.start_light_on();
+  fixture.run();
+  CHECK(fixture.reply != ProjectorReply::Ok);
+  CHECK_FALSE(fixture.printer.light_is_on());
 }
 
-TEST_CASE("A machine made safe is dark and black and still whatever it was doing") {
-  Bench bench;
-  bench.power_on();
-  bench.light_on();
-  bench.start_show(mask_of_grey(200));
-  bench.run();
-  bench.printer.z_axis().home([](HomingResult) {});
-  bench.pass(1s);
-  bench.start_show(mask_of_grey(100));
-  REQUIRE(bench.printer.light_is_on());
-  REQUIRE_FALSE(bench.printer.screen_is_black());
-  REQUIRE(bench.printer.z_axis().moving());
-  make_safe(bench.printer);
-  CHECK_FALSE(bench.printer.light_is_on());
-  CHECK(bench.printer.screen_is_black());
-  CHECK_FALSE(bench.printer.z_axis().moving());
-  bench.run();
-  CHECK_FALSE(bench.printer.light_is_on());
-  CHECK(bench.printer.screen_is_black());
+TEST_CASE_METHOD(SimulatedPrinterFixture,
+                 "A machine made safe is dark and black and still whatever it was doing") {
+  power_on();
+  light_on();
+  start_show(mask_of_grey(200));
+  run();
+  printer.z_axis().home([](HomingResult) {});
+  pass(1s);
+  start_show(mask_of_grey(100));
+  REQUIRE(printer.light_is_on());
+  REQUIRE_FALSE(printer.screen_is_black());
+  REQUIRE(printer.z_axis().moving());
+  make_safe(printer);
+  CHECK_FALSE(printer.light_is_on());
+  CHECK(printer.screen_is_black());
+  CHECK_FALSE(printer.z_axis().moving());
+  run();
+  CHECK_FALSE(printer.light_is_on());
+  CHECK(printer.screen_is_black());
 }
 
 TEST_CASE("the simulated projector says whether it is on, and what its last failure was") {
   SimulatedPrinterConfig config = small_display();
   config.projector.silent_after_commands = 2;
-  Bench bench(config);
+  SimulatedPrinterFixture fixture(config);
   std::optional<ProjectorStatus> status;
   const auto ask = [&] {
-    bench.printer.projector().ask_status([&](const ProjectorStatus& s) { status = s; });
-    bench.run();
+    fixture.printer.projector().ask_status([&](const ProjectorStatus& s) { status = s; });
+    fixture.run();
     REQUIRE(status);
   };
   ask();
   CHECK(status->powered == false);
-  bench.power_on();
+  fixture.power_on();
   ask();
   CHECK(status->reply == ProjectorReply::NoAnswer);
   CHECK(status->problem == "the projector does not answer");

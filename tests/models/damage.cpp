@@ -1,7 +1,6 @@
 #include "tests/models/damage.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <tuple>
 
@@ -21,29 +20,6 @@ std::size_t count_of(double share, std::size_t of) {
 }
 
 }  // namespace
-
-std::uint64_t Dice::roll() {
-  std::uint64_t bits = state_ += 0x9E3779B97F4A7C15U;
-  bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9U;
-  bits = (bits ^ (bits >> 27)) * 0x94D049BB133111EBU;
-  return bits ^ (bits >> 31);
-}
-
-double Dice::between(double low, double high) {
-  return low + (high - low) * (static_cast<double>(roll() >> 11) * 0x1p-53);
-}
-
-std::size_t Dice::below(std::size_t count) {
-  return static_cast<std::size_t>(roll() % count);
-}
-
-Vertex Dice::in_ball(double radius) {
-  while (true) {
-    const double x = between(-1, 1), y = between(-1, 1), z = between(-1, 1);
-    if (x * x + y * y + z * z > 1) continue;
-    return {static_cast<float>(x * radius), static_cast<float>(y * radius), static_cast<float>(z * radius)};
-  }
-}
 
 void shake_corners(Facets& facets, double reach_mm, Dice& dice) {
   for (Facet& facet : facets) {
@@ -75,7 +51,7 @@ Facets drop_facets(Facets& facets, double share, Dice& dice) {
 
 void turn_facets(Facets& facets, double share, Dice& dice) {
   for (Facet& facet : facets) {
-    if (dice.between(0, 1) < share) std::swap(facet.vertices[0], facet.vertices[1]);
+    if (dice.fraction() < share) std::swap(facet.vertices[0], facet.vertices[1]);
   }
 }
 

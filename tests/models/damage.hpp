@@ -2,27 +2,10 @@
 // Thread-safe (no shared state).
 #pragma once
 
-#include <cstdint>
-
+#include "tests/models/dice.hpp"
 #include "tests/models/models.hpp"
 
 namespace contourd::models {
-
-// Pseudo-random numbers (SplitMix64), the same on every machine.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t roll();
-  // Returns a number in [low, high).
-  double between(double low, double high);
-  // Returns a number in [0, count). REQUIRES: count > 0.
-  std::size_t below(std::size_t count);
-  // Returns a point in the ball of this radius around the origin.
-  Vertex in_ball(double radius);
-
- private:
-  std::uint64_t state_;
-};
 
 // Moves each corner of each facet on its own by up to `reach_mm`, which opens cracks along every side.
 void shake_corners(Facets& facets, double reach_mm, Dice& dice);

@@ -18,7 +18,7 @@ constexpr Duration kCooling = 3s;
 constexpr Duration kLatest = 1'900ms, kLatestOfLightOn = 20s;
 
 void garble(std::string& bytes, Dice& dice) {
-  const auto at = static_cast<std::size_t>(dice.between(0, static_cast<std::int64_t>(bytes.size()) - 1));
+  const auto at = static_cast<std::size_t>(dice.below(bytes.size()));
   // A '#' occurs in no reply and no command.
   if (dice.chance(0.3)) {
     bytes.erase(at, 1);

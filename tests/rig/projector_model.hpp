@@ -14,9 +14,11 @@
 #include "hw/serial/byte_channel.hpp"
 #include "hw/serial/projector_table.hpp"
 #include "hw/virtual_clock.hpp"
-#include "tests/rig/dice.hpp"
+#include "tests/models/dice.hpp"
 
 namespace contourd::rig {
+
+using models::Dice;
 
 // Probability of each fault, for each message.
 struct LineFaults {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "hw/gpio/gpio_axis_config.hpp"
-#include "tests/rig/dice.hpp"
+#include "tests/models/dice.hpp"
 #include "tests/rig/theme.hpp"
 
 namespace contourd::rig {
@@ -53,7 +53,7 @@ Kind draw_kind(Dice& dice) {
   std::int64_t all = 0;
   for (const KindTraits& traits : kKinds)
     all += traits.weight;
-  std::int64_t left = dice.between(0, all - 1);
+  std::int64_t left = dice.whole(0, all - 1);
   for (const KindTraits& traits : kKinds) {
     left -= traits.weight;
     if (left < 0) return traits.kind;
@@ -66,12 +66,12 @@ constexpr std::int64_t kStates = 36;
 constexpr double kThemed = 0.5;
 
 Happening draw_happening(Dice& dice) {
-  Happening happening{draw_kind(dice), static_cast<int>(dice.between(1, kStates)), {}, {}, 1};
+  Happening happening{draw_kind(dice), static_cast<int>(dice.whole(1, kStates)), {}, {}, 1};
   if (dice.chance(0.8)) happening.after = dice.spread(100us, 2s);
   const KindTraits& traits = traits_of(happening.kind);
   if (traits.longest > 0s) happening.length = dice.spread(traits.shortest, traits.longest);
   const bool chatters = happening.kind == Kind::ChatteringLid || happening.kind == Kind::ChatteringStop;
-  if (chatters) happening.times = static_cast<int>(dice.between(2, 400));
+  if (chatters) happening.times = static_cast<int>(dice.whole(2, 400));
   return happening;
 }
 
@@ -90,7 +90,7 @@ ProjectorTraits draw_projector(Dice& dice) {
   traits.comes_up_lit = dice.chance(0.7);
   traits.left_on = dice.chance(0.1);
   traits.warming_is_on = dice.chance(0.5);
-  traits.off_while_warming = std::array{While::Refuses, While::Silent, While::Obeys}[dice.next() % 3];
+  traits.off_while_warming = std::array{While::Refuses, While::Silent, While::Obeys}[dice.roll() % 3];
   return traits;
 }
 
@@ -99,7 +99,7 @@ LineFaults draw_faults(Dice& dice) {
   if (dice.chance(0.3)) return faults;
   for (double* each : {&faults.command_lost, &faults.command_garbled, &faults.reply_lost,
                        &faults.reply_garbled, &faults.reply_late, &faults.reply_doubled}) {
-    if (dice.chance(0.4)) *each = 0.01 * static_cast<double>(dice.between(1, 12));
+    if (dice.chance(0.4)) *each = 0.01 * static_cast<double>(dice.whole(1, 12));
   }
   return faults;
 }
@@ -107,25 +107,25 @@ LineFaults draw_faults(Dice& dice) {
 }  // namespace
 
 Scenario draw_scenario(std::uint64_t seed) {
-  Dice dice(seed);
+  Dice dice(seed, 0);
   Scenario scenario;
   scenario.seed = seed;
   constexpr std::array kLights{LightKind::Serial,        LightKind::Serial,         LightKind::Serial,
                                LightKind::SerialAndLine, LightKind::PoweredAndLine, LightKind::Line};
-  scenario.light = kLights[dice.next() % kLights.size()];
+  scenario.light = kLights[dice.roll() % kLights.size()];
   scenario.projector = draw_projector(dice);
   scenario.line = draw_faults(dice);
   constexpr std::array kEncoders{EncoderKind::None, EncoderKind::None, EncoderKind::Faults,
                                  EncoderKind::Corrects};
-  scenario.encoder = kEncoders[dice.next() % kEncoders.size()];
+  scenario.encoder = kEncoders[dice.roll() % kEncoders.size()];
   scenario.backlash = dice.chance(0.3);
   scenario.interrupts_beyond_tolerance = dice.chance(0.3);
   scenario.prints = dice.chance(0.3) ? 2 : 1;
-  scenario.layers = static_cast<int>(dice.between(1, 3));
+  scenario.layers = static_cast<int>(dice.whole(1, 3));
   scenario.exposure = dice.spread(20ms, 4s);
   if (dice.chance(0.7)) scenario.settle = dice.spread(10ms, 1s);
   if (dice.chance(0.7)) scenario.rest = dice.spread(10ms, 500ms);
-  const std::int64_t count = dice.chance(0.15) ? 0 : dice.between(1, 4);
+  const std::int64_t count = dice.chance(0.15) ? 0 : dice.whole(1, 4);
   for (std::int64_t i = 0; i < count; ++i)
     scenario.happenings.push_back(draw_happening(dice));
   if (Dice themes(seed, 4); themes.chance(kThemed)) draw_theme(themes, scenario);

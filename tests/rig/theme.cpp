@@ -15,19 +15,19 @@ using Kind = Happening::Kind;
 constexpr int kExposing = 8, kLifting = 12, kAfterALayer = 14, kStatesOfALayer = 10;
 
 int in_a_layer(Dice& dice, const Scenario& scenario, int state) {
-  return state + kStatesOfALayer * static_cast<int>(dice.between(0, scenario.layers - 1));
+  return state + kStatesOfALayer * static_cast<int>(dice.whole(0, scenario.layers - 1));
 }
 
 template <std::size_t N>
 Kind one_of(Dice& dice, const std::array<Kind, N>& kinds) {
-  return kinds[dice.next() % N];
+  return kinds[dice.roll() % N];
 }
 
 // A light line refuses while lit. Only the line itself can report that, whatever the projector behind it
 // confirms.
 void refuse_in_light(Dice& dice, Scenario& scenario) {
   constexpr std::array kLights{LightKind::SerialAndLine, LightKind::PoweredAndLine, LightKind::Line};
-  scenario.light = kLights[dice.next() % kLights.size()];
+  scenario.light = kLights[dice.roll() % kLights.size()];
   Happening refuses{Kind::LineRefuses, in_a_layer(dice, scenario, kExposing), {}, {}, 1};
   refuses.after = dice.between(Duration{0}, scenario.exposure);
   refuses.length = dice.spread(10ms, 8s);
@@ -40,7 +40,7 @@ void chatter_in_light(Dice& dice, Scenario& scenario) {
   scenario.exposure = std::max<Duration>(scenario.exposure, 500ms);
   const Kind kind = one_of(dice, std::array{Kind::ChatteringLid, Kind::ChatteringStop});
   Happening chatters{
-      kind, in_a_layer(dice, scenario, kExposing), {}, {}, static_cast<int>(dice.between(50, 400))};
+      kind, in_a_layer(dice, scenario, kExposing), {}, {}, static_cast<int>(dice.whole(50, 400))};
   chatters.after = dice.between(Duration{0}, scenario.exposure / 2);
   chatters.length = dice.spread(500us, 4ms);
   scenario.happenings = {chatters};
@@ -49,14 +49,14 @@ void chatter_in_light(Dice& dice, Scenario& scenario) {
 // The encoder loses counts over enough layers for the corrections to add up.
 void lose_counts(Dice& dice, Scenario& scenario) {
   scenario.encoder = EncoderKind::Corrects;
-  scenario.layers = static_cast<int>(dice.between(5, 8));
+  scenario.layers = static_cast<int>(dice.whole(5, 8));
   const Kind kind = one_of(dice, std::array{Kind::EncoderLoses, Kind::EncoderLosesUpwards});
-  scenario.happenings = {{kind, static_cast<int>(dice.between(1, kLifting)), {}, 10min, 1}};
+  scenario.happenings = {{kind, static_cast<int>(dice.whole(1, kLifting)), {}, 10min, 1}};
 }
 
 // The steps are held up during moves, when the motor is fast.
 void stall(Dice& dice, Scenario& scenario) {
-  for (std::int64_t i = dice.between(1, 3); i > 0; --i) {
+  for (std::int64_t i = dice.whole(1, 3); i > 0; --i) {
     const int state = dice.chance(0.3) ? kLifting : kAfterALayer;
     Happening stalls{Kind::StepsHeldUp, in_a_layer(dice, scenario, state), {}, {}, 1};
     stalls.after = dice.between(Duration{0}, Duration{1s});
@@ -71,10 +71,10 @@ void confuse_replies(Dice& dice, Scenario& scenario) {
   scenario.projector.thinks = dice.spread(50ms, 400ms);
   scenario.projector.gap = dice.spread(10ms, 50ms);
   scenario.line = {};
-  scenario.line.command_lost = 0.01 * static_cast<double>(dice.between(5, 30));
-  scenario.line.reply_late = 0.01 * static_cast<double>(dice.between(5, 50));
-  if (dice.chance(0.5)) scenario.line.reply_doubled = 0.01 * static_cast<double>(dice.between(5, 50));
-  if (dice.chance(0.5)) scenario.line.reply_lost = 0.01 * static_cast<double>(dice.between(1, 20));
+  scenario.line.command_lost = 0.01 * static_cast<double>(dice.whole(5, 30));
+  scenario.line.reply_late = 0.01 * static_cast<double>(dice.whole(5, 50));
+  if (dice.chance(0.5)) scenario.line.reply_doubled = 0.01 * static_cast<double>(dice.whole(5, 50));
+  if (dice.chance(0.5)) scenario.line.reply_lost = 0.01 * static_cast<double>(dice.whole(1, 20));
   if (dice.chance(0.5)) return;
   const Kind kind = one_of(dice, std::array{Kind::Cancel, Kind::Fail, Kind::OpenLid});
   Happening ends{kind, in_a_layer(dice, scenario, kExposing), {}, {}, 1};
@@ -92,7 +92,7 @@ void answer_light_late(Dice& dice, Scenario& scenario) {
   scenario.projector.lights_late = dice.spread(4s, 20s);
   scenario.prints = 2;
   scenario.line = {.from_light_on = true};
-  scenario.line.command_lost = 0.01 * static_cast<double>(dice.between(20, 50));
+  scenario.line.command_lost = 0.01 * static_cast<double>(dice.whole(20, 50));
   Happening ends{Kind::Fail, kExposing, {}, {}, 1};
   ends.after = dice.spread(1ms, 100ms);
   scenario.happenings = {ends};
@@ -117,7 +117,7 @@ void interrupt_end(Dice& dice, Scenario& scenario) {
 void draw_theme(Dice& dice, Scenario& scenario) {
   constexpr std::array kThemes{refuse_in_light, chatter_in_light,  lose_counts,  stall,
                                confuse_replies, answer_light_late, interrupt_end};
-  kThemes[dice.next() % kThemes.size()](dice, scenario);
+  kThemes[dice.roll() % kThemes.size()](dice, scenario);
 }
 
 }  // namespace contourd::rig

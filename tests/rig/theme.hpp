@@ -2,10 +2,12 @@
 // at once. Pure functions.
 #pragma once
 
-#include "tests/rig/dice.hpp"
+#include "tests/models/dice.hpp"
 #include "tests/rig/scenario.hpp"
 
 namespace contourd::rig {
+
+using models::Dice;
 
 // Changes the scenario to a random theme; settings that the theme does not need stay as they were drawn.
 void draw_theme(Dice& dice, Scenario& scenario);

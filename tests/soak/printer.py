@@ -143,7 +143,7 @@ class Printer:
             try:
                 return self.client.call(method)
             except (OSError, AssertionError) as error:
-                if AS_ROOT or "in vain" in str(error) or not self.daemon.alive():
+                if AS_ROOT or "timed out" in str(error) or not self.daemon.alive():
                     raise AssertionError(f"{method} has no answer: {error}; contourd ended with {self.daemon.process.poll()}") from None
                 self.client = self.daemon.client()
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A printer that asks before it prints what may fail: ask_before, and contourctl accept."""
+"""Jobs that may fail wait until the user accepts them: the key ask_before, and contourctl accept."""
 
 import json
 import os
@@ -10,7 +10,7 @@ from harness import BAD_USAGE, CONTOURCTL, ENDLESS, FAILED, NIMBLE_RESIN, OK, RE
 SOUND = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 # One part begins in the third layer, with nothing under it.
 ISLAND = binary_stl([*box((0, 0, 0), (10, 5, 0.2)), *box((15, 0, 0.1), (20, 5, 0.2))])
-# Stands on a foot of 1 % of what it carries.
+# A plate on a foot with 1 % of the plate's area.
 ON_A_FOOT = binary_stl([*box((4, 2, 0), (5, 2.5, 0.05)), *box((0, 0, 0.05), (10, 5, 0.2))])
 OPEN = binary_stl(box((0, 0, 0), (10, 5, 0.2))[1:])
 ASKS = {"ask_before": ["islands", "tiny_first_layer", "cracks", "not_watertight"]}
@@ -26,20 +26,20 @@ class Accept(FolderTest):
 
     def wait_unaccepted(self, daemon, *names):
         for name in names:
-            wait_until(lambda name=name: (self.job(daemon, name) or {}).get("state") == "unaccepted", f"{name} to ask")
+            wait_until(lambda name=name: (self.job(daemon, name) or {}).get("state") == "unaccepted", f"{name} to wait to be accepted")
 
     def refused(self, daemon, *words, code=FAILED):
-        told = daemon.ctl("accept", *words)
-        self.assertEqual(told.returncode, code, told)
-        self.assertEqual(told.stdout, b"")
-        return told.stderr.decode()
+        result = daemon.ctl("accept", *words)
+        self.assertEqual(result.returncode, code, result)
+        self.assertEqual(result.stdout, b"")
+        return result.stderr.decode()
 
     def accept(self, daemon, name):
-        told = daemon.ctl("accept", name)
-        self.assertEqual((told.returncode, told.stderr), (OK, b""))
-        return told.stdout.decode()
+        result = daemon.ctl("accept", name)
+        self.assertEqual((result.returncode, result.stderr), (OK, b""))
+        return result.stdout.decode()
 
-    def test_a_job_with_a_finding_waits_and_the_others_go_on(self):
+    def test_a_job_with_a_finding_waits_and_other_jobs_are_printed(self):
         daemon = self.daemon()
         daemon.drop("odd.stl", ISLAND)
         self.wait_unaccepted(daemon, "odd")
@@ -49,8 +49,8 @@ class Accept(FolderTest):
         job = self.job(daemon, "odd")
         self.assertEqual((job["number"], job["asks"]), (1, ["islands"]))
         for command in (["queue"], ["queue", "show", "odd"], ["status"]):
-            told = daemon.ctl(*command).stdout.decode()
-            self.assertIn('islands; "contourctl accept odd" has it printed as it is', told, command)
+            result = daemon.ctl(*command).stdout.decode()
+            self.assertIn('islands; "contourctl accept odd" has it printed as it is', result, command)
         shown = daemon.ctl("queue", "show", "odd").stdout.decode()
         self.assertRegex(shown, r"(?m)^state     waits to be accepted$")
         self.assertRegex(shown, r"(?m)^warning   1 island begins with nothing under it: layer 3 ")
@@ -60,7 +60,7 @@ class Accept(FolderTest):
         self.assertRegex(daemon.log(), r"odd\.stl: user \S+ \(\d+\) accepts it with islands")
         daemon.stop()
 
-    def test_each_finding_is_asked_about_by_its_name(self):
+    def test_a_waiting_job_lists_its_findings_by_name(self):
         daemon = self.daemon()
         for name, model in (("foot", ON_A_FOOT), ("open", OPEN)):
             daemon.drop(f"{name}.stl", model)
@@ -70,7 +70,7 @@ class Accept(FolderTest):
         self.assertTrue(any("layer 1 is tiny" in each for each in self.job(daemon, "foot")["warnings"]))
         daemon.stop()
 
-    def test_without_the_key_nothing_waits(self):
+    def test_without_ask_before_no_job_waits(self):
         daemon = Daemon(self).start()
         daemon.drop("odd.stl", ISLAND)
         daemon.wait_done("odd")
@@ -78,7 +78,7 @@ class Accept(FolderTest):
         self.refused(daemon, "later")
         daemon.stop()
 
-    def test_who_waits_for_a_job_that_asks_is_told_so(self):
+    def test_submit_wait_reports_that_the_job_waits_to_be_accepted(self):
         daemon = self.daemon()
         model = self.write("odd.stl", ISLAND)
         command = [CONTOURCTL, "submit", "--socket", daemon.socket_path, "--yes", "--wait", model]
@@ -92,7 +92,7 @@ class Accept(FolderTest):
         self.assertEqual(waiting.returncode, OK)
         daemon.stop()
 
-    def test_a_finding_that_is_not_named_is_no_reason_to_wait(self):
+    def test_a_job_does_not_wait_for_a_finding_that_ask_before_does_not_name(self):
         daemon = self.daemon(ask_before=["empty_layers"])
         daemon.drop("odd.stl", ISLAND)
         daemon.wait_done("odd")
@@ -108,7 +108,7 @@ class Accept(FolderTest):
         self.wait_unaccepted(daemon, "yes", "no")
         self.accept(daemon, "yes")
         record = os.path.join(daemon.state_folder, "accepted")
-        wait_until(lambda: os.path.exists(record), "the record")
+        wait_until(lambda: os.path.exists(record), "the record of accepted jobs")
         daemon.kill()
         daemon = Daemon(self, config, NIMBLE_RESIN).start()
         wait_until(lambda: (self.job(daemon, "yes") or {}).get("state") == "ready", "the accepted job")
@@ -116,11 +116,11 @@ class Accept(FolderTest):
         daemon.rpc("plate_cleared")
         daemon.wait_done("yes")
         daemon.rpc("plate_cleared")
-        wait_until(lambda: not os.path.exists(record), "its end")
+        wait_until(lambda: not os.path.exists(record), "the record to be deleted")
         self.assertIn("contourctl accept no", daemon.status()["waiting_for"])
         daemon.stop()
 
-    def test_a_job_that_is_written_again_asks_again(self):
+    def test_an_accepted_job_waits_again_when_its_files_are_replaced(self):
         daemon = Daemon(self, {**ASKS, **REALTIME}, {**NIMBLE_RESIN, **ENDLESS}).start()
         daemon.drop("part.stl", SOUND)
         daemon.wait_state("exposing")
@@ -130,12 +130,12 @@ class Accept(FolderTest):
         self.assertEqual(self.job(daemon, "odd")["state"], "ready")
         daemon.drop("odd.stl", ISLAND, {"copies": 2})
         self.wait_unaccepted(daemon, "odd")
-        # What lies there now has nothing to accept.
+        # The new model has no finding.
         daemon.drop("odd.stl", SOUND)
-        wait_until(lambda: self.job(daemon, "odd")["state"] == "ready", "a sound one")
+        wait_until(lambda: self.job(daemon, "odd")["state"] == "ready", "the sound model")
         daemon.stop()
 
-    def test_a_job_that_asks_is_removed_and_moved_as_any(self):
+    def test_a_job_that_waits_to_be_accepted_can_be_moved_and_removed(self):
         daemon = self.daemon()
         daemon.drop("one.stl", ISLAND)
         daemon.drop("two.stl", ISLAND)
@@ -147,13 +147,13 @@ class Accept(FolderTest):
         self.assertEqual(daemon.status()["unaccepted"].keys(), {"one.stl"})
         daemon.stop()
 
-    def test_what_is_wrong_gets_one_sentence_and_changes_nothing(self):
+    def test_accepting_a_wrong_job_reports_why_and_changes_nothing(self):
         daemon = Daemon(self, {**ASKS, **REALTIME}, {**NIMBLE_RESIN, **ENDLESS}).start()
         daemon.drop("part.stl", SOUND)
         daemon.wait_state("exposing")
         self.assertIn("its turn has come", self.refused(daemon, "part"))
         daemon.drop("sound.stl", SOUND)
-        wait_until(lambda: (self.job(daemon, "sound") or {}).get("state") == "ready", "its look")
+        wait_until(lambda: (self.job(daemon, "sound") or {}).get("state") == "ready", "the job to be checked")
         self.assertIn("waits for nobody's word", self.refused(daemon, "sound"))
         daemon.drop("odd.stl", ISLAND)
         self.wait_unaccepted(daemon, "odd")

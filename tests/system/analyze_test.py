@@ -1,4 +1,4 @@
-"""contourctl analyze: its figures, its page, and what it says about bad input."""
+"""contourctl analyze: its figures, its HTML page, and its messages about bad input."""
 
 import base64
 import html.parser
@@ -12,7 +12,7 @@ from harness import (
 )  # fmt: skip
 
 BAD_CONFIG = 78
-# A slab, a millimetre of nothing, and a box in the air: 60 layers of 50 um.
+# A slab, a gap of 1 mm, and a box above the gap: 60 layers of 50 um.
 FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
 
 
@@ -32,7 +32,7 @@ class Figures(AnalyzeTest):
         self.assertEqual((found["cracked_layers"], found["open_chains"], found["gaps_closed"]), (0, 0, 0))
         self.assertEqual((found["warnings"], found["model_warnings"], found["island_list"]), ([], [], []))
         self.assertEqual((found["layer_time_s"], found["assumed_layer_time_s"]), (200 * 10, 10))
-        # Sides on the pixels' borders; what is left is double rounding.
+        # The sides lie on borders of pixels, so only the rounding of doubles remains.
         self.assertAlmostEqual(found["resin_ml"], 2, delta=1e-9)
         self.assertAlmostEqual(found["largest_area_mm2"], 200, delta=1e-9)
         self.assertEqual(found["largest_area_layer"], 1)
@@ -42,7 +42,7 @@ class Figures(AnalyzeTest):
         statistics = found["statistics"]
         self.assertEqual(statistics["intersecting_facets"], {"mean": 8, "sd": 0})
         self.assertEqual(statistics["loop_count"], {"mean": 1, "sd": 0})
-        # Against a constant, equation 4.1 is the mean over the root of the mean square: the same for both.
+        # The correlation with a constant (equation 4.1) is the mean over the root mean square: the same for both constants.
         self.assertAlmostEqual(statistics["correlation_contour_time_loop_count"],
                                statistics["correlation_contour_time_intersecting_facets"], delta=1e-12)  # fmt: skip
         self.assertGreater(statistics["total_ms"]["mean"], 0)
@@ -59,25 +59,25 @@ class Figures(AnalyzeTest):
         self.assertEqual((found["layers"], found["islands"], found["empty_layer_list"]), (60, 1, list(range(21, 41))))
         island = found["island_list"][0]
         self.assertEqual(island["layer"], 41)
-        # Of a model in the middle of 1920 x 1080 pixels of 50 um: two millimetres left of it and one down.
+        # The model is in the middle of 1920 x 1080 pixels of 50 um; the island is 2 mm left of the middle and 1 mm down.
         for value, expected in zip(island["plate_mm"] + island["pixel"], (-2, -1, 920, 560), strict=True):
             self.assertAlmostEqual(value, expected, delta=1e-9)
         self.assertAlmostEqual(island["area_mm2"], 4, delta=1e-9)
         self.assertEqual(len(found["warnings"]), 2)
 
-    def test_a_print_without_light_is_told(self):
+    def test_a_model_whose_masks_are_all_dark_gives_a_warning(self):
         found = self.analyze(binary_stl(box((0, 0, 0), (5, 5, 0.01))))
         self.assertEqual((found["layers"], found["empty_layers"], found["empty_layer_list"]), (1, 1, [1]))
         self.assertEqual(found["warnings"], ["all masks are dark (1 layer): nothing would be printed"])
 
-    def test_cracks_are_told_by_layer(self):
+    def test_cracks_are_listed_by_layer(self):
         facets = [f for f in cube(2) if not all(vertex[0] == 2 for vertex in f)]
         found = self.analyze(binary_stl(facets))
         self.assertEqual((found["cracked_layers"], found["open_chains"], found["widest_gap_mm"]), (40, 40, 2))
         self.assertEqual([each["layer"] for each in found["cracked_layer_list"]], list(range(1, 41)))
         self.assertTrue(any("did not close" in warning for warning in found["warnings"]), found["warnings"])
 
-    def test_it_prints_for_a_person_without_json(self):
+    def test_without_json_it_prints_plain_text(self):
         result = contourctl("analyze", self.write("model.stl", FLOATING))
         self.assertEqual((result.returncode, result.stderr), (OK, b""))
         for words in (b"60 of 50 um", b"10 min 00 s, at 10 s each", b"0.104 ml", b"100.00 mm2, layer 1", b"islands       1", b"empty layers  20",
@@ -89,7 +89,7 @@ class Figures(AnalyzeTest):
         found = self.analyze(binary_stl([]), "--html", self.path("page.html"))
         self.assertEqual((found["layers"], found["resin_ml"], found["largest_area_layer"]), (0, 0, None))
 
-    def test_what_lies_beyond_the_display_is_told(self):
+    def test_a_model_larger_than_the_display_gives_a_warning(self):
         found = self.analyze(binary_stl(cube(20)), "--display", "100x100")
         self.assertEqual(len(found["model_warnings"]), 1)
         self.assertIn("larger than the display", found["model_warnings"][0])
@@ -98,7 +98,7 @@ class Figures(AnalyzeTest):
 class WithPrinter(AnalyzeTest):
     CONFIG = os.path.join(SOURCE, "config", "simulated.json")
 
-    def test_it_is_what_the_daemon_finds(self):
+    def test_the_figures_are_the_same_as_the_daemon_s(self):
         daemon = Daemon(self).start()
         ticket = {"layer_height_um": 100, "copies": 2, "position_mm": {"x": 3, "y": -2}}
         daemon.drop("part.stl", FLOATING, ticket)
@@ -111,13 +111,13 @@ class WithPrinter(AnalyzeTest):
         self.assertIsNone(found["assumed_layer_time_s"])
         self.assertEqual({key: found[key] for key in expected}, expected)
 
-    def test_the_time_is_that_of_its_resin(self):
+    def test_the_layer_time_depends_on_the_resin(self):
         found = self.analyze(binary_stl(box((0, 0, 0), (5, 5, 1))), "--printer", self.CONFIG)
         resin = source_json("resins", "standard.json")
         least = resin["exposure_ms"] + resin["settle_ms"] + resin["rest_ms"]
         self.assertGreater(found["layer_time_s"], found["layers"] * least / 1000)
 
-    def test_the_time_on_a_real_printer_is_that_of_its_axis(self):
+    def test_the_layer_time_on_a_real_printer_depends_on_its_axis(self):
         real = source_json("raspberry-pi-4.json")
         real["resins_folder"], real["projectors_folder"] = (os.path.join(SOURCE, "config", name) for name in ("resins", "projectors"))
         resin = source_json("resins", "standard.json")
@@ -130,7 +130,7 @@ class WithPrinter(AnalyzeTest):
         # A trapezoid that reaches its full speed takes d/v + v/a, an S-curve that reaches its full acceleration a/jerk more.
         acceleration = real["z_axis"]["acceleration_mm_s2"]
         self.assertAlmostEqual(layer_time(jerk_mm_s3=jerk) - plain, layers * 2 * acceleration / jerk, delta=0.001)
-        # On the way down 1 mm further, and back up at the same speed.
+        # With backlash the plate goes down 1 mm further and comes back up at the same speed.
         further = 2 / resin["retract_speed_mm_s"] + resin["retract_speed_mm_s"] / acceleration
         self.assertAlmostEqual(layer_time(backlash_um=1000) - plain, layers * further, delta=0.001)
 
@@ -140,7 +140,7 @@ class WithPrinter(AnalyzeTest):
         self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
         self.assert_one_line(result.stderr, path, "over the left edge", "of the build area")
 
-    def test_a_wrong_configuration_or_ticket_is_told(self):
+    def test_a_wrong_configuration_or_ticket_is_an_error(self):
         model = self.write("cube.stl", binary_stl(cube(10)))
         config = self.write("printer.json", b'{"name": 3}')
         result = contourctl("analyze", model, "--printer", config)
@@ -153,7 +153,7 @@ class WithPrinter(AnalyzeTest):
 
 
 class Parser(html.parser.HTMLParser):
-    """Every element that must be closed is; what refers to anything outside is kept."""
+    """Checks that elements are closed in order; collects references, scripts, labels and text."""
 
     VOID = {"meta", "input"}
 
@@ -197,7 +197,7 @@ class Page(AnalyzeTest):
 
     @staticmethod
     def loops(data):
-        """(layer from 0, height, [(x, y) in mm on the plate]) of every loop in the picture."""
+        """Returns (layer from 0, height, [(x, y) in mm on the plate]) for every loop in the picture."""
         bytes_ = base64.b64decode(data["loops"], validate=True)
         words = struct.unpack(f"<{len(bytes_) // 2}H", bytes_)
         found, at = [], 0
@@ -209,7 +209,7 @@ class Page(AnalyzeTest):
             at += 3 + 2 * count
         return found
 
-    def test_it_is_one_file_that_needs_nothing_else(self):
+    def test_the_page_is_one_file_without_references(self):
         text, page, _ = self.page(FLOATING)
         self.assertNotRegex(text, r"(?i)https?:|url\(|@import|<link|\bimport\b")
         self.assertEqual(page.references, [])
@@ -223,7 +223,7 @@ class Page(AnalyzeTest):
 
     def test_a_plot_is_labelled_with_its_title_as_plain_text(self):
         _, page, _ = self.page(FLOATING)
-        # Two boxes of 20 layers, and as many layers of nothing.
+        # Two boxes of 20 layers each, and 20 empty layers.
         self.assertIn("Intersecting facets mean 5.333, SD 3.803", page.labels)
         self.assertNotRegex("".join(page.labels), "[<>&]")
 
@@ -234,7 +234,7 @@ class Page(AnalyzeTest):
         step = data["size_mm"] / 65535
         for layer, height, points in loops:
             self.assertAlmostEqual(height, (layer + 0.5) * 0.05, delta=1e-9)
-            # A square, and nothing else of it: points on its sides are left out. The plate's centre is the model's.
+            # Only the corners of a square: points on its sides are left out. The model is centred on the plate.
             self.assertEqual(len(points), 4)
             low, high = ((-5, -5), (5, 5)) if layer < 20 else ((-3, -2), (-1, 0))
             for i in (0, 1):
@@ -244,7 +244,7 @@ class Page(AnalyzeTest):
         for quantity in data["quantities"]:
             self.assertEqual(len(quantity["values"]), len(data["layers"]))
 
-    def test_of_many_layers_and_points_it_holds_some(self):
+    def test_the_page_shows_at_most_500_layers(self):
         _, _, data = self.page(binary_stl(wedge(20, 10, 10)), "many.html", "--layer-height-um", "5")
         self.assertLessEqual(len(data["layers"]), 500)
         self.assertEqual(data["layers"], list(range(0, 2000, data["layers"][1])))
@@ -295,7 +295,7 @@ class BadInput(AnalyzeTest):
             self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), (more, result))
         self.assertEqual(contourctl("analyze").returncode, BAD_USAGE)
 
-    def test_a_model_inside_out_is_analysed_all_the_same_and_told(self):
+    def test_a_model_inside_out_is_analysed_with_a_warning(self):
         for more in ([], ["--printer", WithPrinter.CONFIG]):
             found = self.analyze(binary_stl(inside_out(cube(20))), *more)
             self.assertAlmostEqual(found["resin_ml"], 8, delta=1e-9)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What shells offer behind contourctl."""
+"""Completion of contourctl's arguments in bash, fish and zsh."""
 
 import os
 import shutil
@@ -24,10 +24,10 @@ class Completion(FolderTest):
         return {**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}", **more}
 
     def bash(self, *words, **environment):
-        told = subprocess.run(["bash", "-c", BASH, os.path.join(FOLDER, "contourctl.bash"), *words], capture_output=True,
-                              text=True, check=True, env=self.environment(**environment))  # fmt: skip
-        self.assertEqual(told.stderr, "")
-        return told.stdout.splitlines() if told.stdout.strip() else []
+        result = subprocess.run(["bash", "-c", BASH, os.path.join(FOLDER, "contourctl.bash"), *words], capture_output=True,
+                                text=True, check=True, env=self.environment(**environment))  # fmt: skip
+        self.assertEqual(result.stderr, "")
+        return result.stdout.splitlines() if result.stdout.strip() else []
 
     def test_bash_offers_commands_and_their_options(self):
         self.assertEqual(self.bash("s"), ["slice", "support", "submit", "status", "stop", "show", "switches", "setup"])
@@ -46,10 +46,10 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("history", "--outcome", ""), ["done", "failed", "cancelled"])
         self.assertEqual(self.bash("help", "s"), ["safety", "slice", "support", "submit", "status", "stop", "show", "switches", "setup"])
         self.assertEqual(self.bash("offer", "--o"), ["--once"])
-        # Files are the shell's.
+        # The shell itself completes file names.
         self.assertEqual(self.bash("submit", "part"), [])
 
-    def test_bash_offers_the_jobs_that_are_there_and_runs_nothing_of_their_names(self):
+    def test_bash_offers_the_names_of_jobs_and_never_runs_them(self):
         daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
         harm = self.path("harm")
         daemon.drop("part.stl", SMALL)
@@ -65,20 +65,20 @@ class Completion(FolderTest):
         self.assertFalse(os.path.exists("harm"))
         daemon.stop()
 
-    def test_accept_is_offered_the_jobs_that_wait_for_it(self):
+    def test_accept_completes_the_jobs_that_wait_to_be_accepted(self):
         daemon = Daemon(self, {**REALTIME, "ask_before": ["islands"]}, {**NIMBLE_RESIN, **ENDLESS}).start()
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
         island = binary_stl([*box((0, 0, 0), (10, 5, 0.2)), *box((15, 0, 0.1), (20, 5, 0.2))])
         for name, model in (("two words", island), ("sound", SMALL), ("$(touch harm)", island)):
             daemon.drop(name + ".stl", model)
-        wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["unaccepted", "ready", "unaccepted"], "their looks")
+        wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["unaccepted", "ready", "unaccepted"], "the jobs to be checked")
         self.assertEqual(self.bash("accept", "", CONTOURD_SOCKET=daemon.socket_path), ["two words", "$(touch harm)"])
         self.assertEqual(self.bash("accept", "--j"), ["--json"])
         self.assertFalse(os.path.exists("harm"))
         daemon.stop()
 
-    def test_preview_is_offered_jobs_wherever_they_lie_and_models_files(self):
+    def test_preview_completes_queued_and_printed_jobs_and_model_files(self):
         daemon = Daemon(self, {"wait_for_plate_cleared": True}).start()
         daemon.drop("done: it.stl", SMALL)
         daemon.wait_done("done: it")
@@ -98,15 +98,15 @@ class Completion(FolderTest):
         self.assertEqual(self.bash("preview", "waits", "--pri"), ["--printer"])
         daemon.stop()
 
-    def test_without_a_daemon_no_job_is_offered_and_nothing_is_said(self):
+    def test_without_a_daemon_no_job_is_offered_and_nothing_is_printed(self):
         self.assertEqual(self.bash("watch", "--job", "", CONTOURD_SOCKET=self.path("none")), [])
 
     @unittest.skipUnless(shutil.which("fish"), "fish is not installed")
-    def test_fish_offers_the_same(self):
+    def test_fish_offers_the_same_as_bash(self):
         def fish(line):
-            told = subprocess.run(["fish", "--no-config", "-c", f'source {FOLDER}/contourctl.fish; complete -C "{line}"'],
-                                  capture_output=True, text=True, check=True, env=self.environment(HOME=self.path()))  # fmt: skip
-            return [each.split("\t")[0] for each in told.stdout.splitlines()]
+            result = subprocess.run(["fish", "--no-config", "-c", f'source {FOLDER}/contourctl.fish; complete -C "{line}"'],
+                                    capture_output=True, text=True, check=True, env=self.environment(HOME=self.path()))  # fmt: skip
+            return [each.split("\t")[0] for each in result.stdout.splitlines()]
 
         self.assertEqual(sorted(fish("contourctl s")), sorted(self.bash("s")))
         self.assertEqual(sorted(fish("contourctl submit --")), sorted(self.bash("submit", "--")))
@@ -120,7 +120,7 @@ class Completion(FolderTest):
         self.assertEqual(fish(f"contourctl preview {os.fsdecode(model)[:-6]}"), [os.fsdecode(model)])
 
     @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
-    def test_zsh_takes_its_file(self):
+    def test_zsh_parses_its_completion_file(self):
         subprocess.run(["zsh", "-n", os.path.join(FOLDER, "_contourctl")], check=True)
 
 

@@ -1,4 +1,4 @@
-"""What contourd does with its command line and configuration, and what it tells systemd."""
+"""contourd's command line, its configuration, and its notifications to systemd."""
 
 import json
 import os
@@ -41,35 +41,35 @@ class ConfigTest(FolderTest):
 
     def lines(self, path):
         result = self.check(path)
-        self.assertEqual(result.returncode, BAD_CONFIG, "it was found good")
+        self.assertEqual(result.returncode, BAD_CONFIG, "the configuration was accepted")
         return result.stderr.decode().splitlines()
 
     def refuses(self, path, *words):
-        """One mistake, one line, with these words and the file's name in it. The daemon does not start with it either."""
+        """Asserts that a check prints one line with these words and the file's name, and that the daemon does not start."""
         lines = self.lines(path)
         self.assertEqual(len(lines), 1, lines)
         for word in (os.path.basename(path), *words):
             self.assertIn(word, lines[0])
         started = run(CONTOURD, "--config", path)
         self.assertEqual((started.returncode, started.stderr.decode().splitlines()), (BAD_CONFIG, lines))
-        self.assertFalse(os.path.exists(self.path("spool")), "it made folders before it knew that it could start")
+        self.assertFalse(os.path.exists(self.path("spool")), "contourd made folders although it cannot start")
 
 
 class ConfigCommands(ConfigTest):
     """contourctl config."""
 
     def ctl(self, *words, code=OK):
-        told = contourctl("config", *words)
-        self.assertEqual(told.returncode, code, told)
-        return (told.stdout if code == OK else told.stderr).decode()
+        result = contourctl("config", *words)
+        self.assertEqual(result.returncode, code, result)
+        return (result.stdout if code == OK else result.stderr).decode()
 
-    def test_a_check_says_what_the_daemon_says(self):
-        for changes in ({}, {"z_axis": {"travel_mm": -1}, "nobody": 1}, {"simulation": {"pace": "slow"}}):
+    def test_config_check_prints_the_same_as_the_daemon_s_check(self):
+        for changes in ({}, {"z_axis": {"travel_mm": -1}, "colour": 1}, {"simulation": {"pace": "slow"}}):
             path = self.config(changes)
-            told, daemons = contourctl("config", "check", path), run(CONTOURD, "--check-config", path)
-            self.assertEqual((told.returncode, told.stdout, told.stderr), (daemons.returncode, daemons.stdout, daemons.stderr))
+            ctl, daemon = contourctl("config", "check", path), run(CONTOURD, "--check-config", path)
+            self.assertEqual((ctl.returncode, ctl.stdout, ctl.stderr), (daemon.returncode, daemon.stdout, daemon.stderr))
 
-    def test_what_is_shown_is_the_file_with_all_defaults_and_fits_again(self):
+    def test_config_show_prints_a_valid_configuration_with_all_defaults(self):
         path = self.config({"wait_for_plate_cleared": False})
         shown = json.loads(self.ctl("show", path))
         self.assertEqual((shown["wait_for_plate_cleared"], shown["min_free_disk_mb"], shown["display"]["mirror_x"]), (False, 100, False))
@@ -77,22 +77,22 @@ class ConfigCommands(ConfigTest):
             json.dump(shown, file)
         self.assertEqual(json.loads(self.ctl("show", path)), shown)
 
-    def test_a_difference_has_its_default_and_a_default_that_is_written_down_is_none(self):
+    def test_config_diff_shows_only_changed_values_with_their_defaults(self):
         lines = self.ctl("diff", self.config({"wait_for_plate_cleared": False, "min_free_disk_mb": 100, "name": "x\x1by"})).splitlines()
         self.assertIn("wait_for_plate_cleared = false (default true)", lines)
         self.assertIn("z_axis.travel_mm = 160", lines)
         self.assertIn('name = "x\\u001by"', lines)
         self.assertEqual([line for line in lines if "min_free_disk_mb" in line or "$schema" in line], [])
 
-    def test_a_schema_is_the_file_of_the_repository(self):
+    def test_config_schema_prints_the_file_of_the_repository(self):
         for name, file in (("printer", "contourd"), ("resin", "resin"), ("projector", "projector"), ("ticket", "ticket"), ("plate", "plate")):
             with open(os.path.join(SOURCE, "config", f"{file}.schema.json"), encoding="utf-8") as schema:
                 self.assertEqual(self.ctl("schema", name), schema.read())
         self.assertEqual(self.ctl("schema"), self.ctl("schema", "printer"))
         self.assertIn("FORMAT", self.ctl("schema", "none", code=BAD_USAGE))
 
-    def test_mistakes_are_told_a_line_each(self):
-        path = self.config({"z_axis": {"travel_mm": -1}, "nobody": 1})
+    def test_each_mistake_is_reported_in_one_line(self):
+        path = self.config({"z_axis": {"travel_mm": -1}, "colour": 1})
         for command in ("show", "diff", "check"):
             lines = self.ctl(command, path, code=BAD_CONFIG).splitlines()
             self.assertEqual([path in line for line in lines], [True, True], lines)
@@ -100,7 +100,7 @@ class ConfigCommands(ConfigTest):
 
 
 class CheckConfig(ConfigTest):
-    def test_the_profile_that_is_explained_is_good_and_has_every_key_in_its_table(self):
+    def test_the_documented_profile_is_valid_and_its_table_explains_every_key(self):
         with open(os.path.join(SOURCE, "docs/configuration.md"), encoding="utf-8") as file:
             section = file.read().split("## A resin's profile, explained")[1].split("\n## ")[0]
         profile = json.loads(section.split("```json")[1].split("```")[0])
@@ -111,13 +111,13 @@ class CheckConfig(ConfigTest):
         required = source_json("resin.schema.json")["required"]
         self.assertLessEqual(set(required), set(profile))
 
-    def test_the_configurations_of_the_repository_are_good(self):
+    def test_the_configurations_of_the_repository_are_valid(self):
         for name in ("contourd.json", "raspberry-pi-3.json", "raspberry-pi-4.json", "raspberry-pi-5.json", "simulated.json"):
             result = self.check(os.path.join(SOURCE, "config", name))
             self.assertEqual(result.returncode, OK, result.stderr)
             self.assertIn(b"good", result.stdout)
 
-    def test_what_is_hardly_meant_is_a_warning_and_the_configuration_is_good(self):
+    def test_an_emergency_stop_that_a_broken_wire_disables_gives_a_warning(self):
         stop = {"emergency_stop": {"line": 5, "active_low": True, "bias": "pull_up"}}
         step, direction, switch = {"line": 17}, {"line": 27}, {"line": 23, "bias": "pull_down", "contact": "normally_closed"}
         axis = {"top_speed_mm_s": 6, "step": step, "direction": direction, "limit_switch": switch, **stop}
@@ -129,7 +129,7 @@ class CheckConfig(ConfigTest):
         self.assertIn("a broken wire is silent", warning)
 
     def warnings(self, path):
-        """What is implausible, without the file's name; it is good all the same."""
+        """Returns the warnings about a valid configuration, without the file's name."""
         result = self.check(path)
         *warnings, good = result.stdout.decode().splitlines()
         self.assertEqual((result.returncode, good), (OK, f"{path}: good"))
@@ -137,7 +137,7 @@ class CheckConfig(ConfigTest):
             self.assertIn(": warning: ", warning)
         return [warning.partition(": warning: ")[2] for warning in warnings]
 
-    def test_figures_that_are_hardly_meant_are_warnings(self):
+    def test_implausible_values_give_warnings(self):
         self.assertEqual(self.warnings(self.config({})), [])
         self.resin({**source_json("resins", "standard.json"), "exposure_ms": 3})
         (warning,) = self.warnings(self.config({}))
@@ -147,14 +147,14 @@ class CheckConfig(ConfigTest):
         self.assertIn("exchanged", exchanged)
         self.assertTrue(exposure.startswith("/exposure_ms: "), exposure)
 
-    def test_profiles_that_only_tickets_name_are_looked_at_as_well(self):
+    def test_profiles_that_only_tickets_name_are_checked_too(self):
         self.resin({**source_json("resins", "standard.json"), "exposure_ms": 3}, "quick")
         self.resin({**source_json("resins", "standard.json"), "lift_mm": "high"}, "broken")
         broken, quick = self.warnings(self.config({}))
         self.assertTrue(broken.startswith("/lift_mm: "), broken)
         self.assertTrue(quick.startswith("/exposure_ms: "), quick)
 
-    def test_a_socket_s_path_that_is_taken_by_something_else_is_an_error(self):
+    def test_a_socket_path_that_is_taken_by_another_file_is_an_error(self):
         self.write("file.sock", b"")
         os.mkdir(self.path("folder.sock"))
         os.symlink("control.sock", self.path("link.sock"))
@@ -164,7 +164,7 @@ class CheckConfig(ConfigTest):
             listener.bind(self.path("control.sock"))
             self.assertEqual(self.check(self.config({})).returncode, OK)
 
-    def test_a_result_that_does_not_arrive_is_an_error(self):
+    def test_output_that_cannot_be_written_is_an_error(self):
         path = self.config({})
         for arguments in (["--check-config", path], ["--print-states"], ["--config", path, "--check-hardware"], ["--help"],
                           ["--version"]):  # fmt: skip
@@ -175,7 +175,7 @@ class CheckConfig(ConfigTest):
         closed = subprocess.run(["sh", "-c", f"exec {CONTOURD} --print-states >&-"], stderr=subprocess.PIPE, check=False)
         self.assertEqual(closed.returncode, CANNOT_CREATE, closed)
 
-    def test_what_is_told_has_nothing_in_it_that_a_terminal_obeys(self):
+    def test_messages_contain_no_control_characters(self):
         odd = "\x1b[31m\x9b2J\u202e\u2066\u2028\x07\r\n"
         path = self.config({odd: odd, "resin": odd, "name": odd * 100, "control_socket": odd, "hardware": odd})
         os.rename(path, self.path(f"{odd}.json"))
@@ -184,12 +184,12 @@ class CheckConfig(ConfigTest):
                           ["--config", self.path(f"{odd}.json"), "--light-off"]):  # fmt: skip
             with self.subTest(arguments):
                 result = run(CONTOURD, *arguments)
-                told = (result.stdout + result.stderr).decode("utf-8")
+                output = (result.stdout + result.stderr).decode("utf-8")
                 self.assertNotEqual(result.returncode, OK)
                 for char in "\x1b\x9b\u202e\u2066\u2028\x07\r":
-                    self.assertNotIn(char, told)
+                    self.assertNotIn(char, output)
 
-    def test_checking_makes_nothing(self):
+    def test_a_check_creates_no_files(self):
         self.check(self.config({}))
         self.assertEqual(sorted(os.listdir(self.folder)), ["contourd.json", "resins"])
 
@@ -213,7 +213,7 @@ class CheckConfig(ConfigTest):
             self.assertTrue(line.startswith(path), line)
             self.assertIn(word, line)
 
-    def test_mistakes_of_the_resin_profile_are_told_with_the_printers(self):
+    def test_mistakes_in_the_resin_profile_and_the_configuration_are_reported_together(self):
         self.resin({**source_json("resins", "standard.json"), "lift_mm": 0, "settle_ms": True, "layer_height_um": 5})
         lines = self.lines(self.config({"name": 5}))
         self.assertEqual(len(lines), 4, lines)
@@ -245,11 +245,11 @@ class CheckConfig(ConfigTest):
                 if name in ("cut", "comma", "comment"):
                     self.assertRegex(lines[0], r"line \d+")
 
-    def test_an_unknown_resin_names_those_there_are(self):
+    def test_an_unknown_resin_is_an_error_that_lists_the_known_resins(self):
         self.resin(source_json("resins", "standard.json"), "clear")
         self.refuses(self.config({"resin": "gold"}), "/resin", "gold", "clear", "standard")
 
-    def test_a_resin_cannot_lead_out_of_its_folder(self):
+    def test_a_resin_name_cannot_leave_its_folder(self):
         for name in ("../resins/standard", "/etc/passwd", "."):
             self.refuses(self.config({"resin": name}), "/resin")
 
@@ -266,15 +266,15 @@ class CheckConfig(ConfigTest):
         self.assertEqual(len(lines), 1, lines)
         self.assertIn("/lift_mm", lines[0])
 
-    def test_a_file_that_is_not_there_or_no_file_says_so(self):
+    def test_a_missing_or_irregular_file_is_an_error(self):
         for path in (self.path("none.json"), self.folder, "/dev/null", "/dev/zero"):
             for option in ("--check-config", "--config"):
                 result = run(CONTOURD, option, path, timeout=10)
                 self.assertEqual(result.returncode, BAD_CONFIG, result)
                 self.assert_one_line(result.stderr, path)
 
-    def test_the_schema_files_of_the_repository_are_those_the_daemon_uses(self):
-        # What a schema says of ranges is what the daemon refuses: once below, once above each.
+    def test_the_daemon_refuses_values_outside_the_limits_of_the_schema(self):
+        # Tries a value below each minimum and one above each maximum of the schema.
         schema = source_json("contourd.schema.json")
         tried = 0
         for section, rules in [((), schema)] + [((name,), rule) for name, rule in schema["properties"].items()
@@ -300,20 +300,20 @@ class CommandLine(ConfigTest):
             self.assertEqual(result.returncode, BAD_USAGE, result)
             self.assertGreater(len(result.stderr), 10)
 
-    def test_help_version_and_the_states_are_no_errors(self):
+    def test_help_version_and_print_states_succeed(self):
         for arguments in (["--help"], ["--version"], ["--print-states"]):
             result = run(CONTOURD, *arguments)
             self.assertEqual((result.returncode, result.stderr), (OK, b""))
             self.assertGreater(len(result.stdout), 4)
 
-    def test_the_states_are_a_graph_of_what_the_socket_shows(self):
+    def test_print_states_prints_a_graph_of_the_states(self):
         graph = run(CONTOURD, "--print-states").stdout.decode()
         self.assertTrue(graph.startswith("digraph"))
         self.assertEqual(graph.count("{"), graph.count("}"))
         for state in ("idle", "warming up", "homing", "exposing", "paused", "parking"):
             self.assertIn(f'"{state}"', graph)
 
-    def test_the_pace_of_the_command_line_wins(self):
+    def test_the_pace_of_the_command_line_overrides_the_configuration(self):
         daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS})
         daemon.start("--pace", "fast")
         daemon.drop("part.stl", binary_stl(box((0, 0, 0), (5, 5, 1))))
@@ -334,9 +334,9 @@ class CommandLine(ConfigTest):
         self.assertTrue(os.path.isdir(self.path("b", "spool", "incoming")))
         daemon.stop()
 
-    def test_a_spool_that_cannot_be_made_is_said(self):
+    def test_a_spool_that_cannot_be_made_is_an_error(self):
         self.write("file", b"")
-        # A folder of the kernel's looks as any other until something is made in it.
+        # /proc looks like any other folder until something is to be made in it.
         for option, folder, code in (("--check-config", "file/spool", BAD_CONFIG), ("--config", "file/spool", BAD_CONFIG),
                                      ("--config", "/proc/spool", 70)):  # fmt: skip
             result = run(CONTOURD, option, self.config({"spool_folder": folder}))
@@ -348,7 +348,7 @@ class CommandLine(ConfigTest):
         self.assertEqual(result.returncode, BAD_CONFIG)
         self.assert_one_line(result.stderr, "/control_socket", "there is no folder")
 
-    def test_a_log_that_nobody_reads_does_not_stop_a_print(self):
+    def test_a_closed_log_does_not_stop_a_print(self):
         daemon = Daemon(self)
         reader, writer = os.pipe()
         os.close(reader)
@@ -364,29 +364,29 @@ class CommandLine(ConfigTest):
         process.send_signal(signal.SIGTERM)
         self.assertEqual(process.wait(DEADLINE_S), 0)
 
-    def test_a_log_that_is_full_holds_up_nobody_however_long_its_lines_are(self):
+    def test_a_full_log_blocks_nothing_however_long_its_lines_are(self):
         daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS})
-        reader, writer = os.pipe()  # which nobody reads
+        reader, writer = os.pipe()  # never read
         self.addCleanup(os.close, reader)
         daemon.process = subprocess.Popen([CONTOURD, "--config", daemon.config_path], stdout=writer, stderr=writer)
         os.close(writer)
         wait_until(lambda: os.path.exists(daemon.socket_path), "the control socket")
         daemon.drop("part.stl", binary_stl(box((0, 0, 0), (5, 5, 1))))
         wait_until(lambda: daemon.status()["state"] == "exposing", "the first exposure")
-        # Each is told with all its names, 11 kB.
+        # Each incomplete plate is logged with the names of all its files, 11 kB.
         plate = {"models": [{"file": f"{'m' * 180}{number}.stl"} for number in range(60)]}
         names = {f"plate{number}" for number in range(10)}
         for name in names:
             os.mkdir(self.path(name))
             self.write(os.path.join(name, "plate.json"), json.dumps(plate))
             os.rename(self.path(name), daemon.file("incoming", name))
-        wait_until(lambda: set(daemon.status()["incomplete"]) == names, "all that is incomplete")
+        wait_until(lambda: set(daemon.status()["incomplete"]) == names, "all plates to be reported as incomplete")
         self.assertEqual(daemon.status()["state"], "exposing")
         daemon.stop()
 
 
 class Systemd(FolderTest):
-    """The protocol of sd_notify(3), received as systemd does."""
+    """The protocol of sd_notify(3), with the test in systemd's place."""
 
     def setUp(self):
         super().setUp()
@@ -396,7 +396,7 @@ class Systemd(FolderTest):
         self.notify.settimeout(DEADLINE_S)
 
     def launch(self, daemon, **environment):
-        """Runs it with its own process id in WATCHDOG_PID where that is "self"."""
+        """Starts the daemon. WATCHDOG_PID="self" stands for the daemon's own process id."""
         command = [CONTOURD, "--config", daemon.config_path]
         if environment.get("WATCHDOG_PID") == "self":
             del environment["WATCHDOG_PID"]
@@ -418,14 +418,14 @@ class Systemd(FolderTest):
     def test_ready_comes_when_the_control_socket_answers(self):
         daemon = self.launch(Daemon(self))
         self.wait_for("READY=1")
-        client = Client(daemon.socket_path)  # at once, no second try
+        client = Client(daemon.socket_path)  # at the first attempt
         self.assertEqual(client.call("status")["result"]["state"], "idle")
         client.close()
         daemon.process.send_signal(signal.SIGTERM)
         self.wait_for("STOPPING=1")
         self.assertEqual(daemon.process.wait(DEADLINE_S), 0)
 
-    def test_ready_does_not_come_when_it_cannot_start(self):
+    def test_ready_is_not_sent_if_the_daemon_cannot_start(self):
         daemon = Daemon(self, {"control_socket": "missing/control.sock"})
         self.launch(daemon)
         self.assertGreater(daemon.process.wait(DEADLINE_S), 0)
@@ -434,7 +434,7 @@ class Systemd(FolderTest):
             while "READY=1" not in self.receive():
                 pass
 
-    def test_interrupted_prints_are_filed_before_it_is_ready(self):
+    def test_interrupted_prints_are_filed_before_ready_is_sent(self):
         daemon = Daemon(self)
         for number in range(20):
             daemon.drop("staged.stl", binary_stl(box((0, 0, 0), (5, 5, 1))))
@@ -447,7 +447,7 @@ class Systemd(FolderTest):
         daemon.stop()
 
     def assert_fed(self, daemon, watchdog_s):
-        """The watchdog is fed in time, from readiness until the job `part` has ended."""
+        """Asserts that the watchdog is fed in time, from readiness until the job `part` has ended."""
         watchdog_s *= SLOWNESS
         self.launch(daemon, WATCHDOG_USEC=f"{watchdog_s * 1e6:.0f}", WATCHDOG_PID="self")
         self.wait_for("READY=1")
@@ -480,7 +480,7 @@ class Systemd(FolderTest):
         self.assertEqual(run(MAKE_MODEL, "gyroid-sphere", path, "100").returncode, 0)
         with open(path, "rb") as file:
             self.model = file.read()
-        # Coarse layers: it is the reading, the first mask and the preview that are tried here.
+        # Coarse layers, since this test is about the reading, the first mask and the preview.
         self.assert_fed(Daemon(self, None, {"layer_height_um": 500, "layer_height_max_um": 500}), 1.0)
 
     def test_the_watchdog_is_fed_during_a_print_in_real_time(self):
@@ -488,8 +488,8 @@ class Systemd(FolderTest):
         resin = {**NIMBLE_RESIN, "exposure_ms": 50, "bottom_exposure_ms": 50}
         self.assert_fed(Daemon(self, REALTIME, resin), 0.2)
 
-    def test_a_supervisor_that_does_not_read_stops_no_print(self):
-        # Its socket's queue is soon full: waiting for it with the light on would ruin the part.
+    def test_a_print_goes_on_if_the_supervisor_does_not_read(self):
+        # The supervisor's socket is soon full: waiting for it with the light on would ruin the part.
         daemon = self.launch(Daemon(self), WATCHDOG_USEC="100000", WATCHDOG_PID="self")
         self.wait_for("READY=1")
         client = Client(daemon.socket_path)
@@ -513,11 +513,11 @@ class Systemd(FolderTest):
         daemon.config = source_json("raspberry-pi-4.json")
         daemon.config.update({"spool_folder": "spool", "control_socket": "control.sock",
                               "projectors_folder": os.path.join(SOURCE, "config", "projectors")})  # fmt: skip
-        daemon.config["projector"]["port"] = "/dev/tty-of-nobody"
+        daemon.config["projector"]["port"] = "/dev/tty-missing"
         daemon.write_config()
         self.launch(daemon)
         status = next(line for line in iter(lambda: self.receive()[0], "") if line.startswith("STATUS="))
-        self.assertTrue(status.startswith("STATUS=Cannot print: the serial port /dev/tty-of-nobody"), status)
+        self.assertTrue(status.startswith("STATUS=Cannot print: the serial port /dev/tty-missing"), status)
         self.wait_for("READY=1")
         daemon.stop()
 
@@ -527,9 +527,9 @@ class Systemd(FolderTest):
         self.assertEqual(unit["Type"], "notify")
         self.assertIn("WatchdogSec", unit)
         self.assertIn("--config", unit["ExecStart"])
-        # Whatever ended it, the light goes off.
+        # The light goes off however the daemon ended.
         self.assertIn("--light-off", unit["ExecStopPost"])
-        # A wrong configuration is not tried again and again.
+        # systemd does not restart the daemon if its configuration is wrong.
         self.assertIn(str(BAD_CONFIG), unit["RestartPreventExitStatus"])
 
 

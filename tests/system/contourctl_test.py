@@ -1,4 +1,4 @@
-"""contourctl inspect and contourctl slice, as their contract has them."""
+"""contourctl inspect and contourctl slice: figures, masks, measurements, and messages about bad input and bad usage."""
 
 import csv
 import json
@@ -13,9 +13,9 @@ from harness import (
     cube, inside_out, limit_memory, main, read_png, source_json, wedge,
 )  # fmt: skip
 
-# As the daemon says it.
+# The daemon's log has the same sentence.
 INSIDE_OUT = "the model is inside out: its facets were turned outwards"
-# File names that people really have, or that show whether a program was careful.
+# File names that users really have, or that a careless program mishandles.
 ODD_NAMES = [
     b"two words.stl", b" leading blank.stl", b"line\nbreak.stl", b"carriage\rreturn.stl", b"not utf-8 \xff\xfe\x80.stl",
     "Geräte-čřšřěá-部品.stl".encode(), b"-dash.stl", b"--json", b"quote'\"`.stl", b"%s%n{}{0}.stl", b"no extension",
@@ -28,7 +28,7 @@ class Linking(unittest.TestCase):
         found = subprocess.run(["readelf", "--dynamic", "--wide", CONTOURCTL], capture_output=True, text=True, check=True)
         needed = [line for line in found.stdout.splitlines() if "(NEEDED)" in line]
         self.assertTrue([line for line in needed if "libpng" in line], found.stdout)
-        # libgpiod is there for `diagnose`, which lists the chips.
+        # contourctl needs libgpiod, since `diagnose` lists the chips.
         for library in ("libsystemd", "libdrm", "libserialport", "libsqlite3"):
             self.assertEqual([line for line in needed if library in line], [])
 
@@ -58,7 +58,7 @@ class Inspect(FolderTest):
         self.assertEqual(binary.pop("format"), "binary")
         self.assertEqual(ascii_, binary)
 
-    def test_it_prints_for_a_person_without_json(self):
+    def test_without_json_it_prints_plain_text(self):
         result = contourctl("inspect", self.write("cube.stl", binary_stl(cube(20))))
         self.assertEqual(result.returncode, OK)
         for word in (b"binary", b"12", b"20 x 20 x 20 mm", b"8000 mm3", b"watertight"):
@@ -74,10 +74,10 @@ class Inspect(FolderTest):
         found = self.inspect(self.write("flip.stl", binary_stl(inside_out(facets[:1]) + facets[1:])))
         self.assertEqual((found["flipped_edges"], found["open_edges"], found["watertight"]), (3, 0, False))
         self.assertEqual(found["repairs"]["turned_facets"], 1)
-        told = "the model's facets disagree with each other: 1 facet turned round"
-        self.assertEqual(found["warnings"], [told])
+        warning = "the model's facets disagree with each other: 1 facet turned round"
+        self.assertEqual(found["warnings"], [warning])
         result = contourctl("slice", self.path("flip.stl"), "--z", "5")
-        self.assertEqual(result.stderr.decode(), f"contourctl: warning: {told}\n")
+        self.assertEqual(result.stderr.decode(), f"contourctl: warning: {warning}\n")
         self.assertIn(b"area         400 mm2", result.stdout)
 
     def test_degenerate_and_duplicate_facets_are_counted(self):
@@ -195,11 +195,11 @@ class SliceAtOneHeight(FolderTest):
         found = self.slice(cube(20), 7.5)
         for key, value in {"z_mm": 7.5, "segments": 8, "contours": 1, "open_chains": 0, "gaps_closed": 0}.items():
             self.assertEqual(found[key], value, key)
-        # Corners at whole millimetres are exact in a float; what is left is double rounding.
+        # Corners at whole millimetres are exact in a float; only the rounding of doubles remains.
         self.assertAlmostEqual(found["area_mm2"], 400, delta=1e-9)
         self.assertAlmostEqual(found["perimeter_mm"], 80, delta=1e-9)
 
-    def test_it_prints_for_a_person_without_json(self):
+    def test_without_json_it_prints_plain_text(self):
         result = contourctl("slice", self.write("cube.stl", binary_stl(cube(20))), "--z", "5")
         self.assertEqual(result.returncode, OK)
         self.assertIn(b"400 mm2", result.stdout)
@@ -211,13 +211,13 @@ class SliceAtOneHeight(FolderTest):
         warning = b"contourctl: warning: z is 5 mm, the model from -30 to -20 mm: nothing is cut\n"
         self.assertEqual(self.slice(facets, 5, warning=warning)["contours"], 0)
 
-    def test_above_and_below_the_model_there_is_nothing(self):
+    def test_a_height_outside_the_model_cuts_nothing(self):
         for z in (-1, 20.001, 1e9, -1e300):
-            told = f"contourctl: warning: z is {z:.6g} mm, the model from 0 to 20 mm: nothing is cut\n"
-            found = self.slice(cube(20), z, warning=told.encode())
+            warning = f"contourctl: warning: z is {z:.6g} mm, the model from 0 to 20 mm: nothing is cut\n"
+            found = self.slice(cube(20), z, warning=warning.encode())
             self.assertEqual((found["segments"], found["contours"], found["area_mm2"]), (0, 0, 0))
 
-    def test_a_height_in_a_flat_face_gives_its_solid_side_once(self):
+    def test_a_height_in_a_flat_face_cuts_the_solid_above_it(self):
         self.assertAlmostEqual(self.slice(cube(20), 0)["area_mm2"], 400, delta=1e-9)
         self.assertEqual(self.slice(cube(20), 20)["area_mm2"], 0)
         tower = box((0, 0, 0), (10, 10, 5)) + box((0, 0, 5), (10, 10, 10))
@@ -231,11 +231,11 @@ class SliceAtOneHeight(FolderTest):
         self.assertAlmostEqual(found["area_mm2"], 300, delta=1e-9)
         self.assertEqual(found["contours"], 2)
 
-    def test_an_inside_out_cube_is_as_large_as_any_and_told(self):
+    def test_an_inside_out_cube_has_its_full_area_and_gives_a_warning(self):
         found = self.slice(inside_out(cube(20)), 10, warning=f"contourctl: warning: {INSIDE_OUT}\n".encode())
         self.assertAlmostEqual(found["area_mm2"], 400, delta=1e-9)
 
-    def test_a_hole_is_closed_and_told(self):
+    def test_a_hole_is_closed_and_counted(self):
         # Both facets of the side x = 20 are missing.
         facets = [f for f in cube(20) if not all(vertex[0] == 20 for vertex in f)]
         self.assertEqual(len(facets), 10)
@@ -258,7 +258,7 @@ class SliceAtOneHeight(FolderTest):
         self.assertEqual(self.slice([], 1, "--mask", mask)["contours"], 0)
         self.assertEqual(read_png(mask).values(), {0})
 
-    def test_the_mask_is_the_one_of_the_layer_at_that_height(self):
+    def test_the_mask_at_a_height_is_that_of_the_layer(self):
         path = self.write("model.stl", binary_stl(wedge(20, 10, 10)))
         contourctl("slice", path, "--layer-height-um", "1000", "--masks", self.path("masks"))
         self.slice(wedge(20, 10, 10), 2.5, "--mask", self.path("mask.png"))
@@ -299,7 +299,7 @@ class Masks(FolderTest):
         for number, picture in enumerate(masks.values()):
             left, top, right, bottom = picture.lit_box()
             self.assertEqual((right - left, bottom - top), (380 - 40 * number, 200), number)
-            self.assertEqual(left, 760)  # the model stays where it is
+            self.assertEqual(left, 760)  # the upright side does not move
 
     def test_the_layers_reach_the_top(self):
         self.assertEqual(len(self.masks(box((0, 0, 0), (5, 5, 10.2)), 1000, "--display", "128x128")), 11)
@@ -316,13 +316,13 @@ class Masks(FolderTest):
     def test_without_anti_aliasing_a_pixel_is_black_or_white_by_its_centre(self):
         picture = self.masks(box((0, 0, 0), (20.025, 20.075, 1)), 1000, "--aa", "off")["0001.png"]
         self.assertEqual(picture.values(), {0, 255})
-        # 0.25 of a pixel too little for the centre on each side along x, 0.75 enough along y.
+        # Along x, 0.25 of a pixel on each side does not reach the pixel's centre; along y, 0.75 of a pixel does.
         self.assertEqual(picture.lit_box(), (760, 339, 1160, 741))
         slanted = self.masks(wedge(20, 20, 20), 70, "--aa", "off", "--display", "500x500")
         self.assertEqual(set().union(*(picture.values() for picture in slanted.values())), {0, 255})
 
-    def test_contours_grow_and_the_elephant_foot_is_taken_off(self):
-        # 20 mm and 2 x 100 um; at 0.5 mm of height half of the foot's 200 um are left.
+    def test_contours_grow_and_the_elephant_foot_is_removed(self):
+        # 20 mm plus 2 x 100 um; at a height of 0.5 mm half of the 200 um for the elephant foot are still taken off.
         masks = self.masks(cube(20), 1000, "--grow-um", "100", "--elephant-foot-um", "200",
                            "--elephant-foot-height-um", "1000")  # fmt: skip
         widths = [picture.lit_box()[2] - picture.lit_box()[0] for picture in masks.values()]
@@ -348,7 +348,7 @@ class Masks(FolderTest):
         self.assertEqual(picture.lit_box(), (30, 20, 40, 30))
 
     def test_fit_fills_the_display_and_keeps_the_shape(self):
-        # Equations 3.8 and 3.16 to 3.19: 99 pixels for the 20 mm along y, from the corner on.
+        # Equations 3.8 and 3.16 to 3.19: 99 pixels for the 20 mm along y, starting at the corner.
         tall = self.masks(box((5, 5, 0), (15, 25, 1)), 1000, "--fit", "--display", "200x100", "--aa", "off")["0001.png"]
         self.assertEqual(tall.lit_box(), (0, 0, 49, 99))  # 10 mm are 49.5 pixels; the centre of the 50th lies on the edge
         wide = self.masks(box((5, 5, 0), (65, 15, 1)), 1000, "--fit", "--display", "200x100", "--aa", "off")["0001.png"]
@@ -373,7 +373,7 @@ class Masks(FolderTest):
         self.assertEqual(contents(), first)
 
     def test_adaptive_layers_are_cut_at_their_own_middles(self):
-        # A box of 2 mm: nothing slopes, so 20 layers of the thickest, 100 um.
+        # A box of 2 mm has no slopes, so it gets 20 layers of the largest height, 100 um.
         path = self.write("box.stl", binary_stl(box((0, 0, 1), (10, 10, 3))))
         csv = self.path("layers.csv")
         result = contourctl("slice", path, "--cusp-um", "28", "--csv", csv)
@@ -396,7 +396,7 @@ class Masks(FolderTest):
     def test_a_mask_that_cannot_be_written_gives_73_and_one_line(self):
         model = self.write("model.stl", binary_stl(cube(20)))
         taken = self.write("file", b"")
-        # Never the device by its own name: a program that cleans up after a failed write would remove it.
+        # A link instead of the device itself, which a program would remove if it cleaned up after a failed write.
         full = self.path("full")
         os.symlink("/dev/full", full)
         for arguments in (["--z", "5", "--mask", self.path("missing", "mask.png")],
@@ -414,7 +414,7 @@ class Masks(FolderTest):
                 if not os.path.lexists(full):
                     os.symlink("/dev/full", full)
 
-    def test_of_several_masks_that_cannot_be_written_the_lowest_is_named(self):
+    def test_the_error_names_the_lowest_of_several_masks_that_cannot_be_written(self):
         model = self.write("model.stl", binary_stl(cube(20)))
         for name in ("0004.png", "0005.png", "0006.png", "0017.png"):
             os.makedirs(self.path("masks", name))
@@ -426,7 +426,7 @@ class Masks(FolderTest):
             self.assertTrue({"0001.png", "0002.png", "0003.png"}.issubset(written), written)
             self.assertNotIn("2000.png", written)
 
-    def test_a_write_that_fails_removes_nothing_that_was_there(self):
+    def test_a_failed_write_removes_no_existing_file(self):
         model = self.write("model.stl", binary_stl(cube(20)))
         full = self.path("full")
         os.symlink("/dev/full", full)
@@ -473,7 +473,7 @@ class Measurements(FolderTest):
             mean = sum(values) / len(values)
             deviation = math.sqrt(sum((v - mean) ** 2 for v in values) / (len(values) - 1))
             found = [float(value) for value in summary.pop(name)]
-            # The files have six decimals, the rows' errors average out.
+            # The files have six decimals; the errors of the rows average out.
             self.assertAlmostEqual(found[0], mean, delta=2e-6, msg=name)
             self.assertAlmostEqual(found[1], deviation, delta=2e-6, msg=name)
             self.assertAlmostEqual(printed[name]["mean"], mean, delta=2e-6, msg=name)
@@ -487,7 +487,7 @@ class Measurements(FolderTest):
         self.assertEqual(summary, {})
         self.assertEqual((printed["layers"], printed["facets"]), (200, len(facets)))
 
-    def test_contours_have_one_file_a_layer_with_the_points_of_every_loop(self):
+    def test_contours_are_one_file_per_layer_with_the_points_of_every_loop(self):
         facets = box((0, 0, 0), (20, 10, 3)) + inside_out(box((5, 2, 0), (15, 8, 3)))
         self.measure(facets, 1000, "--contours", self.path("contours"), "--display", "800x600", "--pixel-pitch-um", "100")
         self.assertEqual(sorted(os.listdir(self.path("contours"))), ["0001.csv", "0002.csv", "0003.csv"])
@@ -502,19 +502,19 @@ class Measurements(FolderTest):
             self.assertAlmostEqual(float(row["x_pixel"]), 400 + (float(row["x_mm"]) - 10) * 10, delta=2e-3)
             self.assertAlmostEqual(float(row["y_pixel"]), 300 - (float(row["y_mm"]) - 5) * 10, delta=2e-3)
 
-    def test_masks_contours_and_measurements_come_together(self):
+    def test_masks_contours_and_measurements_can_be_written_in_one_run(self):
         self.measure(cube(5), 1000, "--masks", self.path("masks"), "--contours", self.path("contours"))
         self.assertEqual(len(os.listdir(self.path("masks"))), 5)
         self.assertEqual(len(os.listdir(self.path("contours"))), 5)
 
-    def test_masks_do_not_swallow_the_json(self):
+    def test_json_is_printed_in_addition_to_masks(self):
         model = self.write("model.stl", binary_stl(cube(5)))
         result = contourctl("slice", model, "--layer-height-um", "1000", "--masks", self.path("masks"), "--json")
         self.assertEqual((result.returncode, result.stderr), (OK, b""))
         self.assertEqual(json.loads(result.stdout)["layers"], 5)
         self.assertEqual(len(os.listdir(self.path("masks"))), 5)
 
-    def test_cracks_are_told_however_the_layers_are_asked_for(self):
+    def test_cracks_give_a_warning_whatever_output_is_requested(self):
         # A side is missing above 3 mm.
         facets = [f for f in box((0, 0, 3), (20, 20, 5)) if not all(vertex[0] == 20 for vertex in f)]
         model = self.write("model.stl", binary_stl(box((0, 0, 0), (20, 20, 3)) + facets))
@@ -533,7 +533,7 @@ class Measurements(FolderTest):
 
 
 class EarlierLayers(FolderTest):
-    """A folder that holds the layers of another model already."""
+    """A folder that already holds the layers of another model."""
 
     def slice(self, height, *arguments):
         model = self.write("model.stl", binary_stl(box((0, 0, 0), (5, 5, height))))
@@ -548,14 +548,14 @@ class EarlierLayers(FolderTest):
                 self.assertEqual((result.returncode, result.stdout), (CANNOT_CREATE, b""))
                 self.assert_one_line(result.stderr, folder, "30", "0001" + extension, "0030" + extension, "--force")
                 self.assertEqual(len(os.listdir(folder)), 30)
-                # One layer is enough to pass for one of this model's.
+                # Even a single old layer could be taken for one of this model's.
                 for number in range(1, 31):
                     if number != 25:
                         os.unlink(os.path.join(folder, f"{number:04}{extension}"))
                 self.assertEqual(self.slice(20, option, folder).returncode, CANNOT_CREATE)
                 self.assertEqual(os.listdir(folder), [f"0025{extension}"])
 
-    def test_with_force_they_are_replaced_and_nothing_else_is_touched(self):
+    def test_with_force_earlier_layers_are_replaced_and_nothing_else_is_touched(self):
         folder, outside = self.path("masks"), self.path("outside.png")
         self.assertEqual(self.slice(30, "--masks", folder).returncode, OK)
         with open(outside, "wb") as file:
@@ -585,7 +585,7 @@ class EarlierLayers(FolderTest):
 
 
 class NoSuchLayers(FolderTest):
-    def test_more_layers_than_can_be_printed_are_bad_data_and_told_at_once(self):
+    def test_too_many_layers_are_bad_data_and_are_reported_at_once(self):
         counted = "the model has 2000000000 layers, at most 10000000 can be printed"
         uncounted = "the model has more than 10000000 layers"
         for height, arguments, sentence in (
@@ -595,13 +595,13 @@ class NoSuchLayers(FolderTest):
         ):  # fmt: skip
             with self.subTest(height=height, arguments=arguments):
                 path = self.write("tall.stl", binary_stl(box((0, 0, 0), (5, 5, height))))
-                # A list of all of them would take 16 GB, or for ever.
+                # A list of all layers would take 16 GB, or would never end.
                 result = contourctl(*arguments, path, timeout=20, preexec_fn=lambda: limit_memory(256 << 20))
                 self.assertEqual((result.returncode, result.stdout), (BAD_DATA, b""))
                 self.assertEqual(result.stderr, f"contourctl: {sentence}\n".encode())
 
 
-    def test_a_model_without_a_layer_is_bad_data_and_says_so(self):
+    def test_a_model_too_thin_for_a_layer_is_bad_data(self):
         flat = [((0, 0, 3), (9, 0, 3), (0, 9, 3))]
         for facets, layers, height in (
             (flat, ["--layer-height-um", "50"], "0"), (flat, ["--cusp-um", "15"], "0"), ([], ["--layer-height-um", "50"], "0"),
@@ -618,7 +618,7 @@ class NoSuchLayers(FolderTest):
 
 
 class BadUsage(FolderTest):
-    def test_it_gives_64_and_says_why(self):
+    def test_bad_usage_gives_64_and_a_message(self):
         model = self.write("model.stl", binary_stl(cube(20)))
         layers = ["slice", model, "--layer-height-um", "50"]
         at = ["slice", model, "--z", "5"]
@@ -652,7 +652,7 @@ class BadUsage(FolderTest):
                 self.assertGreater(len(result.stderr.strip()), 10)
         self.assertEqual(os.listdir(self.folder), ["model.stl"])
 
-    def test_a_length_outside_its_limits_is_told_with_both(self):
+    def test_the_error_about_a_length_names_both_limits(self):
         model = self.write("model.stl", binary_stl(cube(20)))
         for arguments, sentence in (
             (["--cusp-um", "15", "--min-layer-um", "1e30"], "--min-layer-um 1e+30: expected 1 to 1000000"),
@@ -662,8 +662,8 @@ class BadUsage(FolderTest):
             result = contourctl("slice", model, *arguments)
             self.assertEqual((result.returncode, result.stderr), (BAD_USAGE, f"contourctl: {sentence}\n".encode()))
 
-    def test_an_output_without_a_name_is_not_left_out_in_silence(self):
-        # As from a shell variable that is not set.
+    def test_an_empty_output_path_is_an_error(self):
+        # An unset shell variable gives an empty path.
         model = self.write("model.stl", binary_stl(cube(20)))
         for arguments in (["--z", "5", "--mask", ""], ["--layer-height-um", "5000", "--masks", ""],
                           ["--layer-height-um", "5000", "--csv", ""],
@@ -677,7 +677,7 @@ class BadUsage(FolderTest):
         self.assertEqual(result.returncode, OK, result.stderr)
         self.assertEqual(json.loads(result.stdout)["z_mm"], -1.5)
 
-    def test_help_and_version_are_no_errors(self):
+    def test_help_and_version_succeed(self):
         for arguments in (["--help"], ["--version"], ["slice", "--help"], ["inspect", "--help"]):
             result = contourctl(*arguments)
             self.assertEqual((result.returncode, result.stderr), (OK, b""))
@@ -685,7 +685,7 @@ class BadUsage(FolderTest):
 
 
 class Output(FolderTest):
-    def test_a_pipe_that_closes_early_ends_it_without_a_crash(self):
+    def test_a_pipe_that_closes_early_ends_contourctl_without_a_crash(self):
         model = self.write("model.stl", binary_stl(cube(20)))
         for arguments in (["inspect", "--json", model], ["slice", model, "--z", "5", "--json"], ["--help"]):
             reader, writer = os.pipe()
@@ -694,7 +694,7 @@ class Output(FolderTest):
             os.close(writer)
             self.assertIn(result.returncode, (-signal.SIGPIPE, CANNOT_CREATE), result)
 
-    def test_a_full_disk_under_the_standard_output_is_told(self):
+    def test_a_full_standard_output_is_an_error(self):
         model = self.write("model.stl", binary_stl(cube(20)))
         layers = ["slice", model, "--layer-height-um", "50", "--json"]
         for arguments in (["inspect", model], ["inspect", "--json", model], ["slice", model, "--z", "5", "--json"], layers,
@@ -704,14 +704,14 @@ class Output(FolderTest):
             self.assertEqual(result.returncode, CANNOT_CREATE, arguments)
             self.assert_one_line(result.stderr)
 
-    def test_a_closed_standard_output_is_told(self):
+    def test_a_closed_standard_output_is_an_error(self):
         model = self.write("model.stl", binary_stl(cube(20)))
         result = subprocess.run(["sh", "-c", f"exec {CONTOURCTL} inspect {os.fsdecode(model)} >&-"],
                                 stderr=subprocess.PIPE, check=False)  # fmt: skip
         self.assertEqual(result.returncode, CANNOT_CREATE, result)
         self.assert_one_line(result.stderr)
 
-    def test_what_is_told_of_names_and_words_has_nothing_in_it_that_a_terminal_obeys(self):
+    def test_messages_contain_no_control_characters(self):
         odd = "\x1b[31m\x9b2J\u202e\u2066\u2028\x07\r"
         model = self.write(f"{odd}.stl", f"solid {odd}\nfacet {odd}\n".encode())
         good = self.write(f"good{odd}.stl", binary_stl(cube(5)))
@@ -725,10 +725,10 @@ class Output(FolderTest):
             with self.subTest(arguments=arguments):
                 result = contourctl(*arguments)
                 self.assertNotEqual(result.returncode, OK)
-                told = (result.stdout + result.stderr).decode("utf-8")
-                self.assertTrue(told)
+                output = (result.stdout + result.stderr).decode("utf-8")
+                self.assertTrue(output)
                 for char in "\x1b\x9b\u202e\u2066\u2028\x07\r":
-                    self.assertNotIn(char, told)
+                    self.assertNotIn(char, output)
 
     def test_it_reads_a_model_from_a_redirected_file(self):
         with open(self.write("model.stl", binary_stl(cube(20))), "rb") as file:

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""docs/control-api.md against the program: methods, fields, types, states, notifications, error codes, examples; both ways."""
+"""Compares docs/control-api.md with the program, in both directions: methods, fields, types, states, notifications, error
+codes and examples."""
 
 import json
 import os
@@ -16,14 +17,14 @@ from harness import (
 PAGE = (pathlib.Path(SOURCE) / "docs/control-api.md").read_text(encoding="utf-8")
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
 ISLAND = binary_stl([*box((0, 0, 0), (10, 5, 0.2)), *box((15, 0, 0.1), (20, 5, 0.2))])
-# An exception that no request brings about.
+# The code for an exception, which no request can cause.
 INTERNAL_ERROR = -32603
-# A caller of another user and group (manual_test.py).
+# The code for a caller of another user and group, tested in manual_test.py.
 NOT_ALLOWED = -32001
 
 
 def section(title, page=PAGE):
-    """What stands between this heading and the next of its level or above."""
+    """Returns the text between this heading and the next one of its level or above."""
     level = title.split(" ")[0]
     found = re.search(rf"^{re.escape(title)}\n(.*?)(?=^#{{1,{len(level)}}} |\Z)", page, re.MULTILINE | re.DOTALL)
     assert found, f"there is no heading {title!r}"
@@ -31,14 +32,14 @@ def section(title, page=PAGE):
 
 
 def rows(title):
-    """The cells of the section's table, the first without its backticks."""
+    """Returns the rows of the section's table as lists of cells, the first cell without its backticks."""
     lines = [line.strip("|").split("|") for line in section(title).splitlines() if line.startswith("| ")]
     assert len(lines) > 1, f"{title!r} has no table"
     return [[cells[0].strip().strip("`"), *(cell.strip() for cell in cells[1:])] for cells in lines[1:]]
 
 
 def messages(text):
-    """Every line of the section's JSON blocks."""
+    """Returns every line of the section's JSON blocks, parsed."""
     return [json.loads(line) for block in re.findall(r"^```json\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
             for line in block.splitlines()]  # fmt: skip
 
@@ -72,7 +73,7 @@ class ControlApiTest(FolderTest):
         return Daemon(self).start()
 
     def printing(self, simulation=None, **more):
-        """A daemon whose print stays in its first exposure."""
+        """Starts a daemon whose print stays in its first exposure."""
         config = merge(json.loads(json.dumps(REALTIME)), {"simulation": simulation or {}, **more})
         daemon = Daemon(self, config, {**NIMBLE_RESIN, **ENDLESS, "ticket_limits": {"settle_ms": [0, 100]}}).start()
         daemon.drop("part.stl", SMALL)
@@ -90,7 +91,7 @@ class ControlApiTest(FolderTest):
         self.assert_fields(status, STATUS)
         self.assertIn(status["state"], STATES)
         if status["job"] is not None:
-            # "from here on only while it prints"
+            # The table marks these fields with "from here on only while it prints".
             names = [name for name, *_ in JOB]
             first = next(i for i, (_, _, meaning) in enumerate(JOB) if "only while it prints" in meaning)
             prints = status["state"] not in ("preparing", "finishing")
@@ -124,44 +125,44 @@ class ControlApiTest(FolderTest):
         for job in result.get("ended", ()):
             self.assert_fields(job, PAST_JOB)
 
-    def test_the_methods_are_the_programs(self):
+    def test_the_page_lists_the_methods_of_the_program(self):
         message = self.fast().rpc("no such method")["error"]["message"]
         self.assertEqual(sorted(METHODS), sorted(message.split("there are ")[1].split(", ")))
 
-    def test_every_method_takes_the_parameters_that_are_told(self):
+    def test_every_method_takes_the_documented_parameters(self):
         client = self.fast().client()
         for method in METHODS:
             with self.subTest(method):
-                told = re.search(r"Parameters:\s+([^.]*)\.", section(f"### `{method}`"))
-                self.assertIsNotNone(told)
-                names = re.findall(r"`(\w+)`", told[1])
-                self.assertEqual(told[1] == "none", not names)
+                documented = re.search(r"Parameters:\s+([^.]*)\.", section(f"### `{method}`"))
+                self.assertIsNotNone(documented)
+                names = re.findall(r"`(\w+)`", documented[1])
+                self.assertEqual(documented[1] == "none", not names)
                 client.send(json.dumps({"jsonrpc": "2.0", "method": method, "params": {"no": 1}, "id": method}).encode() + b"\n")
                 error = client.wait_for(lambda m, method=method: m.get("id") == method, method)["error"]
                 self.assertEqual(error["code"], -32602)
-                # A method that has parameters names them.
-                _, _, there_are = error["message"].partition("there are ")
-                self.assertEqual(sorted(names), sorted(there_are.split(", ")) if there_are else [], error["message"])
+                # The error of a method with parameters lists them.
+                _, _, listed = error["message"].partition("there are ")
+                self.assertEqual(sorted(names), sorted(listed.split(", ")) if listed else [], error["message"])
 
-    def test_every_methods_reply_has_the_fields_that_are_told(self):
+    def test_every_reply_has_the_documented_fields(self):
         daemon = self.printing(ask_before=["islands"])
         answers = {}
         for name, model in (("one", SMALL), ("two", ISLAND)):
             daemon.drop(f"{name}.stl", model, {"settle_ms": 10})
-        wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready", "unaccepted"], "their checks")
+        wait_until(lambda: [job["state"] for job in daemon.rpc("queue")["result"]["jobs"]] == ["ready", "unaccepted"], "both jobs to be checked")
         parameters_of = {"queue_move": {"job": "two", "to": 1}, "accept": {"job": "two"}, "queue_remove": {"job": "one"}, "replaced": {"part": "film"}}
         for method in ("watch", "status", "queue", "history", "usage", "replaced", "queue_move", "accept", "queue_remove", "pause", "resume", "cancel"):
             answers[method] = daemon.client().call(method, **parameters_of.get(method, {}))
         daemon.rpc("queue_remove", job="two")
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
         answers["plate_cleared"] = daemon.rpc("plate_cleared")
-        by_hand = {"home": {}, "stop": {}, "light_off": {}, "show": {"pattern": "grid"}, "mask": {}, "upload": {"from": 0, "data": "AAAA"}, "light_on": {"seconds": 0.01, "in_resin": True},
+        manual = {"home": {}, "stop": {}, "light_off": {}, "show": {"pattern": "grid"}, "mask": {}, "upload": {"from": 0, "data": "AAAA"}, "light_on": {"seconds": 0.01, "in_resin": True},
                    "projector": {}, "motor_off": {}, "inputs": {}, "move": {"to_mm": 1}}  # fmt: skip
-        for method, parameters in by_hand.items():
+        for method, parameters in manual.items():
             if method == "move":
                 daemon.client().call("home")
-                wait_until(lambda: daemon.status()["manual"]["height_mm"] == 0, "home")
-            wait_until(lambda: daemon.status()["manual"]["state"] == "idle", "the end by hand")
+                wait_until(lambda: daemon.status()["manual"]["height_mm"] == 0, "the plate to be at home")
+            wait_until(lambda: daemon.status()["manual"]["state"] == "idle", "the manual operation to end")
             answers[method] = daemon.client().call(method, **parameters)
         self.assertEqual(sorted(answers), sorted(METHODS))
         for method, answer in answers.items():
@@ -169,22 +170,22 @@ class ControlApiTest(FolderTest):
                 self.assertIn("result", answer)
                 self.assert_reply(method, answer["result"])
 
-    def test_a_job_has_the_fields_that_are_told_in_each_of_its_states(self):
+    def test_a_job_has_the_documented_fields_in_each_of_its_states(self):
         daemon = self.fast()
         daemon.drop("part.stl", SMALL)
         daemon.wait_done("part")
-        told = [message["params"] for message in daemon.watcher.seen if message.get("method") in NOTIFICATIONS]
-        self.assertIn("finishing", [status["state"] for status in told])
-        self.assertIn("resting", [status["state"] for status in told])
-        for status in told:
+        statuses = [message["params"] for message in daemon.watcher.seen if message.get("method") in NOTIFICATIONS]
+        self.assertIn("finishing", [status["state"] for status in statuses])
+        self.assertIn("resting", [status["state"] for status in statuses])
+        for status in statuses:
             with self.subTest(status["state"]):
-                if "printer" in status:  # the harness' own word of what ended before has but the job
+                if "printer" in status:  # the harness adds notifications that hold only a job
                     self.assert_status(status)
         for job in [*daemon.rpc("history")["result"]["ended"], *daemon.rpc("history", this_run=True)["result"]["ended"]]:
             self.assert_fields(job, PAST_JOB)
             self.assert_fields(job["analysis"], ANALYSIS)
 
-    def test_the_notifications_are_the_programs(self):
+    def test_the_page_lists_the_notifications_of_the_program(self):
         daemon = self.printing({"lid_opened_after_light_s": 0.05, "lid_open_s": 0.05}, ask_before=["islands"])
         daemon.watcher.wait_for(lambda m: m.get("method") == "machine", "the lid")
         daemon.wait_state("paused")
@@ -200,27 +201,27 @@ class ControlApiTest(FolderTest):
         daemon.watcher.wait_for(lambda m: m.get("method") == "reminders", "the new film")
         daemon.rpc("projector")
         daemon.watcher.wait_for(lambda m: m.get("method") == "manual", "the projector")
-        told = [message for message in daemon.watcher.seen if "id" not in message]
-        self.assertEqual({message["method"] for message in told}, set(NOTIFICATIONS))
-        for message in told:
+        notifications = [message for message in daemon.watcher.seen if "id" not in message]
+        self.assertEqual({message["method"] for message in notifications}, set(NOTIFICATIONS))
+        for message in notifications:
             self.assertEqual(list(message), ["jsonrpc", "method", "params"])
             self.assert_status(message["params"])
 
-    def test_no_notification_in_the_sources_is_left_out(self):
+    def test_every_notification_in_the_sources_is_documented(self):
         sources = "".join(path.read_text() for path in (pathlib.Path(SOURCE) / "daemon").rglob("*.cpp"))
         in_sources = set(re.findall(r'\bnotify\w*\(\s*"(\w+)"', sources))
         self.assertTrue(in_sources)
         self.assertEqual(in_sources - set(NOTIFICATIONS), set())
 
-    def test_the_states_are_the_programs(self):
-        # The print's own table; others may be drawn beside it.
+    def test_the_page_lists_the_states_of_the_program(self):
+        # Only the print's table; other tables are drawn as subgraphs.
         drawn = run(CONTOURD, "--print-states").stdout.decode().partition("subgraph")[0]
         states = {end for ends in re.findall(r'^  "([^"]+)" -> "([^"]+)"', drawn, re.MULTILINE) for end in ends}
         self.assertEqual(STATES, (states - {"any state"}) | {"preparing", "finishing"})
-        by_hand = set(re.findall(r'"by hand: ([^"]+)" \[', run(CONTOURD, "--print-states").stdout.decode()))
-        self.assertEqual(set(re.findall(r"`([^`]+)`", MANUAL[0][2])), by_hand)
+        manual = set(re.findall(r'"by hand: ([^"]+)" \[', run(CONTOURD, "--print-states").stdout.decode()))
+        self.assertEqual(set(re.findall(r"`([^`]+)`", MANUAL[0][2])), manual)
 
-    def test_the_error_codes_are_the_programs(self):
+    def test_the_page_lists_the_error_codes_of_the_program(self):
         client = self.fast().client()
         codes = {INTERNAL_ERROR, NOT_ALLOWED}
         for line in ("{", "1", '{"jsonrpc":"2.0","method":"fly","id":1}', '{"jsonrpc":"2.0","method":"pause","id":1}',
@@ -229,7 +230,7 @@ class ControlApiTest(FolderTest):
             codes.add(client.next()["error"]["code"])
         self.assertEqual(codes, CODES)
 
-    def test_the_limits_are_the_programs(self):
+    def test_the_page_lists_the_limits_of_the_program(self):
         limits = {limit: is_ for limit, is_, _ in rows("## How to talk")}
         bytes_, in_batch = (int(limits[name].split()[0]) for name in ("a message", "a batch"))
         client = self.fast().client()
@@ -244,8 +245,8 @@ class ControlApiTest(FolderTest):
         self.assertEqual(len(answer(b"[" + b",".join([b"1"] * in_batch) + b"]")), in_batch)
         self.assertIn(f"1 to {in_batch}", answer(b"[" + b",".join([b"1"] * (in_batch + 1)) + b"]")["error"]["message"])
 
-    def test_every_example_is_what_the_program_says(self):
-        """Up to what lies in the spool and what a user calls things: the shape, and errors to the letter."""
+    def test_every_example_matches_the_program(self):
+        """An answer must have the fields and types of its example; an error must be equal to its example."""
         daemon = self.fast()
         for title in ("## Errors", *(f"### `{method}`" for method in METHODS)):
             with self.subTest(title):
@@ -262,7 +263,7 @@ class ControlApiTest(FolderTest):
         self.assertIn(ended["method"], NOTIFICATIONS)
         self.assert_status(ended["params"])
 
-    def test_the_example_in_python_runs(self):
+    def test_the_python_example_runs(self):
         daemon = self.fast()
         (program,) = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
         ended = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=DEADLINE_S, check=False,

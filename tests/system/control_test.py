@@ -1,4 +1,4 @@
-"""The control socket, spoken to by hand and by contourctl."""
+"""The control socket, used directly and by contourctl."""
 
 import json
 import os
@@ -25,7 +25,7 @@ class ControlTest(FolderTest):
         return self.daemon
 
     def realtime(self, resin=None, config=None):
-        """A daemon in real time. By default its print stays in its first exposure; else layers take milliseconds."""
+        """Starts a daemon in real time. Without a resin, its print stays in its first exposure; otherwise layers take milliseconds."""
         config = merge(json.loads(json.dumps(REALTIME)), config or {})
         self.daemon = Daemon(self, config, {**NIMBLE_RESIN, **(ENDLESS if resin is None else resin)}).start()
         return self.daemon
@@ -51,7 +51,7 @@ class Protocol(ControlTest):
         self.client = self.daemon.client()
 
     def tearDown(self):
-        # Whatever it was sent, the connection and the daemon are as good as before.
+        # Whatever a test has sent, the connection and the daemon must still work.
         self.assertIn("result", self.client.call("status"))
         self.daemon.drop("good.stl", SMALL)
         self.daemon.wait_done("good")
@@ -77,20 +77,20 @@ class Protocol(ControlTest):
                        "projector": None},
         })  # fmt: skip
 
-    def test_an_unknown_method_names_those_there_are(self):
+    def test_the_error_about_an_unknown_method_lists_the_known_methods(self):
         answer = self.answer('{"jsonrpc":"2.0","method":"fly","id":7}')
         self.assert_error(answer, METHOD_NOT_FOUND, 7)
         for name in ("status", "queue", "watch", "pause", "resume", "cancel", "plate_cleared", "fly"):
             self.assertIn(name, answer["error"]["message"])
 
-    def test_what_is_no_json_gets_a_parse_error(self):
+    def test_invalid_json_gets_a_parse_error(self):
         for line in ("{", "hello", "}", '{"jsonrpc":"2.0","method":"status"', "'status'", "[1,", "\x00", "NaN",
                      '{"jsonrpc":"2.0","method":"status","id":1} {}', "GET / HTTP/1.1"):  # fmt: skip
             with self.subTest(line):
                 self.assert_error(self.answer(line), PARSE_ERROR)
         self.assert_error(self.answer(b'{"method":"\xff\xfe"}\n'), PARSE_ERROR)
 
-    def test_what_is_no_request_gets_an_invalid_request_error(self):
+    def test_json_that_is_no_request_gets_an_invalid_request_error(self):
         for line in ("1", '"status"', "null", "true", "{}", '{"method":"status","id":null}',
                      '{"jsonrpc":"1.0","method":"status"}', '{"jsonrpc":2.0,"method":"status"}',
                      '{"jsonrpc":"2.0","method":1}', '{"jsonrpc":"2.0","method":["status"]}',
@@ -106,7 +106,7 @@ class Protocol(ControlTest):
             answer = self.answer(json.dumps({"jsonrpc": "2.0", "method": "queue", "id": number}))
             self.assertEqual((answer["id"], answer["result"]), (number, {"queue": [], "more": 0, "jobs": [], "arriving": []}))
 
-    def test_an_id_that_is_no_id_is_an_invalid_request(self):
+    def test_an_id_of_a_wrong_type_is_an_invalid_request(self):
         for number in ({}, [], [1], True, {"a": 1}):
             with self.subTest(number):
                 answer = self.answer(json.dumps({"jsonrpc": "2.0", "method": "queue", "id": number}))
@@ -118,7 +118,7 @@ class Protocol(ControlTest):
         for line in (deep, f'{{"jsonrpc":"2.0","method":"status","params":{deep},"id":1}}',
                      f'{{"jsonrpc":"2.0","method":"status","id":{deep}}}', f'{{"a":{deep}}}', "[" * 8000,
                      '{"a":' * 1300 + "1" + "}" * 1300):  # fmt: skip
-            # Read as bytes: the answer may be as deep.
+            # Read as bytes, since the answer may be nested as deeply.
             with socket.socket(socket.AF_UNIX) as client:
                 client.connect(self.daemon.socket_path)
                 client.settimeout(DEADLINE_S)
@@ -157,7 +157,7 @@ class Protocol(ControlTest):
     def test_the_largest_batch_is_answered(self):
         self.client.send(b"[" + b",".join([b"1"] * 4000) + b"]\n")
         answers = self.client.next()
-        self.assertIsNotNone(answers, "an error is answered, not a disconnect")
+        self.assertIsNotNone(answers, "disconnected instead of answered")
 
     def test_a_line_that_is_too_long_gets_one_error(self):
         for size in (70000, 1 << 20, 5 << 20):
@@ -168,7 +168,7 @@ class Protocol(ControlTest):
             self.client.send(b'{"jsonrpc":"2.0","method":"queue","id":3}\n')
             self.assertEqual(self.client.next()["id"], 3)
 
-    def test_a_line_may_come_in_pieces(self):
+    def test_a_line_may_arrive_in_pieces(self):
         line = b'{"jsonrpc":"2.0","method":"queue","id":4}\n'
         other = self.daemon.client()
         for piece in (line[:1], line[1:20], line[20:-1]):
@@ -185,7 +185,7 @@ class Protocol(ControlTest):
         self.client.send(b"".join(b'{"jsonrpc":"2.0","method":"queue","id":%d}\n' % number for number in range(2000)))
         self.assertEqual([self.client.next()["id"] for _ in range(2000)], list(range(2000)))
 
-    def test_one_users_clients_together_get_no_more_than_some_hundred_answers_a_second(self):
+    def test_all_clients_of_one_user_share_a_limit_of_some_hundred_answers_per_second(self):
         clients = [self.daemon.client() for _ in range(10)]
         begin = time.monotonic()
         for client in clients:
@@ -194,11 +194,11 @@ class Protocol(ControlTest):
             for _ in range(150):
                 client.next()
             client.close()
-        # 200 at once, one of each client that waits for its next turn, and the others 2 ms each, however fast the computer is.
+        # 200 answers come at once, and one for each client that waits for its turn; each other answer takes 2 ms on any computer.
         self.assertGreater(time.monotonic() - begin, (1500 - 200 - 10) * 0.002)
 
-    def test_a_client_that_has_said_all_still_gets_its_answer(self):
-        # As `echo ... | nc -U` does: the sending side is closed at once.
+    def test_a_client_that_closes_its_sending_side_still_gets_its_answer(self):
+        # `echo ... | nc -U` closes its sending side at once.
         with socket.socket(socket.AF_UNIX) as client:
             client.connect(self.daemon.socket_path)
             client.sendall(b'{"jsonrpc":"2.0","method":"queue","id":6}\n')
@@ -229,7 +229,7 @@ class Protocol(ControlTest):
         for client in clients:
             client.close()
 
-    def test_a_client_too_many_disturbs_nobody(self):
+    def test_too_many_clients_do_no_harm(self):
         clients = [self.daemon.client() for _ in range(100)]
         answered = 0
         for client in clients:
@@ -240,8 +240,8 @@ class Protocol(ControlTest):
         self.assertGreaterEqual(answered, 40)
         for client in clients:
             client.close()
-        wait_until(self.reconnects, "a new client being served")
-        self.client = self.daemon.client()  # the one from before was idle, and gave way
+        wait_until(self.reconnects, "a new client to be served")
+        self.client = self.daemon.client()  # the old connection was idle, and was closed to make room
 
     def reconnects(self):
         try:
@@ -294,17 +294,17 @@ class Watching(ControlTest):
             client.connect(daemon.socket_path)
             client.sendall(b'{"jsonrpc":"2.0","method":"watch","id":1}\n')
             deaf.append(client)
-        # About 18,000 notifications of some 400 bytes to each of the five.
+        # Each of the five clients is sent about 18,000 notifications of about 400 bytes.
         daemon.drop("tall.stl", TALL)
         daemon.wait_done("tall")
         self.assertIn("result", daemon.rpc("status"))
-        # Each may hold the server's limit of 4 MiB; the rest is the print's own.
+        # For each client the server holds at most 4 MiB; the rest is for the print.
         self.assertLess(self.memory_kb() - before, 5 * 4096 + 20000)
         for client in deaf:
             client.close()
         daemon.stop()
 
-    def test_a_client_that_reads_late_still_hears_of_the_end(self):
+    def test_a_client_that_reads_late_still_receives_the_end(self):
         daemon = self.fast()
         late = socket.socket(socket.AF_UNIX)
         late.connect(daemon.socket_path)
@@ -319,11 +319,11 @@ class Watching(ControlTest):
             received += data
         *lines, _ = received.split(b"\n")
         for line in lines:
-            json.loads(line)  # left out whole or not at all
+            json.loads(line)  # a notification is either whole or left out
         late.close()
         daemon.stop()
 
-    def test_a_client_that_only_asks_and_never_reads_is_dropped_in_the_end(self):
+    def test_a_client_that_keeps_asking_and_never_reads_is_disconnected(self):
         daemon = self.fast()
         before = self.memory_kb()
         with socket.socket(socket.AF_UNIX) as client:
@@ -347,11 +347,11 @@ class Commands(ControlTest):
         daemon = self.fast()
         for method in ("pause", "resume", "cancel"):
             self.assertIn("no print", self.error(method))
-        # The plate is clear already, which is what was asked for.
+        # The plate is clear already, so this is no error.
         self.assertIn("result", daemon.rpc("plate_cleared"))
         daemon.stop()
 
-    def test_a_pause_comes_after_the_layer_and_a_resume_goes_on(self):
+    def test_a_pause_begins_after_the_layer_and_resume_continues_the_print(self):
         daemon = self.realtime({"exposure_ms": 1})
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
@@ -365,12 +365,12 @@ class Commands(ControlTest):
         report = daemon.wait_done("part")
         self.assertEqual(report["layers_exposed"], 20)
         self.assertEqual([layer["layer"] for layer in report["layer_records"]], list(range(1, 21)))
-        # The plate came back to where it belongs.
+        # The plate returned to the height of its layer.
         for layer in report["layer_records"]:
             self.assertAlmostEqual(layer["plate_height_mm"], layer["layer"] * 0.05, delta=1e-6)
         daemon.stop()
 
-    def test_a_pause_can_be_taken_back_before_it_comes(self):
+    def test_a_pause_can_be_taken_back_before_it_begins(self):
         daemon = self.printing()
         self.assertTrue(daemon.rpc("pause")["result"]["job"]["pause_pending"])
         self.assertTrue(daemon.rpc("pause")["result"]["job"]["pause_pending"])
@@ -383,7 +383,7 @@ class Commands(ControlTest):
         return self.realtime({"exposure_ms": 1}, {"z_axis": {"travel_speed_mm_s": 4, "homing_speed_mm_s": 4},
                                                   "simulation": {"start_height_mm": 10}})  # fmt: skip
 
-    def test_a_pause_is_promised_for_when_it_comes(self):
+    def test_the_status_says_when_a_pending_pause_will_begin(self):
         daemon = self.slow_to_move()
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("homing")
@@ -397,7 +397,7 @@ class Commands(ControlTest):
         self.assertEqual(daemon.rpc("pause")["result"]["job"]["pause"], "after this layer")
         daemon.stop()
 
-    def test_a_print_that_goes_up_for_good_can_be_neither_paused_nor_cancelled(self):
+    def test_a_print_that_is_parking_can_be_neither_paused_nor_cancelled(self):
         daemon = self.slow_to_move()
         daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 0.1))))  # 2 layers
         daemon.wait_state("parking")
@@ -413,13 +413,13 @@ class Commands(ControlTest):
         daemon.rpc("cancel")
         daemon.wait_state("parking")
         self.assertIn("being cancelled", self.error("pause"))
-        self.assertIn("result", daemon.rpc("cancel"))  # it is
+        self.assertIn("result", daemon.rpc("cancel"))  # a second cancel is no error
         result = daemon.ctl("pause")
         self.assertEqual((result.returncode, result.stdout), (FAILED, b""))
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
         daemon.stop()
 
-    def test_a_cancel_in_every_situation_ends_the_print(self):
+    def test_a_cancel_during_an_exposure_ends_the_print(self):
         daemon = self.printing()
         self.assertIn("result", daemon.rpc("cancel"))
         end = daemon.wait_ended("part")
@@ -445,15 +445,15 @@ class Commands(ControlTest):
         self.assertEqual(daemon.wait_done("next")["layers_exposed"], 20)
         daemon.stop()
 
-    def test_commands_in_any_order_never_confuse_it(self):
+    def test_commands_in_any_order_do_no_harm(self):
         daemon = self.realtime({"exposure_ms": 1})
         client = daemon.client()
-        orders = ("pause", "resume", "cancel", "plate_cleared", "status", "queue")
+        commands = ("pause", "resume", "cancel", "plate_cleared", "status", "queue")
         for number in range(6):
             daemon.drop(f"part{number}.stl", SMALL)
         ended = 0
         for step in range(3000):
-            method = orders[(step * step + step // 7) % len(orders)]
+            method = commands[(step * step + step // 7) % len(commands)]
             if method == "cancel" and step % 5:
                 continue
             answer = client.call(method)
@@ -470,7 +470,7 @@ class Commands(ControlTest):
         self.assertLessEqual(set(outcomes), {"done", "cancelled"})
         daemon.stop()
 
-    def test_the_plate_is_not_cleared_under_a_print(self):
+    def test_the_plate_cannot_be_cleared_during_a_print(self):
         daemon = self.printing()
         self.assertIn("part is being printed", self.error("plate_cleared"))
         self.assertEqual(daemon.status()["plate"], "occupied")
@@ -503,7 +503,7 @@ class Contourctl(ControlTest):
                 self.assertEqual(result.stdout, b"")
                 self.assert_one_line(result.stderr, word)
 
-    def test_status_and_queue_while_nothing_happens(self):
+    def test_status_and_queue_while_idle(self):
         daemon = self.fast()
         text = self.ctl("status")
         for word in ("Simulated printer", "idle", "clear"):
@@ -573,7 +573,7 @@ class Contourctl(ControlTest):
         daemon.drop("one.stl", SMALL)
         daemon.wait_done("one")
         daemon.drop("two.stl", SMALL)
-        wait_until(lambda: daemon.status()["waiting_for"], "the wait")
+        wait_until(lambda: daemon.status()["waiting_for"], "the second job to wait")
         text = self.ctl("status")
         self.assertIn("occupied by one", text)
         self.assertIn("plate-cleared", text)
@@ -588,7 +588,7 @@ class Contourctl(ControlTest):
         self.addCleanup(process.stderr.close)
         self.addCleanup(process.wait)
         self.addCleanup(process.kill)
-        wait_until(lambda: self.watches(process), "the watcher's connection")
+        wait_until(lambda: self.watches(process), "contourctl watch to connect")
         return process
 
     def test_watch_follows_a_print_to_its_end(self):
@@ -602,7 +602,7 @@ class Contourctl(ControlTest):
         self.assertNotIn(b"\x1b", out)  # no terminal
         daemon.stop()
 
-    def test_watch_tells_warnings_and_changes_a_line_each_where_there_is_no_terminal(self):
+    def test_watch_without_a_terminal_prints_a_line_for_each_warning_and_change(self):
         daemon = self.realtime({})
         watcher = self.watch("--job", "part")
         daemon.drop("part.stl", binary_stl(box((0, 0, 0), (10, 5, 1)) + box((20, 0, 0.5), (25, 5, 1))))
@@ -611,7 +611,7 @@ class Contourctl(ControlTest):
         lines = out.decode().splitlines()
         self.assertEqual(len([line for line in lines if line.startswith("part: warning: 1 island")]), 1)
         self.assertEqual(lines[-1], "part: done")
-        self.assertNotEqual(lines[-2], "part: waits")  # what has ended does not wait
+        self.assertNotEqual(lines[-2], "part: waits")  # a job that has ended does not wait
         progress = [line for line in lines if "layer" in line and "warning" not in line]
         self.assertEqual(len(progress), len(set(progress)))
         self.assertLess(len(progress), 20)
@@ -626,20 +626,20 @@ class Contourctl(ControlTest):
         self.assertIn(b"bad: failed", out)
         daemon.stop()
 
-    def test_watch_of_a_job_that_is_nowhere_says_so_and_fails(self):
+    def test_watch_of_an_unknown_job_fails(self):
         daemon = self.printing()
         daemon.drop("next.stl", SMALL)
         names, options = ("nothere", "par", "\x1b[31m\u202e"), ([], ["--json"])
         for watcher in [self.watch("--job", name, *arguments) for name in names for arguments in options]:
             out, err = watcher.communicate(timeout=DEADLINE_S)
             self.assertEqual(watcher.returncode, FAILED)
-            self.assertNotIn(b"%", out)  # no other job's bar
+            self.assertNotIn(b"%", out)  # no progress bar of another job
             self.assertNotIn(b"waits", out)
             self.assert_one_line(err, "there is no job")
             self.assertNotIn(b"\x1b", err)
         daemon.stop()
 
-    def test_watch_of_a_job_that_waits_shows_no_other_job_and_notices_when_it_is_taken_away(self):
+    def test_watch_of_a_waiting_job_shows_no_other_job_and_ends_when_its_file_is_deleted(self):
         daemon = self.printing()
         daemon.drop("next.stl", SMALL)
         os.mkdir(daemon.file("incoming", "plate"))
@@ -664,7 +664,7 @@ class Contourctl(ControlTest):
     def test_watch_with_json_prints_one_message_a_line(self):
         daemon = self.fast()
         watcher = self.watch("--json")
-        json.loads(watcher.stdout.readline())  # it watches now
+        json.loads(watcher.stdout.readline())  # printed once it watches
         daemon.drop("part.stl", SMALL)
         out, _ = watcher.communicate(timeout=DEADLINE_S)
         self.assertEqual(watcher.returncode, OK)
@@ -678,7 +678,7 @@ class Contourctl(ControlTest):
         self.assertIn(b"part", watcher.stdout.readline())
         daemon.drop("bad.stl", b"no model")
         daemon.wait_refused("bad")
-        # By this answer, anything sent to the watcher before has been sent.
+        # Once this is answered, all earlier notifications have been sent to the watcher.
         self.assertIn("result", daemon.rpc("status"))
         daemon.rpc("cancel")
         daemon.wait_ended("part")
@@ -686,7 +686,7 @@ class Contourctl(ControlTest):
         self.assertIn(b"part: cancelled", out)
         daemon.stop()
 
-    def test_watch_of_a_job_that_ended_before_another_one_ends(self):
+    def test_watch_of_a_job_that_has_ended_prints_its_outcome(self):
         daemon = self.fast()
         for name in ("one", "two"):
             daemon.drop(name + ".stl", SMALL)
@@ -705,12 +705,12 @@ class Contourctl(ControlTest):
         self.assert_one_line(err, "closed the connection")
 
     def watches(self, process):
-        # It reads in recv when it has sent its request; until then the test would only see a refused connection.
+        # contourctl sleeps in recv once it has sent its request; a daemon stopped earlier would only refuse the connection.
         with open(f"/proc/{process.pid}/wchan", encoding="ascii") as file:
             where = file.read()
             return "unix_stream" in where or "poll" in where or process.poll() is not None
 
-    def test_without_a_daemon_it_says_so(self):
+    def test_without_a_daemon_the_error_names_the_socket(self):
         for socket_path in (self.path("none.sock"), self.write("file", b""), self.folder, self.path("x" * 200)):
             for command in ("status", "queue", "queue show part", "queue remove part", "queue move part --first", "watch", "pause",
                             "resume", "cancel", "plate-cleared"):
@@ -727,7 +727,7 @@ class Contourctl(ControlTest):
 
 
 class Socket(ControlTest):
-    def test_it_is_for_owner_and_group_only(self):
+    def test_only_owner_and_group_can_use_the_socket(self):
         daemon = self.fast()
         self.assertEqual(os.stat(daemon.socket_path).st_mode & 0o777, 0o660)
         daemon.stop()
@@ -741,7 +741,7 @@ class Socket(ControlTest):
         self.assertEqual(daemon.status()["state"], "idle")
         daemon.stop()
 
-    def test_a_second_daemon_on_the_same_socket_says_so_and_ends(self):
+    def test_a_second_daemon_on_the_same_socket_ends_with_an_error(self):
         daemon = self.fast()
         second = run(CONTOURD, "--config", daemon.config_path)
         self.assertNotEqual(second.returncode, 0)
@@ -758,14 +758,14 @@ class Socket(ControlTest):
         with open(self.path("control.sock"), "rb") as file:
             self.assertEqual(file.read(), b"precious")
 
-    def test_a_folder_that_is_not_there_is_said(self):
+    def test_a_missing_folder_of_the_socket_is_an_error(self):
         daemon = Daemon(self, {"control_socket": "missing/control.sock"})
         result = run(CONTOURD, "--config", daemon.config_path)
         self.assertNotEqual(result.returncode, 0)
         self.assertIn(b"/control_socket: there is no folder " + os.fsencode(self.path("missing")), result.stderr)
 
-    def test_a_daemon_that_hangs_is_not_answered_for(self):
-        # A client gets no answer from a stopped process, but neither an error: contourctl must not take it for one.
+    def test_contourctl_waits_for_a_daemon_that_hangs(self):
+        # A stopped process neither answers nor closes the connection: contourctl must wait instead of reporting an error.
         daemon = self.fast()
         daemon.process.send_signal(signal.SIGSTOP)
         process = subprocess.Popen([CONTOURCTL, "status", "--socket", daemon.socket_path], stdout=subprocess.PIPE)
@@ -778,7 +778,7 @@ class Socket(ControlTest):
 
 class Robustness(ControlTest):
     def test_a_spool_that_vanishes_does_not_end_the_daemon(self):
-        # As when its disk is unmounted: the light must go off and the owner must be able to ask why nothing prints.
+        # As if its disk were unmounted: the light must go off, and the user must be able to find out why nothing prints.
         daemon = self.printing()
         os.rename(daemon.spool, self.path("gone"))
         daemon.rpc("cancel")
@@ -788,7 +788,7 @@ class Robustness(ControlTest):
         self.assertTrue(daemon.alive(), daemon.log())
         daemon.stop()
 
-    def test_it_does_not_spin_when_there_is_nothing_to_do(self):
+    def test_an_idle_daemon_uses_almost_no_processor_time(self):
         daemon = self.fast()
         daemon.drop("part.stl", SMALL)
         daemon.wait_done("part")
@@ -798,7 +798,7 @@ class Robustness(ControlTest):
                 return sum(map(int, file.read().rsplit(")", 1)[1].split()[11:13]))
 
         before, start = ticks(), time.monotonic()
-        wait_until(lambda: time.monotonic() > start + 1, "a second")
+        wait_until(lambda: time.monotonic() > start + 1, "a second to pass")
         self.assertLess(ticks() - before, 5)  # of 100
         daemon.stop()
 

@@ -12,7 +12,7 @@ CRACKED = binary_stl(box((0, 0, 0), (10, 10, 1)) + without_front(box((2, 2, 1), 
 SOUND = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 2, 1), (6, 6, 2)))
 
 
-# One of the slab's facets the wrong way round.
+# A slab with one facet turned round.
 _walls = box((0, 0, 0), (10, 10, 1))
 _at = next(i for i, facet in enumerate(_walls) if len({vertex[2] for vertex in facet}) > 1)
 _walls[_at] = [_walls[_at][1], _walls[_at][0], _walls[_at][2]]
@@ -33,7 +33,7 @@ class Policies(FolderTest):
                 layers = report["layer_records"]
                 self.assertEqual([layer["open_chains"] for layer in layers], [0] * 10 + [1] * 10)
                 self.assertEqual({layer["widest_gap_mm"] for layer in layers[10:]}, {4.0})
-                # Across the missing front the contour closes straight: the light is that of the sound model.
+                # The contour is closed by a straight line across the missing front, so its area is that of the sound model.
                 self.assertEqual({round(layer["area_mm2"], 6) for layer in layers[10:]}, {16.0})
                 self.assertIn("layer 11: 1 contours did not close; the widest gap bridged is 4.000 mm", daemon.log())
                 daemon.stop()
@@ -49,7 +49,7 @@ class Policies(FolderTest):
         self.assertEqual(daemon.wait_done("sound")["layers"], 20)
         daemon.stop()
 
-    def test_turned_facets_are_turned_back_and_told_unless_the_ticket_refuses_guesses(self):
+    def test_turned_facets_are_turned_back_with_a_warning_unless_the_ticket_refuses_cracks(self):
         daemon = self.daemon()
         daemon.drop("turned.stl", TURNED, {"layer_height_um": 100})
         report = daemon.wait_done("turned")

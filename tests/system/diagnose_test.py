@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""contourctl diagnose: one archive for whoever is to help."""
+"""contourctl diagnose: an archive for someone who helps with a problem."""
 
 import json
 import os
@@ -21,12 +21,12 @@ class Diagnose(FolderTest):
         self.output = self.path("out.tar.gz")
 
     def diagnose(self, *words, code=OK, **options):
-        told = contourctl("diagnose", *words, **options)
-        self.assertEqual(told.returncode, code, told)
-        return told
+        result = contourctl("diagnose", *words, **options)
+        self.assertEqual(result.returncode, code, result)
+        return result
 
     def files(self, path=None):
-        """The archive's, by their names, all in one folder and nobody's but root's."""
+        """Returns the archive's files by name. Asserts that all are in one folder and belong to root."""
         found = {}
         with tarfile.open(path or self.output) as archive:
             for member in archive:
@@ -43,19 +43,19 @@ class Diagnose(FolderTest):
         self.write("resins/standard.json", json.dumps(source_json("resins", "standard.json")))
         return self.write("contourd.json", json.dumps({**source_json("simulated.json"), **changes}, indent=1))
 
-    def test_without_a_daemon_it_has_all_that_can_be_known_and_says_what_is_in_it(self):
-        told = self.diagnose("-o", self.output, "--config", self.configured(), "--socket", self.path("none"))
+    def test_without_a_daemon_the_archive_holds_the_other_files_and_lists_them(self):
+        result = self.diagnose("-o", self.output, "--config", self.configured(), "--socket", self.path("none"))
         files = self.files()
         self.assertEqual(set(files), ALWAYS)
         self.assertIn("cannot reach contourd", files["status.json"])
         self.assertEqual(files["configuration/check.txt"], "good\n")
         self.assertIn(os.uname().release, files["kernel.txt"])
         for name in ALWAYS - {"README.txt"}:
-            self.assertIn(name, told.stdout.decode())
+            self.assertIn(name, result.stdout.decode())
             self.assertIn(name, files["README.txt"])
         self.assertEqual(stat.S_IMODE(os.stat(self.output).st_mode), 0o600)
 
-    def test_a_daemon_s_word_and_its_latest_job_are_in_it(self):
+    def test_the_archive_holds_the_status_and_the_latest_job_of_the_daemon(self):
         daemon = Daemon(self, {}, NIMBLE_RESIN).start()
         for name in ("one", "two"):
             daemon.drop(f"{name}.stl", SMALL)
@@ -70,7 +70,7 @@ class Diagnose(FolderTest):
         self.assertEqual(json.loads(self.files(other)["job/done.report.json"])["job"], "one")
         daemon.stop()
 
-    def test_what_is_secret_is_struck_out_also_in_a_file_that_is_no_json(self):
+    def test_secrets_are_removed_even_from_invalid_json(self):
         config = self.configured(name="mine")
         self.write("contourd.json", '{"api_token": "hush1", "x": 1,\n "mqttPassword" : "hush2"\nKEY=hush3 hush4\n"spool": "/home/alice/spool"}\n')
         self.diagnose("-o", self.output, "--config", config, "--socket", self.path("none"))
@@ -90,7 +90,7 @@ class Diagnose(FolderTest):
                       env={**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}"})  # fmt: skip
         self.assertEqual(self.files()["journal.txt"], "pause, says user *** (process 7)\n")
 
-    def test_a_report_that_is_a_link_leads_to_nothing(self):
+    def test_a_report_that_is_a_link_is_not_followed(self):
         daemon = Daemon(self, {}, NIMBLE_RESIN).start()
         daemon.drop("one.stl", SMALL)
         daemon.wait_done("one")
@@ -102,7 +102,7 @@ class Diagnose(FolderTest):
         self.assertIn("link", self.files()["job/done.report.json"])
         daemon.stop()
 
-    def test_it_is_small_whatever_lies_there(self):
+    def test_a_huge_file_is_cut_short(self):
         config = self.configured()
         self.write("contourd.json", "x" * 30_000_000)
         self.diagnose("-o", self.output, "--config", config, "--socket", self.path("none"))
@@ -110,20 +110,20 @@ class Diagnose(FolderTest):
         self.assertLess(len(written), 1_001_000)
         self.assertTrue(written.endswith("(the rest is left out)\n"))
 
-    def test_nothing_is_overwritten_and_what_cannot_be_written_is_told(self):
+    def test_nothing_is_overwritten_and_a_failed_write_is_an_error(self):
         config = self.configured()
         self.write("out.tar.gz", "mine")
         os.symlink(self.path("nowhere"), self.path("link"))
         for name in (self.output, self.path("link"), self.path("none", "x"), self.path("resins")):
-            told = self.diagnose("-o", name, "--config", config, "--socket", self.path("none"), code=CANNOT_CREATE)
-            self.assert_one_line(told.stderr, name)
-            self.assertEqual(told.stdout, b"")
+            result = self.diagnose("-o", name, "--config", config, "--socket", self.path("none"), code=CANNOT_CREATE)
+            self.assert_one_line(result.stderr, name)
+            self.assertEqual(result.stdout, b"")
         with open(self.output, encoding="utf-8") as file:
             self.assertEqual(file.read(), "mine")
         self.assertFalse(os.path.exists(self.path("nowhere")))
         self.assertIn(b"--output", self.diagnose("-o", "", code=BAD_USAGE).stderr)
 
-    def test_by_itself_it_has_its_name_by_the_time(self):
+    def test_without_output_the_archive_is_named_after_the_time(self):
         config = self.configured()
         self.diagnose("--config", config, "--socket", self.path("none"), cwd=self.path("resins"))
         (name,) = [name for name in os.listdir(self.path("resins")) if name != "standard.json"]

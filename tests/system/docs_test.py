@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""README.md, CONTRIBUTING.md and docs/: what they point at is there, what they name is in the code, and they are installed."""
+"""README.md, CONTRIBUTING.md and docs/: their links have targets, the files, symbols and options they name exist, and the
+pages are installed."""
 
 import os
 import pathlib
@@ -11,8 +12,8 @@ import unittest
 ROOT = pathlib.Path(os.environ["CONTOURD_SOURCE"])
 BIN = pathlib.Path(os.environ["CONTOURD_BIN"])
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
-# Where sources lie. What is made by a build or by a run is not there to be looked for.
-ROOMS = ("core", "hw", "daemon", "config", "tests", "docs", "systemd", "packaging", ".ci", ".readme")
+# Folders with sources. Files that a build or a run makes are not looked for.
+FOLDERS = ("core", "hw", "daemon", "config", "tests", "docs", "systemd", "packaging", ".ci", ".readme")
 MOST_WORDS = 900
 
 
@@ -35,7 +36,7 @@ def links(page):
 
 
 def anchors(page):
-    """As GitHub makes them of headings."""
+    """Yields the anchors that GitHub makes from the page's headings."""
     for heading in re.findall(r"^#+ (.*)$", without_fences(text_of(page)), re.MULTILINE):
         yield re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
@@ -45,7 +46,7 @@ def code_spans(page):
 
 
 def command_lines(page):
-    """What is indented or fenced as a command, a pipe's or list's parts apart, without what stands behind #."""
+    """Yields the commands in indented lines, sh fences and code spans: each part of a pipe or list by itself, without comments."""
     text = text_of(page)
     lines = re.findall(r"^    (.*)$", text, re.MULTILINE)
     for block in re.findall(r"^```sh\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
@@ -55,7 +56,7 @@ def command_lines(page):
 
 
 def table_rows(page):
-    """Rows of all tables, with their columns' names."""
+    """Yields the rows of all tables as dictionaries from column name to cell."""
     names = None
     for line in text_of(page).splitlines():
         if not line.startswith("|"):
@@ -68,7 +69,7 @@ def table_rows(page):
             yield dict(zip(names, cells, strict=True))
 
 
-def relative_links_that_lead_nowhere(pages, root):
+def broken_relative_links(pages, root):
     for page in pages:
         for link in links(page):
             if re.match(r"[a-z]+:", link):
@@ -82,9 +83,9 @@ def relative_links_that_lead_nowhere(pages, root):
 
 
 class DocsTest(unittest.TestCase):
-    def test_every_link_leads_somewhere(self):
+    def test_every_link_has_a_target(self):
         self.assertGreater(sum(len(links(page)) for page in PAGES), 30)
-        self.assertEqual(list(relative_links_that_lead_nowhere(PAGES, ROOT)), [])
+        self.assertEqual(list(broken_relative_links(PAGES, ROOT)), [])
 
     def test_every_page_can_be_reached_from_the_readme(self):
         reached, new = set(), {ROOT / "README.md"}
@@ -94,14 +95,14 @@ class DocsTest(unittest.TestCase):
             new = {page for page in PAGES if page.resolve() in targets} - reached
         self.assertEqual(set(PAGES) - reached, set())
 
-    def test_the_readme_is_read_in_five_minutes(self):
+    def test_the_readme_can_be_read_in_five_minutes(self):
         self.assertLessEqual(len(text_of(ROOT / "README.md").split()), MOST_WORDS)
 
-    def test_every_source_that_is_named_is_there(self):
+    def test_every_source_that_is_named_exists(self):
         named = 0
         for page in PAGES:
             for span in code_spans(page):
-                for path in re.findall(rf"(?<![\w/.-])(?:{'|'.join(map(re.escape, ROOMS))})/[\w.*/-]*", span):
+                for path in re.findall(rf"(?<![\w/.-])(?:{'|'.join(map(re.escape, FOLDERS))})/[\w.*/-]*", span):
                     named += 1
                     self.assertTrue(list(ROOT.glob(path.rstrip("/."))), f"{page.name}: {path}")
         self.assertGreater(named, 100)
@@ -122,7 +123,7 @@ class DocsTest(unittest.TestCase):
                         self.assertRegex(code, rf"\b{re.escape(symbol)}\b")
         self.assertGreater(checked, 60)
 
-    def test_every_option_of_our_programs_that_is_named_is_there(self):
+    def test_every_option_that_is_named_exists(self):
         checked = 0
         for page in PAGES:
             for line in command_lines(page):
@@ -139,19 +140,19 @@ class DocsTest(unittest.TestCase):
                 command = [BIN / name, *(words[1:1 + length] if name == "contourctl" and words[1:2] else []), "--help"]
                 given = [word.split("=")[0] for word in words[1:] if word.startswith("--")]
                 with self.subTest(page=page.name, line=line):
-                    told = subprocess.run(command, capture_output=True, timeout=60, check=False)
-                    self.assertEqual(told.returncode, 0, told.stderr)
+                    result = subprocess.run(command, capture_output=True, timeout=60, check=False)
+                    self.assertEqual(result.returncode, 0, result.stderr)
                     if name == "contourctl" and words[1:2] and not words[1].startswith("-"):
-                        self.assertRegex(told.stdout.decode(), rf"Usage: \S+ {re.escape(' '.join(words[1:1 + length]))} ")
+                        self.assertRegex(result.stdout.decode(), rf"Usage: \S+ {re.escape(' '.join(words[1:1 + length]))} ")
                     for option in given:
                         checked += 1
-                        self.assertRegex(told.stdout.decode(), rf"(?<![\w-]){re.escape(option)}(?![\w-])")
+                        self.assertRegex(result.stdout.decode(), rf"(?<![\w-]){re.escape(option)}(?![\w-])")
         self.assertGreater(checked, 10)
 
-    def test_every_heading_that_a_source_refers_to_is_there(self):
-        """Sources that send their reader to a page and, in quotes behind a comma, to its heading."""
+    def test_every_heading_that_a_source_refers_to_exists(self):
+        """Sources refer to a heading as: page, comma, the heading in quotes."""
         referred = 0
-        for path in (path for room in ROOMS for path in (ROOT / room).rglob("*")):
+        for path in (path for folder in FOLDERS for path in (ROOT / folder).rglob("*")):
             if path.suffix not in (".cpp", ".hpp", ".py", ".json", ".md", ".service") or not path.is_file():
                 continue
             for page, heading in re.findall(r'((?:docs/[\w-]+|README|CONTRIBUTING)\.md), \\?"([^"\\]+)\\?"', text_of(path)):
@@ -159,7 +160,7 @@ class DocsTest(unittest.TestCase):
                 self.assertRegex(text_of(ROOT / page), rf"(?m)^#+ {re.escape(heading)}$", path)
         self.assertGreater(referred, 0)
 
-    def test_what_is_installed_has_all_that_it_links_to(self):
+    def test_links_between_installed_pages_have_targets(self):
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run(["cmake", "--install", BIN.parent, "--prefix", "/usr", "--component", "docs"], check=True,
                            capture_output=True, env={**os.environ, "DESTDIR": folder})  # fmt: skip
@@ -167,7 +168,7 @@ class DocsTest(unittest.TestCase):
             pages = [root / page.relative_to(ROOT) for page in PAGES]
             for page in pages:
                 self.assertTrue(page.is_file(), page)
-            self.assertEqual(list(relative_links_that_lead_nowhere(pages, root)), [])
+            self.assertEqual(list(broken_relative_links(pages, root)), [])
 
 
 if __name__ == "__main__":

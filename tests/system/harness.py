@@ -1,4 +1,4 @@
-"""What the system tests share: small models, PNG files read back, the programs, and a daemon in a private folder.
+"""Shared parts of the system tests: small models, a PNG reader, calls of the programs, and a daemon in a private folder.
 
 Environment: CONTOURD_BIN (folder of the programs), CONTOURD_SOURCE (the repository).
 """
@@ -40,18 +40,18 @@ def _is_sanitized():
         return b"__asan_init" in file.read()
 
 
-# AddressSanitizer reserves terabytes of addresses and keeps freed memory: limits of memory say nothing then.
+# AddressSanitizer reserves terabytes of address space and keeps freed memory, so memory limits are not tested with it.
 SANITIZED = _is_sanitized()
 
-# With sanitizers, contourctl inspect takes four times as much of a processor, a fast print eight times.
+# With sanitizers, contourctl inspect takes four times as much processor time, a fast print eight times.
 SLOWNESS = 8 if SANITIZED else 1
 
-# A test that waits longer than this for something has failed. Generous: the machine may be busy.
+# A test fails if it waits longer than this for something. Generous, since the machine may be busy.
 DEADLINE_S = 30.0 * SLOWNESS
 
 
 def limit_memory(bytes_):
-    """For Popen's preexec_fn."""
+    """Limits the address space of the process; for Popen's preexec_fn."""
     if not SANITIZED:
         resource.setrlimit(resource.RLIMIT_AS, (bytes_, bytes_))
 
@@ -82,7 +82,7 @@ def main():
 
 
 def box(low, high):
-    """Twelve facets, counter-clockwise seen from outside."""
+    """Returns the twelve facets of a box, counter-clockwise seen from outside."""
     x, y, z = zip(low, high)
     corner = [(x[i & 1], y[i >> 1 & 1], z[i >> 2 & 1]) for i in range(8)]
     quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (3, 2, 6, 7), (2, 0, 4, 6), (1, 3, 7, 5)]
@@ -98,7 +98,7 @@ def cube(side):
 
 
 def wedge(width, depth, height):
-    """Full width at the bottom, an edge at x = 0 at the top: at height z it is width * (1 - z / height) wide."""
+    """Returns a wedge that is width * (1 - z / height) wide at height z: full width at the bottom, an edge at x = 0 at the top."""
     a, b, c = (0, 0, 0), (width, 0, 0), (0, 0, height)
     d, e, f = (0, depth, 0), (width, depth, 0), (0, depth, height)
     return [(a, b, c), (d, f, e), (a, d, e), (a, e, b), (b, e, f), (b, f, c), (a, c, f), (a, f, d)]
@@ -134,7 +134,7 @@ class Picture:
         self.width, self.height, self.rows = width, height, rows
 
     def lit_box(self, least=1):
-        """(left, top, right, bottom) around every pixel that is so bright, right and bottom exclusive; None if there is none."""
+        """Returns (left, top, right, bottom) around all pixels of at least this value, right and bottom exclusive; None if there is none."""
         darkened = bytes(value if value >= least else 0 for value in range(256))
         rows = [row.translate(darkened) for row in self.rows]
         lit = [y for y in range(self.height) if rows[y].strip(b"\0")]
@@ -171,10 +171,10 @@ def _unfilter(kind, line, above):
 
 
 def read_png(path):
-    """Reads an 8-bit grey PNG; anything else is an AssertionError."""
+    """Reads an 8-bit grey PNG; raises AssertionError for anything else."""
     with open(path, "rb") as file:
         data = file.read()
-    assert data[:8] == b"\x89PNG\r\n\x1a\n", f"{path} is no PNG file"
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", f"{path} is not a PNG file"
     at, packed, size, ended = 8, b"", None, False
     while at < len(data):
         length, kind = struct.unpack(">I4s", data[at : at + 8])
@@ -206,7 +206,7 @@ def read_png(path):
 
 
 def run(program, *arguments, **options):
-    """Runs a program to its end. Output as bytes, since file names are bytes."""
+    """Runs a program until it ends. Its output is kept as bytes, since file names are bytes."""
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "timeout": DEADLINE_S, **options}
     return subprocess.run([program, *map(os.fspath, arguments)], **options)
 
@@ -216,13 +216,13 @@ def contourctl(*arguments, **options):
 
 
 def on_terminal(columns, *arguments):
-    """contourctl's lines on a terminal of so many columns, which it knows to be dumb."""
+    """Returns the lines that contourctl prints on a dumb terminal with this number of columns."""
     mine, its = os.openpty()
     termios.tcsetwinsize(its, (24, columns))
     process = subprocess.Popen([CONTOURCTL, *arguments], stdin=its, stdout=its, stderr=its, env={**os.environ, "TERM": "dumb"})
     os.close(its)
     shown = b""
-    with contextlib.suppress(OSError):  # its end
+    with contextlib.suppress(OSError):  # contourctl has closed the terminal
         while data := os.read(mine, 4096):
             shown += data
     os.close(mine)
@@ -231,19 +231,19 @@ def on_terminal(columns, *arguments):
 
 
 def wait_until(condition, what, deadline_s=DEADLINE_S):
-    """Waits for something outside that tells nobody when it happens, such as a file that appears."""
+    """Polls until the condition is true, for events without a notification, such as a file that appears."""
     end = time.monotonic() + deadline_s
     while True:
         result = condition()
         if result:
             return result
         if time.monotonic() > end:
-            raise AssertionError(f"waited {deadline_s:g} s in vain for {what}")
+            raise AssertionError(f"timed out after {deadline_s:g} s waiting for {what}")
         time.sleep(0.005)
 
 
 class FolderTest(unittest.TestCase):
-    """A test with a folder of its own. Its path is short, for a socket's may have 107 bytes."""
+    """A test with a private folder. The folder's path is short, since a socket's path may have at most 107 bytes."""
 
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="contourd-", dir="/tmp")
@@ -253,8 +253,8 @@ class FolderTest(unittest.TestCase):
         return os.path.join(self.folder, *parts)
 
     def reachable(self, program):
-        """The program's path for other users: its build may lie in root's home. A copy is the way out where there is no
-        other: with sanitizers a program has 100 MB, and what the daemon writes next waits for the disk behind it."""
+        """Returns a path of the program that other users can read, since the build may lie in root's home. The program is
+        copied only if it cannot be linked: with sanitizers it has 100 MB, which delay the daemon's next write to the disk."""
         path = self.path(os.path.basename(program))
         try:
             os.link(program, path)
@@ -269,7 +269,7 @@ class FolderTest(unittest.TestCase):
         return path
 
     def assert_one_line(self, text, *words):
-        """Exactly one line, not empty, with these words in it."""
+        """Asserts that the text is exactly one line, not empty, and contains these words."""
         self.assertTrue(text.endswith(b"\n"), text)
         self.assertEqual(text.count(b"\n"), 1, text)
         self.assertGreater(len(text.strip()), 10, text)
@@ -281,7 +281,7 @@ class FolderTest(unittest.TestCase):
 
 
 class Client:
-    """A connection to the control socket that reads all the time, on a thread of its own."""
+    """A connection to the control socket. A separate thread reads all messages as they arrive."""
 
     def __init__(self, path):
         self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -308,20 +308,20 @@ class Client:
         self.socket.sendall(data)
 
     def next(self, deadline_s=DEADLINE_S):
-        """The next message; None once the daemon has closed the connection."""
+        """Returns the next message, or None once the daemon has closed the connection."""
         try:
             return self.messages.get(timeout=deadline_s)
         except queue.Empty:
             raise AssertionError(f"no message within {deadline_s:g} s") from None
 
     def wait_for(self, accept, what, deadline_s=DEADLINE_S):
-        """The first message not looked at before that `accept` takes."""
+        """Skips messages until `accept` returns true for one, and returns that message."""
         end = time.monotonic() + deadline_s
         while True:
             try:
                 message = self.messages.get(timeout=max(0.0, end - time.monotonic()))
             except queue.Empty:
-                raise AssertionError(f"waited {deadline_s:g} s in vain for {what}") from None
+                raise AssertionError(f"timed out after {deadline_s:g} s waiting for {what}") from None
             if message is None:
                 raise AssertionError(f"the connection ended before {what}")
             self.seen.append(message)
@@ -329,7 +329,7 @@ class Client:
                 return message
 
     def call(self, method, **parameters):
-        """The whole answer. Notifications that come before it are kept for nobody: use another client to watch."""
+        """Returns the whole answer. Skips the notifications that arrive before it: use another client to watch."""
         number = next(self.ids)
         request = {"jsonrpc": "2.0", "method": method, "params": parameters, "id": number}
         self.send(json.dumps(request).encode() + b"\n")
@@ -342,7 +342,7 @@ class Client:
 
 
 def merge(base, changes):
-    """`changes` put into `base`; None removes a key."""
+    """Merges `changes` into `base`; None removes a key."""
     for key, value in changes.items():
         if value is None:
             base.pop(key, None)
@@ -358,7 +358,7 @@ def source_json(*parts):
         return json.load(file)
 
 
-# A machine and a resin with nothing slow about them, for tests in real time: a layer takes a few milliseconds.
+# A fast machine and a resin without delays, for tests in real time: a layer takes a few milliseconds.
 NIMBLE_AXIS = {"homing_speed_mm_s": 50, "travel_speed_mm_s": 50, "acceleration_mm_s2": 5000}
 NIMBLE_RESIN = {
     "exposure_ms": 1, "bottom_exposure_ms": 1, "bottom_layers": 1, "fade_layers": 0, "lift_mm": 0.1,
@@ -373,7 +373,7 @@ REALTIME = {
 
 
 class Daemon:
-    """A contourd in a folder: the simulated printer's configuration with a test's changes to it."""
+    """A contourd that runs in the test's folder, with the simulated printer's configuration and the test's changes to it."""
 
     def __init__(self, test, config=None, resin=None, masks=False):
         self.test = test
@@ -409,7 +409,7 @@ class Daemon:
         os.replace(path + ".new", path)  # the daemon may be reading it
 
     def start(self, *arguments, **environment):
-        """Returns when the daemon has said that it is ready."""
+        """Starts the daemon, and returns when it has reported that it is ready."""
         notify_path = os.path.join(self.folder, "notify.sock")
         with contextlib.suppress(FileNotFoundError):
             os.unlink(notify_path)
@@ -429,14 +429,14 @@ class Daemon:
                     raise AssertionError(f"contourd is not ready:\n{self.log()}")
         self.watcher = self.client()
         self.watcher.call("watch")
-        # What was in the spool before the start may have been printed by now: before all that is heard from now on.
+        # Jobs that were in the spool before the start may have ended by now: put them in front of the notifications.
         ended = self.watcher.call("history", this_run=True)["result"]["ended"]
         with self.watcher.messages.mutex:
             self.watcher.messages.queue.extendleft({"method": "ended", "params": {"last": job}} for job in reversed(ended))
         return self
 
     def launch(self, *arguments, **environment):
-        """Starts it without waiting for anything."""
+        """Starts the daemon without waiting for anything."""
         with open(self.log_path, "ab") as log:
             self.process = subprocess.Popen(
                 [self.program, "--config", self.config_path, *arguments], stdin=subprocess.DEVNULL, stdout=log,
@@ -452,7 +452,7 @@ class Daemon:
         return client
 
     def rpc(self, method, **parameters):
-        """One call on a connection of its own."""
+        """Makes one call on a new connection."""
         client = self.client()
         try:
             return client.call(method, **parameters)
@@ -463,9 +463,9 @@ class Daemon:
         return self.rpc("status")["result"]
 
     def put_on_slow_disk(self):
-        """The spool's disk does not answer while there is a file slow/reads or slow/writes, has no room while there is
-        slow/full, and takes nothing while there is slow/read-only (slow_disk.cpp). Before the start. Returns the folder
-        slow/."""
+        """Preloads slow_disk.cpp, and returns the folder slow/ in which a test makes the files that control it: while
+        slow/reads or slow/writes exists, the spool's disk does not answer; while slow/full exists, it has no room; while
+        slow/read-only exists, nothing on it can be changed. Call this before start()."""
         folder = os.path.join(self.folder, "slow")
         os.mkdir(folder)
         self.environment = {"LD_PRELOAD": os.path.join(BIN, "libslow-disk.so"), "SLOW_DISK": folder}
@@ -478,7 +478,7 @@ class Daemon:
         return self.process.poll() is None
 
     def stop(self):
-        """As systemd does. It must end well."""
+        """Stops the daemon as systemd does. The daemon must exit with 0."""
         self.process.send_signal(signal.SIGTERM)
         self.wait_stopped()
 
@@ -489,11 +489,11 @@ class Daemon:
             raise AssertionError(f"contourd ended with {code}:\n{self.log()}")
 
     def reload(self):
-        """As `systemctl reload` does."""
+        """Reloads the daemon as `systemctl reload` does."""
         self.process.send_signal(signal.SIGUSR1)
 
     def wait_restart(self):
-        """Its end, for whoever started it to start it again."""
+        """Waits until the daemon exits with 75, the request to be started again."""
         code = self.process.wait(DEADLINE_S)
         self._close_clients()
         if code != 75:
@@ -504,7 +504,8 @@ class Daemon:
         return self.environment.get("STATE_DIRECTORY", self.spool + ".state")
 
     def kill(self, while_reading=False):
-        """What is being read then is not read again by itself (daemon/reading_record.hpp): waits for its end, unless told."""
+        """Kills the daemon. Waits for the end of a reading first, unless `while_reading`: the next daemon refuses a file during
+        whose reading it was killed (daemon/reading_record.hpp)."""
         if not while_reading:
             wait_until(lambda: not os.path.exists(os.path.join(self.state_folder, "reading")), "the end of a reading")
         self.process.kill()
@@ -527,7 +528,7 @@ class Daemon:
 
     @contextlib.contextmanager
     def held_thread(self, name):
-        """A thread that has nothing to do gets no processor until the end of the block."""
+        """Waits until the daemon's thread of this name sleeps, and stops that thread until the end of the block."""
         def find():
             for thread in os.listdir(f"/proc/{self.process.pid}/task"):
                 with open(f"/proc/{self.process.pid}/task/{thread}/stat", encoding="utf-8") as file:
@@ -560,19 +561,19 @@ class Daemon:
             return file.read()
 
     def state(self, name):
-        """A file of the daemon's own."""
+        """Returns the text of a file in the daemon's state folder."""
         with open(os.path.join(self.spool + ".state", name), encoding="utf-8") as file:
             return file.read()
 
     def drop(self, name, data, ticket=None):
-        """Puts a whole file into the spool, its ticket first."""
+        """Puts a complete file into the spool, its ticket first."""
         if ticket is not None:
             text = ticket if isinstance(ticket, (str, bytes)) else json.dumps(ticket)
             self._put(os.path.splitext(name)[0] + ".json", text.encode() if isinstance(text, str) else text)
         self._put(name, data)
 
     def _put(self, name, data):
-        # Written elsewhere and moved in: the daemon sees it whole or not at all.
+        # Written elsewhere and moved in, so that the daemon never sees half a file.
         staging = os.path.join(self.folder, "staging")
         os.makedirs(self.file("incoming"), exist_ok=True)
         with open(staging, "wb") as file:
@@ -580,7 +581,7 @@ class Daemon:
         os.rename(staging, self.file("incoming", name))
 
     def wait_ended(self, job, deadline_s=DEADLINE_S):
-        """Waits until the job has ended, and returns {"job", "outcome", "reason"}. Once for each job, in order."""
+        """Waits until the job has ended, and returns {"job", "outcome", "reason"}. Skips the ends of other jobs."""
         def is_end(message):
             return message.get("method") == "ended" and message["params"]["last"]["job"] == job
         try:
@@ -596,7 +597,7 @@ class Daemon:
         return self.report(job)
 
     def wait_refused(self, job):
-        """Waits until the job has failed, and returns its reason, as the file and as the socket have it."""
+        """Waits until the job has failed, and returns its reason, which must be the same in the file and on the socket."""
         end = self.wait_ended(job)
         if end["outcome"] != "failed":
             raise AssertionError(f"{end}\n{self.log()}")
@@ -607,7 +608,7 @@ class Daemon:
         return reason
 
     def wait_state(self, state):
-        """Waits until the print enters the state (from the last state that was waited for on)."""
+        """Waits until the print enters the state. Looks only at notifications after the last one that was waited for."""
         return self.watcher.wait_for(
             lambda m: m.get("method") == "state" and m["params"]["state"] == state, f"the state {state}")["params"]
 

@@ -21,7 +21,7 @@ def shown(*words):
 
 
 def in_terminal(*words, columns=80, **environment):
-    """What a terminal of that width gets."""
+    """Returns the exit code of contourctl help in a terminal of this width, and the text that the terminal receives."""
     master, slave = pty.openpty()
     fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     process = subprocess.Popen([CONTOURCTL, "help", *words], stdin=slave, stdout=slave, stderr=slave,
@@ -58,7 +58,7 @@ class Help(FolderTest):
         for section in sections:
             self.assertIn(section, shown(section))
 
-    def test_an_owner_finds_what_he_looks_for(self):
+    def test_help_finds_a_page_for_each_of_these_words(self):
         for words, said in (
             (["levelling"], "contourctl level"),
             (["exposure"], "working_curve"),
@@ -70,21 +70,21 @@ class Help(FolderTest):
         ):
             self.assertIn(said, shown(*words), words)
 
-    def test_a_command_is_shown_with_its_options_and_where_else_it_is_spoken_of(self):
-        told = shown("submit")
+    def test_a_command_is_shown_with_its_options_and_related_sections(self):
+        text = shown("submit")
         usage = contourctl("submit", "--help").stdout.decode()
-        self.assertTrue(told.startswith(usage), told)
-        self.assertIn("\nSee also:\n\n    contourctl help printing the folders\n", told)
+        self.assertTrue(text.startswith(usage), text)
+        self.assertIn("\nSee also:\n\n    contourctl help printing the folders\n", text)
         self.assertIn("Usage: ", shown("queue", "move"))
         self.assertIn("--first", shown("queue", "move"))
         self.assertIn("Subcommands:", shown("queue"))
 
-    def test_what_see_also_names_is_what_is_shown(self):
+    def test_each_section_named_by_see_also_can_be_shown(self):
         named = [line.split()[2:] for line in shown("history").splitlines() if line.startswith("    contourctl help ")]
         self.assertIn(["maintenance", "history"], named)
         self.assertTrue(shown("maintenance", "history").startswith("History\n-------\n"))
 
-    def test_what_there_is_none_of_is_told_with_what_is_like_it(self):
+    def test_an_unknown_word_is_an_error_that_suggests_a_similar_one(self):
         for words, like in (["printng"], b"printing"), (["submti"], b"submit"), (["xyzzyxyzzy"], b"contourctl help lists"):
             result = contourctl("help", *words)
             self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), result)
@@ -96,7 +96,7 @@ class Help(FolderTest):
             self.assertNotIn(b"\x1b", result.stderr)
             self.assertLess(len(result.stderr), 5000)
 
-    def test_no_line_is_wider_than_the_terminal_but_for_commands_and_addresses(self):
+    def test_no_line_is_wider_than_the_terminal_except_commands_and_addresses(self):
         for columns in (40, 80, 200):
             for page in pages():
                 code, text = in_terminal(page, columns=columns, PAGER="cat")
@@ -105,20 +105,20 @@ class Help(FolderTest):
                 self.assertEqual([line for line in wide if " " in line.strip()], [], (page, columns))
                 self.assertNotRegex(text, r"(?m)\*\*|\]\([a-z-]+\.md|^\|")
 
-    def test_in_a_terminal_the_users_pager_gets_it(self):
+    def test_in_a_terminal_the_page_goes_to_the_user_s_pager(self):
         code, text = in_terminal("safety", PAGER="sed 's/^/> /'; exit 3")
         self.assertEqual((code, text.splitlines()[0]), (3, "> Light safety"))
         self.assertTrue(all(line.startswith("> ") for line in text.splitlines()))
         self.assertEqual(in_terminal("safety", PAGER="printf %s $LESS", LESS="X")[1], "X")
         self.assertEqual(in_terminal("safety", PAGER="printf %s $LESS")[1], os.environ.get("LESS", "FRX"))
 
-    def test_without_a_pager_or_in_a_dumb_terminal_it_is_printed(self):
+    def test_without_a_pager_or_in_a_dumb_terminal_the_page_is_printed(self):
         for environment in ({"PAGER": ""}, {"PAGER": "cat"}, {"PAGER": "false", "TERM": "dumb"}):
             code, text = in_terminal("safety", **environment)
             self.assertEqual(code, OK)
             self.assertTrue(text.startswith("Light safety\n==="), text[:80])
 
-    def test_it_needs_no_file_beside_the_program(self):
+    def test_help_needs_no_file_besides_the_program(self):
         result = subprocess.run([self.reachable(CONTOURCTL), "help", "trouble"], capture_output=True, text=True, check=True, cwd="/")
         self.assertIn("A job waits\n-----------\n", result.stdout)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The history in its database: what is in it, what becomes of it when its file or the daemon is in trouble."""
+"""The history in its database: its contents, and what happens when its file is damaged or the daemon is killed."""
 
 import csv
 import io
@@ -63,7 +63,7 @@ class Lines(HistoryTest):
 
 
 class Kept(HistoryTest):
-    def test_the_history_outlives_the_daemon_and_is_filtered(self):
+    def test_the_history_outlives_the_daemon_and_can_be_filtered(self):
         self.daemon.start()
         self.print_one("first")
         self.daemon.drop("bad.stl", b"no model")
@@ -77,8 +77,8 @@ class Kept(HistoryTest):
         for arguments, names in ((("--resin", "standard"), ["first", "second"]), (("--job", "ir"), ["first"]),
                                  (("--since", "1h"), ["first", "bad", "second"]), (("--since", "2199-12-31"), []),
                                  (("--outcome", "done", "--last", "1"), ["second"])):  # fmt: skip
-            told = json.loads(self.ctl("--json", *arguments))["result"]["ended"]
-            self.assertEqual([job["job"] for job in told], names, arguments)
+            jobs = json.loads(self.ctl("--json", *arguments))["result"]["ended"]
+            self.assertEqual([job["job"] for job in jobs], names, arguments)
         job = self.daemon.rpc("history", last=1)["result"]["ended"][0]
         report = self.daemon.report("second")
         self.assertEqual((job["layers"], job["layers_exposed"], job["resin"]), (4, 4, "standard"))
@@ -92,7 +92,7 @@ class Kept(HistoryTest):
         self.daemon.stop()
         self.assert_sound()
 
-    def test_csv_is_read_by_programs_and_a_name_is_no_formula(self):
+    def test_csv_can_be_parsed_and_a_name_cannot_become_a_formula(self):
         self.daemon.start()
         self.print_one("part")
         self.daemon.drop(HOSTILE + ".stl", b"no model")
@@ -105,7 +105,7 @@ class Kept(HistoryTest):
         self.assertEqual(self.ctl("--csv", "--last", "1").splitlines()[0], text.splitlines()[0])
         self.assertNotIn("\x1b", self.ctl())
 
-    def test_what_contourctl_cannot_ask_is_refused_in_one_line(self):
+    def test_wrong_options_are_bad_usage(self):
         self.daemon.start()
         for wrong in (("--since", "yesterday"), ("--since", "2026-02-30x"), ("--since", "2026-02-30"), ("--since", "2999-01-01"),
                       ("--since", ""), ("--outcome", "good"), ("--last", "0"), ("--json", "--csv"), ("--job", "")):  # fmt: skip
@@ -116,7 +116,7 @@ class Kept(HistoryTest):
             self.assertEqual(result.returncode, UNAVAILABLE)
             self.assert_one_line(result.stderr)
 
-    def test_more_jobs_than_a_page_holds_come_all_and_in_order(self):
+    def test_all_jobs_are_listed_in_order_even_if_one_answer_cannot_hold_them(self):
         self.daemon.start()
         self.daemon.stop()
         with sqlite3.connect(self.file) as database:
@@ -124,11 +124,11 @@ class Kept(HistoryTest):
                                  [(i, f"job {i}") for i in range(250)])  # fmt: skip
         database.close()
         self.daemon.start()
-        told = json.loads(self.ctl("--json", "--last", "240"))["result"]["ended"]
-        self.assertEqual([job["job"] for job in told], [f"job {i}" for i in range(10, 250)])
+        jobs = json.loads(self.ctl("--json", "--last", "240"))["result"]["ended"]
+        self.assertEqual([job["job"] for job in jobs], [f"job {i}" for i in range(10, 250)])
         self.assertEqual(len(self.ctl().splitlines()), 20)
 
-    def test_watch_waits_for_the_next_job_of_a_name_that_ended_in_an_earlier_run(self):
+    def test_watch_does_not_find_a_job_that_ended_in_an_earlier_run(self):
         self.daemon.start()
         self.print_one("part")
         self.daemon.stop()
@@ -139,7 +139,7 @@ class Kept(HistoryTest):
 
 
 class Reminders(HistoryTest):
-    """Parts that wear: what they were used since they were new, and that they are due."""
+    """Parts that wear: their use since they were new, and reminders to replace them."""
 
     def remind(self, **limits):
         self.daemon.config["reminders"] = limits
@@ -151,13 +151,13 @@ class Reminders(HistoryTest):
         return {part["part"]: part for part in usage["parts"]}
 
     def reminders_after(self, number):
-        """What the log has of them, once it has so many."""
-        def told():
+        """Waits until the log has this number of reminders, and returns their lines."""
+        def reminders():
             found = [line for line in self.daemon.log().splitlines() if "is due" in line]
             return found if len(found) >= number else None
-        return wait_until(told, f"{number} reminders")
+        return wait_until(reminders, f"{number} reminders")
 
-    def test_a_part_that_is_due_is_told_behind_each_print_and_at_the_start_until_it_is_replaced(self):
+    def test_a_reminder_is_logged_after_each_print_and_at_the_start_until_the_part_is_replaced(self):
         self.remind(film={"prints": 2, "layers": 1000}, vat={"lamp_h": 1000})
         self.daemon.start()
         self.print_one("first")
@@ -190,7 +190,7 @@ class Reminders(HistoryTest):
         self.assertEqual(len(self.reminders_after(3)), 3)
         self.assertIn("the film is new: its use counts from now on", self.daemon.log())
 
-    def test_without_a_limit_nothing_is_told_and_a_part_counts_all_the_same(self):
+    def test_without_a_limit_use_is_counted_but_there_is_no_reminder(self):
         self.daemon.start()
         self.print_one("part")
         self.assertEqual(self.daemon.status()["reminders"], [])
@@ -198,7 +198,7 @@ class Reminders(HistoryTest):
         self.daemon.stop()
         self.assertNotIn("is due", self.daemon.log())
 
-    def test_a_lost_history_begins_anew_and_a_part_cannot_be_replaced_where_nothing_is_stored(self):
+    def test_a_damaged_history_starts_again_empty_and_without_storage_no_part_can_be_replaced(self):
         self.remind(film={"prints": 1})
         self.daemon.start()
         self.print_one("part")
@@ -221,17 +221,17 @@ class Reminders(HistoryTest):
         self.assertEqual(self.daemon.status()["reminders"], [])
         self.print_one("another")
 
-    def test_a_part_that_there_is_none_of_is_refused_in_one_line(self):
+    def test_replacing_an_unknown_part_is_refused(self):
         self.daemon.start()
         for wrong in (["lens"], [""], []):
             self.assertEqual(self.daemon.ctl("replaced", *wrong).returncode, BAD_USAGE)
         self.assertEqual(self.daemon.rpc("replaced", part="lens")["error"]["code"], -32602)
 
-    def test_a_history_of_a_contourd_before_gets_what_it_lacks(self):
+    def test_a_history_of_an_older_version_is_upgraded(self):
         self.daemon.start()
         self.print_one("part")
         self.daemon.stop()
-        with sqlite3.connect(self.file) as database:  # as the version before left it
+        with sqlite3.connect(self.file) as database:  # as an older version left it
             database.execute("DROP TABLE replaced")
             database.execute("ALTER TABLE forgotten DROP COLUMN prints")
             database.execute("INSERT INTO forgotten VALUES('grey', 5, 500, 3600, 10)")
@@ -247,12 +247,12 @@ class Reminders(HistoryTest):
 
 
 class Killed(HistoryTest):
-    def test_a_print_that_was_killed_counts_the_light_it_had(self):
+    def test_a_killed_print_counts_the_light_it_had(self):
         self.daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, "bottom_exposure_ms": 5, "rest_ms": 60000})
         self.daemon.start()
         self.daemon.drop("part.stl", SMALL)
         self.daemon.watcher.wait_for(lambda m: m.get("method") == "layer", "the first layer")
-        # What is asked behind it is answered behind it.
+        # This question is answered after the layer has been stored.
         self.assertGreater(self.daemon.rpc("usage")["result"]["lamp_h"], 0)
         self.daemon.kill()
         self.daemon.start()
@@ -262,15 +262,15 @@ class Killed(HistoryTest):
         self.assertGreaterEqual(job["lit_s"], 0.005)
         self.assertEqual(job["resin"], "standard")
 
-    def test_a_daemon_that_is_killed_among_jobs_loses_none_and_tells_none_twice(self):
+    def test_a_daemon_that_is_killed_between_jobs_loses_no_job_and_stores_none_twice(self):
         chance = random.Random(int(os.environ.get("SEED", "1")))
-        told = []
+        dropped = []
         jobs = iter(range(1000))
         for _ in range(8):
             self.daemon.start()
             for _ in range(6):
                 name = f"job{next(jobs)}"
-                told.append(name)
+                dropped.append(name)
                 self.daemon.drop(name + ".stl", SMALL)
             time.sleep(chance.uniform(0, 0.25))  # any moment will do
             self.daemon.kill()
@@ -288,24 +288,24 @@ class Killed(HistoryTest):
 
         wait_until(all_ended, "the end of all jobs")
         names = [job for job, _ in self.ended()]
-        self.assertEqual(sorted(names), sorted(told))
+        self.assertEqual(sorted(names), sorted(dropped))
         self.daemon.stop()
         self.assert_sound()
         self.assertNotIn("damaged", self.daemon.log())
 
 
 class InTrouble(HistoryTest):
-    def assert_prints_and_tells_once(self, *words):
-        """Two jobs are printed, the history tells them from memory, and the log has one warning."""
+    def assert_prints_with_one_warning(self, *words):
+        """Asserts that two jobs are printed, that the history lists them from memory, and that the log has one warning."""
         for name in ("one", "two"):
             self.print_one(name)
         result = self.daemon.rpc("history")["result"]
         self.assertEqual([job["job"] for job in result["ended"]], ["one", "two"])
         for word in words:
             self.assertIn(word, result["trouble"])
-        told = [line for line in self.daemon.log().splitlines() if "the history in" in line]
-        self.assertEqual(len(told), 1, told)
-        self.assertIn("printing goes on", told[0])
+        warnings = [line for line in self.daemon.log().splitlines() if "the history in" in line]
+        self.assertEqual(len(warnings), 1, warnings)
+        self.assertIn("printing goes on", warnings[0])
         listed = self.daemon.ctl("history")
         self.assertEqual(len(listed.stdout.splitlines()), 2)
         self.assert_one_line(listed.stderr, "since contourd started")
@@ -323,18 +323,18 @@ class InTrouble(HistoryTest):
         self.assertEqual(self.daemon.log().count("the history was damaged"), 1)
         self.assertEqual(os.path.getsize(self.file + ".damaged-1"), 20000)
 
-    def test_a_history_that_is_a_folder_is_told_once_and_the_printer_prints(self):
+    def test_a_history_that_is_a_folder_gives_one_warning_and_the_printer_prints(self):
         self.make_state_folder()
         os.mkdir(self.file)
         self.daemon.start()
-        self.assert_prints_and_tells_once("is a folder")
+        self.assert_prints_with_one_warning("is a folder")
         self.assertEqual(os.listdir(self.file), [])
 
     def test_a_history_that_is_a_link_is_not_followed(self):
         self.make_state_folder()
         os.symlink(self.path("elsewhere"), self.file)
         self.daemon.start()
-        self.assert_prints_and_tells_once("is a link")
+        self.assert_prints_with_one_warning("is a link")
         self.assertFalse(os.path.exists(self.path("elsewhere")))
 
     def test_a_history_of_a_later_version_is_left_as_it_is(self):
@@ -346,7 +346,7 @@ class InTrouble(HistoryTest):
         with open(self.file, "rb") as file:
             before = file.read()
         self.daemon.start()
-        self.assert_prints_and_tells_once("version 7")
+        self.assert_prints_with_one_warning("version 7")
         with open(self.file, "rb") as file:
             self.assertEqual(file.read(), before)
 
@@ -356,13 +356,13 @@ class InTrouble(HistoryTest):
         shell.execute("BEGIN IMMEDIATE")
         for name in ("one", "two"):
             self.print_one(name)
-        wait_until(lambda: "has it locked" in self.daemon.log(), "the log's line")
+        wait_until(lambda: "has it locked" in self.daemon.log(), "the warning in the log")
         shell.execute("ROLLBACK")
         shell.close()
         self.assertEqual(self.ended(), [("one", "done"), ("two", "done")])
 
-    @unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
-    def test_a_full_disk_keeps_the_history_from_its_file_and_nothing_else(self):
+    @unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
+    def test_a_full_disk_delays_only_the_history(self):
         slow = self.daemon.put_on_slow_disk()
         self.daemon.start()
         self.print_one("before")
@@ -371,24 +371,24 @@ class InTrouble(HistoryTest):
             pass
         for name in ("one", "two"):
             self.print_one(name)
-        wait_until(lambda: "the history in" in self.daemon.log(), "the log's line")
+        wait_until(lambda: "the history in" in self.daemon.log(), "the warning in the log")
         os.unlink(gate)
         self.assertEqual(self.ended(), [("before", "done"), ("one", "done"), ("two", "done")])
         self.assertEqual(self.daemon.log().count("printing goes on"), 1)
 
-    @unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
-    def test_a_read_only_disk_keeps_the_history_from_its_file_and_nothing_else(self):
+    @unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
+    def test_a_read_only_disk_delays_only_the_history(self):
         slow = self.daemon.put_on_slow_disk()
         gate = os.path.join(slow, "history-read-only")
         with open(gate, "w", encoding="utf-8"):
             pass
         self.daemon.start()
-        self.assert_prints_and_tells_once()
+        self.assert_prints_with_one_warning()
         os.unlink(gate)
         self.assertEqual(self.ended(), [("one", "done"), ("two", "done")])
 
-    @unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
-    def test_the_start_and_the_printing_wait_for_no_history(self):
+    @unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
+    def test_neither_the_start_nor_a_print_waits_for_the_history(self):
         slow = self.daemon.put_on_slow_disk()
         gate = os.path.join(slow, "history")
         with open(gate, "w", encoding="utf-8"):

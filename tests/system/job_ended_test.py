@@ -1,5 +1,5 @@
-"""What contourd tells of jobs that have ended, and what contourd-job-ended.socket makes of it: a command of the owner's for
-each, for which nobody waits."""
+"""The notices about ended jobs that contourd sends to contourd-job-ended.socket, which starts a command of the user for each
+notice. Nothing waits for the command."""
 
 import json
 import os
@@ -14,12 +14,12 @@ from harness import ENDLESS, REALTIME, SOURCE, Daemon, FolderTest, binary_stl, c
 
 WITH_ENDED_JOB = os.path.join(SOURCE, "systemd", "with-ended-job")
 HOSTILE = 'x"; touch $(pwd)/pwned; `touch pwned` \n--version\x1b[2J'
-# What a job that is called so is called for a person.
+# The name of such a job in messages.
 HARMLESS = 'x"; touch $(pwd)?pwned; `touch pwned` ?--version?[2J'
 
 
 def unit(name):
-    """Of each setting, its values."""
+    """Returns a dictionary from each setting of a unit to the list of its values."""
     with open(os.path.join(SOURCE, "systemd", name), encoding="utf-8") as file:
         settings = {}
         for key, value in re.findall(r"^(\w+)=(.*)$", file.read(), re.MULTILINE):
@@ -28,7 +28,7 @@ def unit(name):
 
 
 class ServiceManager:
-    """Starts the owner's command for each connection, as contourd-job-ended.socket does."""
+    """Starts the user's command for each connection, as contourd-job-ended.socket does."""
 
     def __init__(self, test, path, command):
         self.command = command
@@ -61,7 +61,7 @@ class ServiceManager:
             process.wait()
 
     def notices(self, count):
-        """The commands' environments, in the order of their start, once there are so many."""
+        """Waits until this number of commands has run, and returns their environments in the order of their start."""
         def all_there():
             return sum(name.endswith(".env") for name in os.listdir(self.heard)) >= count
         wait_until(all_there, f"{count} notices")
@@ -94,7 +94,7 @@ class JobEndedTest(FolderTest):
     def daemon(self, **options):
         return Daemon(self, **options)
 
-    def test_a_done_job_is_told_with_its_report(self):
+    def test_the_notice_of_a_done_job_names_its_report(self):
         manager = self.listen()
         daemon = self.daemon().start()
         daemon.drop("gear.stl", binary_stl(cube(1)))
@@ -105,12 +105,12 @@ class JobEndedTest(FolderTest):
         self.assertEqual(notice["REPORT_HTML"], daemon.file("done", "gear.report.html"))
         with open(notice["REPORT_JSON"], encoding="utf-8") as file:
             self.assertEqual(json.load(file)["outcome"], "done")
-        told = json.loads(notice["NOTICE"])
-        self.assertEqual(told, {"printer": notice["PRINTER"], "job": "gear", "outcome": "done", "reason": "",
+        sent = json.loads(notice["NOTICE"])
+        self.assertEqual(sent, {"printer": notice["PRINTER"], "job": "gear", "outcome": "done", "reason": "",
                                 "report_json": notice["REPORT_JSON"], "report_html": notice["REPORT_HTML"]})  # fmt: skip
         self.assertEqual(manager.log(0), "gear: done\n")
 
-    def test_a_job_that_is_refused_before_its_turn_or_taken_out_of_the_queue_is_told(self):
+    def test_a_job_that_is_refused_or_removed_in_the_queue_gives_a_notice(self):
         manager = self.listen()
         daemon = self.daemon(config=REALTIME, resin=ENDLESS).start()
         daemon.drop("first.stl", binary_stl(cube(1)))
@@ -118,7 +118,7 @@ class JobEndedTest(FolderTest):
         daemon.drop("bad.stl", b"no model")
         reason = daemon.wait_refused("bad").strip()
         daemon.drop("tired.stl", binary_stl(cube(1)))
-        wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["tired.stl"], "the queue")
+        wait_until(lambda: daemon.rpc("queue")["result"]["queue"] == ["tired.stl"], "the job in the queue")
         self.assertEqual(daemon.ctl("queue", "remove", "tired").returncode, 0)
         daemon.wait_ended("tired")
         daemon.ctl("cancel")
@@ -129,7 +129,7 @@ class JobEndedTest(FolderTest):
         self.assertEqual((first["JOB"], first["OUTCOME"]), ("first", "cancelled"))
         self.assertEqual(first["REPORT_JSON"], daemon.file("failed", "first.report.json"))
 
-    def test_however_a_job_is_called_its_command_hears_one_harmless_line(self):
+    def test_a_hostile_job_name_reaches_the_command_as_one_harmless_line(self):
         manager = self.listen()
         daemon = self.daemon().start()
         name = HOSTILE.replace("/", "\n")
@@ -142,22 +142,22 @@ class JobEndedTest(FolderTest):
         self.assertEqual(manager.log(0).count("\n"), 1)
         self.assertEqual([name for name in os.listdir(self.folder) if "pwned" in name], [])
 
-    def test_many_jobs_that_end_at_once_are_all_told(self):
+    def test_many_jobs_that_end_at_once_all_give_a_notice(self):
         manager = self.listen()
         daemon = self.daemon().start()
         for number in range(30):
             daemon.drop(f"bad{number}.stl", b"no model")
-        told = manager.notices(30)
-        self.assertEqual({notice["JOB"] for notice in told}, {f"bad{number}" for number in range(30)})
+        notices = manager.notices(30)
+        self.assertEqual({notice["JOB"] for notice in notices}, {f"bad{number}" for number in range(30)})
 
-    def test_a_command_that_hangs_keeps_no_job_waiting(self):
+    def test_a_command_that_hangs_delays_no_job(self):
         manager = self.listen(self.script("exec sleep 1000000", "hangs"))
         daemon = self.daemon().start()
         for number in range(80):
             daemon.drop(f"bad{number}.stl", b"no model")
         daemon.drop("good.stl", binary_stl(cube(1)))
         daemon.wait_done("good")
-        wait_until(lambda: len(manager.started) == 4, "four commands")
+        wait_until(lambda: len(manager.started) == 4, "four commands to start")
         self.assertEqual(daemon.log().count("nobody is told"), 1, daemon.log())
         daemon.stop()
 
@@ -167,23 +167,23 @@ class JobEndedTest(FolderTest):
         for name in ("one", "two"):
             daemon.drop(f"{name}.stl", binary_stl(cube(1)))
             daemon.wait_done(name)
-        wait_until(lambda: len(manager.started) == 2, "two commands")
+        wait_until(lambda: len(manager.started) == 2, "two commands to start")
         self.assertTrue(manager.log(0).startswith("one: done\n"))
         return manager
 
-    def test_a_command_that_is_missing_is_told_in_its_log(self):
+    def test_a_missing_command_is_reported_in_the_log_of_its_unit(self):
         manager = self.print_two(self.path("nowhere"))
         self.assertIn(f"{self.path('nowhere')}: there is no such command to run", manager.log(1))
         self.assertNotEqual(manager.started[1].returncode, 0)
 
-    def test_a_command_that_fails_is_no_matter(self):
+    def test_a_command_that_fails_does_no_harm(self):
         manager = self.print_two(self.script("exit 7", "fails"))
         self.assertNotEqual(manager.started[0].returncode, 0)
 
-    def test_a_command_that_floods_is_no_matter(self):
+    def test_a_command_that_prints_without_end_does_no_harm(self):
         self.print_two(self.script("yes | head -c 5000000", "floods"))
 
-    def test_a_print_that_a_stop_or_a_kill_ends_is_told(self):
+    def test_a_print_that_ends_by_a_stop_or_a_kill_gives_a_notice(self):
         manager = self.listen()
         daemon = self.daemon(config=REALTIME, resin=ENDLESS).start()
         daemon.drop("stopped.stl", binary_stl(cube(1)))
@@ -202,12 +202,12 @@ class JobEndedTest(FolderTest):
         self.assertEqual((killed["JOB"], killed["OUTCOME"]), ("killed", "failed"))
         self.assertIn("The print was interrupted", killed["REASON"])
 
-    def test_where_nobody_listens_nothing_is_said_or_left(self):
+    def test_without_a_listener_nothing_is_logged_or_left(self):
         daemon = self.daemon().start()
         daemon.drop("gear.stl", binary_stl(cube(1)))
         daemon.wait_done("gear")
         daemon.stop()
-        self.assertNotIn("told", daemon.log())
+        self.assertNotIn("job-ended.socket", daemon.log())
         self.assertFalse(os.path.exists(self.path("job-ended.socket")))
 
 
@@ -216,7 +216,7 @@ class ExamplesTest(FolderTest):
               "REPORT_HTML": "/spool/failed/x.report.html", "NOTICE": '{"job": "x"}'}  # fmt: skip
 
     def run_example(self, name, program, variable):
-        """What the program got: its arguments and its standard input."""
+        """Runs an example, and returns the arguments and the standard input of the program that it calls."""
         path = self.write(program, f"#!/bin/sh\nprintf '%s\\0' \"$@\" >{self.folder}/arguments\ncat >{self.folder}/input\n")
         os.chmod(path, 0o755)
         environment = {**os.environ, **{f"CONTOURD_{key}": value for key, value in self.NOTICE.items()}, variable: os.fsdecode(path)}
@@ -225,7 +225,7 @@ class ExamplesTest(FolderTest):
         with open(self.path("arguments"), encoding="utf-8") as arguments, open(self.path("input"), encoding="utf-8") as given:
             return arguments.read().split("\0")[:-1], given.read()
 
-    def test_the_mail_has_one_recipient_and_no_header_of_the_jobs(self):
+    def test_the_mail_has_one_recipient_and_a_job_s_name_adds_no_header(self):
         arguments, mail = self.run_example("job-ended-mail", "sendmail", "SENDMAIL")
         self.assertEqual(arguments, ["-i", "--", "root@localhost"])
         headers, body = mail.split("\n\n", 1)
@@ -240,26 +240,26 @@ class ExamplesTest(FolderTest):
 
 
 class UnitsTest(unittest.TestCase):
-    def test_the_socket_is_the_daemons_alone_and_where_it_looks_by_default(self):
+    def test_only_the_daemon_can_use_the_socket_and_its_path_is_the_default(self):
         settings = unit("contourd-job-ended.socket")
         self.assertEqual(settings["ListenStream"], [source_json("contourd.schema.json")["properties"]["job_ended_socket"]["default"]])
         self.assertEqual((settings["SocketUser"], settings["SocketMode"]), (["contourd"], ["0600"]))
-        # Four at a time, and those that wait when it stops (daemon/ended_job_notices.hpp).
+        # Four connections at a time, and the waiting ones when contourd stops (daemon/ended_job_notices.hpp).
         self.assertGreater(int(settings["MaxConnections"][0]), 4 + 64)
         self.assertEqual(settings["TriggerLimitIntervalSec"], ["0"])
 
-    def test_a_command_is_bounded_and_not_roots(self):
+    def test_a_command_has_limits_and_does_not_run_as_root(self):
         settings = unit("contourd-job-ended@.service")
         self.assertEqual(settings["DynamicUser"], ["yes"])
         for limit in ("TimeoutStartSec", "MemoryMax", "TasksMax", "LogRateLimitBurst"):
             self.assertIn(limit, settings)
         self.assertFalse(any(value.startswith("+") or value.startswith("!") for key in settings for value in settings[key] if key.startswith("Exec")))
 
-    @unittest.skipUnless(shutil.which("systemd-analyze"), "there is no systemd-analyze")
-    def test_systemd_takes_the_units(self):
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "systemd-analyze is not installed")
+    def test_systemd_accepts_the_units(self):
         units = (os.path.join(SOURCE, "systemd", name) for name in ("contourd-job-ended.socket", "contourd-job-ended@.service"))
         checked = subprocess.run(["systemd-analyze", "verify", "--man=no", *units], capture_output=True, text=True, check=False)
-        # What it starts is not installed here.
+        # The command that the unit starts is not installed here.
         complaints = [line for line in checked.stderr.splitlines() if "contourd" in line and "not executable" not in line]
         self.assertEqual(complaints, [])
 

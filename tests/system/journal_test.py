@@ -1,4 +1,4 @@
-"""What contourd sends to journald: a datagram socket in journald's place takes its entries."""
+"""The entries that contourd sends to journald, received by a datagram socket in journald's place."""
 
 import os
 import socket
@@ -20,11 +20,11 @@ def place_is_free():
 
 
 if not place_is_free():
-    harness.skip_file("a journald runs here, or its socket's folder may not be written")
+    harness.skip_file("a journald runs here, or the folder of its socket cannot be written")
 
 
 def fields(datagram):
-    """The native journal protocol: NAME=value lines, or NAME, a newline, a length and the value."""
+    """Parses the native journal protocol: NAME=value lines, or NAME, a newline, a length and the value."""
     entry = {}
     while datagram:
         line, _, rest = datagram.partition(b"\n")
@@ -48,7 +48,7 @@ class Journal(harness.FolderTest):
         self.daemon = harness.Daemon(self)
 
     def start(self):
-        """With stderr connected to the journal, as far as contourd can tell."""
+        """Starts the daemon so that its stderr seems to be connected to the journal."""
         open(self.daemon.log_path, "wb").close()
         status = os.stat(self.daemon.log_path)
         self.daemon.launch(JOURNAL_STREAM=f"{status.st_dev}:{status.st_ino}")
@@ -76,8 +76,8 @@ class Journal(harness.FolderTest):
         self.assertIn("not a usable model", entry["MESSAGE"])
         self.assertEqual(self.daemon.log(), "")
 
-    def test_a_journal_that_takes_nothing_holds_up_no_print_and_gets_all_of_it_later(self):
-        # The kernel holds some datagrams for who does not read, ten or some hundreds.
+    def test_a_journal_that_does_not_read_delays_no_print_and_gets_all_entries_later(self):
+        # The kernel holds ten to some hundreds of datagrams until they are read.
         with open("/proc/sys/net/unix/max_dgram_qlen", encoding="ascii") as file:
             layers = int(file.read()) + 50
         self.start()
@@ -87,8 +87,8 @@ class Journal(harness.FolderTest):
         self.assertEqual(numbers, list(range(1, layers + 1)))
         self.next_with("done")
 
-    def test_a_stream_that_is_no_longer_stderr_is_not_the_journal(self):
-        self.daemon.start()  # JOURNAL_STREAM is not set, or is another's
+    def test_without_a_matching_journal_stream_the_log_goes_to_stderr(self):
+        self.daemon.start()  # JOURNAL_STREAM is not set, or names another stream
         self.assertIn("is ready", self.daemon.log())
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The manual pages against the programs and the schemas, and as a reader sees them."""
+"""Compares the manual pages with the programs and the schemas, and checks their markup."""
 
 import glob
 import json
@@ -23,7 +23,7 @@ def source_of(page):
 
 
 def plain(page):
-    """Without roff's escapes."""
+    """Returns the text of a page without roff's escapes."""
     return re.sub(r"\\f.", "", source_of(page).replace("\\-", "-").replace("\\&", "").replace("\\e", "\\"))
 
 
@@ -40,7 +40,7 @@ def options_in(text):
 
 
 def keys_of(schema, root, folder, path=""):
-    """As the page names them: z_axis.lead_mm, models[].file."""
+    """Yields the keys of a schema in the notation of the pages: z_axis.lead_mm, models[].file."""
     if "$ref" in schema:
         file, pointer = schema["$ref"].split("#/")
         if file:
@@ -58,29 +58,29 @@ def keys_of(schema, root, folder, path=""):
 
 
 class Man(unittest.TestCase):
-    def test_each_page_of_a_program_has_its_options_and_no_others(self):
+    def test_each_page_of_a_program_has_exactly_its_options(self):
         commands = commands_in(help_of(CONTOURCTL))
         self.assertGreater(len(commands), 10)
         groups = {each: commands_in(help_of(CONTOURCTL, each)) for each in commands}
         commands = [words for each, below in groups.items() for words in ([f"{each} {word}" for word in below] or [each])]
-        there_are = options_in(help_of(CONTOURCTL)).union(*(options_in(help_of(CONTOURCTL, *each.split())) for each in commands))
+        existing = options_in(help_of(CONTOURCTL)).union(*(options_in(help_of(CONTOURCTL, *each.split())) for each in commands))
         page = plain("contourctl.1")
-        self.assertEqual(options_in(page), there_are)
+        self.assertEqual(options_in(page), existing)
         for command in commands:
             self.assertRegex(page, rf"(?m)^(?:[a-z -]+, )*{command}\b", command)
         self.assertEqual(options_in(plain("contourd.8")), options_in(help_of(CONTOURD)))
 
-    def test_each_option_of_a_command_stands_behind_it(self):
+    def test_each_option_of_a_command_is_in_the_paragraph_of_the_command(self):
         page = plain("contourctl.1")
         for command, least in (("slice", 18), ("analyze", 9), ("preview", 5), ("submit", 15), ("offer", 3), ("history", 1), ("queue move", 3), ("logs", 2), ("diagnose", 2), ("watch", 1), ("setup", 6)):
             own = options_in(help_of(CONTOURCTL, *command.split())) - {"--socket"}
             part = re.search(rf"(?ms)^{command} .*?(?=^\.TP\n[a-z]|^\.S[HS] )", page)
             self.assertIsNotNone(part, command)
-            told = options_in(part[0])
-            self.assertGreaterEqual(len(told), least, command)
-            self.assertEqual(own - told - {"--json"}, set(), command)
+            documented = options_in(part[0])
+            self.assertGreaterEqual(len(documented), least, command)
+            self.assertEqual(own - documented - {"--json"}, set(), command)
 
-    def test_each_format_page_has_its_schemas_keys(self):
+    def test_each_format_page_has_the_keys_of_its_schema(self):
         folder = os.path.join(SOURCE, "config")
         for page, name in FORMATS.items():
             with self.subTest(page):
@@ -90,16 +90,16 @@ class Man(unittest.TestCase):
                 self.assertEqual(sorted(named), sorted(keys_of(schema, schema, folder)))
                 self.assertGreater(len(named), 6)
 
-    def test_pages_that_refer_to_each_other_are_there(self):
-        there_are = {re.sub(r"\.(\d)$", r"(\1)", os.path.basename(path)) for path in PAGES}
-        self.assertEqual(len(there_are), 2 + len(FORMATS))
+    def test_every_page_that_is_referred_to_exists(self):
+        existing = {re.sub(r"\.(\d)$", r"(\1)", os.path.basename(path)) for path in PAGES}
+        self.assertEqual(len(existing), 2 + len(FORMATS))
         for path in PAGES:
             name = os.path.basename(path)
             for other, section in re.findall(r"(?m)^\.BR (contour\S+) \((\d)\)", plain(name)):
-                self.assertIn(f"{other}({section})", there_are, name)
+                self.assertIn(f"{other}({section})", existing, name)
 
     @unittest.skipUnless(shutil.which("groff"), "groff is not installed")
-    def test_pages_have_no_mistake_that_groff_sees(self):
+    def test_groff_reports_no_mistake_in_a_page(self):
         for path in PAGES:
             seen = subprocess.run(["groff", "-man", "-ww", "-Tutf8", "-rLL=80n", path], capture_output=True, text=True, check=True)
             self.assertEqual(seen.stderr, "", path)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The printer by hand: contourctl home, move, light and so on; who may, what ends it, and that no print is in its way."""
+"""Manual control: contourctl home, move, light and so on; who may use it, what ends it, and its exclusion of prints."""
 
 import json
 import os
@@ -19,7 +19,7 @@ from harness import (
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
-# Everything takes seconds: there is time to end it.
+# Every motion takes seconds, so that a test can end it.
 SLOW = merge(json.loads(json.dumps(REALTIME)), {"z_axis": {**NIMBLE_AXIS, "homing_speed_mm_s": 2, "travel_speed_mm_s": 2, "travel_mm": 100},
                                    "simulation": {"pace": "realtime", "start_height_mm": 60}})  # fmt: skip
 
@@ -28,7 +28,7 @@ class ManualTest(FolderTest):
     def daemon(self, config=None, resin=None):
         return Daemon(self, config or REALTIME, resin or NIMBLE_RESIN).start()
 
-    def by_hand(self, daemon, *words, **options):
+    def run_ctl(self, daemon, *words, **options):
         return contourctl(*words, "--socket", daemon.socket_path, **options)
 
     def well(self, result, *words):
@@ -53,27 +53,27 @@ class ManualTest(FolderTest):
 
 
 class Commands(ManualTest):
-    def test_home_move_and_motor_off_say_where_the_plate_is(self):
+    def test_home_move_and_motor_off_print_the_height_of_the_plate(self):
         daemon = self.daemon()
-        self.refused(self.by_hand(daemon, "move", "--to", "3"), FAILED, "home comes first")
-        self.well(self.by_hand(daemon, "home"), "homing\n", "height    0.000 mm")
-        self.well(self.by_hand(daemon, "move", "--to", "3"), "moving\n", "height    3.000 mm")
-        self.well(self.by_hand(daemon, "move", "--by", "-1.5", "--speed", "20"), "height    1.500 mm")
-        self.refused(self.by_hand(daemon, "move", "--to", "13"), FAILED, "to_mm is a number from 0 to 12 mm")
-        self.well(self.by_hand(daemon, "motor", "off"), "height    unknown")
+        self.refused(self.run_ctl(daemon, "move", "--to", "3"), FAILED, "home comes first")
+        self.well(self.run_ctl(daemon, "home"), "homing\n", "height    0.000 mm")
+        self.well(self.run_ctl(daemon, "move", "--to", "3"), "moving\n", "height    3.000 mm")
+        self.well(self.run_ctl(daemon, "move", "--by", "-1.5", "--speed", "20"), "height    1.500 mm")
+        self.refused(self.run_ctl(daemon, "move", "--to", "13"), FAILED, "to_mm is a number from 0 to 12 mm")
+        self.well(self.run_ctl(daemon, "motor", "off"), "height    unknown")
         daemon.stop()
 
-    def test_light_is_confirmed_bounded_and_off_at_the_end(self):
+    def test_light_needs_confirmation_has_a_limit_and_goes_off_at_the_end(self):
         daemon = self.daemon()
-        self.refused(self.by_hand(daemon, "light", "on", "--seconds", "1", stdin=subprocess.DEVNULL), BAD_USAGE, "--confirm")
-        self.refused(self.by_hand(daemon, "light", "on", "--seconds", "1", "--confirm"), FAILED, "in the resin")
-        self.refused(self.by_hand(daemon, "light", "on", "--seconds", "31", "--confirm", "--in-resin"), FAILED, "30 s")
-        self.well(self.by_hand(daemon, "light", "on", "--seconds", "0.1", "--confirm", "--in-resin"), "lit\n")
+        self.refused(self.run_ctl(daemon, "light", "on", "--seconds", "1", stdin=subprocess.DEVNULL), BAD_USAGE, "--confirm")
+        self.refused(self.run_ctl(daemon, "light", "on", "--seconds", "1", "--confirm"), FAILED, "in the resin")
+        self.refused(self.run_ctl(daemon, "light", "on", "--seconds", "31", "--confirm", "--in-resin"), FAILED, "30 s")
+        self.well(self.run_ctl(daemon, "light", "on", "--seconds", "0.1", "--confirm", "--in-resin"), "lit\n")
         self.assertEqual(self.manual(daemon)["state"], "idle")
-        self.well(self.by_hand(daemon, "light", "off"))
+        self.well(self.run_ctl(daemon, "light", "off"))
         daemon.stop()
 
-    def test_on_a_terminal_light_is_asked_for(self):
+    def test_on_a_terminal_light_asks_for_confirmation(self):
         daemon = self.daemon()
         for word, code in (("no", FAILED), ("yes", OK)):
             mine, its = pty.openpty()
@@ -81,10 +81,10 @@ class Commands(ManualTest):
             process = subprocess.Popen([CONTOURCTL, "light", "on", "--seconds", "0.1", "--in-resin", "--socket", daemon.socket_path],
                                        stdin=its, stdout=its, stderr=its)  # fmt: skip
             os.close(its)
-            told = b""
-            while b"yes/no" not in told:
+            received = b""
+            while b"yes/no" not in received:
                 self.assertTrue(select.select([mine], [], [], DEADLINE_S)[0])
-                told += os.read(mine, 4096)
+                received += os.read(mine, 4096)
             self.assertEqual(self.manual(daemon)["operations"], 0)
             os.write(mine, word.encode() + b"\n")
             self.assertEqual(process.wait(DEADLINE_S), code)
@@ -93,36 +93,36 @@ class Commands(ManualTest):
         self.assertEqual(self.manual(daemon)["operations"], 1)
         daemon.stop()
 
-    def test_the_projector_is_asked_and_powered(self):
+    def test_the_projector_can_be_queried_and_switched(self):
         daemon = self.daemon()
-        self.well(self.by_hand(daemon, "projector", "status"), "projector off")
-        self.well(self.by_hand(daemon, "projector", "on"), "powering on", "projector on")
-        self.well(self.by_hand(daemon, "projector", "status"), "projector on")
-        self.well(self.by_hand(daemon, "projector", "off"), "projector told to power off")
-        self.well(self.by_hand(daemon, "projector", "status"), "projector off")
+        self.well(self.run_ctl(daemon, "projector", "status"), "projector off")
+        self.well(self.run_ctl(daemon, "projector", "on"), "powering on", "projector on")
+        self.well(self.run_ctl(daemon, "projector", "status"), "projector on")
+        self.well(self.run_ctl(daemon, "projector", "off"), "projector told to power off")
+        self.well(self.run_ctl(daemon, "projector", "status"), "projector off")
         daemon.stop()
 
-    def test_a_pattern_is_shown_for_its_time_and_what_is_none_names_those_there_are(self):
+    def test_a_pattern_is_shown_for_its_time_and_an_unknown_one_is_an_error(self):
         daemon = self.daemon()
         began = time.monotonic()
-        self.well(self.by_hand(daemon, "show", "grid", "--seconds", "0.3"), "grid is shown")
+        self.well(self.run_ctl(daemon, "show", "grid", "--seconds", "0.3"), "grid is shown")
         self.assertGreaterEqual(time.monotonic() - began, 0.3)
-        self.refused(self.by_hand(daemon, "show", "gird"), FAILED, "white, black, grid")
+        self.refused(self.run_ctl(daemon, "show", "gird"), FAILED, "white, black, grid")
         daemon.stop()
 
-    def test_switches_are_shown_once_or_line_by_line_as_they_change(self):
+    def test_switches_are_printed_once_or_at_each_change(self):
         daemon = self.daemon()
-        self.well(self.by_hand(daemon, "switches", "--once"), "limit switch    reached             0 edges  simulated\n")
-        inputs = json.loads(self.by_hand(daemon, "switches", "--once", "--json").stdout)
+        self.well(self.run_ctl(daemon, "switches", "--once"), "limit switch    reached             0 edges  simulated\n")
+        inputs = json.loads(self.run_ctl(daemon, "switches", "--once", "--json").stdout)
         self.assertEqual(inputs, [{"name": "limit switch", "line": "simulated", "active": True, "edges": 0}])
         process = subprocess.Popen([CONTOURCTL, "switches", "--socket", daemon.socket_path], stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True)  # fmt: skip
         self.addCleanup(process.wait)
         self.addCleanup(process.kill)
         self.assertIn("0 edges", process.stdout.readline())
-        self.well(self.by_hand(daemon, "home"))
+        self.well(self.run_ctl(daemon, "home"))
         line = process.stdout.readline()
-        while " 2 edges" not in line:  # it may see them one by one
+        while " 2 edges" not in line:  # it may report the edges one by one
             line = process.stdout.readline()
         self.assertIn("limit switch    reached", line)
         daemon.drop("part.stl", SMALL)
@@ -131,7 +131,7 @@ class Commands(ManualTest):
         self.assertEqual(process.returncode, FAILED)
         daemon.stop()
 
-    def test_without_a_daemon_each_says_so(self):
+    def test_without_a_daemon_each_command_says_so(self):
         for words in (["home"], ["move", "--to", "1"], ["stop"], ["motor", "off"], ["light", "off"], ["show", "grid"],
                       ["light", "on", "--seconds", "1", "--confirm"], ["projector", "status"], ["projector", "on"], ["switches"]):  # fmt: skip
             with self.subTest(words):
@@ -140,7 +140,7 @@ class Commands(ManualTest):
 
 class Jog(ManualTest):
     def jog(self, daemon, *words, columns=80, terminal="xterm", until="step 1 mm   idle"):
-        """The process, and a function that types and waits until something is shown."""
+        """Starts contourctl jog in a terminal. Returns the process, a function that types keys and waits for a text, and the terminal."""
         mine, its = pty.openpty()
         self.addCleanup(os.close, mine)
         termios.tcsetwinsize(its, (24, columns))
@@ -162,7 +162,7 @@ class Jog(ManualTest):
         self.beginning = press("", until)
         return process, press, mine
 
-    def test_keys_home_and_move_and_what_is_refused_is_said(self):
+    def test_keys_home_and_move_the_plate_and_refusals_are_shown(self):
         daemon = self.daemon()
         process, press, _ = self.jog(daemon)
         press("k", "home comes first")
@@ -178,10 +178,10 @@ class Jog(ManualTest):
         press("m", "height unknown")
         press("q", "\n")
         self.assertEqual(process.wait(DEADLINE_S), OK)
-        wait_until(lambda: self.manual(daemon)["picture"] is None, "black")
+        wait_until(lambda: self.manual(daemon)["picture"] is None, "the picture to be removed")
         daemon.stop()
 
-    def test_it_says_so_while_a_job_is_printed(self):
+    def test_jog_shows_that_a_job_is_being_printed(self):
         daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
@@ -202,7 +202,7 @@ class Jog(ManualTest):
         self.assertEqual(process.wait(DEADLINE_S), OK)
         daemon.stop()
 
-    def test_a_terminal_that_knows_no_control_sequences_gets_none(self):
+    def test_a_dumb_terminal_gets_no_control_sequences(self):
         daemon = self.daemon()
         process, press, _ = self.jog(daemon, terminal="dumb")
         said = self.beginning + press("k", "home comes first") + press("h", "height 0.000 mm   step 1 mm   idle\r\n")
@@ -213,7 +213,7 @@ class Jog(ManualTest):
         self.assertEqual(process.wait(DEADLINE_S), OK)
         daemon.stop()
 
-    def test_light_is_asked_for_and_anything_but_y_is_no(self):
+    def test_light_asks_for_confirmation_and_only_y_confirms(self):
         daemon = self.daemon()
         process, press, _ = self.jog(daemon, "--in-resin", "--light-seconds", "0.1")
         press("l", "Eyes protected")
@@ -226,7 +226,7 @@ class Jog(ManualTest):
         self.assertEqual(process.wait(DEADLINE_S), OK)
         daemon.stop()
 
-    def test_space_quitting_a_lost_terminal_and_a_signal_end_a_motion_and_give_the_terminal_back(self):
+    def test_space_quitting_a_lost_terminal_and_a_signal_end_a_motion_and_restore_the_terminal(self):
         for how in ("space", "quit", "hang up", "terminate"):
             with self.subTest(how):
                 daemon = self.daemon(SLOW)
@@ -236,7 +236,7 @@ class Jog(ManualTest):
                 press("h", "homing")
                 if how == "space":
                     press(" ", "stopped")
-                    wait_until(lambda: self.manual(daemon)["state"] == "idle", "the end of the motion")
+                    wait_until(lambda: self.manual(daemon)["state"] == "idle", "the motion to end")
                     press("q", "\n")
                 elif how == "quit":
                     press("q", "\n")
@@ -246,13 +246,13 @@ class Jog(ManualTest):
                     process.send_signal(signal.SIGTERM)
                 self.assertEqual(process.wait(DEADLINE_S), OK)
                 self.assertTrue(termios.tcgetattr(mine)[3] & termios.ICANON)
-                wait_until(lambda: self.manual(daemon)["state"] == "idle", "the end of the motion")
+                wait_until(lambda: self.manual(daemon)["state"] == "idle", "the motion to end")
                 self.assertIn("by hand: stopped", daemon.log())
                 daemon.stop()
 
-    def test_without_a_terminal_it_says_so(self):
+    def test_jog_without_a_terminal_is_bad_usage(self):
         daemon = self.daemon()
-        self.refused(self.by_hand(daemon, "jog", stdin=subprocess.DEVNULL), BAD_USAGE, "jog: this needs a terminal")
+        self.refused(self.run_ctl(daemon, "jog", stdin=subprocess.DEVNULL), BAD_USAGE, "jog: this needs a terminal")
         daemon.stop()
 
 
@@ -261,14 +261,14 @@ class Level(ManualTest):
 
     def level(self, daemon, *answers):
         lines = "".join(answer + "\n" for answer in answers)
-        return self.by_hand(daemon, "level", "--config", daemon.config_path, input=lines.encode(), stdin=None)
+        return self.run_ctl(daemon, "level", "--config", daemon.config_path, input=lines.encode(), stdin=None)
 
     def config(self, daemon):
         with open(daemon.config_path, encoding="utf-8") as file:
             return file.read()
 
-    def test_what_the_paper_says_is_stored_and_nothing_else_is_changed(self):
-        # Where the paper drags above 0, and where the plate hangs above it.
+    def test_the_height_found_with_the_paper_is_stored_and_nothing_else_is_changed(self):
+        # Cases: the plate must go below 0, or the paper already drags above 0.
         for answers, stored in ((["0.5", "-0.2", ""], -0.2), (["", "0.35"], 0.45)):
             with self.subTest(stored):
                 daemon = self.daemon()
@@ -281,7 +281,7 @@ class Level(ManualTest):
                 self.assertEqual(self.manual(daemon)["height_mm"], 12)  # out of the way
                 daemon.stop()
 
-    def test_whoever_ends_it_anywhere_leaves_all_as_it_was(self):
+    def test_ending_at_any_question_changes_nothing(self):
         daemon = self.daemon()
         before = self.config(daemon)
         answers = ["", "", "", "0.3", "", "0.1", ""]
@@ -293,7 +293,7 @@ class Level(ManualTest):
         self.assertEqual(self.config(daemon), before)
         daemon.stop()
 
-    def test_what_is_no_number_or_no_way_is_told_and_asked_for_again(self):
+    def test_a_wrong_number_or_an_impossible_move_is_reported_and_asked_again(self):
         daemon = self.daemon()
         result = self.level(daemon, "", "", "", "up", "-0.5", "+0.3", "", "1e9", "0.1", "")
         self.assertEqual(result.returncode, OK, result)
@@ -302,33 +302,33 @@ class Level(ManualTest):
         self.assert_one_line(result.stderr, "the plate cannot go to -0.500 mm")
         daemon.stop()
 
-    def test_another_configuration_than_the_daemons_or_a_wrong_one_is_not_touched(self):
+    def test_a_wrong_or_missing_configuration_is_not_touched(self):
         daemon = self.daemon()
         with open(daemon.config_path, encoding="utf-8") as file:
             wrong = file.read().replace('"travel_mm": 12', '"travel_mm": -12')
         path = self.write("wrong.json", wrong.encode())
-        result = self.by_hand(daemon, "level", "--config", path, input=b"\n" * 9, stdin=None)
+        result = self.run_ctl(daemon, "level", "--config", path, input=b"\n" * 9, stdin=None)
         self.refused(result, BAD_CONFIG, "wrong.json: /z_axis/travel_mm")
-        self.refused(self.by_hand(daemon, "level", "--config", self.path("none")), BAD_CONFIG, "none")
+        self.refused(self.run_ctl(daemon, "level", "--config", self.path("none")), BAD_CONFIG, "none")
         daemon.stop()
 
 
 class Ends(ManualTest):
-    """Whatever becomes of who began it: motor still, light off, screen black, within a moment."""
+    """However the client of an operation ends, the motor stops, the light goes off and the screen goes black at once."""
 
-    ENDED_S = 0.1 * SLOWNESS  # the issue's figure
+    ENDED_S = 0.1 * SLOWNESS  # the required limit
 
     def ended_within(self, daemon, over, since):
-        wait_until(over, "the end")
+        wait_until(over, "the operation to end")
         took = time.monotonic() - since
-        self.assertLess(took, self.ENDED_S + 0.1)  # and how long it takes to ask
+        self.assertLess(took, self.ENDED_S + 0.1)  # plus the time to poll
 
     def test_light_goes_off_when_its_client_is_killed(self):
         for number in (signal.SIGKILL, signal.SIGINT, signal.SIGHUP):
             with self.subTest(number):
                 daemon = self.daemon()
                 process = self.start(daemon, "light", "on", "--seconds", "30", "--confirm", "--in-resin")
-                wait_until(lambda: self.manual(daemon)["state"] == "lit", "light")
+                wait_until(lambda: self.manual(daemon)["state"] == "lit", "the light to be on")
                 process.send_signal(number)
                 self.ended_within(daemon, lambda: self.manual(daemon)["state"] == "idle", time.monotonic())
                 self.assertIn("by hand: stopped", daemon.log())
@@ -337,27 +337,27 @@ class Ends(ManualTest):
     def test_the_plate_stops_when_its_client_is_killed(self):
         daemon = self.daemon(SLOW)
         process = self.start(daemon, "home")
-        wait_until(lambda: self.manual(daemon)["state"] == "homing", "homing")
+        wait_until(lambda: self.manual(daemon)["state"] == "homing", "the plate to home")
         process.kill()
         self.ended_within(daemon, lambda: self.manual(daemon)["state"] == "idle", time.monotonic())
         daemon.stop()
 
-    def test_a_picture_goes_with_its_client_and_no_other(self):
+    def test_a_picture_is_removed_only_when_its_own_client_ends(self):
         daemon = self.daemon(SLOW)
         shows, moves = self.start(daemon, "show", "grid"), self.start(daemon, "home")
-        wait_until(lambda: self.manual(daemon)["picture"] and self.manual(daemon)["state"] == "homing", "both")
+        wait_until(lambda: self.manual(daemon)["picture"] and self.manual(daemon)["state"] == "homing", "both operations to run")
         shows.kill()
         self.ended_within(daemon, lambda: self.manual(daemon)["picture"] is None, time.monotonic())
         self.assertEqual(self.manual(daemon)["state"], "homing")
         moves.kill()
         daemon.stop()
 
-    def test_a_client_that_asks_without_end_does_not_keep_its_light_on(self):
+    def test_the_light_of_a_client_that_keeps_asking_goes_off_when_it_ends(self):
         daemon = self.daemon()
         client = socket.socket(socket.AF_UNIX)
         client.connect(daemon.socket_path)
         client.sendall(b'{"jsonrpc":"2.0","method":"light_on","params":{"seconds":30,"in_resin":true},"id":1}\n')
-        wait_until(lambda: self.manual(daemon)["state"] == "lit", "light")
+        wait_until(lambda: self.manual(daemon)["state"] == "lit", "the light to be on")
         client.setblocking(False)
         try:
             while True:
@@ -368,48 +368,48 @@ class Ends(ManualTest):
         self.ended_within(daemon, lambda: self.manual(daemon)["state"] == "idle", time.monotonic())
         daemon.stop()
 
-    def test_sigterm_and_reload_end_it_before_the_daemon_ends(self):
+    def test_sigterm_and_reload_end_the_operation_before_the_daemon_ends(self):
         for end in ("stop", "reload"):
             with self.subTest(end):
                 daemon = self.daemon()
                 process = self.start(daemon, "light", "on", "--seconds", "30", "--confirm", "--in-resin")
-                wait_until(lambda: self.manual(daemon)["state"] == "lit", "light")
+                wait_until(lambda: self.manual(daemon)["state"] == "lit", "the light to be on")
                 if end == "stop":
                     daemon.stop()
                 else:
                     daemon.reload()
                     daemon.wait_restart()
                 self.assertIn("light off, motor still", daemon.log())
-                self.assertEqual(process.wait(DEADLINE_S), FAILED)  # it was told
+                self.assertEqual(process.wait(DEADLINE_S), FAILED)  # it was notified
 
-    def test_anybody_stops_it(self):
+    def test_any_client_can_stop_the_operation(self):
         daemon = self.daemon(SLOW)
         process = self.start(daemon, "home")
-        wait_until(lambda: self.manual(daemon)["state"] == "homing", "homing")
-        self.well(self.by_hand(daemon, "stop"))
+        wait_until(lambda: self.manual(daemon)["state"] == "homing", "the plate to home")
+        self.well(self.run_ctl(daemon, "stop"))
         self.assertEqual(process.wait(DEADLINE_S), FAILED)
         self.assertEqual(self.manual(daemon)["problem"], "stopped")
         daemon.stop()
 
 
 class WithJobs(ManualTest):
-    def test_while_a_job_prints_nothing_is_done_by_hand(self):
+    def test_manual_commands_are_refused_during_a_print(self):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, **ENDLESS})
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
         for words in (["home"], ["move", "--to", "1"], ["stop"], ["motor", "off"], ["light", "off"], ["show", "grid"],
                       ["light", "on", "--seconds", "1", "--confirm"], ["projector", "status"], ["projector", "off"]):  # fmt: skip
             with self.subTest(words):
-                self.refused(self.by_hand(daemon, *words), FAILED, "part is being printed")
+                self.refused(self.run_ctl(daemon, *words), FAILED, "part is being printed")
         self.assertEqual(daemon.status()["state"], "exposing")
         daemon.stop()
 
-    def test_a_job_that_arrives_waits_and_is_printed_behind_it(self):
+    def test_a_job_that_arrives_waits_until_the_operation_ends(self):
         daemon = self.daemon(SLOW)
         process = self.start(daemon, "home")
-        wait_until(lambda: self.manual(daemon)["state"] == "homing", "homing")
+        wait_until(lambda: self.manual(daemon)["state"] == "homing", "the plate to home")
         daemon.drop("part.stl", SMALL)
-        wait_until(lambda: daemon.status()["waiting_for"], "the reason")
+        wait_until(lambda: daemon.status()["waiting_for"], "the reason to be shown")
         self.assertEqual(daemon.status()["waiting_for"], 'the printer is controlled by hand; "contourctl stop" ends that')
         process.kill()
         daemon.wait_state("homing")
@@ -419,19 +419,19 @@ class WithJobs(ManualTest):
         daemon = self.daemon({**REALTIME, "wait_for_plate_cleared": True})
         daemon.drop("part.stl", SMALL)
         daemon.wait_done("part")
-        self.refused(self.by_hand(daemon, "home"), FAILED, "part is on the plate")
-        self.refused(self.by_hand(daemon, "move", "--by", "-1"), FAILED, "part is on the plate")
-        self.well(self.by_hand(daemon, "home", "--plate-is-clear"))
+        self.refused(self.run_ctl(daemon, "home"), FAILED, "part is on the plate")
+        self.refused(self.run_ctl(daemon, "move", "--by", "-1"), FAILED, "part is on the plate")
+        self.well(self.run_ctl(daemon, "home", "--plate-is-clear"))
         daemon.rpc("plate_cleared")
-        self.well(self.by_hand(daemon, "home"))
+        self.well(self.run_ctl(daemon, "home"))
         daemon.stop()
 
 
 @unittest.skipUnless(os.geteuid() == 0, "another user is needed")
 class Rights(ManualTest):
-    GROUP, SERVICE_GROUP, SERVICE, MEMBER = 64000, 64003, 64001, 64002  # nobody else's
+    GROUP, SERVICE_GROUP, SERVICE, MEMBER = 64000, 64003, 64001, 64002  # ids of no other user or group
 
-    def test_members_of_the_service_group_alone_move_and_light_it(self):
+    def test_only_members_of_the_service_group_may_use_motor_and_light(self):
         daemon = Daemon(self, REALTIME, NIMBLE_RESIN)
         os.chmod(self.folder, 0o777)
         programs = [self.reachable(each) for each in (CONTOURD, CONTOURCTL)]

@@ -1,4 +1,4 @@
-"""Memory: what a job needs is known before it is read, and a model that ended the daemon is not read again."""
+"""Memory: a job's need is known before the job is read, and a model that ended the daemon is not read again."""
 
 import contextlib
 import json
@@ -14,13 +14,13 @@ from harness import (
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
 HUGE = 85_899_344  # facets of 4 GB
-# A ball of so many cells, and the MB with which one such job is printed but not read beside another.
+# The cells of a ball, and a limit in MB that is enough to print one ball but not to read a second one at the same time.
 CELLS = 200
 LIMIT_FOR_ONE = 180
 
 
 def sparse_stl(path, facets):
-    """A file of so many facets, all at the origin, that takes no room on the disk."""
+    """Writes a sparse file with this number of facets, all at the origin; it takes no room on the disk."""
     with open(path, "wb") as file:
         file.write(bytes(80) + struct.pack("<I", facets))
         file.truncate(84 + 50 * facets)
@@ -28,7 +28,7 @@ def sparse_stl(path, facets):
 
 @contextlib.contextmanager
 def control_group(limit):
-    """A new group of so many bytes, of either version; nothing where there is none to be had."""
+    """Yields the folder of a new control group (version 1 or 2) with this limit in bytes, or None if none can be made."""
     for root, limit_name in (("/sys/fs/cgroup", "memory.max"), ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")):
         group = os.path.join(root, f"contourd-test-{os.getpid()}")
         try:
@@ -57,7 +57,7 @@ class MemoryTest(FolderTest):
         return path
 
     def put_ball(self, daemon, name):
-        """A job of its own, 8 mm high."""
+        """Puts a ball of 8 mm into the spool as a job of this name."""
         with open(daemon.file("incoming", name + ".json"), "w", encoding="ascii") as file:
             json.dump({"scale": 0.2}, file)
         self.put(daemon, self.sphere(name + ".stl", CELLS))
@@ -74,9 +74,9 @@ class MemoryTest(FolderTest):
             return next(int(line.split()[1]) * 1024 for line in file if line.startswith("VmHWM"))
 
 
-@unittest.skipIf(SANITIZED, "what AddressSanitizer takes says nothing")
+@unittest.skipIf(SANITIZED, "memory limits are not tested with AddressSanitizer")
 class Room(MemoryTest):
-    def test_a_model_that_fits_no_limit_is_refused_beside_a_print_without_being_read(self):
+    def test_a_model_that_exceeds_the_limit_is_refused_during_a_print_without_being_read(self):
         daemon = self.daemon({"memory_limit_mb": 400}).start()
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
@@ -88,10 +88,10 @@ class Room(MemoryTest):
         self.assertEqual(daemon.status()["state"], "exposing")
         daemon.stop()
 
-    def test_in_a_control_group_its_limit_holds_without_a_key(self):
+    def test_the_limit_of_a_control_group_applies_without_memory_limit_mb(self):
         with control_group(900_000_000) as group:
             if group is None:
-                self.skipTest("there is no control group to be had")
+                self.skipTest("no control group can be made")
             daemon = self.daemon()
 
             def join():
@@ -107,55 +107,55 @@ class Room(MemoryTest):
             self.assertEqual(daemon.status()["state"], "exposing")
             daemon.stop()
 
-    def test_what_does_not_fit_beside_a_print_waits_for_its_end_and_is_printed(self):
+    def test_a_model_without_enough_memory_during_a_print_waits_for_its_end_and_is_printed(self):
         daemon = self.daemon({"memory_limit_mb": LIMIT_FOR_ONE}).start()
         self.put_ball(daemon, "first")
         daemon.wait_state("exposing")
         self.put_ball(daemon, "second")
-        why = wait_until(lambda: daemon.status()["postponed"].get("second.stl"), "its postponement")
+        why = wait_until(lambda: daemon.status()["postponed"].get("second.stl"), "the second job to be postponed")
         self.assertRegex(why, r"for which \d+ MB of memory are needed, and there is room for \d+ MB: memory_limit_mb is")
         self.assertEqual(daemon.status()["postponed_more"], 0)
         self.assertIn(b"postponed second.stl: the model holds", daemon.ctl("status").stdout)
         self.assertIn("second.stl: is read later, because there is not enough memory now: the model holds", daemon.log())
-        # Small ones are read meanwhile.
+        # Small models are read meanwhile.
         daemon.drop("bad.stl", b"no model")
         daemon.wait_refused("bad")
         daemon.rpc("cancel")
-        wait_until(lambda: (daemon.status()["job"] or {}).get("name") == "second", "its turn")
+        wait_until(lambda: (daemon.status()["job"] or {}).get("name") == "second", "the second job to start")
         daemon.wait_state("exposing")
         self.assertEqual(daemon.status()["postponed"], {})
         self.assertLess(self.peak_bytes(daemon), LIMIT_FOR_ONE * 1e6)
         daemon.stop()
 
-    def test_what_waits_for_room_is_read_when_the_print_has_ended_though_its_turn_has_not_come(self):
+    def test_a_postponed_model_is_read_after_the_print_even_before_its_turn(self):
         daemon = self.daemon({"memory_limit_mb": LIMIT_FOR_ONE, "wait_for_plate_cleared": True}).start()
         self.put_ball(daemon, "first")
         daemon.wait_state("exposing")
         self.put_ball(daemon, "second")
-        wait_until(lambda: "second.stl" in daemon.status()["postponed"], "its postponement")
+        wait_until(lambda: "second.stl" in daemon.status()["postponed"], "the second job to be postponed")
         daemon.rpc("cancel")
-        wait_until(lambda: not daemon.status()["postponed"], "its reading", 60)
+        wait_until(lambda: not daemon.status()["postponed"], "the second job to be read", 60)
         self.assertEqual(daemon.status()["queued"], 1)
         daemon.stop()
 
-    def test_the_next_job_is_prepared_once_beside_a_print_and_another_behind_it_at_its_turn(self):
+    def test_only_the_next_job_is_prepared_during_a_print(self):
         daemon = self.daemon({"memory_limit_mb": 400}).start()
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
         for job in ("next", "last"):
             daemon.drop(job + ".stl", SMALL)
-        # They are checked in their order.
+        # Jobs are checked in their order, so these two have been checked when bad has.
         daemon.drop("bad.stl", b"no model")
         daemon.wait_refused("bad")
         for job in ("next", "last"):
             daemon.rpc("cancel")
-            wait_until(lambda job=job: (daemon.status()["job"] or {}).get("name") == job, "its turn")
+            wait_until(lambda job=job: (daemon.status()["job"] or {}).get("name") == job, "the job to start")
             daemon.wait_state("exposing")
         ready = [line for line in daemon.log().splitlines() if "first mask after" in line]
         self.assertEqual(["prepared while it waited" in line for line in ready], [False, True, False])
         daemon.stop()
 
-    def test_a_plate_that_names_a_file_sixty_times_reads_it_once(self):
+    def test_a_plate_that_names_a_file_sixty_times_reads_the_file_once(self):
         daemon = self.daemon({"memory_limit_mb": 155}).start()
         plate = self.path("plate")
         os.mkdir(plate)
@@ -168,7 +168,7 @@ class Room(MemoryTest):
         self.assertLess(self.peak_bytes(daemon), 155e6)
         daemon.stop()
 
-    def test_five_hundred_files_and_a_count_that_no_file_has_are_refused_in_a_sentence(self):
+    def test_too_many_files_and_a_wrong_facet_count_are_refused(self):
         daemon = self.daemon({"memory_limit_mb": 400}).start()
         plate = self.path("many")
         os.mkdir(plate)
@@ -181,7 +181,7 @@ class Room(MemoryTest):
         self.assertIn("100", daemon.wait_refused("many"))
         daemon.drop("claims.stl", SMALL[:80] + b"\xff\xff\xff\xff" + SMALL[84:-1])
         self.assertIn("cut short: the header says 4294967295 facets", daemon.wait_refused("claims"))
-        # A text of one line without an end.
+        # A text of 4 GB in a single line.
         with open(self.path("line.stl"), "wb") as file:
             file.write(b"solid".ljust(2000))
             file.truncate(4_000_000_000)
@@ -192,7 +192,7 @@ class Room(MemoryTest):
 
 
 class Contourctl(FolderTest):
-    def test_every_command_that_reads_a_model_refuses_one_that_no_memory_holds(self):
+    def test_every_command_refuses_a_model_larger_than_the_memory(self):
         path = self.path("huge.stl")
         sparse_stl(path, 0xFFFFFFFF)
         for arguments in (["inspect"], ["slice", "--z", "1"], ["analyze"]):
@@ -201,10 +201,10 @@ class Contourctl(FolderTest):
             self.assert_one_line(done.stderr, path, "the model holds 4294967295 facets, for which ", "MB stay free")
 
 
-@unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
+@unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
 class EndedInReading(MemoryTest):
     def reading_daemon(self, beside_a_print):
-        """A daemon that is reading second.stl, and goes on when the gate is removed."""
+        """Returns a daemon that is reading second.stl, and continues when the gate is removed."""
         daemon = self.daemon()
         self.gate = os.path.join(daemon.put_on_slow_disk(), "models")
         daemon.start()
@@ -213,7 +213,7 @@ class EndedInReading(MemoryTest):
             daemon.wait_state("exposing")
         open(self.gate, "wb").close()
         daemon.drop("second.stl", SMALL)
-        wait_until(lambda: os.path.exists(os.path.join(os.path.dirname(self.gate), "waiting")), "the reading")
+        wait_until(lambda: os.path.exists(os.path.join(os.path.dirname(self.gate), "waiting")), "the daemon to read the model")
         return daemon
 
     def start_again(self, daemon):
@@ -226,7 +226,7 @@ class EndedInReading(MemoryTest):
         self.assertIn("put it into incoming once more", reason)
         self.assertTrue(daemon.has("failed", name + ".stl"))
 
-    def test_a_model_at_which_the_daemon_was_killed_is_refused_and_the_others_go_on(self):
+    def test_a_model_during_whose_reading_the_daemon_was_killed_is_refused_and_others_are_printed(self):
         daemon = self.reading_daemon(beside_a_print=True)
         daemon.drop("third.stl", SMALL)
         wait_until(lambda: daemon.status()["queued"] == 2, "both in the queue")
@@ -238,17 +238,17 @@ class EndedInReading(MemoryTest):
         daemon.rpc("resume")
         daemon.wait_state("exposing")
         self.assertEqual(daemon.status()["job"]["name"], "third")
-        # Its owner has it tried again.
+        # The user has the model read again.
         os.rename(daemon.file("failed", "second.stl"), daemon.file("incoming", "second.stl"))
-        wait_until(lambda: daemon.status()["queued"] == 1, "its arrival")
+        wait_until(lambda: daemon.status()["queued"] == 1, "the second job to arrive")
         daemon.rpc("cancel")
-        wait_until(lambda: (daemon.status()["job"] or {}).get("name", "").startswith("second"), "its turn")
+        wait_until(lambda: (daemon.status()["job"] or {}).get("name", "").startswith("second"), "the second job to start")
         daemon.wait_state("exposing")
         daemon.stop()
 
-    def test_a_model_that_ends_the_daemon_at_its_turn_holds_no_queue(self):
+    def test_a_model_that_ends_the_daemon_at_its_turn_does_not_hold_the_queue(self):
         daemon = self.reading_daemon(beside_a_print=False)
-        wait_until(lambda: daemon.names_in("printing"), "its claim")
+        wait_until(lambda: daemon.names_in("printing"), "the job to be claimed")
         for _ in range(2):
             daemon.kill(while_reading=True)
             if os.path.exists(self.gate):
@@ -262,14 +262,14 @@ class EndedInReading(MemoryTest):
         daemon.wait_state("exposing")
         daemon.stop()
 
-    def test_a_model_that_is_being_read_when_the_daemon_is_stopped_is_read_at_the_next_start(self):
+    def test_a_model_that_is_being_read_at_a_stop_is_read_again_at_the_next_start(self):
         for beside_a_print in (True, False):
             with self.subTest(beside_a_print=beside_a_print):
                 self.setUp()
                 daemon = self.reading_daemon(beside_a_print)
                 daemon.process.send_signal(signal.SIGTERM)
                 record = os.path.join(daemon.spool + ".state", "reading")
-                wait_until(lambda: not os.path.exists(record), "its word")
+                wait_until(lambda: not os.path.exists(record), "the reading record to be deleted")
                 self.start_again_after_end(daemon)
                 self.assertFalse(daemon.has("failed", "second.stl"))
                 self.assertNotIn("ended while it read", daemon.log())

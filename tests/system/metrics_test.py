@@ -1,4 +1,4 @@
-"""The file of figures (metrics_file), read by the rules of OpenMetrics 1.0 and by those of node-exporter's collector."""
+"""The metrics file (metrics_file), parsed by the rules of OpenMetrics 1.0 and of node-exporter's collector."""
 
 import os
 import re
@@ -13,8 +13,8 @@ PRINTER = 'odd "name" \\ 50 µm'
 
 
 def parse(text):
-    """{(sample, labels): value}; whatever the format does not allow is an AssertionError."""
-    assert text.endswith("\n"), "the last line has no end"
+    """Returns {(sample, labels): value}; raises AssertionError if the text breaks a rule of the format."""
+    assert text.endswith("\n"), "the last line does not end in a newline"
     *lines, end = text[:-1].split("\n")
     assert end == "# EOF", end
     values, families, family, kind = {}, set(), None, None
@@ -22,10 +22,10 @@ def parse(text):
         if line.startswith("#"):
             word, name, rest = re.fullmatch(rf"# (TYPE|UNIT|HELP) ({NAME}) (.*)", line).groups()
             if word == "TYPE":
-                assert name not in families, f"{name} is there twice"
+                assert name not in families, f"{name} occurs twice"
                 families.add(name)
                 family, kind = name, rest
-                # Those that node-exporter's parser knows, too.
+                # The types that node-exporter's parser knows, too.
                 assert kind in ("gauge", "counter"), line
             assert name == family, line
             assert word != "UNIT" or name.endswith("_" + rest), line
@@ -37,7 +37,7 @@ def parse(text):
         assert name == family + ("_total" if kind == "counter" else ""), line
         pairs = tuple(sorted(re.findall(LABEL, labels or "")))
         assert len({pair.split("=")[0] for pair in pairs}) == len(pairs), line
-        assert (name, pairs) not in values, f"{line} is there twice"
+        assert (name, pairs) not in values, f"{line} occurs twice"
         assert kind != "counter" or float(value) >= 0, line
         values[name, pairs] = float(value)
     return values
@@ -56,15 +56,15 @@ class MetricsTest(FolderTest):
             return parse(file.read())
 
     def wait_for(self, name, value, *labels):
-        """Until that sample is so; all samples then."""
-        def so():
+        """Waits until this sample has this value, and returns all samples."""
+        def samples():
             if not os.path.exists(self.metrics):
                 return None
             values = self.values()
             return values if values.get((name, labels)) == value else None
-        return wait_until(so, f"{name}{labels} = {value}")
+        return wait_until(samples, f"{name}{labels} = {value}")
 
-    def test_figures_are_there_from_the_start_to_the_end(self):
+    def test_the_metrics_file_exists_from_the_start_to_the_stop(self):
         os.mkdir(self.path("metrics"))
         daemon = self.daemon().start()
         values = self.wait_for("contourd_state", 1, 'state="idle"')
@@ -86,7 +86,7 @@ class MetricsTest(FolderTest):
         daemon.stop()
         self.assertEqual(os.listdir(self.path("metrics")), [])
 
-    def test_a_print_is_told_while_it_is_under_way(self):
+    def test_the_metrics_show_a_running_print(self):
         os.mkdir(self.path("metrics"))
         daemon = self.daemon(config=REALTIME, resin=ENDLESS).start()
         daemon.drop("gear.stl", binary_stl(cube(1)))
@@ -102,17 +102,17 @@ class MetricsTest(FolderTest):
         values = self.wait_for("contourd_queue_held", 1)
         self.assertNotIn(("contourd_layer", ()), values)
 
-    def test_a_folder_that_takes_no_file_is_told_once_and_prints_go_on(self):
+    def test_a_missing_metrics_folder_gives_one_warning_and_prints_go_on(self):
         daemon = self.daemon().start()
         wait_until(lambda: "contourd.prom cannot be written" in daemon.log(), "the warning")
         daemon.drop("gear.stl", binary_stl(cube(1)))
         daemon.wait_done("gear")
         os.mkdir(self.path("metrics"))
         self.wait_for("contourd_jobs_total", 1, 'outcome="done"')
-        wait_until(lambda: "contourd.prom is written again" in daemon.log(), "the good news")
+        wait_until(lambda: "contourd.prom is written again" in daemon.log(), "the message that the file is written again")
         self.assertEqual(daemon.log().count("cannot be written"), 1)
 
-    def test_the_documented_place_is_the_units_and_all_may_read_there(self):
+    def test_the_documented_folder_is_in_the_unit_and_readable_for_all(self):
         with open(os.path.join(SOURCE, "config", "contourd.schema.json"), encoding="utf-8") as file:
             [place] = re.findall(r"/run/contourd-[\w/]+\.prom", file.read())
         folder = os.path.dirname(place)
@@ -120,15 +120,15 @@ class MetricsTest(FolderTest):
             with open(os.path.join(SOURCE, "systemd", name), encoding="utf-8") as file:
                 self.assertIn(line, file.read().splitlines())
 
-    def test_every_figure_is_in_the_guide_and_no_other(self):
+    def test_the_guide_lists_exactly_the_metrics_of_the_file(self):
         os.mkdir(self.path("metrics"))
         daemon = self.daemon(config=REALTIME, resin=ENDLESS).start()
         daemon.drop("gear.stl", binary_stl(cube(1)))
         daemon.wait_state("exposing")
         values = self.wait_for("contourd_layer", 1)
         with open(os.path.join(SOURCE, "docs", "connections.md"), encoding="utf-8") as file:
-            told = set(re.findall(r"contourd_[a-z_]+", file.read()))
-        self.assertEqual({name for name, _ in values}, told)
+            documented = set(re.findall(r"contourd_[a-z_]+", file.read()))
+        self.assertEqual({name for name, _ in values}, documented)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from harness import (
 FOLDER = os.path.join(SHARED, "odd-stl")
 TIME_LIMIT_S = 10
 
-# The table's format and figures come from a lenient reader. Where this project decides otherwise, on purpose:
+# The table's formats and figures come from a lenient reader. This project refuses these files on purpose:
 REFUSED = {
     "openscad-empty.stl": "no bytes at all",
     "openscad-toomanyvertices.stl": "a facet with four vertices",
@@ -28,17 +28,17 @@ REFUSED = {
     "synth-bin-inf-vertex.stl": "infinite coordinates",
     "synth-bin-nan-vertex.stl": "not a number",
 }
-# Read, but with other figures than the table's.
+# Files that are read with a number of facets other than the table's.
 OTHER_FACETS = {
     "numpystl-bin-HalfDonut.stl": 288,  # binary with one byte too many; the table's reader took it for ASCII
     "synth-bin-count-2.stl": 2,  # the header's count, with a warning
 }
-# A facet alone, two of them, walls without a thickness, a needle: they are read, but hold nothing to print.
+# Single facets, walls without a thickness, a needle: these files are read, but contain nothing to print.
 DARK = {
     "miraclegrue-OneTriangle.stl", "online3d-two_triangles.stl", "openscad-single-triangle.stl", "pyntcloud-diamond.stl",
     "synth-geo-tall-sliver.stl",
 }  # fmt: skip
-# Area of the section at a height: what the table says of it, and why a rule may choose.
+# File, height in mm, and the area in mm2 that the table states for the section at that height.
 AREAS = [
     ("synth-geo-far-from-origin.stl", 5, 100), ("synth-geo-gap-1um.stl", 5, 100),
     ("synth-geo-nested-same-winding.stl", 10, 400), ("synth-geo-nested3.stl", 15, 600),
@@ -53,7 +53,7 @@ AREAS = [
 def table():
     path = os.path.join(FOLDER, "TABLE.tsv")
     if not os.path.exists(path):
-        skip_file(f"{path} is not there")
+        skip_file(f"{path} does not exist")
     with open(path, newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
 
@@ -63,8 +63,8 @@ def path_of(name):
 
 
 def inspect(name):
-    # 36 bytes a facet, some 150 while edges are counted: 50 bytes of a binary file become about 200. ASCII is less
-    # dense. The constant is the program, its libraries and its thread's stack.
+    # A facet takes 36 bytes, and about 150 more while edges are counted: 50 bytes of a binary file become about 200.
+    # ASCII is less dense. The constant is for the program, its libraries and its thread's stack.
     limit = (96 << 20) + 12 * os.path.getsize(path_of(name))
     return contourctl("inspect", "--json", path_of(name), timeout=TIME_LIMIT_S,
                       preexec_fn=lambda: limit_memory(limit))  # fmt: skip
@@ -82,10 +82,10 @@ class Inspect(unittest.TestCase):
             if result.returncode == OK and row["file"] not in REFUSED:
                 yield row, json.loads(result.stdout)
 
-    def test_the_collection_is_whole(self):
+    def test_the_collection_is_complete(self):
         self.assertEqual(len(self.rows), 141)
 
-    def test_each_file_is_read_or_refused_with_one_sentence(self):
+    def test_each_file_is_read_or_refused_with_one_line(self):
         for row in self.rows:
             with self.subTest(row["file"]):
                 result = self.results[row["file"]]
@@ -101,11 +101,11 @@ class Inspect(unittest.TestCase):
                 self.assertGreater(len(text.split(": ", 2)[2].split()), 3, text)
                 self.assertTrue(text.isprintable() or text[:-1].isprintable(), text)
 
-    def test_those_refused_are_those_that_cannot_be_trusted(self):
+    def test_exactly_the_untrustworthy_files_are_refused(self):
         refused = {name for name, result in self.results.items() if result.returncode == BAD_DATA}
         self.assertEqual(refused, set(REFUSED))
 
-    def test_format_and_facet_count_are_the_tables(self):
+    def test_format_and_facet_count_are_as_in_the_table(self):
         for row, found in self.read():
             name = row["file"]
             with self.subTest(name):
@@ -113,7 +113,7 @@ class Inspect(unittest.TestCase):
                 expected = "binary" if name in OTHER_FACETS else row["format"].split("(")[0]
                 self.assertEqual(found["format"], expected)
 
-    def test_bounds_are_the_tables(self):
+    def test_bounds_are_as_in_the_table(self):
         for row, found in self.read():
             if row["file"] in OTHER_FACETS or not row["bbox"].strip("-"):
                 continue
@@ -138,7 +138,7 @@ class Inspect(unittest.TestCase):
                 self.assertEqual(found["watertight"], row["watertight"] == "yes")
         self.assertGreater(compared, 110)
 
-    def test_volumes_that_the_table_states_are_met(self):
+    def test_volumes_are_as_in_the_table(self):
         stated = 0
         for row, found in self.read():
             match = re.search(r"volume ([\d.]+)", row["expected_by_project"])
@@ -148,7 +148,7 @@ class Inspect(unittest.TestCase):
                 self.assertAlmostEqual(found["volume_mm3"], float(match[1]), delta=0.6 * 10**-digits)
         self.assertGreaterEqual(stated, 3)
 
-    def test_twins_in_ascii_and_binary_are_the_same(self):
+    def test_the_same_model_in_two_formats_has_the_same_figures(self):
         for one, other in (("mayo-cube-ascii.stl", "mayo-cube-binary.stl"),
                            ("numpystl-ascii-Moon.stl", "numpystl-bin-Moon.stl"),
                            ("openscad-import_bin.stl", "openscad-import_bin_solid.stl"),
@@ -160,7 +160,7 @@ class Inspect(unittest.TestCase):
                 each["volume_mm3"] = round(each["volume_mm3"], 9)
             self.assertEqual(*found)
 
-    def test_oddities_that_do_not_change_the_shape_are_warned_of(self):
+    def test_oddities_that_do_not_change_the_shape_give_a_warning(self):
         for name in ("synth-bin-count-2.stl", "synth-bin-count-66.stl", "synth-bin-count-ffffffff.stl",
                      "synth-bin-trailing-1k.stl", "synth-bin-trailing-lf.stl", "numpystl-bin-HalfDonut.stl",
                      "synth-asc-no-endsolid.stl"):  # fmt: skip
@@ -174,15 +174,15 @@ class Slice(unittest.TestCase):
         self.assertEqual(result.returncode, OK, result.stderr)
         return json.loads(result.stdout)
 
-    def test_areas_that_the_table_states_are_met(self):
+    def test_areas_are_as_in_the_table(self):
         table()
         for name, z, area in AREAS:
             with self.subTest(name, z=z):
-                # A crack of one micrometre along ten millimetres is a hundredth; all others are exact but for rounding.
+                # A crack of 1 um along 10 mm is 0.01 mm2; all other areas are exact except for rounding.
                 tolerance = 0.011 if "gap" in name else area * 1e-6
                 self.assertAlmostEqual(self.slice(name, z)["area_mm2"], area, delta=tolerance)
 
-    def test_a_box_standing_on_a_box_is_one_or_the_other_where_they_touch(self):
+    def test_the_section_where_two_boxes_touch_is_that_of_one_box(self):
         area = self.slice("synth-geo-spiral-touch.stl", 10)["area_mm2"]
         self.assertTrue(abs(area - 100) < 1e-6 or abs(area - 16) < 1e-6, area)
 
@@ -205,7 +205,7 @@ class Slice(unittest.TestCase):
         for z in (0.001, 1, 33.3, 50, 99, 99.99):
             self.assertEqual(self.slice("synth-geo-tall-sliver.stl", z)["contours"], 1, z)
 
-    def test_every_file_is_cut_in_the_middle_in_time(self):
+    def test_every_file_is_cut_in_the_middle_within_the_time_limit(self):
         def cut(row):
             result = contourctl("inspect", "--json", path_of(row["file"]), timeout=TIME_LIMIT_S)
             if result.returncode != OK:
@@ -227,17 +227,17 @@ class Slice(unittest.TestCase):
 
 
 class Spool(FolderTest):
-    # The plate of the simulated printer, in pixels ten times as coarse; half a millimetre a layer.
+    # The plate of the simulated printer with pixels ten times as coarse, and layers of 0.5 mm.
     PLATE = {"width_px": 192, "height_px": 108, "pixel_pitch_um": 500}
     RESIN = {"layer_height_um": 500, "layer_height_max_um": 500}
 
     def ticket_for(self, figures):
-        """Printed as it is when it has its place on the plate and height for a few layers; else scaled to fit."""
+        """Returns no ticket if the model fits on the plate and is high enough for some layers, or one that scales it to fit."""
         size = figures["size_mm"] if figures else (1, 1, 1)
         fits = size[0] <= 96 and size[1] <= 54 and 1 <= size[2] <= 154
         return None if fits else {"fit": True}
 
-    def test_all_of_them_are_printed_or_refused_and_the_printer_goes_on(self):
+    def test_all_files_are_printed_or_refused_and_the_printer_goes_on(self):
         rows = table()
         daemon = Daemon(self, {"display": self.PLATE}, self.RESIN).start()
         printable, content = {}, {}
@@ -278,7 +278,7 @@ class Spool(FolderTest):
         self.assertAlmostEqual(report["layer_records"][20]["area_mm2"], 400, delta=1e-9)
         daemon.stop()
 
-    def test_the_empty_ones_and_the_flat_one_say_why(self):
+    def test_the_reason_names_what_is_wrong_with_the_file(self):
         rows = {row["file"] for row in table()}
         daemon = Daemon(self, {"display": self.PLATE}, self.RESIN).start()
         for name, word in (("openscad-empty2.stl", "no facets"), ("synth-bin-84-zero.stl", "no facets"),

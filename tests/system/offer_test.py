@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""contourctl offer: the models of a folder that nobody vouches for, such as a USB stick's."""
+"""contourctl offer: takes models from an untrusted folder, such as a USB stick."""
 
 import json
 import os
@@ -15,7 +15,7 @@ from harness import (
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
-MOST = 20  # at a time
+MOST = 20  # models in one run
 UNIT = os.path.join(SOURCE, "systemd", "contourd-usb@.service")
 
 
@@ -62,7 +62,7 @@ class Offer(OfferTest):
             self.assertEqual(file.read(), b'{"copies":  2}')
         self.assertTrue(os.stat(self.path("spool", "incoming", "Deep.stl")).st_mode & stat.S_IRGRP)
 
-    def test_contourd_prints_them(self):
+    def test_contourd_prints_an_offered_model(self):
         daemon = Daemon(self).start()
         self.put("part.stl")
         result = daemon.ctl("offer", self.path("stick"), "--json")
@@ -70,7 +70,7 @@ class Offer(OfferTest):
         daemon.wait_done("part")
         daemon.stop()
 
-    def test_what_was_taken_is_not_taken_again_unless_it_has_changed(self):
+    def test_a_taken_file_is_not_taken_again_unless_it_has_changed(self):
         first, second = self.put("first.stl"), self.put("second.stl")
         self.assertEqual(self.taken(self.once()), ["first", "second"])
         result = self.once()
@@ -81,17 +81,17 @@ class Offer(OfferTest):
         self.assertEqual(self.taken(self.once()), ["first-2", "third"])
         self.put("third.json", b'{"copies": 2}')
         self.assertEqual(self.taken(self.once()), ["third-2"])
-        # Another stick's are others.
+        # Files on another stick count as other files.
         self.assertEqual(len(self.taken(self.once("b"))), 2)
         self.assertEqual(self.taken(self.once("b")), [])
 
-    def test_what_was_not_taken_is_tried_again(self):
+    def test_a_file_that_was_not_taken_is_tried_again(self):
         self.put("part.stl", b"no model")
         self.assertEqual(self.taken(self.once(), BAD_DATA), [])
         self.put("part.stl")
         self.assertEqual(self.taken(self.once()), ["part"])
 
-    def test_so_many_are_taken_at_a_time(self):
+    def test_at_most_20_models_are_taken_at_a_time(self):
         for number in range(MOST + 5):
             self.put(f"part{number:02}.stl")
         result = self.once()
@@ -99,13 +99,13 @@ class Offer(OfferTest):
         self.assert_one_line(result.stderr, "20 models are taken at a time")
         self.assertEqual(self.taken(self.once()), [f"part{number:02}" for number in range(MOST, MOST + 5)])
 
-    def test_what_a_system_hides_or_has_thrown_away_is_left(self):
+    def test_hidden_and_deleted_files_are_ignored(self):
         for name in (".hidden.stl", "._part.stl", ".Trash-1000/part.stl", "$RECYCLE.BIN/part.stl", "a/b/c/too deep.stl"):
             self.put(name)
         result = self.offer()
         self.assertEqual((self.taken(result), result.stderr), ([], b""))
 
-    def test_no_link_is_followed_and_nothing_is_waited_for(self):
+    def test_links_are_not_followed_and_special_files_do_not_block(self):
         stick = self.path("stick")
         os.symlink("/etc/shadow", f"{stick}/shadow.stl")
         self.put("secret", SMALL)
@@ -125,15 +125,15 @@ class Offer(OfferTest):
         self.put("other.stl")
         result = self.offer()
         self.assertEqual(self.taken(result, BAD_DATA), ["other"])
-        told = result.stderr.decode().splitlines()
+        errors = result.stderr.decode().splitlines()
         for name in ("shadow", "inside", "magic"):
-            self.assertIn(f'contourctl: "{name}.stl" is not taken: it is a symbolic link', told)
+            self.assertIn(f'contourctl: "{name}.stl" is not taken: it is a symbolic link', errors)
         for name in ("fifo", "socket", "good"):
-            self.assertEqual(sum(f'"{name}.stl" is not taken' in line for line in told), 1, told)
-        self.assertEqual(len(told), 6)
+            self.assertEqual(sum(f'"{name}.stl" is not taken' in line for line in errors), 1, errors)
+        self.assertEqual(len(errors), 6)
         self.assertEqual(self.incoming(), ["other.stl"])
 
-    def test_names_are_made_plain(self):
+    def test_job_names_get_no_control_characters(self):
         names = [b"new\nline.stl", b"\x1b[2Jescape.stl", b"-o option.stl", b"bytes \xff.stl", b"a" * 251 + b".stl", "Bär.stl".encode()]
         for name in names:
             self.put(name)
@@ -144,7 +144,7 @@ class Offer(OfferTest):
         self.assertNotIn(b"\x1b", result.stdout)
         self.assertEqual(len(result.stdout.splitlines()), len(names))
 
-    def test_what_is_no_model_is_told_and_keeps_none_of_the_others(self):
+    def test_a_file_that_is_no_model_is_an_error_and_the_others_are_taken(self):
         self.put("a.stl", b"no model")
         self.put("b.stl", b"")
         self.put("c.stl")
@@ -155,14 +155,14 @@ class Offer(OfferTest):
         self.assertEqual(len(result.stderr.splitlines()), 3)
         self.assertEqual(self.incoming(), ["c.stl"])
 
-    def test_a_file_without_end_is_not_read(self):
+    def test_a_huge_file_is_not_read(self):
         with open(self.put("sparse.stl", SMALL[:84]), "r+b") as file:
             file.truncate(200 << 30)
         result = self.offer()
         self.assertEqual(self.taken(result, BAD_DATA), [])
         self.assert_one_line(result.stderr, '"sparse.stl" is not taken', "214748364800")
 
-    def test_a_hundred_thousand_files_are_looked_at_in_part(self):
+    def test_only_some_of_a_hundred_thousand_files_are_looked_at(self):
         model = self.put("0.stl")
         for number in range(1, 100_000):
             os.link(model, self.path("stick", f"{number}.stl")) if number < 60_000 else os.mkfifo(self.path("stick", f"{number}.stl"))
@@ -172,7 +172,7 @@ class Offer(OfferTest):
         self.assertLess(len(result.stderr.splitlines()), 40)
         self.assertIn(b"20000 names", result.stderr)
 
-    def test_a_spool_or_a_folder_that_is_not_there_is_told(self):
+    def test_a_missing_spool_or_folder_is_an_error(self):
         self.put("part.stl")
         for arguments, code, word in (
             (["offer", self.path("none"), "--spool", self.path("spool")], NO_INPUT, "none"),
@@ -187,7 +187,7 @@ class Offer(OfferTest):
                 self.assert_one_line(result.stderr, word)
         self.assertEqual(contourctl("offer", self.path("stick"), "--label", "x").returncode, BAD_USAGE)
 
-    def test_a_damaged_record_is_begun_anew(self):
+    def test_a_damaged_record_is_started_again(self):
         self.put("part.stl")
         for record in (b"", b"\0\xff" * 5000, b"\n" * 100_000, b"x" * 1_000_000):
             self.write("taken", record)
@@ -197,24 +197,24 @@ class Offer(OfferTest):
 
 
 class UnitTest(unittest.TestCase):
-    def test_it_writes_nowhere_but_to_the_spool_and_its_record_and_is_bounded(self):
+    def test_the_unit_may_write_only_to_the_spool_and_its_record_and_has_limits(self):
         with open(UNIT, encoding="utf-8") as file:
             lines = [line.strip() for line in file]
         for line in ("ProtectSystem=strict", "ReadWritePaths=/var/spool/contourd/incoming /var/lib/contourd-usb", "PrivateMounts=yes",
                      "DevicePolicy=closed", "DeviceAllow=/dev/%I r", "BindsTo=dev-%i.device", "NoNewPrivileges=yes"):  # fmt: skip
             self.assertIn(line, lines)
-        # It would take openat2(2) away.
+        # RestrictSUIDSGID would block openat2(2).
         self.assertFalse(any(line.startswith("RestrictSUIDSGID=") for line in lines))
         for limit in ("TimeoutStartSec", "MemoryMax", "TasksMax", "LimitFSIZE"):
             self.assertTrue(any(line.startswith(limit + "=") for line in lines), limit)
 
-    def test_the_rule_asks_for_what_the_unit_is_called_once_it_is_enabled(self):
+    def test_the_rule_names_the_alias_of_the_enabled_unit(self):
         with open(os.path.join(SOURCE, "systemd/70-contourd-usb.rules"), encoding="utf-8") as rules, open(UNIT, encoding="utf-8") as unit:
             [alias] = [line.strip().removeprefix("Alias=") for line in unit if line.startswith("Alias=")]
             self.assertIn(alias.replace("@", "@%k"), rules.read())
 
-    @unittest.skipUnless(shutil.which("systemd-analyze"), "there is no systemd-analyze")
-    def test_systemd_takes_the_unit(self):
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "systemd-analyze is not installed")
+    def test_systemd_accepts_the_unit(self):
         checked = subprocess.run(["systemd-analyze", "verify", "--man=no", UNIT], capture_output=True, text=True, check=False)
         complaints = [line for line in checked.stderr.splitlines() if "contourd" in line and "not executable" not in line]
         self.assertEqual(complaints, [])

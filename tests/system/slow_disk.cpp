@@ -1,10 +1,16 @@
-// Preloaded into a daemon by a test: a disk that does not answer, or that takes nothing. What reads (or looks
-// for) a file of the spool waits while $SLOW_DISK/reads exists, what writes one while $SLOW_DISK/writes does,
-// what writes a preview while $SLOW_DISK/pictures does, what reads a model while $SLOW_DISK/models does;
-// $SLOW_DISK/waiting is made by whatever waits. While there is $SLOW_DISK/full nothing can be written into a
-// file, while there is $SLOW_DISK/read-only nothing can be changed, while there is
-// $SLOW_DISK/printing-read-only nothing in printing/. Of the history's files, the gates are history (they are
-// not even found), history-full and history-read-only.
+// Preloaded into a daemon by a test: simulates a disk that hangs or refuses changes. Each file in the folder
+// $SLOW_DISK is a gate that has an effect while the file exists:
+//   reads               opening or looking up a file of the spool waits
+//   writes              opening a file of the spool for writing waits, and so does every fsync()
+//   pictures            opening a preview for writing waits
+//   models              opening a model relative to a folder (openat) waits
+//   full                writing into a file of the spool fails with ENOSPC
+//   read-only           changing the spool fails with EROFS
+//   printing-read-only  changing the spool's folder printing/ fails with EROFS
+//   history             opening or looking up the history's files waits
+//   history-full        writing into the history's files fails with ENOSPC
+//   history-read-only   changing the history's files fails with EROFS
+// Every call that waits makes the file $SLOW_DISK/waiting.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -31,7 +37,7 @@ bool is_set(const char* gate) {
   if (folder == nullptr) return false;
   char path[256];
   std::snprintf(path, sizeof path, "%s/%s", folder, gate);
-  // The system call itself: access() is refused here.
+  // The plain system call, since access() is replaced below.
   return ::syscall(SYS_faccessat, AT_FDCWD, path, F_OK) == 0;
 }
 
@@ -43,7 +49,7 @@ bool of_history(const char* path) {
   return std::strstr(path, "/history.sqlite") != nullptr;
 }
 
-// With errno.
+// True if a change at this path is to fail; sets errno.
 bool refused(const char* path) {
   if (of_history(path) && is_set("history-read-only")) {
     errno = EROFS;
@@ -66,7 +72,7 @@ void wait_while(const char* gate) {
   char waiting[256];
   std::snprintf(waiting, sizeof waiting, "%s/waiting", folder);
   while (is_set(gate)) {
-    // The system call itself: open() is one of those that wait.
+    // The plain system call, since the replaced open() would wait.
     const long made = ::syscall(SYS_openat, AT_FDCWD, waiting, O_CREAT | O_WRONLY | O_CLOEXEC, 0644);
     if (made >= 0) ::close(static_cast<int>(made));
     const timespec moment{0, 5'000'000};

@@ -8,7 +8,7 @@ using namespace contourd;
 using testing::contract_broken_by;
 
 TEST_CASE("A foot stands on the plate, and every branch leads down") {
-  LayerStack layers;
+  LitLayers layers;
   layers.begin({Pixels{104}, Pixels{104}, Micrometers{100.0}}, Nanometers{50'000});
   const DisplayGeometry area{Pixels{100}, Pixels{100}, Micrometers{100.0}};
   const ClearanceField field(layers, {-5, 5, -5, 5, 5}, {area, 0.5}, {});

@@ -27,7 +27,7 @@ SupportContact contact(double x, double y, double z, Direction outward = kDown) 
 
 Supports supports_for(const models::Facets& facets, std::vector<SupportContact> contacts,
                       const SupportSettings& settings = {}) {
-  LayerStack layers;
+  LitLayers layers;
   testing::stack({facets}, kBuildArea, layers);
   return *lay_out_supports(std::move(contacts), layers, kBuildArea, settings);
 }
@@ -178,7 +178,7 @@ TEST_CASE("Branches under a ring stay clear of the pin in its middle, which is a
   const models::Facets ring = together(models::box({-6, -6, 10}, {6, 6, 13}),
                                        testing::inverted(models::box({-3, -3, 10}, {3, 3, 13})));
   const models::Facets pin = models::box({-1.5F, -1.5F, 0}, {1.5F, 1.5F, 18});
-  LayerStack layers;
+  LitLayers layers;
   testing::stack({ring, pin}, kBuildArea, layers);
   std::vector<SupportContact> contacts;
   for (const double a : {-4.5, 4.5}) {
@@ -310,7 +310,7 @@ TEST_CASE("The same places give the same supports in any order") {
 }
 
 TEST_CASE("A stopped layout returns nothing") {
-  LayerStack layers;
+  LitLayers layers;
   testing::stack({table()}, kBuildArea, layers);
   std::stop_source source;
   source.request_stop();

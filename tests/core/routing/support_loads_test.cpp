@@ -37,7 +37,7 @@ class Hanging {
   }
 
  private:
-  LayerStack layers_;
+  LitLayers layers_;
 };
 
 std::uint32_t foot_of(std::uint32_t node, const SupportTree& tree) {

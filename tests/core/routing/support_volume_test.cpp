@@ -15,7 +15,7 @@ namespace {
 
 // Returns the volume beside a slab from 8 to 12 mm above the plate, as a sweep sees it.
 double volume_of(std::vector<SupportPrimitive> primitives, const std::stop_token& stop = {}) {
-  LayerStack slab;
+  LitLayers slab;
   stack({models::box({-5, -5, 8}, {5, 5, 12})}, kBuildArea, slab);
   return volume_beside_models_mm3(std::make_shared<const SupportStructure>(std::move(primitives)), slab,
                                   stop);

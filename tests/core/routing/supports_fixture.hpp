@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/clearance/layer_stack.hpp"
+#include "core/clearance/lit_layers.hpp"
 #include "core/engine/contour_engine.hpp"
 #include "core/routing/support_layout.hpp"
 #include "core/support/plate_segment.hpp"
@@ -31,7 +31,7 @@ inline PlateModel standing(models::Facets facets, const DisplayGeometry& display
 }
 
 // Fills `layers` as a sweep would: pixels of 100 um, layers of 50 um, a margin of two pixels.
-inline void stack(std::vector<models::Facets> all, const DisplayGeometry& build_area, LayerStack& layers) {
+inline void stack(std::vector<models::Facets> all, const DisplayGeometry& build_area, LitLayers& layers) {
   const DisplayGeometry display{
       Pixels{static_cast<std::int32_t>(std::ceil(build_area.width_mm() / 0.1)) + 4},
       Pixels{static_cast<std::int32_t>(std::ceil(build_area.height_mm() / 0.1)) + 4}, Micrometers{100.0}};

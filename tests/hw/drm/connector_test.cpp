@@ -1,7 +1,7 @@
 #include "hw/drm/connector.hpp"
 
-#include "hw/hardware_error.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/refusal.hpp"
 
 using namespace contourd;
 
@@ -56,13 +56,7 @@ TEST_CASE("No output is chosen if no display is connected") {
 TEST_CASE("A connector that does not exist is refused with a list of the connectors that do") {
   DrmDisplayConfig config;
   config.connector = "HDMI-A-7";
-  std::string refusal;
-  try {
-    (void)choose_output(kTwoCards, config);
-  } catch (const HardwareError& error) {
-    refusal = error.what();
-  }
-  CHECK(refusal ==
+  CHECK(testing::refusal_of([&] { return choose_output(kTwoCards, config); }) ==
         "there is no connector HDMI-A-7; connectors: /dev/dri/card0 (v3d): no connector; "
         "/dev/dri/card1 (vc4): HDMI-A-1 (disconnected), HDMI-A-2 (connected), "
         "Composite-1 (connection unknown); /dev/dri/card2 (udl): HDMI-A-1 (connected)");

@@ -3,8 +3,8 @@
 #include <cstring>
 #include <vector>
 
-#include "hw/hardware_error.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/refusal.hpp"
 
 using namespace contourd;
 
@@ -32,17 +32,13 @@ DrmDisplayConfig wanting(int width, int height, double hz) {
   return config;
 }
 
-Mode chosen(const std::vector<Mode>& modes, const DrmDisplayConfig& config, PictureSize size = {}) {
+Mode chosen_mode(const std::vector<Mode>& modes, const DrmDisplayConfig& config, PictureSize size = {}) {
   return choose_mode(modes, size, config, "HDMI-A-1 of /dev/dri/card0 (vc4)");
 }
 
-std::string refusal(const std::vector<Mode>& modes, const DrmDisplayConfig& config, PictureSize size = {}) {
-  try {
-    (void)chosen(modes, config, size);
-  } catch (const HardwareError& error) {
-    return error.what();
-  }
-  return "";
+std::string refusal_of_modes(const std::vector<Mode>& modes, const DrmDisplayConfig& config,
+                             PictureSize size = {}) {
+  return testing::refusal_of([&] { return chosen_mode(modes, config, size); });
 }
 
 }  // namespace
@@ -60,46 +56,46 @@ TEST_CASE("A mode's refresh is computed from its pixel clock") {
 TEST_CASE("The mode of the wanted size with the nearest refresh is chosen") {
   const std::vector<Mode> modes{mode_of(1280, 720, 60), mode_of(1920, 1080, 59.94), mode_of(1920, 1080, 60),
                                 mode_of(1920, 1080, 50)};
-  CHECK(refresh_hz(chosen(modes, wanting(1920, 1080, 60))) == testing::Approx(60.0).epsilon(0.0001));
-  CHECK(refresh_hz(chosen(modes, wanting(1920, 1080, 59.94))) == testing::Approx(59.94).epsilon(0.0001));
-  CHECK(refresh_hz(chosen(modes, wanting(1920, 1080, 50.4))) == testing::Approx(50.0).epsilon(0.0001));
+  CHECK(refresh_hz(chosen_mode(modes, wanting(1920, 1080, 60))) == testing::Approx(60.0).epsilon(0.0001));
+  CHECK(refresh_hz(chosen_mode(modes, wanting(1920, 1080, 59.94))) == testing::Approx(59.94).epsilon(0.0001));
+  CHECK(refresh_hz(chosen_mode(modes, wanting(1920, 1080, 50.4))) == testing::Approx(50.0).epsilon(0.0001));
 }
 
 TEST_CASE("Among equally near modes the display's preferred one is chosen, else the first") {
   std::vector<Mode> modes{mode_of(1920, 1080, 60), mode_of(1920, 1080, 60), mode_of(1920, 1080, 60)};
   std::strcpy(modes[0].name, "first");
   std::strcpy(modes[1].name, "second");
-  CHECK(std::string(chosen(modes, wanting(1920, 1080, 60)).name) == "first");
+  CHECK(std::string(chosen_mode(modes, wanting(1920, 1080, 60)).name) == "first");
   modes[1].type = DRM_MODE_TYPE_PREFERRED;
-  CHECK(std::string(chosen(modes, wanting(1920, 1080, 60)).name) == "second");
+  CHECK(std::string(chosen_mode(modes, wanting(1920, 1080, 60)).name) == "second");
 }
 
 TEST_CASE("A preferred mode does not win over a nearer one") {
   const std::vector<Mode> modes{mode_of(1920, 1080, 60.2, 0, DRM_MODE_TYPE_PREFERRED),
                                 mode_of(1920, 1080, 60)};
-  CHECK(refresh_hz(chosen(modes, wanting(1920, 1080, 60))) == testing::Approx(60.0).epsilon(0.0001));
+  CHECK(refresh_hz(chosen_mode(modes, wanting(1920, 1080, 60))) == testing::Approx(60.0).epsilon(0.0001));
 }
 
 TEST_CASE("If no mode fits, the error names the connector, the wanted mode and the modes that exist") {
   const std::vector<Mode> modes{mode_of(1280, 720, 60), mode_of(1280, 720, 60), mode_of(1024, 768, 75)};
-  CHECK(refusal(modes, wanting(1920, 1080, 60)) ==
+  CHECK(refusal_of_modes(modes, wanting(1920, 1080, 60)) ==
         "HDMI-A-1 of /dev/dri/card0 (vc4) has no mode of 1920x1080 at 60.00 Hz; modes: 1280x720 at 60.00 Hz; "
         "1024x768 at 75.00 Hz");
-  CHECK(refusal({}, wanting(1920, 1080, 60)) ==
+  CHECK(refusal_of_modes({}, wanting(1920, 1080, 60)) ==
         "HDMI-A-1 of /dev/dri/card0 (vc4) has no mode of 1920x1080 at 60.00 Hz; modes: none");
 }
 
 TEST_CASE("A mode whose refresh is off by more than half a hertz does not fit") {
-  CHECK(refusal({mode_of(1920, 1080, 60.4)}, wanting(1920, 1080, 60)).empty());
-  CHECK_FALSE(refusal({mode_of(1920, 1080, 60.6)}, wanting(1920, 1080, 60)).empty());
+  CHECK(refusal_of_modes({mode_of(1920, 1080, 60.4)}, wanting(1920, 1080, 60)).empty());
+  CHECK_FALSE(refusal_of_modes({mode_of(1920, 1080, 60.6)}, wanting(1920, 1080, 60)).empty());
 }
 
 TEST_CASE("Modes that do not send each pixel of each picture once are skipped, and named if no other fits") {
   const Mode interlaced = mode_of(1920, 1080, 30, DRM_MODE_FLAG_INTERLACE);  // 60 half pictures
   const Mode plain = mode_of(1920, 1080, 60.1);
-  CHECK(refresh_hz(chosen({interlaced, plain}, wanting(1920, 1080, 60))) ==
+  CHECK(refresh_hz(chosen_mode({interlaced, plain}, wanting(1920, 1080, 60))) ==
         testing::Approx(60.1).epsilon(0.0001));
-  CHECK(refusal({interlaced}, wanting(1920, 1080, 60)) ==
+  CHECK(refusal_of_modes({interlaced}, wanting(1920, 1080, 60)) ==
         "HDMI-A-1 of /dev/dri/card0 (vc4) cannot show masks with its mode 1920x1080 at 60.00 Hz, interlaced: "
         "it does not send each pixel of each picture once; modes: 1920x1080 at 60.00 Hz, interlaced");
   CHECK(why_unsuitable(mode_of(640, 480, 60, DRM_MODE_FLAG_DBLSCAN), {}).has_value());
@@ -126,9 +122,9 @@ TEST_CASE("A picture size that makes the pixels non-square is refused, unless th
         "its pixels are not square: on a picture of 400x300 mm they are 0.75 times as wide as high");
   CHECK(why_unsuitable(mode_of(1024, 768, 60), {530, 300}).has_value());  // stretched over a wide panel
   DrmDisplayConfig config = wanting(1920, 1080, 60);
-  CHECK_FALSE(refusal({mode}, config, {400, 300}).empty());
+  CHECK_FALSE(refusal_of_modes({mode}, config, {400, 300}).empty());
   config.ignore_edid_size = true;
-  CHECK(refusal({mode}, config, {400, 300}).empty());
+  CHECK(refusal_of_modes({mode}, config, {400, 300}).empty());
 }
 
 TEST_CASE("Modes of the same timing are the same mode, even if their names differ") {

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "hw/gpio/plate_approach.hpp"
-#include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/hw/virtual_time_fixture.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
@@ -27,7 +27,7 @@ using Words = std::vector<std::string>;
 
 constexpr MillimetersPerSecond kSpeed{5};
 
-GpioAxisConfig axis_config(Nanometers backlash = Nanometers{0}) {
+GpioAxisConfig drive_config(Nanometers backlash = Nanometers{0}) {
   GpioAxisConfig config;
   config.step.line = "17";
   config.direction.line = "27";
@@ -36,38 +36,32 @@ GpioAxisConfig axis_config(Nanometers backlash = Nanometers{0}) {
   return config;
 }
 
-struct Bench {
-  explicit Bench(GpioAxisConfig given = axis_config()) : config(std::move(given)) {
+struct DriveFixture : testing::VirtualTimeFixture {
+  explicit DriveFixture(GpioAxisConfig given = drive_config()) : config(std::move(given)) {
     testing::plant_clock = &clock;
     inputs.serve();
   }
-  ~Bench() { testing::plant_clock = nullptr; }
+  ~DriveFixture() { testing::plant_clock = nullptr; }
 
   // Runs the step thread to the end of the move or for `steps` steps; then the event loop.
   void turn(std::int64_t steps = 1'000'000) {
     const std::int64_t from = engine.position();
     bool running = engine.running() || engine.begin();
     while (running && std::abs(engine.position() - from) < steps) {
-      wait_until(engine.interrupted() ? clock.now() + Duration{100} : engine.due());
+      pass_until(engine.interrupted() ? clock.now() + Duration{100} : engine.due());
       engine.act();
       running = engine.running();
     }
     if (!engine.moving()) drive.engine_ended();
   }
-  void wait_until(TimePoint time) {
-    bool over = false;
-    const auto timer = clock.call_at(std::max(time, clock.now()), [&] { over = true; });
-    while (!over)
-      clock.run_next();
-  }
-  void wait(Duration time) { wait_until(clock.now() + time); }
+  void pass_until(TimePoint time) { pass(std::max(time, clock.now()) - clock.now()); }
   void press(bool active) {
     stop.set(active, clock.now());
     inputs.serve();
   }
   void begin() {
     drive.begin([this] { did.emplace_back("ready"); });
-    wait(config.enable_settle);
+    pass(config.enable_settle);
   }
   void run(RunKind kind, std::int64_t steps) {
     drive.run(kind, Microsteps{steps}, kSpeed, [this] { did.emplace_back("over"); });
@@ -96,7 +90,6 @@ struct Bench {
     return lines;
   }
 
-  VirtualClock clock;
   GpioAxisConfig config;
   Words did;
   std::optional<AxisFault> cause;
@@ -112,147 +105,146 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("A motion begins when the motor is enabled and has settled, and the next one at once") {
-  Bench bench;
-  bench.drive.begin([&bench] { bench.did.emplace_back("ready"); });
-  CHECK(bench.enable.level);
-  CHECK(bench.done().empty());
-  bench.wait(bench.config.enable_settle);
-  CHECK(bench.done() == Words{"ready"});
-  bench.drive.forget();
-  bench.drive.begin([&bench] { bench.did.emplace_back("ready"); });
-  CHECK(bench.done() == Words{"ready"});
+TEST_CASE_METHOD(DriveFixture,
+                 "A motion begins when the motor is enabled and has settled, and the next one at once") {
+  drive.begin([this] { did.emplace_back("ready"); });
+  CHECK(enable.level);
+  CHECK(done().empty());
+  pass(config.enable_settle);
+  CHECK(done() == Words{"ready"});
+  drive.forget();
+  drive.begin([this] { did.emplace_back("ready"); });
+  CHECK(done() == Words{"ready"});
 }
 
-TEST_CASE("A run makes its steps and then calls its callback, which may begin the next run") {
-  Bench bench;
-  bench.begin();
-  bench.drive.run(RunKind::Move, Microsteps{300}, kSpeed, [&bench] { bench.run(RunKind::Move, -100); });
-  bench.turn();
-  CHECK(bench.engine.position() == 300);
-  CHECK(bench.done() == Words{"ready"});
-  bench.turn();
-  CHECK(bench.engine.position() == 200);
-  CHECK(bench.done() == Words{"over"});
-  CHECK_FALSE(bench.drive.turning());
+TEST_CASE_METHOD(DriveFixture,
+                 "A run makes its steps and then calls its callback, which may begin the next run") {
+  begin();
+  drive.run(RunKind::Move, Microsteps{300}, kSpeed, [this] { run(RunKind::Move, -100); });
+  turn();
+  CHECK(engine.position() == 300);
+  CHECK(done() == Words{"ready"});
+  turn();
+  CHECK(engine.position() == 200);
+  CHECK(done() == Words{"over"});
+  CHECK_FALSE(drive.turning());
 }
 
-TEST_CASE("A stop slows a run down and is answered when the motor rests, or at once if it rests already") {
-  Bench bench;
-  bench.begin();
-  bench.run(RunKind::Move, 20'000);
-  bench.turn(1'000);
-  bench.drive.stop();
-  CHECK(bench.done() == Words{"ready"});
-  bench.turn();
-  CHECK(bench.done() == Words{"stopped"});
-  CHECK(bench.engine.position() > 1'000);
-  CHECK(bench.engine.position() < 20'000);
+TEST_CASE_METHOD(
+    DriveFixture,
+    "A stop slows a run down and is answered when the motor rests, or at once if it rests already") {
+  begin();
+  run(RunKind::Move, 20'000);
+  turn(1'000);
+  drive.stop();
+  CHECK(done() == Words{"ready"});
+  turn();
+  CHECK(done() == Words{"stopped"});
+  CHECK(engine.position() > 1'000);
+  CHECK(engine.position() < 20'000);
 
-  bench.drive.forget();
-  bench.begin();
-  bench.done();
-  bench.drive.stop();
-  bench.wait(1ms);
-  CHECK(bench.done() == Words{"stopped"});
+  drive.forget();
+  begin();
+  done();
+  drive.stop();
+  pass(1ms);
+  CHECK(done() == Words{"stopped"});
 }
 
-TEST_CASE("A run that was slowed down continues to its end when the emergency stop has settled") {
-  Bench bench;
-  bench.begin();
-  bench.run(RunKind::Move, 20'000);
-  bench.turn(1'000);
-  bench.press(true);
-  bench.press(false);
-  bench.drive.slow_down();
-  bench.turn();
-  bench.drive.go_on();
-  CHECK_FALSE(bench.engine.moving());
-  bench.wait(6ms);
-  bench.inputs.serve();
-  bench.drive.go_on();
-  bench.turn();
-  CHECK(bench.engine.position() == 20'000);
-  CHECK(bench.done() == Words{"ready", "over"});
+TEST_CASE_METHOD(DriveFixture,
+                 "A run that was slowed down continues to its end when the emergency stop has settled") {
+  begin();
+  run(RunKind::Move, 20'000);
+  turn(1'000);
+  press(true);
+  press(false);
+  drive.slow_down();
+  turn();
+  drive.go_on();
+  CHECK_FALSE(engine.moving());
+  pass(6ms);
+  inputs.serve();
+  drive.go_on();
+  turn();
+  CHECK(engine.position() == 20'000);
+  CHECK(done() == Words{"ready", "over"});
 }
 
-TEST_CASE("A halted run ends with the fault that halted it, even if a contact has come") {
-  Bench bench;
-  bench.begin();
-  bench.done();
-  bench.run(RunKind::Seek, -20'000);
-  bench.turn(1'000);
-  bench.contact = true;
-  bench.cause = AxisFault{HomingResult::WrongSwitch, "the wrong switch", false};
-  bench.engine.halt_soon();
-  bench.turn();
-  CHECK(bench.done() == Words{"fault: the wrong switch"});
-  CHECK(bench.engine.position() == -1'000);
+TEST_CASE_METHOD(DriveFixture,
+                 "A halted run ends with the fault that halted it, even if a contact has come") {
+  begin();
+  done();
+  run(RunKind::Seek, -20'000);
+  turn(1'000);
+  contact = true;
+  cause = AxisFault{HomingResult::WrongSwitch, "the wrong switch", false};
+  engine.halt_soon();
+  turn();
+  CHECK(done() == Words{"fault: the wrong switch"});
+  CHECK(engine.position() == -1'000);
 }
 
-TEST_CASE("A pass that the limit switch's edge halts waits for the contact, and can be continued") {
-  Bench bench;
-  bench.begin();
-  bench.done();
-  bench.run(RunKind::Seek, -2'000);
-  bench.turn(1'000);
-  bench.limit.set(true, bench.clock.now());
-  bench.inputs.serve();
-  bench.turn();
-  CHECK(bench.engine.position() == -1'000);
-  CHECK(bench.done().empty());
-  bench.limit.set(false, bench.clock.now());
-  bench.wait(6ms);
-  bench.inputs.serve();
-  bench.drive.end_run();
-  bench.drive.run_on();
-  bench.turn();
-  CHECK(bench.engine.position() == -2'000);
-  CHECK(bench.done() == Words{"over"});
+TEST_CASE_METHOD(DriveFixture,
+                 "A pass that the limit switch's edge halts waits for the contact, and can be continued") {
+  begin();
+  done();
+  run(RunKind::Seek, -2'000);
+  turn(1'000);
+  limit.set(true, clock.now());
+  inputs.serve();
+  turn();
+  CHECK(engine.position() == -1'000);
+  CHECK(done().empty());
+  limit.set(false, clock.now());
+  pass(6ms);
+  inputs.serve();
+  drive.end_run();
+  drive.run_on();
+  turn();
+  CHECK(engine.position() == -2'000);
+  CHECK(done() == Words{"over"});
 }
 
-TEST_CASE("A contact that has come by the end of a pass is handled instead of the end") {
-  Bench bench;
-  bench.begin();
-  bench.done();
-  bench.run(RunKind::Seek, -500);
-  bench.contact = true;
-  bench.turn();
-  CHECK(bench.done().empty());
+TEST_CASE_METHOD(DriveFixture, "A contact that has come by the end of a pass is handled instead of the end") {
+  begin();
+  done();
+  run(RunKind::Seek, -500);
+  contact = true;
+  turn();
+  CHECK(done().empty());
 }
 
-TEST_CASE("An inhibited motor does not turn and is reported as blocked") {
-  Bench bench;
-  bench.engine.inhibit();
-  bench.drive.begin([&bench] { bench.did.emplace_back("ready"); });
-  CHECK(bench.done().empty());
-  bench.wait(1ms);
-  CHECK(bench.done() == Words{"blocked"});
-  CHECK_FALSE(bench.enable.level);
+TEST_CASE_METHOD(DriveFixture, "An inhibited motor does not turn and is reported as blocked") {
+  engine.inhibit();
+  drive.begin([this] { did.emplace_back("ready"); });
+  CHECK(done().empty());
+  pass(1ms);
+  CHECK(done() == Words{"blocked"});
+  CHECK_FALSE(enable.level);
 
-  bench.engine.enable();
-  bench.begin();
-  bench.run(RunKind::Move, 1'000);
-  bench.turn(100);
-  bench.engine.inhibit();
-  bench.turn();
-  CHECK(bench.done() == Words{"ready", "blocked"});
-  CHECK(bench.engine.position() == 100);
+  engine.enable();
+  begin();
+  run(RunKind::Move, 1'000);
+  turn(100);
+  engine.inhibit();
+  turn();
+  CHECK(done() == Words{"ready", "blocked"});
+  CHECK(engine.position() == 100);
 }
 
-TEST_CASE("A line that cannot be set is a fault that names it, and line_refused() stays true") {
-  Bench bench;
-  bench.begin();
-  bench.done();
-  bench.step.refuses = true;
-  CHECK_FALSE(bench.drive.line_refused());
-  bench.run(RunKind::Move, 1'000);
-  bench.turn();
-  CHECK(bench.done() == Words{"fault: the kernel refuses to set the step line, line 17 of gpiochip0, or the "
-                              "direction line, line 27 of gpiochip0"});
-  CHECK(bench.drive.line_refused());
+TEST_CASE_METHOD(DriveFixture,
+                 "A line that cannot be set is a fault that names it, and line_refused() stays true") {
+  begin();
+  done();
+  step.refuses = true;
+  CHECK_FALSE(drive.line_refused());
+  run(RunKind::Move, 1'000);
+  turn();
+  CHECK(done() == Words{"fault: the kernel refuses to set the step line, line 17 of gpiochip0, or the "
+                        "direction line, line 27 of gpiochip0"});
+  CHECK(drive.line_refused());
 
-  Bench other;
+  DriveFixture other;
   other.enable.refuses = true;
   other.begin();
   CHECK(other.done() ==
@@ -260,37 +252,38 @@ TEST_CASE("A line that cannot be set is a fault that names it, and line_refused(
   CHECK(other.drive.line_refused());
 }
 
-TEST_CASE("A halt makes no further step and forgets the position, and a new motion waits for the run's end") {
-  Bench bench;
-  bench.position.become_known();
-  bench.begin();
-  bench.done();
-  bench.run(RunKind::Move, 20'000);
-  bench.turn(1'000);
-  bench.drive.halt();
-  CHECK_FALSE(bench.position.known());
-  bench.begin();
-  CHECK(bench.done().empty());
-  bench.turn();
-  CHECK(bench.done() == Words{"ready"});
-  CHECK(bench.engine.position() == 1'000);
+TEST_CASE_METHOD(
+    DriveFixture,
+    "A halt makes no further step and forgets the position, and a new motion waits for the run's end") {
+  position.become_known();
+  begin();
+  done();
+  run(RunKind::Move, 20'000);
+  turn(1'000);
+  drive.halt();
+  CHECK_FALSE(position.known());
+  begin();
+  CHECK(done().empty());
+  turn();
+  CHECK(done() == Words{"ready"});
+  CHECK(engine.position() == 1'000);
 }
 
 TEST_CASE("The plate approaches a position from below if the screw has play") {
-  Bench bench(axis_config(Nanometers{50'000}));  // 40 steps
-  bench.position.become_known();
-  bench.begin();
-  bench.approach.begin(Microsteps{1'000}, kSpeed, [&bench] { bench.did.emplace_back("there"); });
-  bench.turn();
-  CHECK(bench.done() == Words{"ready", "there"});
-  CHECK(bench.position.by_steps().plate() == Microsteps{1'000});
+  DriveFixture fixture(drive_config(Nanometers{50'000}));  // 40 steps
+  fixture.position.become_known();
+  fixture.begin();
+  fixture.approach.begin(Microsteps{1'000}, kSpeed, [&fixture] { fixture.did.emplace_back("there"); });
+  fixture.turn();
+  CHECK(fixture.done() == Words{"ready", "there"});
+  CHECK(fixture.position.by_steps().plate() == Microsteps{1'000});
 
-  bench.approach.begin(Microsteps{500}, kSpeed, [&bench] { bench.did.emplace_back("there"); });
-  bench.turn();
-  CHECK(bench.engine.position() == 460);
-  CHECK(bench.done().empty());
-  bench.turn();
-  CHECK(bench.done() == Words{"there"});
-  CHECK(bench.position.by_steps().plate() == Microsteps{500});
-  CHECK(bench.position.by_steps().play == Microsteps{0});
+  fixture.approach.begin(Microsteps{500}, kSpeed, [&fixture] { fixture.did.emplace_back("there"); });
+  fixture.turn();
+  CHECK(fixture.engine.position() == 460);
+  CHECK(fixture.done().empty());
+  fixture.turn();
+  CHECK(fixture.done() == Words{"there"});
+  CHECK(fixture.position.by_steps().plate() == Microsteps{500});
+  CHECK(fixture.position.by_steps().play == Microsteps{0});
 }

@@ -1,24 +1,20 @@
 #include "hw/gpio/axis_encoder.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/hw/gpio/encoder_config.hpp"
 
 using namespace contourd;
+using testing::says;
 
 namespace {
 
 using Policy = EncoderConfig::Policy;
 
 // 800 steps and 400 counts a mm; 0.05 mm are 40 steps, or 20 counts.
-GpioAxisConfig config(Policy policy = Policy::Fault) {
-  EncoderConfig encoder;
-  encoder.a.line = "7";
-  encoder.b.line = "8";
-  encoder.counts_per_mm = 400;
-  encoder.policy = policy;
-  encoder.index = GpioLineConfig{"gpiochip0", "9", false};
-  encoder.index_every = Nanometers{4'000'000};
+GpioAxisConfig fine_encoder_axis(Policy policy = Policy::Fault) {
   GpioAxisConfig config;
-  config.encoder = encoder;
+  config.encoder = testing::encoder_config(400);
+  config.encoder->policy = policy;
   return config;
 }
 
@@ -33,11 +29,6 @@ EncoderReading passed_index(std::uint64_t pulses, std::int64_t count) {
   return {.count = count, .index_pulses = pulses, .index_count = count};
 }
 
-bool says(const std::optional<std::string>& sentence, const std::string& words) {
-  UNSCOPED_INFO(sentence.value_or("nothing"));
-  return sentence && sentence->find(words) != std::string::npos;
-}
-
 bool is_well(const AxisEncoder::Finding& finding) {
   return !finding.fault && !finding.notice;
 }
@@ -45,7 +36,7 @@ bool is_well(const AxisEncoder::Finding& finding) {
 }  // namespace
 
 TEST_CASE("The measured position is the agreed one plus the counts since then") {
-  AxisEncoder encoder = encoder_of(config());
+  AxisEncoder encoder = encoder_of(fine_encoder_axis());
   encoder.agree(counted(1'000), -80);
   CHECK(encoder.plate(counted(1'000)) == -80);
   CHECK(encoder.plate(counted(1'400)) == 720);  // 1 mm
@@ -53,7 +44,7 @@ TEST_CASE("The measured position is the agreed one plus the counts since then") 
 }
 
 TEST_CASE("A reversed encoder's count falls as the plate rises") {
-  GpioAxisConfig reversed = config();
+  GpioAxisConfig reversed = fine_encoder_axis();
   reversed.encoder->reversed = true;
   AxisEncoder encoder = encoder_of(reversed);
   encoder.agree(counted(-50), 0);
@@ -62,7 +53,7 @@ TEST_CASE("A reversed encoder's count falls as the plate rises") {
 }
 
 TEST_CASE("At rest, a difference up to the tolerance is ignored") {
-  AxisEncoder encoder = encoder_of(config());
+  AxisEncoder encoder = encoder_of(fine_encoder_axis());
   encoder.agree(counted(0), 0);
   CHECK(is_well(encoder.compare(counted(20), 0)));
   CHECK(is_well(encoder.compare(counted(-20), 0)));
@@ -72,11 +63,11 @@ TEST_CASE("At rest, a difference up to the tolerance is ignored") {
 
 TEST_CASE("At rest, a difference beyond the tolerance is a fault with its figures, or is corrected") {
   const std::string words = "the encoder measures 0.900 mm but the motor's steps make 1.000 mm";
-  AxisEncoder strict = encoder_of(config());
+  AxisEncoder strict = encoder_of(fine_encoder_axis());
   strict.agree(counted(0), 0);
   CHECK(says(strict.compare(counted(360), 800).fault, words));
 
-  AxisEncoder lenient = encoder_of(config(Policy::Correct));
+  AxisEncoder lenient = encoder_of(fine_encoder_axis(Policy::Correct));
   lenient.agree(counted(0), 0);
   lenient.move_begins(counted(0));
   const AxisEncoder::Finding finding = lenient.compare(counted(360), 800);
@@ -86,7 +77,7 @@ TEST_CASE("At rest, a difference beyond the tolerance is a fault with its figure
 }
 
 TEST_CASE("A correction beyond the limit per move or since homing is a fault, and homing resets the sums") {
-  AxisEncoder encoder = encoder_of(config(Policy::Correct));
+  AxisEncoder encoder = encoder_of(fine_encoder_axis(Policy::Correct));
   encoder.agree(counted(0), 0);
   encoder.move_begins(counted(0));
   CHECK(says(encoder.compare(counted(-101), 0).fault, "0.250 mm are allowed"));
@@ -103,7 +94,7 @@ TEST_CASE("A correction beyond the limit per move or since homing is a fault, an
 }
 
 TEST_CASE("A difference that grew over several moves is a fault with either policy") {
-  AxisEncoder encoder = encoder_of(config(Policy::Correct));
+  AxisEncoder encoder = encoder_of(fine_encoder_axis(Policy::Correct));
   encoder.agree(counted(0), 0);
   encoder.move_begins(counted(0));
   CHECK(is_well(encoder.compare(counted(-18), 0)));
@@ -113,7 +104,7 @@ TEST_CASE("A difference that grew over several moves is a fault with either poli
 
 TEST_CASE("While the motor turns, the encoder may lag by the tolerance plus 5 ms at top speed") {
   // 0.05 mm, and 10 mm/s for 5 ms: 0.1 mm, 40 counts.
-  AxisEncoder encoder = encoder_of(config());
+  AxisEncoder encoder = encoder_of(fine_encoder_axis());
   encoder.agree(counted(0), 0);
   CHECK_FALSE(encoder.runaway(counted(40), 0, true));
   CHECK(says(encoder.runaway(counted(41), 0, true), "steps were lost"));
@@ -122,7 +113,7 @@ TEST_CASE("While the motor turns, the encoder may lag by the tolerance plus 5 ms
 
 TEST_CASE("While the motor turns, a correctable difference is no runaway, unless the position is unknown") {
   // 0.25 mm and 0.05 mm: 120 counts.
-  AxisEncoder encoder = encoder_of(config(Policy::Correct));
+  AxisEncoder encoder = encoder_of(fine_encoder_axis(Policy::Correct));
   encoder.agree(counted(0), 0);
   CHECK_FALSE(encoder.runaway(counted(-120), 0, true));
   CHECK(encoder.runaway(counted(-121), 0, true));
@@ -132,7 +123,7 @@ TEST_CASE("While the motor turns, a correctable difference is no runaway, unless
 TEST_CASE(
     "While the position is unknown, the screw's play is no runaway and distances count from the start") {
   // 0.05 mm, 0.05 mm and 0.1 mm of play: 80 counts.
-  GpioAxisConfig c = config();
+  GpioAxisConfig c = fine_encoder_axis();
   c.backlash = Nanometers{100'000};
   AxisEncoder encoder = encoder_of(c);
   encoder.agree(counted(0), 8'000);
@@ -143,7 +134,7 @@ TEST_CASE(
 }
 
 TEST_CASE("An encoder with more illegal edges in a move than the tolerance allows is a fault") {
-  AxisEncoder encoder = encoder_of(config());
+  AxisEncoder encoder = encoder_of(fine_encoder_axis());
   encoder.move_begins({.illegal_edges = 3});
   CHECK(is_well(encoder.check({.illegal_edges = 13}, false)));
   CHECK(says(encoder.check({.illegal_edges = 14}, false).fault, "made 11 impossible edges in one move"));
@@ -153,7 +144,7 @@ TEST_CASE("An encoder with more illegal edges in a move than the tolerance allow
 
 TEST_CASE("An index that disagrees is a fault, or corrects the count and reports it") {
   // The index is passed every 1,600 counts; the count is off by 100, 0.25 mm.
-  AxisEncoder strict = encoder_of(config());
+  AxisEncoder strict = encoder_of(fine_encoder_axis());
   strict.agree(counted(0), 0);
   CHECK(is_well(strict.check(passed_index(1, 200), true)));
   CHECK(is_well(strict.check(passed_index(2, 1'800), true)));
@@ -162,7 +153,7 @@ TEST_CASE("An index that disagrees is a fault, or corrects the count and reports
 
   for (const bool reversed : {false, true}) {
     CAPTURE(reversed);
-    GpioAxisConfig c = config(Policy::Correct);
+    GpioAxisConfig c = fine_encoder_axis(Policy::Correct);
     c.encoder->reversed = reversed;
     AxisEncoder lenient = encoder_of(c);
     lenient.agree(counted(0), 0);
@@ -176,7 +167,7 @@ TEST_CASE("An index that disagrees is a fault, or corrects the count and reports
 }
 
 TEST_CASE("Index pulses from before the position is known are ignored") {
-  AxisEncoder encoder = encoder_of(config());
+  AxisEncoder encoder = encoder_of(fine_encoder_axis());
   CHECK(is_well(encoder.check(passed_index(1, 200), false)));
   CHECK(is_well(encoder.check(passed_index(2, 500), false)));
   encoder.agree(passed_index(2, 500), 0);

@@ -2,49 +2,21 @@
 #include "hw/gpio/axis_inputs.hpp"
 
 #include <algorithm>
-#include <deque>
 #include <optional>
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/hw/gpio/counting_line.hpp"
+#include "tests/hw/gpio/plant.hpp"
+#include "tests/hw/gpio/test_time.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
 using testing::draw;
+using testing::test_time;
 
 namespace {
-
-TimePoint test_time{};  // global because AxisInputs takes a plain function
-
-class IdleLine final : public OutputLine {
- public:
-  [[nodiscard]] bool set(bool) noexcept override { return true; }
-};
-
-class Wire final : public InputLine {
- public:
-  [[nodiscard]] int descriptor() const noexcept override { return -1; }
-  [[nodiscard]] std::optional<bool> level() noexcept override {
-    return unreadable ? std::nullopt : std::optional(level_);
-  }
-  [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
-    const std::size_t count = std::min(edges.size(), waiting_.size());
-    std::copy_n(waiting_.begin(), count, edges.begin());
-    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
-    return count;
-  }
-  void set(bool level) {
-    if (level == level_) return;
-    level_ = level;
-    if (!loses_edges) waiting_.push_back({level, test_time});
-  }
-  bool unreadable = false, loses_edges = false;
-
- private:
-  bool level_ = false;
-  std::deque<LineEdge> waiting_;
-};
 
 class Lamp final : public LightCutoff {
  public:
@@ -60,16 +32,16 @@ class Lamp final : public LightCutoff {
   bool cut_ = false;
 };
 
-constexpr Duration kDebounce = 5ms;
+constexpr Duration kDebounce = 5ms;  // of each contact
 
-struct Bench {
-  Bench() { build(); }
+struct InputsFixture {
+  InputsFixture() { build(); }
   void build() {
     AxisInputs::Lines lines;
     lines.contacts[0] = {&limit, kDebounce};
     lines.contacts[static_cast<std::size_t>(AxisInput::EmergencyStop)] = {&stop, kDebounce};
     lines.contacts[static_cast<std::size_t>(AxisInput::Lid)] = {&lid, kDebounce};
-    inputs.emplace(engine, lines, []() noexcept { return test_time; });
+    inputs.emplace(engine, lines, testing::test_now);
     inputs->set_light_cutoff(&lamp);
     next = inputs->serve();
   }
@@ -83,8 +55,8 @@ struct Bench {
     }
     test_time = end;
   }
-  void set(Wire& wire, bool level) {
-    wire.set(level);
+  void set(testing::PlantInput& input, bool level) {
+    input.set(level, test_time);
     serve();
   }
   // Takes the changes like the event loop, which calls let_go() when an input is safe again.
@@ -98,10 +70,10 @@ struct Bench {
   }
   [[nodiscard]] bool active(AxisInput which) const { return inputs->active(which); }
 
-  IdleLine step, direction;
-  Wire limit, stop, lid;
+  testing::CountingLine step, direction;
+  testing::PlantInput limit, stop, lid;
   Lamp lamp;
-  StepEngine engine{step, direction, {}, []() noexcept { return test_time; }};
+  StepEngine engine{step, direction, {}, testing::test_now};
   std::optional<AxisInputs> inputs;
   std::optional<TimePoint> next;
 };
@@ -117,170 +89,167 @@ using States = std::vector<SafetyState>;
 
 }  // namespace
 
-TEST_CASE("The light is cut at the first edge of either safety input and released after let_go()") {
-  Bench bench;
-  const bool lid = GENERATE(false, true);
-  Wire& wire = lid ? bench.lid : bench.stop;
-  bench.set(wire, true);
-  CHECK(bench.lamp.is_cut());
-  bench.pass(100ms);
-  CHECK(bench.engine.inhibited() == !lid);
-  bench.set(wire, false);
-  bench.pass(kDebounce - 1ns);
-  (void)bench.told();
-  CHECK(bench.lamp.is_cut());
-  bench.pass(1ns);
-  CHECK(bench.lamp.is_cut());  // until the change has been taken
-  CHECK(bench.told().size() == 1);
-  CHECK_FALSE(bench.lamp.is_cut());
-  CHECK_FALSE(bench.engine.inhibited());
+TEST_CASE_METHOD(InputsFixture,
+                 "The light is cut at the first edge of either safety input and released after let_go()") {
+  const bool by_lid = GENERATE(false, true);
+  testing::PlantInput& wire = by_lid ? lid : stop;
+  set(wire, true);
+  CHECK(lamp.is_cut());
+  pass(100ms);
+  CHECK(engine.inhibited() == !by_lid);
+  set(wire, false);
+  pass(kDebounce - 1ns);
+  (void)told();
+  CHECK(lamp.is_cut());
+  pass(1ns);
+  CHECK(lamp.is_cut());  // until the change has been taken
+  CHECK(told().size() == 1);
+  CHECK_FALSE(lamp.is_cut());
+  CHECK_FALSE(engine.inhibited());
 }
 
-TEST_CASE("Chatter at 125 Hz keeps the light cut from its first edge until a debounce time after its end") {
-  Bench bench;
+TEST_CASE_METHOD(
+    InputsFixture,
+    "Chatter at 125 Hz keeps the light cut from its first edge until a debounce time after its end") {
   for (int i = 0; i < 29 * 125; ++i) {
     for (const bool level : {true, false}) {
-      bench.set(bench.stop, level);
-      REQUIRE(bench.lamp.is_cut());
-      bench.pass(4ms);
-      (void)bench.told();
-      REQUIRE(bench.lamp.is_cut());
+      set(stop, level);
+      REQUIRE(lamp.is_cut());
+      pass(4ms);
+      (void)told();
+      REQUIRE(lamp.is_cut());
     }
   }
-  bench.pass(1ms);
-  CHECK(bench.told().back().to == SafetyState::Safe);
-  CHECK_FALSE(bench.lamp.is_cut());
+  pass(1ms);
+  CHECK(told().back().to == SafetyState::Safe);
+  CHECK_FALSE(lamp.is_cut());
 }
 
-TEST_CASE("The light is cut a second time, in case it was just being turned on at the first cut") {
-  Bench bench;
-  bench.set(bench.stop, true);
-  const int cuts = bench.lamp.cuts;
-  bench.pass(3ms);
-  CHECK(bench.lamp.cuts > cuts);
+TEST_CASE_METHOD(InputsFixture,
+                 "The light is cut a second time, in case it was just being turned on at the first cut") {
+  set(stop, true);
+  const int cuts = lamp.cuts;
+  pass(3ms);
+  CHECK(lamp.cuts > cuts);
 }
 
-TEST_CASE("The light is cut until both safety inputs are safe") {
-  Bench bench;
-  bench.set(bench.stop, true);
-  bench.set(bench.lid, true);
-  bench.pass(1ms);
-  bench.set(bench.stop, false);
-  bench.pass(100ms);
-  CHECK(states_of(bench.told(), AxisInput::EmergencyStop) ==
-        States{SafetyState::Debouncing, SafetyState::Safe});
-  CHECK(bench.lamp.is_cut());
-  bench.set(bench.lid, false);
-  bench.pass(100ms);
-  (void)bench.told();
-  CHECK_FALSE(bench.lamp.is_cut());
+TEST_CASE_METHOD(InputsFixture, "The light is cut until both safety inputs are safe") {
+  set(stop, true);
+  set(lid, true);
+  pass(1ms);
+  set(stop, false);
+  pass(100ms);
+  CHECK(states_of(told(), AxisInput::EmergencyStop) == States{SafetyState::Debouncing, SafetyState::Safe});
+  CHECK(lamp.is_cut());
+  set(lid, false);
+  pass(100ms);
+  (void)told();
+  CHECK_FALSE(lamp.is_cut());
 }
 
-TEST_CASE("An input that is unsafe again before its changes are taken stays cut and inhibited") {
-  Bench bench;
-  bench.set(bench.stop, true);
-  bench.pass(100ms);
-  bench.set(bench.stop, false);
-  bench.pass(100ms);
-  bench.set(bench.stop, true);
-  bench.pass(100ms);
-  (void)bench.told();  // includes the change to safe
-  CHECK(bench.lamp.is_cut());
-  CHECK(bench.engine.inhibited());
+TEST_CASE_METHOD(InputsFixture,
+                 "An input that is unsafe again before its changes are taken stays cut and inhibited") {
+  set(stop, true);
+  pass(100ms);
+  set(stop, false);
+  pass(100ms);
+  set(stop, true);
+  pass(100ms);
+  (void)told();  // includes the change to safe
+  CHECK(lamp.is_cut());
+  CHECK(engine.inhibited());
 }
 
-TEST_CASE("A safety input that is unsafe from the start cuts the light as soon as one is set") {
-  Bench bench;
-  bench.lid.set(true);
-  bench.lamp.release();
-  bench.build();
-  CHECK(bench.active(AxisInput::Lid));
-  CHECK(bench.lamp.is_cut());
-  CHECK_FALSE(bench.engine.inhibited());
+TEST_CASE_METHOD(InputsFixture,
+                 "A safety input that is unsafe from the start cuts the light as soon as one is set") {
+  lid.set(true, test_time);
+  lamp.release();
+  build();
+  CHECK(active(AxisInput::Lid));
+  CHECK(lamp.is_cut());
+  CHECK_FALSE(engine.inhibited());
   Lamp other;
-  bench.inputs->set_light_cutoff(&other);
+  inputs->set_light_cutoff(&other);
   CHECK(other.is_cut());
 }
 
-TEST_CASE("A light that was cut before its inputs were reopened is released if they are safe") {
-  Bench bench;
-  Lamp lamp;
-  lamp.cut(test_time);
-  bench.inputs->set_light_cutoff(&lamp);
+TEST_CASE_METHOD(InputsFixture,
+                 "A light that was cut before its inputs were reopened is released if they are safe") {
+  Lamp other;
+  other.cut(test_time);
+  inputs->set_light_cutoff(&other);
+  CHECK_FALSE(other.is_cut());
+  inputs->set_light_cutoff(nullptr);
+  set(stop, true);
+  CHECK_FALSE(other.is_cut());
+  CHECK(other.cuts == 1);
+}
+
+TEST_CASE_METHOD(
+    InputsFixture,
+    "A lost edge of a safety input is found by its level within 20 ms, even while nothing moves") {
+  stop.loses_edges = true;
+  pass(1s);
+  stop.set(true, test_time);
+  pass(20ms);
+  CHECK(lamp.is_cut());
+  pass(kDebounce);
+  CHECK(engine.inhibited());
+}
+
+TEST_CASE_METHOD(InputsFixture,
+                 "A safety input that cannot be read is unsafe, and safe again when it can be read") {
+  lid.unreadable = true;
+  pass(20ms);
+  CHECK(lamp.is_cut());
+  CHECK(active(AxisInput::Lid));
+  CHECK_FALSE(inputs->readable(AxisInput::Lid));
+  const auto changes = told();
+  REQUIRE(changes.size() >= 1);
+  CHECK(changes[0].to == SafetyState::Debouncing);
+  CHECK_FALSE(changes[0].readable);
+  lid.unreadable = false;
+  pass(100ms);
+  CHECK(told().back().to == SafetyState::Safe);
   CHECK_FALSE(lamp.is_cut());
-  bench.inputs->set_light_cutoff(nullptr);
-  bench.set(bench.stop, true);
-  CHECK_FALSE(lamp.is_cut());
-  CHECK(lamp.cuts == 1);
+  CHECK_FALSE(inputs->lost());
 }
 
-TEST_CASE("A lost edge of a safety input is found by its level within 20 ms, even while nothing moves") {
-  Bench bench;
-  bench.stop.loses_edges = true;
-  bench.pass(1s);
-  bench.stop.set(true);
-  bench.pass(20ms);
-  CHECK(bench.lamp.is_cut());
-  bench.pass(kDebounce);
-  CHECK(bench.engine.inhibited());
+TEST_CASE_METHOD(InputsFixture, "An emergency stop that stays unreadable inhibits the steps") {
+  stop.unreadable = true;
+  pass(20ms + kDebounce);
+  CHECK(engine.inhibited());
+  CHECK(states_of(told(), AxisInput::EmergencyStop) == States{SafetyState::Debouncing, SafetyState::Unsafe});
 }
 
-TEST_CASE("A safety input that cannot be read is unsafe, and safe again when it can be read") {
-  Bench bench;
-  bench.lid.unreadable = true;
-  bench.pass(20ms);
-  CHECK(bench.lamp.is_cut());
-  CHECK(bench.active(AxisInput::Lid));
-  CHECK_FALSE(bench.inputs->readable(AxisInput::Lid));
-  const auto told = bench.told();
-  REQUIRE(told.size() >= 1);
-  CHECK(told[0].to == SafetyState::Debouncing);
-  CHECK_FALSE(told[0].readable);
-  bench.lid.unreadable = false;
-  bench.pass(100ms);
-  CHECK(bench.told().back().to == SafetyState::Safe);
-  CHECK_FALSE(bench.lamp.is_cut());
-  CHECK_FALSE(bench.inputs->lost());
+TEST_CASE_METHOD(InputsFixture,
+                 "A limit switch that cannot be read loses all inputs: light cut, steps inhibited") {
+  limit.unreadable = true;
+  pass(20ms);
+  CHECK(inputs->lost());
+  CHECK(engine.inhibited());
+  CHECK(lamp.is_cut());
+  CHECK_FALSE(inputs->readable(AxisInput::LimitSwitch));
+  inputs->let_go();
+  CHECK(engine.inhibited());
+  CHECK(lamp.is_cut());
 }
 
-TEST_CASE("An emergency stop that stays unreadable inhibits the steps") {
-  Bench bench;
-  bench.stop.unreadable = true;
-  bench.pass(20ms + kDebounce);
-  CHECK(bench.engine.inhibited());
-  CHECK(states_of(bench.told(), AxisInput::EmergencyStop) ==
-        States{SafetyState::Debouncing, SafetyState::Unsafe});
-}
-
-TEST_CASE("A limit switch that cannot be read loses all inputs: light cut, steps inhibited") {
-  Bench bench;
-  bench.limit.unreadable = true;
-  bench.pass(20ms);
-  CHECK(bench.inputs->lost());
-  CHECK(bench.engine.inhibited());
-  CHECK(bench.lamp.is_cut());
-  CHECK_FALSE(bench.inputs->readable(AxisInput::LimitSwitch));
-  bench.inputs->let_go();
-  CHECK(bench.engine.inhibited());
-  CHECK(bench.lamp.is_cut());
-}
-
-TEST_CASE("The loss of the chip cuts the light") {
-  Bench bench;
-  bench.inputs->lose();
-  CHECK(bench.lamp.is_cut());
+TEST_CASE_METHOD(InputsFixture, "The loss of the chip cuts the light") {
+  inputs->lose();
+  CHECK(lamp.is_cut());
 }
 
 TEST_CASE("After random edges an input is unsafe until a debounce time of quiet, and changes come in order") {
   CHECK(rc::check([] {
-    Bench bench;
+    InputsFixture fixture;
     struct Truth {
       std::optional<TimePoint> first;  // first edge of the present burst
       TimePoint last{};
       bool level = false, lasted = false;
     };
     std::array<Truth, 2> truths;
-    const std::array wires{&bench.stop, &bench.lid};
+    const std::array wires{&fixture.stop, &fixture.lid};
     const std::array inputs{AxisInput::EmergencyStop, AxisInput::Lid};
     std::array<States, 2> expected, seen;
     // Adds the changes that must have been reported by now.
@@ -299,9 +268,9 @@ TEST_CASE("After random edges an input is unsafe until a debounce time of quiet,
       const auto i = static_cast<std::size_t>(draw(0, 1));
       Truth& truth = truths[i];
       // Many within the debounce time, some exactly at its end, some beyond it.
-      bench.pass(std::chrono::microseconds{draw(0, 4) == 0   ? 5'000
-                                           : draw(0, 4) == 0 ? draw(0, 60'000)
-                                                             : draw(0, 6'000)});
+      fixture.pass(std::chrono::microseconds{draw(0, 4) == 0   ? 5'000
+                                             : draw(0, 4) == 0 ? draw(0, 60'000)
+                                                               : draw(0, 6'000)});
       settle(0, test_time);
       settle(1, test_time);
       truth.level = !truth.level;
@@ -310,74 +279,73 @@ TEST_CASE("After random edges an input is unsafe until a debounce time of quiet,
         truth.first = test_time;
         expected[i].push_back(SafetyState::Debouncing);
       }
-      bench.set(*wires[i], truth.level);
+      fixture.set(*wires[i], truth.level);
       settle(i, test_time);
-      RC_ASSERT(bench.lamp.is_cut());  // at this edge
-      for (const InputChange& change : bench.told())
+      RC_ASSERT(fixture.lamp.is_cut());  // at this edge
+      for (const InputChange& change : fixture.told())
         seen[change.which == inputs[0] ? 0 : 1].push_back(change.to);
       for (std::size_t each = 0; each < 2; ++each) {
         RC_ASSERT(seen[each] == expected[each]);
-        RC_ASSERT(bench.active(inputs[each]) == truths[each].first.has_value());
+        RC_ASSERT(fixture.active(inputs[each]) == truths[each].first.has_value());
       }
-      RC_ASSERT(bench.lamp.is_cut() == (truths[0].first || truths[1].first));
-      RC_ASSERT(bench.engine.inhibited() == truths[0].lasted);
+      RC_ASSERT(fixture.lamp.is_cut() == (truths[0].first || truths[1].first));
+      RC_ASSERT(fixture.engine.inhibited() == truths[0].lasted);
     }
-    RC_ASSERT(!bench.inputs->lost());
+    RC_ASSERT(!fixture.inputs->lost());
   }));
 }
 
-TEST_CASE("Changes that are not taken lose the inputs when the ring is full, and none is overwritten") {
-  Bench bench;
+TEST_CASE_METHOD(
+    InputsFixture,
+    "Changes that are not taken lose the inputs when the ring is full, and none is overwritten") {
   // Each burst gives two changes: Debouncing, then Safe.
   int bursts = 0;
-  for (; !bench.inputs->lost() && bursts < 1'000; ++bursts) {
-    bench.set(bench.lid, true);
-    bench.set(bench.lid, false);
-    bench.pass(2 * kDebounce);
+  for (; !inputs->lost() && bursts < 1'000; ++bursts) {
+    set(lid, true);
+    set(lid, false);
+    pass(2 * kDebounce);
   }
-  REQUIRE(bench.inputs->lost());
-  CHECK(bench.lamp.is_cut());
-  CHECK(bench.engine.inhibited());
+  REQUIRE(inputs->lost());
+  CHECK(lamp.is_cut());
+  CHECK(engine.inhibited());
   int taken = 0;
-  for (; const auto change = bench.inputs->take_change(); ++taken)
+  for (; const auto change = inputs->take_change(); ++taken)
     CHECK(change->to == (taken % 2 == 0 ? SafetyState::Debouncing : SafetyState::Safe));
   CHECK(taken == 2 * (bursts - 1));
   // There is room again, but the inputs stay lost.
-  bench.set(bench.lid, true);
-  bench.set(bench.lid, false);
-  bench.pass(2 * kDebounce);
-  CHECK(bench.inputs->take_change());
-  bench.inputs->let_go();
-  CHECK(bench.inputs->lost());
-  CHECK(bench.lamp.is_cut());
-  CHECK(bench.engine.inhibited());
+  set(lid, true);
+  set(lid, false);
+  pass(2 * kDebounce);
+  CHECK(inputs->take_change());
+  inputs->let_go();
+  CHECK(inputs->lost());
+  CHECK(lamp.is_cut());
+  CHECK(engine.inhibited());
 }
 
-TEST_CASE("A rule halts the steps once, and the cause is queued by then") {
-  Bench bench;
-  bench.inputs->set_limit_rule(LimitRule::Beyond, -1);
-  bench.set(bench.limit, true);
-  bench.pass(2 * kDebounce);
-  REQUIRE(bench.engine.interrupted());
-  const auto told = bench.told();
-  REQUIRE(told.size() == 2);
-  CHECK_FALSE(told[0].halted);  // the switch has settled
-  CHECK(told[1].halted);
-  bench.engine.forget_halt();
-  bench.pass(100ms);
-  CHECK_FALSE(bench.engine.interrupted());
-  CHECK(bench.told().empty());
+TEST_CASE_METHOD(InputsFixture, "A rule halts the steps once, and the cause is queued by then") {
+  inputs->set_limit_rule(LimitRule::Beyond, -1);
+  set(limit, true);
+  pass(2 * kDebounce);
+  REQUIRE(engine.interrupted());
+  const auto changes = told();
+  REQUIRE(changes.size() == 2);
+  CHECK_FALSE(changes[0].halted);  // the switch has settled
+  CHECK(changes[1].halted);
+  engine.forget_halt();
+  pass(100ms);
+  CHECK_FALSE(engine.interrupted());
+  CHECK(told().empty());
 }
 
-TEST_CASE("All edges are counted, including one that the kernel lost") {
-  Bench bench;
-  bench.set(bench.lid, true);
-  bench.set(bench.lid, false);
-  bench.set(bench.limit, true);
-  bench.lid.loses_edges = true;
-  bench.lid.set(true);
-  bench.pass(100ms);  // levels are read
-  CHECK(bench.inputs->edges(AxisInput::Lid) == 3);
-  CHECK(bench.inputs->edges(AxisInput::LimitSwitch) == 1);
-  CHECK(bench.inputs->edges(AxisInput::EmergencyStop) == 0);
+TEST_CASE_METHOD(InputsFixture, "All edges are counted, including one that the kernel lost") {
+  set(lid, true);
+  set(lid, false);
+  set(limit, true);
+  lid.loses_edges = true;
+  lid.set(true, test_time);
+  pass(100ms);  // levels are read
+  CHECK(inputs->edges(AxisInput::Lid) == 3);
+  CHECK(inputs->edges(AxisInput::LimitSwitch) == 1);
+  CHECK(inputs->edges(AxisInput::EmergencyStop) == 0);
 }

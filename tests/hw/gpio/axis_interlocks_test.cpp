@@ -11,21 +11,21 @@
 
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/hw/gpio/test_time.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
 using testing::PlantInput;
 using testing::PlantOutput;
+using testing::test_time;
 
 namespace {
 
-TimePoint bench_time{};  // global because AxisInputs takes a plain function
-
 using Words = std::vector<std::string>;
 
-struct Bench {
-  Bench() {
-    bench_time = TimePoint{1s};
+struct InterlocksFixture {
+  InterlocksFixture() {
+    test_time = TimePoint{1s};
     config.limit_switch.line.line = "23";
     config.second_switch = GpioInputConfig{{"gpiochip0", "24", false}};
     config.emergency_stop = GpioInputConfig{{"gpiochip0", "25", false}};
@@ -35,12 +35,12 @@ struct Bench {
 
   // Runs the input thread for `time`, then the event loop.
   void pass(Duration time = 6ms) {
-    for (const TimePoint end = bench_time + time; bench_time < end; bench_time += 1ms)
+    for (const TimePoint end = test_time + time; test_time < end; test_time += 1ms)
       inputs.serve();
     interlocks.take_changes();
   }
   void set(AxisInput which, bool active) {
-    lines[static_cast<std::size_t>(which)].set(active, bench_time);
+    lines[static_cast<std::size_t>(which)].set(active, test_time);
     pass(1ms);
   }
   // Returns the calls and reports since the last call.
@@ -85,121 +85,118 @@ struct Bench {
   std::vector<HomingResult> results;
   std::array<PlantInput, kAxisInputs> lines;
   PlantOutput step, direction;
-  StepEngine engine{step, direction, {}, []() noexcept { return bench_time; }};
-  AxisInputs inputs{engine, input_lines(), []() noexcept { return bench_time; }};
+  StepEngine engine{step, direction, {}, testing::test_now};
+  AxisInputs inputs{engine, input_lines(), testing::test_now};
   AxisInterlocks interlocks{config, engine, inputs, wiring()};
 };
 
 }  // namespace
 
-TEST_CASE("An emergency stop slows the motor at its first edge, is a fault if it lasts, and is released") {
-  Bench bench;
-  bench.set(AxisInput::EmergencyStop, true);
-  CHECK(bench.told() == Words{"slow down",
-                              "interruption: the emergency stop was touched, or its line disturbed (line 25 "
-                              "of gpiochip0)"});
-  bench.pass();
-  CHECK(bench.told() == Words{"owner's fault: the emergency stop is pressed (line 25 of gpiochip0)"});
-  CHECK(bench.engine.inhibited());
-  CHECK(bench.interlocks.why_not_ready() == Words{"the emergency stop is pressed"});
-  bench.set(AxisInput::EmergencyStop, false);
-  bench.pass();
-  CHECK(bench.told() == Words{"owner's recovery: the emergency stop was released (line 25 of gpiochip0)"});
-  CHECK_FALSE(bench.engine.inhibited());
-  CHECK(bench.interlocks.why_not_ready().empty());
+TEST_CASE_METHOD(
+    InterlocksFixture,
+    "An emergency stop slows the motor at its first edge, is a fault if it lasts, and is released") {
+  set(AxisInput::EmergencyStop, true);
+  CHECK(told() == Words{"slow down",
+                        "interruption: the emergency stop was touched, or its line disturbed (line 25 "
+                        "of gpiochip0)"});
+  pass();
+  CHECK(told() == Words{"owner's fault: the emergency stop is pressed (line 25 of gpiochip0)"});
+  CHECK(engine.inhibited());
+  CHECK(interlocks.why_not_ready() == Words{"the emergency stop is pressed"});
+  set(AxisInput::EmergencyStop, false);
+  pass();
+  CHECK(told() == Words{"owner's recovery: the emergency stop was released (line 25 of gpiochip0)"});
+  CHECK_FALSE(engine.inhibited());
+  CHECK(interlocks.why_not_ready().empty());
 }
 
-TEST_CASE("An emergency stop that does not last ends without a fault") {
-  Bench bench;
-  bench.set(AxisInput::EmergencyStop, true);
-  bench.set(AxisInput::EmergencyStop, false);
-  bench.told();
-  bench.pass();
-  CHECK(bench.told() == Words{"recovery: the emergency stop is not pressed (line 25 of gpiochip0)"});
+TEST_CASE_METHOD(InterlocksFixture, "An emergency stop that does not last ends without a fault") {
+  set(AxisInput::EmergencyStop, true);
+  set(AxisInput::EmergencyStop, false);
+  told();
+  pass();
+  CHECK(told() == Words{"recovery: the emergency stop is not pressed (line 25 of gpiochip0)"});
 }
 
-TEST_CASE("A pressed emergency stop that has blocked a motion is reported once") {
-  Bench bench;
-  bench.set(AxisInput::EmergencyStop, true);
-  bench.told();
-  for (int i = 0; i < 6; ++i, bench_time += 1ms)
-    bench.inputs.serve();
-  REQUIRE(bench.engine.inhibited());
-  bench.interlocks.blocked();
-  CHECK(bench.told().size() == 1);
-  bench.pass();
-  CHECK(bench.told().empty());
+TEST_CASE_METHOD(InterlocksFixture, "A pressed emergency stop that has blocked a motion is reported once") {
+  set(AxisInput::EmergencyStop, true);
+  told();
+  for (int i = 0; i < 6; ++i, test_time += 1ms)
+    inputs.serve();
+  REQUIRE(engine.inhibited());
+  interlocks.blocked();
+  CHECK(told().size() == 1);
+  pass();
+  CHECK(told().empty());
   // When it is pressed again it is reported again.
-  bench.set(AxisInput::EmergencyStop, false);
-  bench.pass();
-  bench.told();
-  bench.set(AxisInput::EmergencyStop, true);
-  bench.pass();
-  CHECK(bench.told().back() == "owner's fault: the emergency stop is pressed (line 25 of gpiochip0)");
+  set(AxisInput::EmergencyStop, false);
+  pass();
+  told();
+  set(AxisInput::EmergencyStop, true);
+  pass();
+  CHECK(told().back() == "owner's fault: the emergency stop is pressed (line 25 of gpiochip0)");
 }
 
-TEST_CASE("An open lid interrupts at its first edge, does not halt the motor, and its closing is reported") {
-  Bench bench;
-  bench.set(AxisInput::Lid, true);
-  CHECK(bench.told() == Words{"interruption: the lid was opened (line 26 of gpiochip0)"});
-  bench.pass();
-  CHECK(bench.told().empty());
-  CHECK(bench.interlocks.why_not_ready() == Words{"the lid is open"});
-  bench.set(AxisInput::Lid, false);
-  bench.pass();
-  CHECK(bench.told() == Words{"recovery: the lid was closed (line 26 of gpiochip0)"});
-  CHECK_FALSE(bench.engine.inhibited());
+TEST_CASE_METHOD(
+    InterlocksFixture,
+    "An open lid interrupts at its first edge, does not halt the motor, and its closing is reported") {
+  set(AxisInput::Lid, true);
+  CHECK(told() == Words{"interruption: the lid was opened (line 26 of gpiochip0)"});
+  pass();
+  CHECK(told().empty());
+  CHECK(interlocks.why_not_ready() == Words{"the lid is open"});
+  set(AxisInput::Lid, false);
+  pass();
+  CHECK(told() == Words{"recovery: the lid was closed (line 26 of gpiochip0)"});
+  CHECK_FALSE(engine.inhibited());
 }
 
-TEST_CASE("A safety input that cannot be read is reported as unreadable") {
-  Bench bench;
-  bench.lines[static_cast<std::size_t>(AxisInput::Lid)].unreadable = true;
-  bench.lines[static_cast<std::size_t>(AxisInput::EmergencyStop)].unreadable = true;
+TEST_CASE_METHOD(InterlocksFixture, "A safety input that cannot be read is reported as unreadable") {
+  lines[static_cast<std::size_t>(AxisInput::Lid)].unreadable = true;
+  lines[static_cast<std::size_t>(AxisInput::EmergencyStop)].unreadable = true;
   // Levels are read every 20 ms; the event loop runs as often as the input thread.
   for (int i = 0; i < 40; ++i)
-    bench.pass(1ms);
-  const Words told = bench.told();
-  const auto was_reported = [&told](const std::string& words) {
-    return std::ranges::find(told, words) != told.end();
+    pass(1ms);
+  const Words reports = told();
+  const auto was_reported = [&reports](const std::string& words) {
+    return std::ranges::find(reports, words) != reports.end();
   };
   CHECK(was_reported("interruption: the emergency stop cannot be read (line 25 of gpiochip0)"));
   CHECK(was_reported("interruption: the lid cannot be read, which counts as open (line 26 of gpiochip0)"));
   CHECK(was_reported("owner's fault: the emergency stop cannot be read (line 25 of gpiochip0)"));
-  CHECK(bench.interlocks.why_not_ready() ==
-        Words{"the emergency stop cannot be read", "the lid cannot be read"});
+  CHECK(interlocks.why_not_ready() == Words{"the emergency stop cannot be read", "the lid cannot be read"});
 }
 
 TEST_CASE("The limit switch's contact goes to homing if that expects it, and is a fault otherwise") {
   for (const bool homes : {true, false}) {
     CAPTURE(homes);
-    Bench bench;
-    bench.homes = homes;
-    bench.inputs.set_limit_rule(LimitRule::AtContact);
-    bench.set(AxisInput::LimitSwitch, true);
-    bench.pass();
+    InterlocksFixture fixture;
+    fixture.homes = homes;
+    fixture.inputs.set_limit_rule(LimitRule::AtContact);
+    fixture.set(AxisInput::LimitSwitch, true);
+    fixture.pass();
     const std::string fault =
         "halted: the limit switch (line 23 of gpiochip0) is closed at 1.000 mm, where it should be open";
-    CHECK(bench.told() == Words{homes ? "contact" : fault});
-    CHECK(bench.results == (homes ? std::vector<HomingResult>{} : std::vector{HomingResult::Fault}));
+    CHECK(fixture.told() == Words{homes ? "contact" : fault});
+    CHECK(fixture.results == (homes ? std::vector<HomingResult>{} : std::vector{HomingResult::Fault}));
   }
 }
 
-TEST_CASE("Switches that have not halted a run are ignored") {
-  Bench bench;
-  bench.homes = true;
-  bench.set(AxisInput::LimitSwitch, true);
-  bench.set(AxisInput::SecondSwitch, true);
-  bench.pass();
-  CHECK(bench.told().empty());
+TEST_CASE_METHOD(InterlocksFixture, "Switches that have not halted a run are ignored") {
+  homes = true;
+  set(AxisInput::LimitSwitch, true);
+  set(AxisInput::SecondSwitch, true);
+  pass();
+  CHECK(told().empty());
 }
 
-TEST_CASE("The second switch, while it is watched, is a fault of the run that it halted") {
-  Bench bench;
-  bench.inputs.watch_second_switch(true);
-  bench.set(AxisInput::SecondSwitch, true);
-  bench.pass();
-  CHECK(bench.told() == Words{"halted: the second switch (line 24 of gpiochip0) closed at 1.000 mm"});
-  CHECK(bench.results == std::vector{HomingResult::WrongSwitch});
+TEST_CASE_METHOD(InterlocksFixture,
+                 "The second switch, while it is watched, is a fault of the run that it halted") {
+  inputs.watch_second_switch(true);
+  set(AxisInput::SecondSwitch, true);
+  pass();
+  CHECK(told() == Words{"halted: the second switch (line 24 of gpiochip0) closed at 1.000 mm"});
+  CHECK(results == std::vector{HomingResult::WrongSwitch});
 }
 
 TEST_CASE("The loss of the inputs is a fault that names the input, reported once") {
@@ -211,16 +208,16 @@ TEST_CASE("The loss of the inputs is a fault that names the input, reported once
        "faster than they can be handled"}};
   for (const auto& [which, fault] : losses) {
     CAPTURE(fault);
-    Bench bench;
+    InterlocksFixture fixture;
     if (which) {
-      bench.lines[static_cast<std::size_t>(*which)].unreadable = true;
+      fixture.lines[static_cast<std::size_t>(*which)].unreadable = true;
     } else {
-      bench.inputs.lose();
+      fixture.inputs.lose();
     }
-    bench.pass(40ms);
-    CHECK(bench.told() == Words{fault});
-    bench.pass(40ms);
-    CHECK(bench.told().empty());
-    CHECK(bench.engine.inhibited());
+    fixture.pass(40ms);
+    CHECK(fixture.told() == Words{fault});
+    fixture.pass(40ms);
+    CHECK(fixture.told().empty());
+    CHECK(fixture.engine.inhibited());
   }
 }

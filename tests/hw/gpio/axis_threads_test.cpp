@@ -2,52 +2,24 @@
 // (CONTOURD_SANITIZE_THREAD). On a busy computer results may be late but must be true.
 #include "hw/gpio/axis_threads.hpp"
 
-#include <fcntl.h>
 #include <poll.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <map>
 #include <random>
 
 #include "hw/gpio/gpio_axis.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/gpio/pipe_input.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
+using testing::PipeInput;
 
 namespace {
 
-// An input whose edges come through a pipe, like those of the kernel.
-class PipeInput final : public InputLine {
- public:
-  PipeInput() { REQUIRE(pipe2(ends_.data(), O_NONBLOCK) == 0); }
-  ~PipeInput() override {
-    for (const int end : ends_)
-      close(end);
-  }
-  // One thread at a time.
-  void set(bool level) noexcept {
-    if (level_.exchange(level) == level) return;
-    const LineEdge edge{level, monotonic_now()};
-    lost_ += write(ends_[1], &edge, sizeof edge) != sizeof edge ? 1 : 0;
-  }
-  [[nodiscard]] int descriptor() const noexcept override { return ends_[0]; }
-  [[nodiscard]] std::optional<bool> level() noexcept override { return level_; }
-  [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
-    const ssize_t bytes = read(ends_[0], edges.data(), edges.size_bytes());
-    return bytes > 0 ? static_cast<std::size_t>(bytes) / sizeof(LineEdge) : 0;
-  }
-
- private:
-  std::array<int, 2> ends_{};
-  std::atomic<bool> level_{false};
-  std::atomic<int> lost_{0};
-};
-
-class Output final : public OutputLine {
+class SharedOutput final : public OutputLine {
  public:
   [[nodiscard]] bool set(bool active) noexcept override {
     if (level_.exchange(active) != active && changed) changed(active);
@@ -61,7 +33,7 @@ class Output final : public OutputLine {
 };
 
 // An event loop with poll() that is sometimes a little late.
-class Loop final : public Clock, public DescriptorWatcher {
+class PollLoop final : public Clock, public DescriptorWatcher {
  public:
   [[nodiscard]] TimePoint now() const override { return monotonic_now(); }
   [[nodiscard]] std::unique_ptr<Timer> call_at(TimePoint when, std::function<void()> call) override {
@@ -80,7 +52,7 @@ class Loop final : public Clock, public DescriptorWatcher {
   using Calls = std::multimap<TimePoint, std::shared_ptr<std::function<void()>>>;
   class Call final : public Timer {
    public:
-    Call(Loop& loop, TimePoint when, std::function<void()> call)
+    Call(PollLoop& loop, TimePoint when, std::function<void()> call)
         : loop_(loop), call_(std::make_shared<std::function<void()>>(std::move(call))) {
       loop_.calls_.emplace(when, call_);
     }
@@ -89,18 +61,18 @@ class Loop final : public Clock, public DescriptorWatcher {
     }
 
    private:
-    Loop& loop_;
+    PollLoop& loop_;
     std::shared_ptr<std::function<void()>> call_;
   };
   class Watched final : public Watch {
    public:
-    Watched(Loop& loop, int fd, std::function<void()> call) : loop_(loop), fd_(fd) {
+    Watched(PollLoop& loop, int fd, std::function<void()> call) : loop_(loop), fd_(fd) {
       loop_.watched_[fd] = std::make_shared<std::function<void()>>(std::move(call));
     }
     ~Watched() override { loop_.watched_.erase(fd_); }
 
    private:
-    Loop& loop_;
+    PollLoop& loop_;
     int fd_;
   };
 
@@ -148,7 +120,7 @@ class Stage {
  public:
   Stage() {
     GpioAxis::Parts parts;
-    auto step = std::make_unique<Output>(), direction = std::make_unique<Output>();
+    auto step = std::make_unique<SharedOutput>(), direction = std::make_unique<SharedOutput>();
     auto limit = std::make_unique<PipeInput>(), emergency = std::make_unique<PipeInput>();
     step->changed = [this, up = direction.get(), contact = limit.get()](bool high) {
       if (!high) return;
@@ -170,7 +142,7 @@ class Stage {
   void press(bool pressed) { emergency_->set(pressed); }
   // The motor's position in steps above the switch.
   [[nodiscard]] int position() const { return position_; }
-  Loop loop;
+  PollLoop loop;
 
  private:
   std::atomic<int> position_{600};
@@ -218,7 +190,7 @@ TEST_CASE("After random calls at random times an axis' position is either true o
 TEST_CASE("An engine that is started, stopped, halted and inhibited at random makes the steps that it counts",
           "[threads]") {
   std::atomic<int> made{0};
-  Output step, direction;
+  SharedOutput step, direction;
   step.changed = [&](bool high) { made += !high ? 0 : direction.level() ? 1 : -1; };
   PipeInput contact;
   StepEngine engine(step, direction, {});

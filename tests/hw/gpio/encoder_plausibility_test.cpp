@@ -1,31 +1,20 @@
 #include "hw/gpio/encoder_plausibility.hpp"
 
 #include "tests/catch.hpp"
+#include "tests/hw/gpio/encoder_config.hpp"
 
 using namespace contourd;
+using testing::says;
 
 namespace {
 
-// 800 counts per mm. The tolerance of 0.05 mm is 40 counts, the error that 20 illegal edges may cause.
-EncoderConfig config() {
-  EncoderConfig config;
-  config.a.line = "7";
-  config.b.line = "8";
-  config.counts_per_mm = 800;
-  config.index = GpioLineConfig{};
-  config.index_every = Nanometers{4'000'000};
-  return config;
-}
-
-bool says(const std::optional<std::string>& sentence, const std::string& words) {
-  UNSCOPED_INFO(sentence.value_or("nothing"));
-  return sentence && sentence->find(words) != std::string::npos;
-}
+// The tolerance of 0.05 mm is 40 counts, the error that 20 illegal edges may cause.
+const EncoderConfig kEncoder = testing::encoder_config(800);
 
 }  // namespace
 
 TEST_CASE("Illegal edges are too many in one move when the count may be off by more than the tolerance") {
-  EncoderPlausibility encoder(config());
+  EncoderPlausibility encoder(kEncoder);
   encoder.move_begins(5);
   CHECK_FALSE(encoder.wrong_edges(25));
   CHECK(says(encoder.wrong_edges(26),
@@ -35,7 +24,7 @@ TEST_CASE("Illegal edges are too many in one move when the count may be off by m
 }
 
 TEST_CASE("A coarse encoder may have one illegal edge in a move but not two") {
-  EncoderConfig coarse = config();
+  EncoderConfig coarse = kEncoder;
   coarse.counts_per_mm = 20;
   EncoderPlausibility encoder(coarse);
   CHECK_FALSE(encoder.wrong_edges(1));
@@ -43,7 +32,7 @@ TEST_CASE("A coarse encoder may have one illegal edge in a move but not two") {
 }
 
 TEST_CASE("Steps lost in one move are corrected, up to a limit per move and one since homing") {
-  EncoderPlausibility encoder(config());
+  EncoderPlausibility encoder(kEncoder);
   for (const double off : {-0.1, -0.2, 0.15}) {
     encoder.move_begins(0);
     CHECK_FALSE(encoder.refusal(off));
@@ -58,7 +47,7 @@ TEST_CASE("Steps lost in one move are corrected, up to a limit per move and one 
 }
 
 TEST_CASE("A difference that grew over several moves is blamed on the encoder and not corrected") {
-  EncoderPlausibility encoder(config());
+  EncoderPlausibility encoder(kEncoder);
   encoder.agreed(-0.02);
   encoder.agreed(-0.04);
   CHECK(says(encoder.refusal(-0.06), "grew over several moves"));
@@ -70,7 +59,7 @@ TEST_CASE("A difference that grew over several moves is blamed on the encoder an
 }
 
 TEST_CASE("An index pulse at a count that is not a whole number of turns from the first shows an error") {
-  EncoderPlausibility encoder(config());
+  EncoderPlausibility encoder(kEncoder);
   CHECK_FALSE(encoder.index_error(1'000));  // the first sets the reference
   CHECK_FALSE(encoder.index_error(1'000 + 3'200));
   CHECK_FALSE(encoder.index_error(1'000 - 2 * 3'200 + 40));

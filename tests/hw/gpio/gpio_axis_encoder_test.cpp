@@ -5,6 +5,7 @@
 #include "hw/gpio/gpio_axis.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/hw/gpio/plant_axis.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
@@ -12,14 +13,10 @@ using testing::Plant;
 
 namespace {
 
-// One count per step of 1.25 um; an index mark every 0.5 mm.
-GpioAxisConfig config(EncoderConfig::Policy policy = EncoderConfig::Policy::Correct, bool index = false) {
-  GpioAxisConfig config;
-  config.travel = Nanometers{100'000'000};
-  config.acceleration = MillimetersPerSecondSquared{50};
-  config.encoder = EncoderConfig{};
-  config.encoder->counts_per_mm = 800;
-  config.encoder->policy = policy;
+// An index mark every 0.5 mm.
+GpioAxisConfig corrected_config(EncoderConfig::Policy policy = EncoderConfig::Policy::Correct,
+                                bool index = false) {
+  GpioAxisConfig config = testing::with_encoder(policy);
   if (!index) return config;
   config.encoder->index = GpioLineConfig{"gpiochip0", "9", false};
   config.encoder->index_every = Nanometers{500'000};
@@ -27,7 +24,7 @@ GpioAxisConfig config(EncoderConfig::Policy policy = EncoderConfig::Policy::Corr
 }
 
 double plate_mm(const Plant& plant) {
-  return static_cast<double>(plant.plate() - plant.limit.at) / 800;
+  return static_cast<double>(testing::plate_above_switch(plant)) / 800;
 }
 
 // Prints layers of 50 um, each with a lift. True if all were reached.
@@ -53,7 +50,7 @@ std::size_t told(const Plant& plant, MachineEvent::Kind kind, const std::string&
 
 TEST_CASE("An encoder that loses a few counts in every lift does not make the plate drift in 200 layers") {
   for (const bool index : {false, true}) {
-    Plant plant(config(EncoderConfig::Policy::Correct, index));
+    Plant plant(corrected_config(EncoderConfig::Policy::Correct, index));
     plant.build();
     REQUIRE(plant.home() == HomingResult::Homed);
     std::int64_t steps = 0;
@@ -73,7 +70,7 @@ TEST_CASE("However often an encoder loses counts, 200 layers end in a fault or w
   std::minstd_rand random(1);
   for (const unsigned one_in : {15U, 60U, 200U, 800U, 3'000U}) {
     for (const auto& [up, down] : {std::pair{true, false}, std::pair{false, true}, std::pair{true, true}}) {
-      Plant plant(config(EncoderConfig::Policy::Correct, up && down));
+      Plant plant(corrected_config(EncoderConfig::Policy::Correct, up && down));
       plant.build();
       REQUIRE(plant.home() == HomingResult::Homed);
       plant.loses_count = [&, loses_up = up, loses_down = down] {
@@ -90,7 +87,7 @@ TEST_CASE("However often an encoder loses counts, 200 layers end in a fault or w
 }
 
 TEST_CASE("A correction is reported with its figures, and one beyond the limit is a fault") {
-  Plant plant(config());
+  Plant plant(corrected_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   int lost = 0;
@@ -114,7 +111,7 @@ TEST_CASE("A correction is reported with its figures, and one beyond the limit i
 }
 
 TEST_CASE("More lost steps in one move than may be corrected are a fault while the motor turns") {
-  Plant plant(config());
+  Plant plant(corrected_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.pulses.clear();
@@ -127,7 +124,7 @@ TEST_CASE("More lost steps in one move than may be corrected are a fault while t
 TEST_CASE("Disturbed encoder lines are a fault while the motor turns, but a few spikes are not") {
   for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
     for (const int spikes : {9, 12}) {
-      Plant plant(config(policy));
+      Plant plant(corrected_config(policy));
       plant.build();
       REQUIRE(plant.home() == HomingResult::Homed);
       std::vector<std::unique_ptr<Timer>> timers;
@@ -151,7 +148,7 @@ TEST_CASE("Disturbed encoder lines are a fault while the motor turns, but a few 
 
 TEST_CASE("An encoder whose index agrees causes no report, up and down, reversed or not") {
   for (const bool reversed : {false, true}) {
-    Plant plant(config(EncoderConfig::Policy::Fault, true));
+    Plant plant(corrected_config(EncoderConfig::Policy::Fault, true));
     plant.config.encoder->reversed = reversed;
     plant.counts_down = reversed;
     plant.build();
@@ -164,7 +161,7 @@ TEST_CASE("An encoder whose index agrees causes no report, up and down, reversed
 TEST_CASE("A count that the index finds wrong is a fault, or is corrected to the mark, by policy") {
   for (const bool reversed : {false, true}) {
     for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
-      GpioAxisConfig c = config(policy, true);
+      GpioAxisConfig c = corrected_config(policy, true);
       c.encoder->reversed = reversed;
       Plant plant(c);
       plant.counts_down = reversed;

@@ -5,6 +5,7 @@
 #include "hw/gpio/gpio_axis.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/hw/gpio/plant_axis.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
@@ -12,6 +13,7 @@ using namespace std::chrono_literals;
 using testing::draw;
 using testing::draw_real;
 using testing::Plant;
+using testing::plate_above_switch;
 
 namespace {
 
@@ -19,20 +21,11 @@ namespace {
 // beyond, since its speed is not known to the step.
 constexpr double kPullIn = 2'300;
 
-GpioAxisConfig config(std::optional<EncoderConfig::Policy> encoder = std::nullopt, bool s_curve = false) {
-  GpioAxisConfig config;
-  config.travel = Nanometers{100'000'000};
-  config.acceleration = MillimetersPerSecondSquared{50};
+GpioAxisConfig late_config(std::optional<EncoderConfig::Policy> encoder = std::nullopt,
+                           bool s_curve = false) {
+  GpioAxisConfig config = encoder ? testing::with_encoder(*encoder) : testing::screw_config();
   if (s_curve) config.jerk_mm_s3 = 500;
-  if (!encoder) return config;
-  config.encoder = EncoderConfig{};
-  config.encoder->counts_per_mm = 800;  // a count a step
-  config.encoder->policy = *encoder;
   return config;
-}
-
-std::int64_t plate_above_switch(const Plant& plant) {
-  return plant.plate() - plant.limit.at;
 }
 
 // The plate's position according to the axis, if it is known.
@@ -53,7 +46,7 @@ TEST_CASE(
     "A motor that was delayed at speed stops stepping and reports its position as unknown, with figures") {
   for (const bool s_curve : {false, true}) {
     for (const Duration held : {100ms, 1'000ms, 4'000ms}) {
-      Plant plant(config(std::nullopt, s_curve));
+      Plant plant(late_config(std::nullopt, s_curve));
       plant.pull_in = kPullIn;
       plant.build();
       REQUIRE(plant.home() == HomingResult::Homed);
@@ -78,7 +71,7 @@ TEST_CASE(
 }
 
 TEST_CASE("Up to its pull-in speed a delayed motor ramps up again and its position stays known") {
-  Plant plant(config());
+  Plant plant(late_config());
   plant.pull_in = kPullIn;
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -91,7 +84,7 @@ TEST_CASE("Up to its pull-in speed a delayed motor ramps up again and its positi
 
 TEST_CASE("Homing continues after its motor was delayed, reports that, and is exact") {
   for (const Duration at : {300ms, 1'200ms, 1'700ms, 2'500ms, 3'500ms}) {
-    Plant plant(config());
+    Plant plant(late_config());
     plant.pull_in = kPullIn;
     plant.build();
     const auto hold_up = plant.clock.call_after(at, [&] { plant.hold_up_steps(700ms); });
@@ -105,7 +98,7 @@ TEST_CASE("Homing continues after its motor was delayed, reports that, and is ex
 TEST_CASE("With an encoder a move continues after a delay, and the encoder tells whether steps were lost") {
   for (const double pull_in : {kPullIn, 1e9}) {
     for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
-      Plant plant(config(policy));
+      Plant plant(late_config(policy));
       plant.build();
       REQUIRE(plant.home() == HomingResult::Homed);
       plant.pull_in = pull_in;
@@ -123,7 +116,7 @@ TEST_CASE("With an encoder a move continues after a delay, and the encoder tells
 
 TEST_CASE("With an encoder, steps lost in a delay are a fault or are corrected, by policy") {
   for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
-    Plant plant(config(policy));
+    Plant plant(late_config(policy));
     plant.build();
     REQUIRE(plant.home() == HomingResult::Homed);
     int lost = 0;
@@ -145,7 +138,7 @@ TEST_CASE("With an encoder, steps lost in a delay are a fault or are corrected, 
 
 TEST_CASE("However the step thread is delayed, the plate's position is either true or unknown") {
   CHECK(rc::check([] {
-    Plant plant(config(std::nullopt, draw(0, 1) != 0));
+    Plant plant(late_config(std::nullopt, draw(0, 1) != 0));
     plant.pull_in = kPullIn;
     plant.build();
     RC_ASSERT(plant.home() == HomingResult::Homed);

@@ -7,41 +7,31 @@
 
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/hw/gpio/plant_axis.hpp"
+#include "tests/hw/millimeters.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
 using testing::draw;
+using testing::mm;
 using testing::Plant;
+using testing::plate_above_switch;
 
 namespace {
 
 using Kind = MachineEvent::Kind;
 using Sentences = std::vector<std::string>;
 
-// A 4 mm screw at 16 microsteps: 1.25 um per step, 4,000 steps/s at 5 mm/s. It has all inputs, with 5 ms of
-// debouncing each.
-GpioAxisConfig config() {
-  GpioAxisConfig config;
-  config.travel = Nanometers{100'000'000};
-  config.acceleration = MillimetersPerSecondSquared{50};
-  config.step.line = "17";
-  config.limit_switch.line.line = "23";
-  config.second_switch = GpioInputConfig{{"gpiochip0", "24", false}};
+// An axis that has all inputs, with 5 ms of debouncing each.
+GpioAxisConfig guarded_config() {
+  GpioAxisConfig config = testing::with_second_switch();
   config.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};
   config.lid = GpioInputConfig{{"gpiochip0", "6", false}};
   return config;
 }
 
 constexpr Duration kDebounce = 5ms;
-
-Nanometers mm(double length) {
-  return Nanometers{std::llround(length * 1e6)};
-}
-
-std::int64_t plate_above_switch(const Plant& plant) {
-  return plant.plate() - plant.limit.at;
-}
 
 std::vector<Kind> kinds(const Plant& plant) {
   std::vector<Kind> all;
@@ -78,7 +68,7 @@ constexpr Duration kForGood = 1000s;
 }  // namespace
 
 TEST_CASE("An emergency stop slows the motor from its first edge on, and halts it if it lasts") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   bool answered_before = true;
@@ -101,7 +91,7 @@ TEST_CASE("An emergency stop slows the motor from its first edge on, and halts i
 }
 
 TEST_CASE("An emergency stop halts the motor while the event loop is busy, and the fault is reported later") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   std::optional<MoveResult> result;
@@ -117,7 +107,7 @@ TEST_CASE("An emergency stop halts the motor while the event loop is busy, and t
 }
 
 TEST_CASE("While the emergency stop is pressed nothing moves, and after its release the operator decides") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   plant.press(AxisInput::EmergencyStop, true);
   plant.run_for(100ms);
@@ -138,7 +128,7 @@ TEST_CASE("While the emergency stop is pressed nothing moves, and after its rele
 }
 
 TEST_CASE("The callback for an emergency stop may abort the move, whose answer is then dropped") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   bool answered = false;
@@ -152,7 +142,7 @@ TEST_CASE("The callback for an emergency stop may abort the move, whose answer i
 }
 
 TEST_CASE("A spike on the emergency stop's line stops a move, which then continues with a known position") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   const Press spike(plant, AxisInput::EmergencyStop, 2s, 1ms);
@@ -177,7 +167,7 @@ TEST_CASE("A spike on the emergency stop's line stops a move, which then continu
 }
 
 TEST_CASE("No step is made before it is known whether the emergency stop is pressed") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   const bool lasts = GENERATE(false, true);
@@ -196,7 +186,7 @@ TEST_CASE("No step is made before it is known whether the emergency stop is pres
 }
 
 TEST_CASE("A move that a spike has stopped does not continue before the spike is over") {
-  GpioAxisConfig c = config();
+  GpioAxisConfig c = guarded_config();
   c.acceleration = MillimetersPerSecondSquared{5'000};  // at rest from 5 mm/s within a millisecond
   Plant plant(c);
   plant.build();
@@ -210,7 +200,7 @@ TEST_CASE("A move that a spike has stopped does not continue before the spike is
 }
 
 TEST_CASE("A move that waits for the emergency stop to settle can be stopped and aborted") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.pulses.clear();
@@ -228,7 +218,7 @@ TEST_CASE("A move that waits for the emergency stop to settle can be stopped and
 
 TEST_CASE(
     "A move that is stopped because of a spike ends there, and the next one waits for the spike's end") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   REQUIRE(plant.move_to(30) == MoveResult::Reached);
@@ -243,7 +233,7 @@ TEST_CASE(
 
 TEST_CASE("A spike while homing does not shift the position that it finds") {
   CHECK(rc::check([] {
-    Plant plant(config());
+    Plant plant(guarded_config());
     plant.limit.bounces = static_cast<int>(draw(0, 4));
     plant.limit.bounce = 200us;
     plant.build();
@@ -260,7 +250,7 @@ TEST_CASE("A spike while homing does not shift the position that it finds") {
 }
 
 TEST_CASE("An abort because of a spike while homing leaves an axis that can be homed again") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   plant.on_event = [&] { plant.axis->abort(); };  // like a print, which is held then
   const Press spike(plant, AxisInput::EmergencyStop, 500ms, 1ms);
@@ -277,7 +267,7 @@ TEST_CASE("An abort because of a spike while homing leaves an axis that can be h
 TEST_CASE(
     "Moves with spikes on both safety inputs end where they should, and only interruptions are reported") {
   CHECK(rc::check([] {
-    Plant plant(config());
+    Plant plant(guarded_config());
     plant.build();
     RC_ASSERT(plant.home() == HomingResult::Homed);
     std::vector<std::unique_ptr<Press>> spikes;
@@ -300,7 +290,7 @@ TEST_CASE(
 }
 
 TEST_CASE("An emergency stop that chatters for longer than its debounce time counts as pressed, once") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   std::vector<std::unique_ptr<Press>> touches;
@@ -313,7 +303,7 @@ TEST_CASE("An emergency stop that chatters for longer than its debounce time cou
 }
 
 TEST_CASE("A spike while nothing moves blocks moves until it has settled, and is reported") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   const Press spike(plant, AxisInput::EmergencyStop, 1ms, 1ms);
   plant.run_for(3ms);
@@ -324,7 +314,7 @@ TEST_CASE("A spike while nothing moves blocks moves until it has settled, and is
 }
 
 TEST_CASE("Lid and emergency stop together are two interruptions and one fault") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   const Press lid(plant, AxisInput::Lid, 1s, 2s), stop(plant, AxisInput::EmergencyStop, 1s, 2s);
@@ -336,7 +326,7 @@ TEST_CASE("Lid and emergency stop together are two interruptions and one fault")
 }
 
 TEST_CASE("An open lid is one interruption, which ends when it closes, and the motor does not stop") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   const Duration lasting = GENERATE(Duration{1ms}, Duration{2s});
@@ -349,7 +339,7 @@ TEST_CASE("An open lid is one interruption, which ends when it closes, and the m
 }
 
 TEST_CASE("A safety input that cannot be read is reported and prevents a print") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.lines[static_cast<std::size_t>(AxisInput::Lid)]->unreadable = true;
@@ -371,7 +361,7 @@ TEST_CASE("A safety input that cannot be read is reported and prevents a print")
 }
 
 TEST_CASE("A limit switch that cannot be read ends a move and homing with one fault that names it") {
-  Plant plant(config());
+  Plant plant(guarded_config());
   plant.build();
   const AxisInput which = GENERATE(AxisInput::LimitSwitch, AxisInput::SecondSwitch);
   const bool homes = GENERATE(false, true);

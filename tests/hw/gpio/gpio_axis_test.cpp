@@ -7,49 +7,26 @@
 #include "hw/hardware_error.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/gpio/plant.hpp"
+#include "tests/hw/gpio/plant_axis.hpp"
+#include "tests/hw/millimeters.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
 using testing::draw;
 using testing::draw_real;
+using testing::mm;
 using testing::Plant;
+using testing::plate_above_switch;
+using testing::screw_config;
+using testing::with_encoder;
+using testing::with_second_switch;
 
 namespace {
 
-// A 4 mm screw at 16 microsteps: 1.25 um per step, 4,000 steps/s at homing speed.
-GpioAxisConfig config() {
-  GpioAxisConfig config;
-  config.travel = Nanometers{100'000'000};
-  config.step.line = "17";
-  config.limit_switch.line.line = "23";
-  config.acceleration = MillimetersPerSecondSquared{50};
-  return config;
-}
-
-GpioAxisConfig with_enable(GpioAxisConfig c = config()) {
+GpioAxisConfig with_enable(GpioAxisConfig c = screw_config()) {
   c.enable = GpioLineConfig{"gpiochip0", "22", true};
   return c;
-}
-GpioAxisConfig with_second_switch(GpioAxisConfig c = config()) {
-  c.second_switch = GpioInputConfig{{"gpiochip0", "24", false}};
-  return c;
-}
-GpioAxisConfig with_encoder(EncoderConfig::Policy policy, GpioAxisConfig c = config()) {
-  EncoderConfig encoder;
-  encoder.counts_per_mm = 800;  // one count per step
-  encoder.policy = policy;
-  c.encoder = encoder;
-  return c;
-}
-
-Nanometers mm(double length) {
-  return Nanometers{std::llround(length * 1e6)};
-}
-
-// Returns how many steps the plate is above the switch.
-std::int64_t plate_above_switch(const Plant& plant) {
-  return plant.plate() - plant.limit.at;
 }
 
 bool only_event_says(const Plant& plant, MachineEvent::Kind kind, const std::string& words) {
@@ -61,7 +38,7 @@ bool only_event_says(const Plant& plant, MachineEvent::Kind kind, const std::str
 }  // namespace
 
 TEST_CASE("An axis that has not homed has no known height and refuses moves") {
-  Plant plant(config());
+  Plant plant(screw_config());
   GpioAxis& axis = plant.build();
   CHECK_FALSE(axis.height());
   CHECK_FALSE(axis.height_at(plant.clock.now()));
@@ -70,7 +47,7 @@ TEST_CASE("An axis that has not homed has no known height and refuses moves") {
 }
 
 TEST_CASE("Homing brings the plate to the switch's height, exact to the step") {
-  Plant plant(config());
+  Plant plant(screw_config());
   GpioAxis& axis = plant.build();
   CHECK(plant.home() == HomingResult::Homed);
   CHECK(plate_above_switch(plant) == 0);
@@ -81,7 +58,7 @@ TEST_CASE("Homing brings the plate to the switch's height, exact to the step") {
 
 TEST_CASE("Homing is exact however the switch bounces and however late its edges are read") {
   CHECK(rc::check([] {
-    Plant plant(config());
+    Plant plant(screw_config());
     plant.motor = draw(-3, 5'000);
     plant.limit.hysteresis = draw(0, 400);
     plant.limit.bounces = static_cast<int>(draw(0, 6));
@@ -100,7 +77,7 @@ TEST_CASE("Homing is exact when steps are made while the switch's level is read"
   // Levels are read every 20 ms; at some of these speeds the switch closes during a read.
   for (int speed = 400; speed < 440; ++speed) {
     CAPTURE(speed);
-    GpioAxisConfig c = config();
+    GpioAxisConfig c = screw_config();
     c.homing_speed = MillimetersPerSecond{speed / 100.0};
     Plant plant(c);
     plant.motor = 1'000;
@@ -113,7 +90,7 @@ TEST_CASE("Homing is exact when steps are made while the switch's level is read"
 }
 
 TEST_CASE("Homing overruns the edge only by the steps within the input thread's latency") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.input_latency = 1ms;  // 4 steps at 4,000/s
   plant.build();
   std::int64_t lowest = 0;
@@ -127,7 +104,7 @@ TEST_CASE("Homing overruns the edge only by the steps within the input thread's 
 }
 
 TEST_CASE("Homing sets the configured switch height, and moves count from there") {
-  GpioAxisConfig c = config();
+  GpioAxisConfig c = screw_config();
   c.switch_height = mm(-0.5);
   Plant plant(c);
   GpioAxis& axis = plant.build();
@@ -138,7 +115,7 @@ TEST_CASE("Homing sets the configured switch height, and moves count from there"
 }
 
 TEST_CASE("Homing upwards finds the switch at the top") {
-  GpioAxisConfig c = config();
+  GpioAxisConfig c = screw_config();
   c.homes_upwards = true;
   c.switch_height = mm(100.5);
   Plant plant(c);
@@ -152,7 +129,7 @@ TEST_CASE("Homing upwards finds the switch at the top") {
 }
 
 TEST_CASE("Homing from a closed switch first moves away from it") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.motor = -20;
   plant.build();
   CHECK(plant.home() == HomingResult::Homed);
@@ -160,7 +137,7 @@ TEST_CASE("Homing from a closed switch first moves away from it") {
 }
 
 TEST_CASE("Homing ends after the whole travel if the switch never closes") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.limit.stuck = false;
   plant.build();
   CHECK(plant.home() == HomingResult::NoTrigger);
@@ -169,7 +146,7 @@ TEST_CASE("Homing ends after the whole travel if the switch never closes") {
 }
 
 TEST_CASE("Homing ends after five millimetres if the limit switch stays closed") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.limit.stuck = true;
   plant.build();
   CHECK(plant.home() == HomingResult::StillClosed);
@@ -177,7 +154,7 @@ TEST_CASE("Homing ends after five millimetres if the limit switch stays closed")
 }
 
 TEST_CASE("A spike on the limit switch's line does not end a pass") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   const auto press = plant.clock.call_after(500ms, [&] { plant.press(AxisInput::LimitSwitch, true); });
   const auto release = plant.clock.call_after(502ms, [&] { plant.press(AxisInput::LimitSwitch, false); });
@@ -186,7 +163,7 @@ TEST_CASE("A spike on the limit switch's line does not end a pass") {
 }
 
 TEST_CASE("A lost edge of the limit switch is found by its level") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   plant.lines[0]->loses_edges = true;
   CHECK(plant.home() == HomingResult::Homed);
@@ -205,7 +182,7 @@ TEST_CASE("A motor that turns the wrong way is noticed by the second switch") {
 }
 
 TEST_CASE("Homing reports how far the switch has shifted since the last homing, by the steps in between") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   CHECK_FALSE(plant.axis->homing_shift());
@@ -223,7 +200,7 @@ TEST_CASE("Homing reports how far the switch has shifted since the last homing, 
 }
 
 TEST_CASE("Homing from an unknown position reports no shift, nor does one that does not finish") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   SECTION("the position was lost") {
@@ -270,7 +247,7 @@ TEST_CASE("A nudge moves its distance from an unknown position and leaves the po
 TEST_CASE("A nudge ends where the switch closes, whichever way the motor turns, without a fault") {
   for (const bool reversed : {false, true}) {
     CAPTURE(reversed);
-    Plant plant(config());
+    Plant plant(screw_config());
     plant.motor = 800;  // 1 mm above the switch
     plant.reversed = reversed;
     plant.limit.bounces = 3;
@@ -290,7 +267,7 @@ TEST_CASE("A nudge ends where the switch closes, whichever way the motor turns, 
 }
 
 TEST_CASE("A nudge also ends at a spike on the switch's line") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   const auto press = plant.clock.call_after(500ms, [&] { plant.press(AxisInput::LimitSwitch, true); });
   const auto release = plant.clock.call_after(502ms, [&] { plant.press(AxisInput::LimitSwitch, false); });
@@ -310,7 +287,7 @@ TEST_CASE("A nudge ends at the second switch, at the emergency stop and at a sto
     CHECK(plant.plate() <= 4'850);  // detected within some milliseconds at 800 steps/s
   }
   SECTION("the emergency stop") {
-    GpioAxisConfig c = config();
+    GpioAxisConfig c = screw_config();
     c.emergency_stop = GpioInputConfig{{"gpiochip0", "5", false}};
     Plant plant(c);
     plant.build();
@@ -319,7 +296,7 @@ TEST_CASE("A nudge ends at the second switch, at the emergency stop and at a sto
     CHECK(plant.plate() < 4'800);
   }
   SECTION("a stop") {
-    Plant plant(config());
+    Plant plant(screw_config());
     plant.build();
     const auto stop = plant.clock.call_after(500ms, [&] { plant.axis->stop(); });
     CHECK(plant.nudge(2) == MoveResult::Stopped);
@@ -327,7 +304,7 @@ TEST_CASE("A nudge ends at the second switch, at the emergency stop and at a sto
     CHECK_FALSE(plant.axis->height());
   }
   SECTION("an abort, after which it homes as usual") {
-    Plant plant(config());
+    Plant plant(screw_config());
     plant.build();
     plant.axis->nudge(mm(-2), MillimetersPerSecond{1}, [](MoveResult) { FAIL("it was aborted"); });
     plant.run_for(500ms);
@@ -341,7 +318,7 @@ TEST_CASE("A nudge ends at the second switch, at the emergency stop and at a sto
 
 TEST_CASE("Moves end on the nearest microstep, in any direction and after any number of moves") {
   CHECK(rc::check([] {
-    Plant plant(config());
+    Plant plant(screw_config());
     plant.build();
     RC_ASSERT(plant.home() == HomingResult::Homed);
     for (int i = 0; i < 3; ++i) {
@@ -354,7 +331,7 @@ TEST_CASE("Moves end on the nearest microstep, in any direction and after any nu
 }
 
 TEST_CASE("Moves beyond the travel are refused without a step") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.pulses.clear();
@@ -365,7 +342,7 @@ TEST_CASE("Moves beyond the travel are refused without a step") {
 }
 
 TEST_CASE("A move takes its predicted time") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   const TimePoint start = plant.clock.now();
@@ -376,7 +353,7 @@ TEST_CASE("A move takes its predicted time") {
 }
 
 TEST_CASE("A move is limited to the axis' top speed") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.pulses.clear();
@@ -388,7 +365,7 @@ TEST_CASE("A move is limited to the axis' top speed") {
 }
 
 TEST_CASE("Pulses, pauses and direction changes keep their minimum times") {
-  GpioAxisConfig c = config();
+  GpioAxisConfig c = screw_config();
   c.pulse_width = 10us;
   c.direction_setup = 5ms;
   Plant plant(c);
@@ -402,14 +379,14 @@ TEST_CASE("Pulses, pauses and direction changes keep their minimum times") {
 }
 
 TEST_CASE("A top speed at which the pulses do not fit is refused with its figures") {
-  GpioAxisConfig c = config();
+  GpioAxisConfig c = screw_config();
   c.pulse_width = 100us;
   CHECK(contradiction(c) ==
         "the axis' top speed of 10 mm/s is 8000 steps/s; pulses and pauses of 100 us allow at most 3750");
   Plant plant(c);
   CHECK_THROWS_AS(plant.build(), HardwareError);
-  CHECK_FALSE(contradiction(config()));
-  c = config();
+  CHECK_FALSE(contradiction(screw_config()));
+  c = screw_config();
   c.top_speed = MillimetersPerSecond{62.5};
   CHECK(contradiction(c) ==
         "the axis' top speed of 62.5 mm/s is 50000 steps/s; a computer makes at most 20000");
@@ -436,7 +413,7 @@ TEST_CASE("An enable line that cannot be set is a fault, and no step is made") {
 }
 
 TEST_CASE("A step line that cannot be set is a fault") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   const auto refuse = plant.clock.call_after(500ms, [&] { plant.step->refuses = true; });
   CHECK(plant.home() == HomingResult::Fault);
@@ -444,7 +421,7 @@ TEST_CASE("A step line that cannot be set is a fault") {
 }
 
 TEST_CASE("Stop slows down, and the position stays known") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.pulses.clear();
@@ -465,7 +442,7 @@ TEST_CASE("Stop slows down, and the position stays known") {
 
 TEST_CASE("A stop at any moment of homing ends it soon") {
   CHECK(rc::check([] {
-    Plant plant(config());
+    Plant plant(screw_config());
     plant.build();
     std::optional<HomingResult> result;
     TimePoint asked{};
@@ -484,7 +461,7 @@ TEST_CASE("A stop at any moment of homing ends it soon") {
 }
 
 TEST_CASE("An abort makes no further step and drops the answer and the position") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   bool answered = false;
@@ -503,7 +480,7 @@ TEST_CASE("An abort makes no further step and drops the answer and the position"
 }
 
 TEST_CASE("Homing right after the abort of a slow move waits for that move's end") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.axis->move_to(mm(50), MillimetersPerSecond{0.01}, [](MoveResult) {});
@@ -513,7 +490,7 @@ TEST_CASE("Homing right after the abort of a slow move waits for that move's end
 }
 
 TEST_CASE("An abort while nothing moves leaves the position known") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   plant.axis->abort();
@@ -521,7 +498,7 @@ TEST_CASE("An abort while nothing moves leaves the position known") {
 }
 
 TEST_CASE("Backlash is taken up from below") {
-  GpioAxisConfig c = config();
+  GpioAxisConfig c = screw_config();
   c.backlash = mm(0.05);  // 40 steps
   Plant plant(c);
   plant.slack = 40;
@@ -538,7 +515,7 @@ TEST_CASE("Backlash is taken up from below") {
 
 TEST_CASE("The plate's height is correct wherever a move with backlash is stopped") {
   CHECK(rc::check([] {
-    GpioAxisConfig c = config();
+    GpioAxisConfig c = screw_config();
     c.backlash = mm(0.05);
     Plant plant(c);
     plant.slack = 40;
@@ -557,7 +534,7 @@ TEST_CASE("The plate's height is correct wherever a move with backlash is stoppe
 }
 
 TEST_CASE("The height during a move follows the past and the planned steps") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   std::vector<std::pair<TimePoint, Nanometers>> seen, foretold;
@@ -585,7 +562,7 @@ TEST_CASE("The height during a move follows the past and the planned steps") {
 
 TEST_CASE("Late steps shift the rest of the move and never come in a burst") {
   CHECK(rc::check([] {
-    Plant plant(config());
+    Plant plant(screw_config());
     plant.build();
     RC_ASSERT(plant.home() == HomingResult::Homed);
     plant.pulses.clear();
@@ -613,7 +590,7 @@ TEST_CASE("Late steps shift the rest of the move and never come in a burst") {
 }
 
 TEST_CASE("A limit switch that closes in the middle of a move halts it as a fault") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
   std::size_t made = 0;
@@ -630,7 +607,7 @@ TEST_CASE("A limit switch that closes in the middle of a move halts it as a faul
 }
 
 TEST_CASE("A limit switch may close at its own height in a move") {
-  Plant plant(config());
+  Plant plant(screw_config());
   plant.limit.hysteresis = 400;
   plant.build();
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -743,7 +720,7 @@ TEST_CASE("An axis whose motor was released has no known height until it has hom
   CHECK(plant.move_to(1) == MoveResult::NotHomed);
   CHECK(plant.home() == HomingResult::Homed);
   CHECK(plant.enable->level);
-  Plant without(config());
+  Plant without(screw_config());
   GpioAxis& other = without.build();
   REQUIRE(without.home() == HomingResult::Homed);
   CHECK_FALSE(other.release());

@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "hw/hardware_error.hpp"
-#include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/virtual_time_fixture.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
 
 namespace {
 
-struct Wire {
+struct LightWire {
   bool active = false;
   bool refuses_off = false, refuses_on = false;
   int sets = 0, cuts = 0;
@@ -23,7 +23,7 @@ struct Wire {
 
 class FakeLine final : public CuttableLine {
  public:
-  explicit FakeLine(Wire& wire) : wire_(wire) {}
+  explicit FakeLine(LightWire& wire) : wire_(wire) {}
   [[nodiscard]] bool set(bool active) noexcept override {
     ++wire_.sets;
     if (active ? wire_.refuses_on : wire_.refuses_off) return false;
@@ -40,111 +40,103 @@ class FakeLine final : public CuttableLine {
   [[nodiscard]] int descriptor() const noexcept override { return -1; }
 
  private:
-  Wire& wire_;
+  LightWire& wire_;
 };
 
-struct Bench {
-  Bench() {
+struct LightLineFixture : testing::VirtualTimeFixture {
+  LightLineFixture() {
     line.on_event([this](const MachineEvent& one) {
       events.push_back(one);
       line.off();  // like a print that ends
     });
   }
-  void pass(Duration time) {
-    bool over = false;
-    const auto timer = clock.call_after(time, [&over] { over = true; });
-    while (!over)
-      clock.run_next();
-  }
-
-  VirtualClock clock;
-  Wire wire;
+  LightWire wire;
   std::vector<MachineEvent> events;
   GpioLightLine line{std::make_unique<FakeLine>(wire), "line 24 of gpiochip0", clock};
 };
 
 }  // namespace
 
-TEST_CASE("a light line that cannot be turned off is a fault, reported once and not from inside the call") {
-  Bench bench;
-  bench.line.on();
-  bench.wire.refuses_off = true;
-  bench.line.off();
-  bench.line.off();  // again before the report
-  CHECK(bench.events.empty());
-  CHECK(bench.line.refusal() == "the light's line 24 of gpiochip0 cannot be set: the kernel refuses");
-  bench.pass(10s);
-  REQUIRE(bench.events.size() == 1);
-  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
-  CHECK(bench.events[0].what ==
+TEST_CASE_METHOD(
+    LightLineFixture,
+    "a light line that cannot be turned off is a fault, reported once and not from inside the call") {
+  line.on();
+  wire.refuses_off = true;
+  line.off();
+  line.off();  // again before the report
+  CHECK(events.empty());
+  CHECK(line.refusal() == "the light's line 24 of gpiochip0 cannot be set: the kernel refuses");
+  pass(10s);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].kind == MachineEvent::Kind::Fault);
+  CHECK(events[0].what ==
         "the light may be on: the light's line 24 of gpiochip0 cannot be set: the kernel refuses");
 }
 
-TEST_CASE("turning a light line off is retried until it works, and on() is refused before") {
-  Bench bench;
-  bench.line.on();
-  bench.wire.refuses_off = true;
-  bench.line.off();
-  bench.pass(10s);
-  CHECK(bench.wire.sets > 10);
-  CHECK_THROWS_AS(bench.line.on(), HardwareError);
-  bench.wire.refuses_off = false;
-  bench.pass(2s);
-  CHECK_FALSE(bench.wire.active);
-  CHECK(bench.line.refusal().empty());
-  bench.wire.sets = 0;
-  bench.pass(10s);
-  CHECK(bench.wire.sets == 0);
-  CHECK(bench.events.size() == 1);
-  bench.line.on();
-  CHECK(bench.wire.active);
+TEST_CASE_METHOD(LightLineFixture,
+                 "turning a light line off is retried until it works, and on() is refused before") {
+  line.on();
+  wire.refuses_off = true;
+  line.off();
+  pass(10s);
+  CHECK(wire.sets > 10);
+  CHECK_THROWS_AS(line.on(), HardwareError);
+  wire.refuses_off = false;
+  pass(2s);
+  CHECK_FALSE(wire.active);
+  CHECK(line.refusal().empty());
+  wire.sets = 0;
+  pass(10s);
+  CHECK(wire.sets == 0);
+  CHECK(events.size() == 1);
+  line.on();
+  CHECK(wire.active);
   // The next refusal is reported again.
-  bench.wire.refuses_off = true;
-  bench.line.off();
-  bench.pass(2s);
-  CHECK(bench.events.size() == 2);
+  wire.refuses_off = true;
+  line.off();
+  pass(2s);
+  CHECK(events.size() == 2);
 }
 
-TEST_CASE("a light line that cannot be turned on is turned off, without a fault event") {
-  Bench bench;
-  bench.wire.refuses_on = true;
-  CHECK_THROWS_AS(bench.line.on(), HardwareError);
-  bench.pass(10s);
-  CHECK(bench.events.empty());
-  CHECK(bench.wire.sets == 2);
+TEST_CASE_METHOD(LightLineFixture,
+                 "a light line that cannot be turned on is turned off, without a fault event") {
+  wire.refuses_on = true;
+  CHECK_THROWS_AS(line.on(), HardwareError);
+  pass(10s);
+  CHECK(events.empty());
+  CHECK(wire.sets == 2);
 }
 
-TEST_CASE("a light line that was cut is off and goes on only after its release") {
-  Bench bench;
-  bench.line.on();
-  bench.line.cut(bench.clock.now());
-  CHECK_FALSE(bench.wire.active);
-  CHECK_THROWS_AS(bench.line.on(), LightInterlocked);
-  bench.line.off();
-  CHECK_THROWS_AS(bench.line.on(), LightInterlocked);
-  CHECK_FALSE(bench.wire.active);
-  bench.line.release();
-  CHECK_FALSE(bench.wire.active);  // the release alone does not turn it on
-  bench.line.on();
-  CHECK(bench.wire.active);
-  CHECK(bench.events.empty());
+TEST_CASE_METHOD(LightLineFixture, "a light line that was cut is off and goes on only after its release") {
+  line.on();
+  line.cut(clock.now());
+  CHECK_FALSE(wire.active);
+  CHECK_THROWS_AS(line.on(), LightInterlocked);
+  line.off();
+  CHECK_THROWS_AS(line.on(), LightInterlocked);
+  CHECK_FALSE(wire.active);
+  line.release();
+  CHECK_FALSE(wire.active);  // the release alone does not turn it on
+  line.on();
+  CHECK(wire.active);
+  CHECK(events.empty());
 }
 
-TEST_CASE("a light line that is cut while it is being turned on goes off, whichever comes first") {
-  Bench bench;
-  bench.wire.before_on = [&bench] { bench.line.cut(bench.clock.now()); };
-  CHECK_THROWS_AS(bench.line.on(), LightInterlocked);
-  CHECK_FALSE(bench.wire.active);
-  CHECK(bench.wire.cuts == 1);
+TEST_CASE_METHOD(LightLineFixture,
+                 "a light line that is cut while it is being turned on goes off, whichever comes first") {
+  wire.before_on = [this] { line.cut(clock.now()); };
+  CHECK_THROWS_AS(line.on(), LightInterlocked);
+  CHECK_FALSE(wire.active);
+  CHECK(wire.cuts == 1);
 }
 
-TEST_CASE("a light line that cannot be cut is a fault when the event loop turns it off") {
-  Bench bench;
-  bench.line.on();
-  bench.wire.refuses_off = true;
-  bench.line.cut(bench.clock.now());
-  CHECK(bench.events.empty());
-  bench.line.off();
-  bench.pass(100ms);
-  CHECK(bench.events.size() == 1);
+TEST_CASE_METHOD(LightLineFixture,
+                 "a light line that cannot be cut is a fault when the event loop turns it off") {
+  line.on();
+  wire.refuses_off = true;
+  line.cut(clock.now());
+  CHECK(events.empty());
+  line.off();
+  pass(100ms);
+  CHECK(events.size() == 1);
 }

@@ -5,6 +5,7 @@
 
 #include "hw/gpio/gpio_axis_config.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/refusal.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace contourd;
@@ -12,13 +13,8 @@ using testing::TemporaryFolder;
 
 namespace {
 
-std::string refusal(const GpioLineConfig& config, const std::filesystem::path& devices) {
-  try {
-    (void)report_line(config, devices);
-  } catch (const HardwareError& error) {
-    return error.what();
-  }
-  return "no error";
+std::string refusal_of_line(const GpioLineConfig& config, const std::filesystem::path& devices) {
+  return testing::refusal_of([&] { return report_line(config, devices); });
 }
 
 }  // namespace
@@ -27,8 +23,8 @@ TEST_CASE("The error for a missing chip names it and the folder that was searche
   const TemporaryFolder devices;
   const std::string none = "there is no GPIO chip below " + devices.path().string();
   const std::string expected = "there is no GPIO chip \"gpiochip9\" by device name, path or label; " + none;
-  CHECK(refusal({"gpiochip9", "17", false}, devices.path()) == expected);
-  CHECK(refusal({"", "17", false}, devices.path()) ==
+  CHECK(refusal_of_line({"gpiochip9", "17", false}, devices.path()) == expected);
+  CHECK(refusal_of_line({"", "17", false}, devices.path()) ==
         "there is no GPIO chip \"\" by device name, path or label; " + none);
 }
 
@@ -36,14 +32,15 @@ TEST_CASE("A file that is not a GPIO chip is refused with its path") {
   const TemporaryFolder devices;
   const auto path = devices.path() / "gpiochip0";
   std::ofstream(path) << "not a chip";
-  CHECK(refusal({"gpiochip0", "17", false}, devices.path()) == path.string() + " is not a GPIO chip");
-  CHECK(refusal({path.string(), "17", false}, devices.path()) == path.string() + " is not a GPIO chip");
+  CHECK(refusal_of_line({"gpiochip0", "17", false}, devices.path()) == path.string() + " is not a GPIO chip");
+  CHECK(refusal_of_line({path.string(), "17", false}, devices.path()) ==
+        path.string() + " is not a GPIO chip");
 }
 
 TEST_CASE("The existing chips are listed if none has the wanted label") {
   const TemporaryFolder devices;
   std::ofstream(devices.path() / "gpiochip0") << "not a chip";
-  const std::string words = refusal({"pinctrl-bcm2711", "17", false}, devices.path());
+  const std::string words = refusal_of_line({"pinctrl-bcm2711", "17", false}, devices.path());
   CHECK(words.starts_with("there is no GPIO chip \"pinctrl-bcm2711\" by device name, path or label; "));
   CHECK(words.find("existing chips: gpiochip0 (") != std::string::npos);
 }

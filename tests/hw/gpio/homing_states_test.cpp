@@ -6,129 +6,97 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/hw/transition_table_fixture.hpp"
 
 using namespace contourd;
 
 namespace {
 
-using S = HomingState;
-using E = HomingEvent;
-using F = HomingEffect;
+struct HomingTable : testing::TransitionTableFixture<HomingTransition, homing_transitions> {
+  // The expected table, written out independently, row by row.
+  static inline const std::vector<Row> kExpected{
+      {S::Idle, E::HomeWanted, S::GettingReady, {F::ForgetPosition, F::GetReady}},
+      {S::GettingReady, E::SwitchOpen, S::FastPass, {F::SeekFast}},
+      {S::GettingReady, E::SwitchClosed, S::BackingOff, {F::BackOff}},
+      {S::FastPass, E::Contact, S::BackingOff, {F::BackOff}},
+      {S::FastPass, E::Spike, S::FastPass, {F::SeekOn}},
+      {S::FastPass, E::WayOver, S::FastPassOver, {F::AwaitContact}},
+      {S::FastPassOver, E::Contact, S::BackingOff, {F::BackOff}},
+      {S::FastPassOver, E::Spike, S::FastPass, {F::SeekOn}},
+      {S::FastPassOver, E::WaitOver, S::Idle, {F::TellNoTrigger}},
+      {S::BackingOff, E::WayOver, S::BackedOff, {F::LookAtSwitch}},
+      {S::BackedOff, E::SwitchOpen, S::SlowPass, {F::SeekSlow}},
+      {S::BackedOff, E::SwitchClosed, S::Idle, {F::TellStillClosed}},
+      {S::SlowPass, E::Contact, S::AtSwitch, {F::TakePosition, F::AwaitRest}},
+      {S::SlowPass, E::Spike, S::SlowPass, {F::SeekOn}},
+      {S::SlowPass, E::WayOver, S::SlowPassOver, {F::AwaitContact}},
+      {S::SlowPassOver, E::Contact, S::AtSwitch, {F::TakePosition, F::AwaitRest}},
+      {S::SlowPassOver, E::Spike, S::SlowPass, {F::SeekOn}},
+      {S::SlowPassOver, E::WaitOver, S::Idle, {F::TellNoTrigger}},
+      {S::AtSwitch, E::WaitOver, S::Approaching, {F::KnowPosition, F::Approach}},
+      {S::Approaching, E::Arrived, S::Idle, {F::TellHomed}},
+      {S::GettingReady, E::StopWanted, S::Stopping, {F::StopMotor}},
+      {S::FastPass, E::StopWanted, S::PassStopping, {F::StopMotor}},
+      {S::FastPassOver, E::StopWanted, S::PassStopping, {F::StopMotor}},
+      {S::BackingOff, E::StopWanted, S::Stopping, {F::StopMotor}},
+      {S::BackedOff, E::StopWanted, S::Stopping, {F::StopMotor}},
+      {S::SlowPass, E::StopWanted, S::PassStopping, {F::StopMotor}},
+      {S::SlowPassOver, E::StopWanted, S::PassStopping, {F::StopMotor}},
+      {S::AtSwitch, E::StopWanted, S::Stopping, {F::StopMotor}},
+      {S::Approaching, E::StopWanted, S::Stopping, {F::StopMotor}},
+      {S::PassStopping, E::StopWanted, S::PassStopping, {F::StopMotor}},
+      {S::Stopping, E::StopWanted, S::Stopping, {F::StopMotor}},
+      {S::PassStopping, E::Contact, S::Idle, {F::TellStopped}},
+      {S::PassStopping, E::Spike, S::Idle, {F::TellStopped}},
+      {S::PassStopping, E::Stopped, S::Idle, {F::TellStopped}},
+      {S::Stopping, E::Stopped, S::Idle, {F::TellStopped}},
+      {S::GettingReady, E::Failed, S::Idle, {F::TellFailed}},
+      {S::FastPass, E::Failed, S::Idle, {F::TellFailed}},
+      {S::FastPassOver, E::Failed, S::Idle, {F::TellFailed}},
+      {S::BackingOff, E::Failed, S::Idle, {F::TellFailed}},
+      {S::BackedOff, E::Failed, S::Idle, {F::TellFailed}},
+      {S::SlowPass, E::Failed, S::Idle, {F::TellFailed}},
+      {S::SlowPassOver, E::Failed, S::Idle, {F::TellFailed}},
+      {S::AtSwitch, E::Failed, S::Idle, {F::TellFailed}},
+      {S::Approaching, E::Failed, S::Idle, {F::TellFailed}},
+      {S::PassStopping, E::Failed, S::Idle, {F::TellFailed}},
+      {S::Stopping, E::Failed, S::Idle, {F::TellFailed}},
+      {S::GettingReady, E::Aborted, S::Idle, {F::DropAnswer}},
+      {S::FastPass, E::Aborted, S::Idle, {F::DropAnswer}},
+      {S::FastPassOver, E::Aborted, S::Idle, {F::DropAnswer}},
+      {S::BackingOff, E::Aborted, S::Idle, {F::DropAnswer}},
+      {S::BackedOff, E::Aborted, S::Idle, {F::DropAnswer}},
+      {S::SlowPass, E::Aborted, S::Idle, {F::DropAnswer}},
+      {S::SlowPassOver, E::Aborted, S::Idle, {F::DropAnswer}},
+      {S::AtSwitch, E::Aborted, S::Idle, {F::DropAnswer}},
+      {S::Approaching, E::Aborted, S::Idle, {F::DropAnswer}},
+      {S::PassStopping, E::Aborted, S::Idle, {F::DropAnswer}},
+      {S::Stopping, E::Aborted, S::Idle, {F::DropAnswer}},
+  };
 
-struct Row {
-  S from;
-  E on;
-  S to;
-  std::vector<F> effects;
+  // True for the effects that turn the motor.
+  static bool turns_motor(F effect) {
+    return effect == F::SeekFast || effect == F::SeekSlow || effect == F::SeekOn || effect == F::BackOff ||
+           effect == F::Approach;
+  }
+
+  static bool tells(F effect) {
+    return effect == F::TellHomed || effect == F::TellNoTrigger || effect == F::TellStillClosed ||
+           effect == F::TellStopped || effect == F::TellFailed;
+  }
 };
-
-// The expected table, written out independently, row by row.
-const std::vector<Row> kExpected{
-    {S::Idle, E::HomeWanted, S::GettingReady, {F::ForgetPosition, F::GetReady}},
-    {S::GettingReady, E::SwitchOpen, S::FastPass, {F::SeekFast}},
-    {S::GettingReady, E::SwitchClosed, S::BackingOff, {F::BackOff}},
-    {S::FastPass, E::Contact, S::BackingOff, {F::BackOff}},
-    {S::FastPass, E::Spike, S::FastPass, {F::SeekOn}},
-    {S::FastPass, E::WayOver, S::FastPassOver, {F::AwaitContact}},
-    {S::FastPassOver, E::Contact, S::BackingOff, {F::BackOff}},
-    {S::FastPassOver, E::Spike, S::FastPass, {F::SeekOn}},
-    {S::FastPassOver, E::WaitOver, S::Idle, {F::TellNoTrigger}},
-    {S::BackingOff, E::WayOver, S::BackedOff, {F::LookAtSwitch}},
-    {S::BackedOff, E::SwitchOpen, S::SlowPass, {F::SeekSlow}},
-    {S::BackedOff, E::SwitchClosed, S::Idle, {F::TellStillClosed}},
-    {S::SlowPass, E::Contact, S::AtSwitch, {F::TakePosition, F::AwaitRest}},
-    {S::SlowPass, E::Spike, S::SlowPass, {F::SeekOn}},
-    {S::SlowPass, E::WayOver, S::SlowPassOver, {F::AwaitContact}},
-    {S::SlowPassOver, E::Contact, S::AtSwitch, {F::TakePosition, F::AwaitRest}},
-    {S::SlowPassOver, E::Spike, S::SlowPass, {F::SeekOn}},
-    {S::SlowPassOver, E::WaitOver, S::Idle, {F::TellNoTrigger}},
-    {S::AtSwitch, E::WaitOver, S::Approaching, {F::KnowPosition, F::Approach}},
-    {S::Approaching, E::Arrived, S::Idle, {F::TellHomed}},
-    {S::GettingReady, E::StopWanted, S::Stopping, {F::StopMotor}},
-    {S::FastPass, E::StopWanted, S::PassStopping, {F::StopMotor}},
-    {S::FastPassOver, E::StopWanted, S::PassStopping, {F::StopMotor}},
-    {S::BackingOff, E::StopWanted, S::Stopping, {F::StopMotor}},
-    {S::BackedOff, E::StopWanted, S::Stopping, {F::StopMotor}},
-    {S::SlowPass, E::StopWanted, S::PassStopping, {F::StopMotor}},
-    {S::SlowPassOver, E::StopWanted, S::PassStopping, {F::StopMotor}},
-    {S::AtSwitch, E::StopWanted, S::Stopping, {F::StopMotor}},
-    {S::Approaching, E::StopWanted, S::Stopping, {F::StopMotor}},
-    {S::PassStopping, E::StopWanted, S::PassStopping, {F::StopMotor}},
-    {S::Stopping, E::StopWanted, S::Stopping, {F::StopMotor}},
-    {S::PassStopping, E::Contact, S::Idle, {F::TellStopped}},
-    {S::PassStopping, E::Spike, S::Idle, {F::TellStopped}},
-    {S::PassStopping, E::Stopped, S::Idle, {F::TellStopped}},
-    {S::Stopping, E::Stopped, S::Idle, {F::TellStopped}},
-    {S::GettingReady, E::Failed, S::Idle, {F::TellFailed}},
-    {S::FastPass, E::Failed, S::Idle, {F::TellFailed}},
-    {S::FastPassOver, E::Failed, S::Idle, {F::TellFailed}},
-    {S::BackingOff, E::Failed, S::Idle, {F::TellFailed}},
-    {S::BackedOff, E::Failed, S::Idle, {F::TellFailed}},
-    {S::SlowPass, E::Failed, S::Idle, {F::TellFailed}},
-    {S::SlowPassOver, E::Failed, S::Idle, {F::TellFailed}},
-    {S::AtSwitch, E::Failed, S::Idle, {F::TellFailed}},
-    {S::Approaching, E::Failed, S::Idle, {F::TellFailed}},
-    {S::PassStopping, E::Failed, S::Idle, {F::TellFailed}},
-    {S::Stopping, E::Failed, S::Idle, {F::TellFailed}},
-    {S::GettingReady, E::Aborted, S::Idle, {F::DropAnswer}},
-    {S::FastPass, E::Aborted, S::Idle, {F::DropAnswer}},
-    {S::FastPassOver, E::Aborted, S::Idle, {F::DropAnswer}},
-    {S::BackingOff, E::Aborted, S::Idle, {F::DropAnswer}},
-    {S::BackedOff, E::Aborted, S::Idle, {F::DropAnswer}},
-    {S::SlowPass, E::Aborted, S::Idle, {F::DropAnswer}},
-    {S::SlowPassOver, E::Aborted, S::Idle, {F::DropAnswer}},
-    {S::AtSwitch, E::Aborted, S::Idle, {F::DropAnswer}},
-    {S::Approaching, E::Aborted, S::Idle, {F::DropAnswer}},
-    {S::PassStopping, E::Aborted, S::Idle, {F::DropAnswer}},
-    {S::Stopping, E::Aborted, S::Idle, {F::DropAnswer}},
-};
-
-std::set<S> all_states() {
-  std::set<S> states;
-  for (const HomingTransition& t : homing_transitions())
-    states.insert({t.from, t.to});
-  return states;
-}
-
-const HomingTransition* find(S from, E on) {
-  return find_row(homing_transitions(), from, on);
-}
-
-bool has(const HomingTransition& t, F effect) {
-  return std::ranges::find(t.done(), effect) != t.done().end();
-}
-
-// True for the effects that turn the motor.
-bool turns_motor(F effect) {
-  return effect == F::SeekFast || effect == F::SeekSlow || effect == F::SeekOn || effect == F::BackOff ||
-         effect == F::Approach;
-}
-
-bool tells(F effect) {
-  return effect == F::TellHomed || effect == F::TellNoTrigger || effect == F::TellStillClosed ||
-         effect == F::TellStopped || effect == F::TellFailed;
-}
 
 }  // namespace
 
-TEST_CASE("The homing table has exactly the rows written here") {
-  for (const Row& row : kExpected) {
-    CAPTURE(name_of(row.from), name_of(row.on));
-    const HomingTransition* found = find(row.from, row.on);
-    REQUIRE(found != nullptr);
-    CHECK(found->to == row.to);
-    CHECK(std::vector<F>(found->done().begin(), found->done().end()) == row.effects);
-  }
-  CHECK(homing_transitions().size() == kExpected.size());
+TEST_CASE_METHOD(HomingTable, "The homing table has exactly the rows written here") {
+  check_rows(kExpected);
 }
 
-TEST_CASE("No state of homing has two rows for the same event") {
-  std::set<std::pair<S, E>> seen;
-  for (const HomingTransition& t : homing_transitions())
-    CHECK(seen.insert({t.from, t.on}).second);
+TEST_CASE_METHOD(HomingTable, "No state of homing has two rows for the same event") {
+  check_one_row_per_event();
 }
 
-TEST_CASE("A fault, a stop and an abort end homing in every state") {
+TEST_CASE_METHOD(HomingTable, "A fault, a stop and an abort end homing in every state") {
   for (const S state : all_states()) {
     CAPTURE(name_of(state));
     const HomingTransition *failed = find(state, E::Failed), *aborted = find(state, E::Aborted),
@@ -145,7 +113,7 @@ TEST_CASE("A fault, a stop and an abort end homing in every state") {
   }
 }
 
-TEST_CASE("Homing answers once, when it ends, unless it is aborted") {
+TEST_CASE_METHOD(HomingTable, "Homing answers once, when it ends, unless it is aborted") {
   for (const HomingTransition& t : homing_transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
     const auto answers = std::ranges::count_if(t.done(), tells);
@@ -156,7 +124,7 @@ TEST_CASE("Homing answers once, when it ends, unless it is aborted") {
   }
 }
 
-TEST_CASE("After a stop request no effect turns the motor") {
+TEST_CASE_METHOD(HomingTable, "After a stop request no effect turns the motor") {
   for (const HomingTransition& t : homing_transitions()) {
     if (t.from != S::PassStopping && t.from != S::Stopping) continue;
     CAPTURE(name_of(t.from), name_of(t.on));
@@ -165,7 +133,9 @@ TEST_CASE("After a stop request no effect turns the motor") {
   }
 }
 
-TEST_CASE("The position is taken only from the slow pass' contact, and known before the plate moves by it") {
+TEST_CASE_METHOD(
+    HomingTable,
+    "The position is taken only from the slow pass' contact, and known before the plate moves by it") {
   for (const HomingTransition& t : homing_transitions()) {
     CAPTURE(name_of(t.from), name_of(t.on));
     const bool slow = t.from == S::SlowPass || t.from == S::SlowPassOver;
@@ -176,7 +146,7 @@ TEST_CASE("The position is taken only from the slow pass' contact, and known bef
   }
 }
 
-TEST_CASE("A pass continues after a spike, and contacts outside a pass are ignored") {
+TEST_CASE_METHOD(HomingTable, "A pass continues after a spike, and contacts outside a pass are ignored") {
   for (const S state : all_states()) {
     CAPTURE(name_of(state));
     const HomingTransition *contact = find(state, E::Contact), *spike = find(state, E::Spike);
@@ -188,7 +158,7 @@ TEST_CASE("A pass continues after a spike, and contacts outside a pass are ignor
   }
 }
 
-TEST_CASE("Every state of homing is reachable, and all names differ") {
+TEST_CASE_METHOD(HomingTable, "Every state of homing is reachable, and all names differ") {
   std::set<S> reached{S::Idle};
   for (std::size_t before = 0; before != reached.size();) {
     before = reached.size();

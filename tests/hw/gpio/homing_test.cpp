@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 namespace {
 
 // 5 ms of debouncing, 100 mm of travel, 5 mm/s.
-GpioAxisConfig axis_config(bool encoder = false) {
+GpioAxisConfig homing_config(bool encoder = false) {
   GpioAxisConfig config;
   config.travel = Nanometers{100'000'000};
   if (encoder) config.encoder = EncoderConfig{};
@@ -28,8 +28,8 @@ std::string millimeters_at(const char* what, Nanometers way, MillimetersPerSecon
          std::to_string(static_cast<int>(speed.count() * 10)) + " mm/10 s";
 }
 
-struct Bench {
-  explicit Bench(GpioAxisConfig given = axis_config()) : config(std::move(given)) {}
+struct HomingFixture {
+  explicit HomingFixture(GpioAxisConfig given = homing_config()) : config(std::move(given)) {}
 
   void home() {
     homing.begin([this](HomingResult result) { results.push_back(result); });
@@ -105,183 +105,178 @@ using Results = std::vector<HomingResult>;
 
 }  // namespace
 
-TEST_CASE("Homing seeks fast, backs off, seeks slowly, takes the contact's time and goes to the switch") {
-  Bench bench;
-  bench.home();
-  CHECK(bench.done() == Words{"forget the position", "get ready"});
-  bench.over();
-  CHECK(bench.done() == Words{"seek 105 mm at 50 mm/10 s"});
-  bench.contact();
-  CHECK(bench.done() == Words{"back off -5 mm at 50 mm/10 s"});
-  bench.over();
-  CHECK(bench.done() == Words{"wait 7 ms"});  // debouncing plus 2 ms until its result has arrived
-  bench.over();
-  CHECK(bench.done() == Words{"seek 10 mm at 25 mm/10 s"});
-  bench.contact(true, 1'234ms);
-  CHECK(bench.done() == Words{"take the position at 1234", "wait 0 ms"});
-  bench.over();
-  CHECK(bench.done() == Words{"know the position", "approach"});
-  CHECK(bench.homing.under_way());
-  CHECK(bench.results.empty());
-  bench.over();
-  CHECK(bench.results == Results{HomingResult::Homed});
-  CHECK_FALSE(bench.homing.under_way());
-  CHECK(bench.forgotten == 1);
+TEST_CASE_METHOD(
+    HomingFixture,
+    "Homing seeks fast, backs off, seeks slowly, takes the contact's time and goes to the switch") {
+  home();
+  CHECK(done() == Words{"forget the position", "get ready"});
+  over();
+  CHECK(done() == Words{"seek 105 mm at 50 mm/10 s"});
+  contact();
+  CHECK(done() == Words{"back off -5 mm at 50 mm/10 s"});
+  over();
+  CHECK(done() == Words{"wait 7 ms"});  // debouncing plus 2 ms until its result has arrived
+  over();
+  CHECK(done() == Words{"seek 10 mm at 25 mm/10 s"});
+  contact(true, 1'234ms);
+  CHECK(done() == Words{"take the position at 1234", "wait 0 ms"});
+  over();
+  CHECK(done() == Words{"know the position", "approach"});
+  CHECK(homing.under_way());
+  CHECK(results.empty());
+  over();
+  CHECK(results == Results{HomingResult::Homed});
+  CHECK_FALSE(homing.under_way());
+  CHECK(forgotten == 1);
 }
 
 TEST_CASE("With an encoder homing waits at the switch until the plate rests") {
-  Bench bench(axis_config(true));
-  bench.to_slow_pass();
-  bench.done();
-  bench.contact();
-  CHECK(bench.done() == Words{"take the position at 1000", "wait 20 ms"});
+  HomingFixture fixture(homing_config(true));
+  fixture.to_slow_pass();
+  fixture.done();
+  fixture.contact();
+  CHECK(fixture.done() == Words{"take the position at 1000", "wait 20 ms"});
 }
 
-TEST_CASE("Homing from a closed switch backs off first") {
-  Bench bench;
-  bench.closed = true;
-  bench.to_fast_pass();
-  CHECK(bench.done().back() == "back off -5 mm at 50 mm/10 s");
+TEST_CASE_METHOD(HomingFixture, "Homing from a closed switch backs off first") {
+  closed = true;
+  to_fast_pass();
+  CHECK(done().back() == "back off -5 mm at 50 mm/10 s");
 }
 
-TEST_CASE("Homing ends if the switch is closed after backing off") {
-  Bench bench;
-  bench.to_fast_pass();
-  bench.contact();
-  bench.closed = true;
-  bench.over();
-  bench.over();
-  CHECK(bench.results == Results{HomingResult::StillClosed});
+TEST_CASE_METHOD(HomingFixture, "Homing ends if the switch is closed after backing off") {
+  to_fast_pass();
+  contact();
+  closed = true;
+  over();
+  over();
+  CHECK(results == Results{HomingResult::StillClosed});
 }
 
 TEST_CASE("The end of a pass ends homing if no contact has settled in time") {
   for (const bool slow : {false, true}) {
     CAPTURE(slow);
-    Bench bench;
+    HomingFixture fixture;
     if (slow) {
-      bench.to_slow_pass();
+      fixture.to_slow_pass();
     } else {
-      bench.to_fast_pass();
+      fixture.to_fast_pass();
     }
-    bench.over();
-    CHECK(bench.done().back() == "wait 7 ms");
-    CHECK(bench.results.empty());
-    bench.over();
-    CHECK(bench.results == Results{HomingResult::NoTrigger});
+    fixture.over();
+    CHECK(fixture.done().back() == "wait 7 ms");
+    CHECK(fixture.results.empty());
+    fixture.over();
+    CHECK(fixture.results == Results{HomingResult::NoTrigger});
   }
 }
 
-TEST_CASE("A switch that closes with the last step of a pass is detected") {
-  Bench bench;
-  bench.to_fast_pass();
-  bench.over();
-  bench.contact();
-  CHECK(bench.done().back() == "back off -5 mm at 50 mm/10 s");
-  CHECK(bench.results.empty());
+TEST_CASE_METHOD(HomingFixture, "A switch that closes with the last step of a pass is detected") {
+  to_fast_pass();
+  over();
+  contact();
+  CHECK(done().back() == "back off -5 mm at 50 mm/10 s");
+  CHECK(results.empty());
 }
 
-TEST_CASE("A pass continues after any number of spikes, even at its very end") {
-  Bench bench;
-  bench.to_slow_pass();
-  bench.done();
+TEST_CASE_METHOD(HomingFixture, "A pass continues after any number of spikes, even at its very end") {
+  to_slow_pass();
+  done();
   for (int spikes = 0; spikes < 3; ++spikes) {
-    bench.contact(false);
-    CHECK(bench.done() == Words{"run on"});
+    contact(false);
+    CHECK(done() == Words{"run on"});
   }
-  bench.over();
-  bench.contact(false);
-  CHECK(bench.done() == Words{"wait 7 ms", "run on"});
-  bench.contact();
-  CHECK(bench.done().front() == "take the position at 1000");
+  over();
+  contact(false);
+  CHECK(done() == Words{"wait 7 ms", "run on"});
+  contact();
+  CHECK(done().front() == "take the position at 1000");
 }
 
-TEST_CASE("A contact that settles while the motor turns is handled when it rests") {
-  Bench bench;
-  bench.to_slow_pass();
-  bench.done();
-  CHECK_FALSE(bench.homing.take_contact());
-  bench.turning = true;
-  bench.contact(true, 777ms);
-  CHECK(bench.done().empty());
-  bench.turning = false;
-  CHECK(bench.homing.take_contact());
-  CHECK(bench.done() == Words{"take the position at 777", "wait 0 ms"});
-  CHECK_FALSE(bench.homing.take_contact());
+TEST_CASE_METHOD(HomingFixture, "A contact that settles while the motor turns is handled when it rests") {
+  to_slow_pass();
+  done();
+  CHECK_FALSE(homing.take_contact());
+  turning = true;
+  contact(true, 777ms);
+  CHECK(done().empty());
+  turning = false;
+  CHECK(homing.take_contact());
+  CHECK(done() == Words{"take the position at 777", "wait 0 ms"});
+  CHECK_FALSE(homing.take_contact());
 }
 
 TEST_CASE("A stop at any point of homing stops the motor and is answered when the motor rests") {
   for (int point = 0; point <= 8; ++point) {
     CAPTURE(point);
-    Bench bench;
-    bench.home();
+    HomingFixture fixture;
+    fixture.home();
     for (int i = 0; i < point; ++i) {
       // The contacts come instead of the end of the pass.
       if (i == 1 || i == 4) {
-        bench.contact();
+        fixture.contact();
       } else if (i < 6) {
-        bench.over();
+        fixture.over();
       }
     }
-    if (point > 6) bench.homing.stop();  // a second call
-    bench.done();
-    bench.homing.stop();
-    CHECK(bench.done() == Words{"stop"});
-    CHECK(bench.results.empty());
-    bench.homing.stopped();
-    CHECK(bench.results == Results{HomingResult::Stopped});
-    CHECK_FALSE(bench.homing.under_way());
+    if (point > 6) fixture.homing.stop();  // a second call
+    fixture.done();
+    fixture.homing.stop();
+    CHECK(fixture.done() == Words{"stop"});
+    CHECK(fixture.results.empty());
+    fixture.homing.stopped();
+    CHECK(fixture.results == Results{HomingResult::Stopped});
+    CHECK_FALSE(fixture.homing.under_way());
   }
 }
 
 TEST_CASE("After a stop in a pass, a contact or a spike ends homing as stopped and moves nothing") {
   for (const bool closed : {false, true}) {
-    Bench bench;
-    bench.to_slow_pass();
-    bench.homing.stop();
-    bench.done();
-    CHECK(bench.homing.in_pass());
-    bench.contact(closed);
-    CHECK(bench.done().empty());
-    CHECK(bench.results == Results{HomingResult::Stopped});
+    HomingFixture fixture;
+    fixture.to_slow_pass();
+    fixture.homing.stop();
+    fixture.done();
+    CHECK(fixture.homing.in_pass());
+    fixture.contact(closed);
+    CHECK(fixture.done().empty());
+    CHECK(fixture.results == Results{HomingResult::Stopped});
   }
 }
 
-TEST_CASE("Homing expects no contact outside its passes") {
-  Bench bench;
-  CHECK_FALSE(bench.homing.in_pass());
-  bench.home();
-  CHECK_FALSE(bench.homing.in_pass());
-  bench.over();
-  CHECK(bench.homing.in_pass());
-  bench.contact();
-  CHECK_FALSE(bench.homing.in_pass());
-  bench.homing.stop();
-  CHECK_FALSE(bench.homing.in_pass());
+TEST_CASE_METHOD(HomingFixture, "Homing expects no contact outside its passes") {
+  CHECK_FALSE(homing.in_pass());
+  home();
+  CHECK_FALSE(homing.in_pass());
+  over();
+  CHECK(homing.in_pass());
+  contact();
+  CHECK_FALSE(homing.in_pass());
+  homing.stop();
+  CHECK_FALSE(homing.in_pass());
 }
 
-TEST_CASE("A fault becomes homing's answer, and later events of the pass move nothing") {
-  Bench bench;
-  bench.to_fast_pass();
-  bench.done();
-  bench.turning = true;
-  bench.contact();
-  bench.homing.failed(HomingResult::WrongSwitch);
-  CHECK(bench.results == Results{HomingResult::WrongSwitch});
-  bench.turning = false;
-  CHECK_FALSE(bench.homing.take_contact());
-  CHECK(bench.done().empty());
+TEST_CASE_METHOD(HomingFixture,
+                 "A fault becomes homing's answer, and later events of the pass move nothing") {
+  to_fast_pass();
+  done();
+  turning = true;
+  contact();
+  homing.failed(HomingResult::WrongSwitch);
+  CHECK(results == Results{HomingResult::WrongSwitch});
+  turning = false;
+  CHECK_FALSE(homing.take_contact());
+  CHECK(done().empty());
 }
 
-TEST_CASE("An abort drops homing's answer, and homing can begin again, also from within its answer") {
-  Bench bench;
-  bench.to_slow_pass();
-  bench.homing.abort();
-  CHECK_FALSE(bench.homing.under_way());
-  bench.homing.failed(HomingResult::Fault);
-  bench.homing.stopped();
-  CHECK(bench.results.empty());
-  bench.homing.begin([&bench](HomingResult) { bench.home(); });
-  bench.homing.failed(HomingResult::Fault);
-  CHECK(bench.homing.under_way());
-  CHECK(bench.done().back() == "get ready");
+TEST_CASE_METHOD(HomingFixture,
+                 "An abort drops homing's answer, and homing can begin again, also from within its answer") {
+  to_slow_pass();
+  homing.abort();
+  CHECK_FALSE(homing.under_way());
+  homing.failed(HomingResult::Fault);
+  homing.stopped();
+  CHECK(results.empty());
+  homing.begin([this](HomingResult) { home(); });
+  homing.failed(HomingResult::Fault);
+  CHECK(homing.under_way());
+  CHECK(done().back() == "get ready");
 }

@@ -12,22 +12,14 @@
 #include "hw/gpio/step_engine.hpp"
 #include "tests/allocation_counter.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/gpio/counting_line.hpp"
+#include "tests/hw/gpio/test_time.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
+using testing::test_time;
 
 namespace {
-
-TimePoint test_time{};  // global because StepEngine takes a plain function
-
-class CountingLine final : public OutputLine {
- public:
-  [[nodiscard]] bool set(bool active) noexcept override {
-    if (active) ++rises;
-    return true;
-  }
-  int rises = 0;
-};
 
 // An input that delivers one edge on demand.
 class TellingLine final : public InputLine {
@@ -56,7 +48,7 @@ struct Machine {
     lines.contacts[static_cast<std::size_t>(AxisInput::Lid)] = {&lid, 1ms};
     lines.encoder_a = &encoder_a;
     lines.encoder_b = &encoder_b;
-    inputs.emplace(engine, lines, []() noexcept { return test_time; });
+    inputs.emplace(engine, lines, testing::test_now);
   }
   // True if the move completed.
   bool run(std::int64_t steps, const MotionLimits& limits) {
@@ -74,9 +66,9 @@ struct Machine {
     return engine.last_end() == StepEnd::Completed;
   }
 
-  CountingLine step, direction;
+  testing::CountingLine step, direction;
   TellingLine lid, encoder_a, encoder_b;
-  StepEngine engine{step, direction, {}, []() noexcept { return test_time; }};
+  StepEngine engine{step, direction, {}, testing::test_now};
   std::optional<AxisInputs> inputs;
 };
 

@@ -7,16 +7,16 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/hw/gpio/test_time.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
 using testing::draw;
 using testing::draw_real;
+using testing::test_time;
 
 namespace {
-
-TimePoint engine_time{};  // global because StepEngine takes a plain function
 
 // The time that the thread needs to read the clock once.
 constexpr Duration kLook{100};
@@ -29,7 +29,7 @@ class Line final : public OutputLine {
  public:
   [[nodiscard]] bool set(bool active) noexcept override {
     if (active && refuses_from && std::ssize(rises) >= *refuses_from) return false;
-    if (active) rises.push_back(engine_time);
+    if (active) rises.push_back(test_time);
     return true;
   }
   std::vector<TimePoint> rises;
@@ -42,20 +42,20 @@ struct HoldUp {
 };
 
 struct Run {
-  Run() { engine_time = TimePoint{1s}; }
+  Run() { test_time = TimePoint{1s}; }
 
   // Runs a move to its end; the event loop stops it at this time after the start, if given.
   void move(const StepMove& move, const std::vector<HoldUp>& hold_ups, std::optional<Duration> stop = {}) {
-    start = engine_time;
+    start = test_time;
     engine.start(move);
     if (stop && *stop == Duration{0}) engine.stop();
     const bool begun = engine.begin();
     for (bool running = begun; running; running = engine.running()) {
-      TimePoint wake = engine.interrupted() ? engine_time + kLook : std::max(engine_time, engine.due());
-      wake = std::min(wake, engine_time + 10ms);  // the thread checks for interruptions this often
+      TimePoint wake = engine.interrupted() ? test_time + kLook : std::max(test_time, engine.due());
+      wake = std::min(wake, test_time + 10ms);  // the thread checks for interruptions this often
       const TimePoint asked = stop ? start + *stop : TimePoint::max();
       if (!said_stop && wake >= asked) {
-        engine_time = std::max(engine_time, asked);
+        test_time = std::max(test_time, asked);
         said_stop = true;
         engine.stop();
         continue;
@@ -64,13 +64,13 @@ struct Run {
         const TimePoint from = start + hold_up.at, until = from + hold_up.lasting;
         if (wake < from || wake >= until) continue;
         if (!said_stop && asked < until) {
-          engine_time = std::max(engine_time, asked);
+          test_time = std::max(test_time, asked);
           said_stop = true;
           engine.stop();
         }
         wake = until;
       }
-      engine_time = wake;
+      test_time = wake;
       engine.act();
     }
   }
@@ -80,7 +80,7 @@ struct Run {
   }
 
   Line step, direction;
-  StepEngine engine{step, direction, {}, []() noexcept { return engine_time; }};
+  StepEngine engine{step, direction, {}, testing::test_now};
   TimePoint start{};
   bool said_stop = false;
 };
@@ -242,18 +242,17 @@ TEST_CASE("A move makes the predicted steps, whether delayed, ramping again or s
     run.engine.start({sign * steps, limits});
     std::vector<std::pair<TimePoint, std::int64_t>> foreseen;
     for (bool running = run.engine.begin(); running; running = run.engine.running()) {
-      TimePoint wake =
-          run.engine.interrupted() ? engine_time + kLook : std::max(engine_time, run.engine.due());
+      TimePoint wake = run.engine.interrupted() ? test_time + kLook : std::max(test_time, run.engine.due());
       const TimePoint from = TimePoint{1s} + hold_up.at, until = from + hold_up.lasting;
       if (wake >= from && wake < until) wake = until;
       if (foreseen.empty() && wake > looked) {
-        engine_time = std::max(looked, engine_time);
+        test_time = std::max(looked, test_time);
         if (stops) run.engine.stop();
         for (const Duration ahead : {1ms, 20ms, 50ms, 100ms, 300ms})
-          foreseen.emplace_back(engine_time + ahead, run.engine.position_at(engine_time + ahead));
+          foreseen.emplace_back(test_time + ahead, run.engine.position_at(test_time + ahead));
         continue;
       }
-      engine_time = wake;
+      test_time = wake;
       run.engine.act();
     }
     // A step's time is rounded to a nanosecond and may fall on this very time: one step.
@@ -304,13 +303,13 @@ TEST_CASE("However a move ends, its position is its start plus the steps that th
       position += (steps < 0 ? -1 : 1) * (std::ssize(run.step.rises) - rises);
       RC_ASSERT(!run.engine.moving());
       RC_ASSERT(run.engine.position() == position);
-      RC_ASSERT(run.engine.position_at(engine_time) == position);
+      RC_ASSERT(run.engine.position_at(test_time) == position);
       const std::int64_t elsewhere = draw(-100, 100);
       run.engine.set_position(elsewhere);
-      RC_ASSERT(run.engine.position_at(engine_time) == elsewhere);
+      RC_ASSERT(run.engine.position_at(test_time) == elsewhere);
       position = elsewhere;
       run.engine.forget_halt();
-      engine_time += 1ms;
+      test_time += 1ms;
     }
   }));
 }

@@ -1,60 +1,29 @@
 // Tests of the real threads in real time. Their delays depend on the computer; their results must not.
 #include "hw/gpio/step_thread.hpp"
 
-#include <fcntl.h>
 #include <sched.h>
-#include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <iostream>
 
 #include "hw/gpio/axis_threads.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/gpio/counting_line.hpp"
+#include "tests/hw/gpio/pipe_input.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
+using testing::CountingLine;
+using testing::PipeInput;
 
 namespace {
-
-class CountingLine final : public OutputLine {
- public:
-  [[nodiscard]] bool set(bool active) noexcept override {
-    if (active) ++rises;
-    return true;
-  }
-  std::atomic<int> rises{0};
-};
-
-// A contact made of a pipe; writing to the pipe closes the contact.
-class PipeLine final : public InputLine {
- public:
-  PipeLine() { REQUIRE(pipe2(ends_.data(), O_NONBLOCK) == 0); }
-  ~PipeLine() override {
-    for (const int end : ends_)
-      close(end);
-  }
-  void press() noexcept { pressed_ = write(ends_[1], "1", 1) == 1; }
-  [[nodiscard]] int descriptor() const noexcept override { return ends_[0]; }
-  [[nodiscard]] std::optional<bool> level() noexcept override { return pressed_; }
-  [[nodiscard]] std::size_t read_edges(std::span<LineEdge> edges) noexcept override {
-    char byte = 0;
-    if (read(ends_[0], &byte, 1) != 1) return 0;
-    edges[0] = {true, monotonic_now()};
-    return 1;
-  }
-
- private:
-  std::array<int, 2> ends_{};
-  std::atomic<bool> pressed_{false};
-};
 
 // A step line whose steps keep the processor busy for too long; with the 100th step the switch closes.
 class LaboriousLine final : public OutputLine {
  public:
-  explicit LaboriousLine(PipeLine& contact) : contact_(contact) {}
+  explicit LaboriousLine(PipeInput& contact) : contact_(contact) {}
   [[nodiscard]] bool set(bool active) noexcept override {
-    if (active && ++rises == 100) contact_.press();
+    if (active && ++rises == 100) contact_.set(true);
     for (const TimePoint start = monotonic_now(); monotonic_now() < start + 100us;) {
     }
     return true;
@@ -62,7 +31,7 @@ class LaboriousLine final : public OutputLine {
   std::atomic<int> rises{0};
 
  private:
-  PipeLine& contact_;
+  PipeInput& contact_;
 };
 
 // While it exists, this thread and the threads that it creates share one processor.
@@ -119,7 +88,7 @@ TEST_CASE("The threads make a move's steps, then the next move's, and end when d
 
 TEST_CASE("A switch halts the steps at the next one, even on a processor that they keep fully busy",
           "[threads]") {
-  PipeLine contact;
+  PipeInput contact;
   LaboriousLine step(contact);
   CountingLine direction;
   StepEngine engine(step, direction, {});

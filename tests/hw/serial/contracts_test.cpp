@@ -19,8 +19,8 @@ ProjectorTable table_without_light() {
   return table;
 }
 
-struct LightBench {
-  explicit LightBench(ProjectorTable projector_table) : table(std::move(projector_table)) {}
+struct ProjectorLightFixture {
+  explicit ProjectorLightFixture(ProjectorTable projector_table) : table(std::move(projector_table)) {}
   VirtualClock clock;
   testing::ScriptedChannel channel{clock};
   ProjectorTable table;
@@ -36,7 +36,7 @@ struct LightBench {
 }  // namespace
 
 TEST_CASE("ProjectorLight requires a table with a light, and darkness before light on") {
-  LightBench dark(table_without_light()), lit(testing::text_table());
+  ProjectorLightFixture dark(table_without_light()), lit(testing::text_table());
   CHECK(contract_broken_by([&] { dark.light.turn_on(Duration{1}, {}); }) ==
         "the table has a light on and off");
   CHECK(contract_broken_by([&] { dark.light.turn_off(); }) == "the table has a light off");

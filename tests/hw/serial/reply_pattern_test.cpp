@@ -6,19 +6,16 @@
 #include "hw/serial/projector_table.hpp"
 #include "hw/serial/readable_bytes.hpp"
 #include "tests/catch.hpp"
+#include "tests/hw/refusal.hpp"
 
 using namespace contourd;
 
 namespace {
 
-std::string complaint(const std::string& hex, Checksum checksum) {
-  try {
-    std::optional<std::size_t> number_at;
-    (void)parse_hex_message(hex, checksum, number_at);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+std::string refusal_of_hex(const std::string& hex, Checksum checksum) {
+  std::optional<std::size_t> number_at;
+  return testing::refusal_of<std::invalid_argument>(
+      [&] { return parse_hex_message(hex, checksum, number_at); });
 }
 
 }  // namespace
@@ -52,15 +49,16 @@ TEST_CASE("a hex message's checksum is computed, or checked where it is written 
       parse_hex_message("06 14 00 04 00 34 11 00 00 sum", Checksum::SumAfterFirst, number_at);
   CHECK(on == std::string("\x06\x14\x00\x04\x00\x34\x11\x00\x00\x5D", 10));
   CHECK_FALSE(number_at);
-  CHECK(complaint("06 14 00 04 00 34 11 00 00 5D", Checksum::SumAfterFirst).empty());
-  CHECK(complaint("06 14 5D", Checksum::SumAfterFirst) == "its last byte is 5D, but the checksum is 14");
-  CHECK(complaint("06 sum", Checksum::None) ==
+  CHECK(refusal_of_hex("06 14 00 04 00 34 11 00 00 5D", Checksum::SumAfterFirst).empty());
+  CHECK(refusal_of_hex("06 14 5D", Checksum::SumAfterFirst) == "its last byte is 5D, but the checksum is 14");
+  CHECK(refusal_of_hex("06 sum", Checksum::None) ==
         "\"sum\" stands for a checksum, but the table's checksum is \"none\"");
-  CHECK(complaint("sum 06", Checksum::SumAfterFirst) == "\"sum\" must come last");
-  CHECK(complaint(" ", Checksum::None) == "the text has no bytes");
-  CHECK(complaint("{} {}", Checksum::None) == "there is more than one {}");
-  CHECK(complaint("01 {} 02", Checksum::SumAfterFirst) == "with a {} in it, its checksum must be \"sum\"");
-  CHECK(complaint("0x2A", Checksum::None).starts_with("\"0x2A\" is not a byte"));
+  CHECK(refusal_of_hex("sum 06", Checksum::SumAfterFirst) == "\"sum\" must come last");
+  CHECK(refusal_of_hex(" ", Checksum::None) == "the text has no bytes");
+  CHECK(refusal_of_hex("{} {}", Checksum::None) == "there is more than one {}");
+  CHECK(refusal_of_hex("01 {} 02", Checksum::SumAfterFirst) ==
+        "with a {} in it, its checksum must be \"sum\"");
+  CHECK(refusal_of_hex("0x2A", Checksum::None).starts_with("\"0x2A\" is not a byte"));
 }
 
 TEST_CASE("a brightness goes in as digits or as a byte, and the checksum follows it") {

@@ -9,6 +9,7 @@
 #include "tests/catch.hpp"
 #include "tests/hw/serial/projector_tables.hpp"
 #include "tests/hw/serial/scripted_channel.hpp"
+#include "tests/hw/virtual_time_fixture.hpp"
 
 using namespace contourd;
 using namespace contourd::testing;
@@ -19,8 +20,9 @@ namespace {
 using Messages = std::vector<std::string>;
 
 // A projector of the text table that behaves, with the messages that it gets and the results of the calls.
-struct Bench {
-  explicit Bench(ProjectorTable table = text_table()) : projector(channel, clock, std::move(table)) {
+struct SerialProjectorFixture : VirtualTimeFixture {
+  explicit SerialProjectorFixture(ProjectorTable table = text_table())
+      : projector(channel, clock, std::move(table)) {
     channel.projector = [this](const std::string& message) { behave(message); };
     projector.on_event([this](const MachineEvent& one) { events.push_back(one); });
   }
@@ -41,12 +43,6 @@ struct Bench {
     channel.projector = [this, bytes](const std::string&) { channel.send(bytes, reply); };
   }
 
-  void pass(Duration time) {
-    bool over = false;
-    const auto timer = clock.call_after(time, [&over] { over = true; });
-    while (!over)
-      clock.run_next();
-  }
   void start_power_on() {
     answer.reset();
     projector.power_on([this](ProjectorReply r) { answer = r, answered_at = clock.now(); });
@@ -77,9 +73,7 @@ struct Bench {
   [[nodiscard]] std::ptrdiff_t times_sent(const std::string& message) const {
     return std::ranges::count(channel.sent, message, &ScriptedChannel::Sent::message);
   }
-  [[nodiscard]] Duration now() const { return clock.now().time_since_epoch(); }
 
-  VirtualClock clock;
   ScriptedChannel channel{clock};
   Duration reply = 20ms;
   TimePoint deaf_until{};
@@ -93,375 +87,370 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("a serial projector that is off is turned on, warmed up, asked again and made dark") {
-  Bench bench;
-  bench.light = true;  // as the projector comes up
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Ok);
-  CHECK(bench.channel.messages() ==
-        Messages{"~00124 1\r", "~0000 1\r", "~0002 1\r", "~00124 1\r", "~0002 1\r"});
-  CHECK_FALSE(bench.light);
-  CHECK(bench.now() >= 30s);
-  CHECK(bench.now() < 31s);  // four commands and their gaps beside the warm-up
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a serial projector that is off is turned on, warmed up, asked again and made dark") {
+  light = true;  // as the projector comes up
+  start_power_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Ok);
+  CHECK(channel.messages() == Messages{"~00124 1\r", "~0000 1\r", "~0002 1\r", "~00124 1\r", "~0002 1\r"});
+  CHECK_FALSE(light);
+  CHECK(now() >= 30s);
+  CHECK(now() < 31s);  // four commands and their gaps beside the warm-up
 }
 
-TEST_CASE("a projector that refuses light off while it warms up gets it again and again after power on") {
-  Bench bench;
+TEST_CASE_METHOD(
+    SerialProjectorFixture,
+    "a projector that refuses light off while it warms up gets it again and again after power on") {
   std::optional<TimePoint> on_at;
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0000 1\r") on_at = bench.clock.now(), bench.light = true;  // with a start-up picture
-    if (message == "~0002 1\r" && bench.clock.now() - *on_at < 25s) return bench.channel.send("F\r");
-    bench.behave(message);
+  channel.projector = [&](const std::string& message) {
+    if (message == "~0000 1\r") on_at = clock.now(), light = true;  // with a start-up picture
+    if (message == "~0002 1\r" && clock.now() - *on_at < 25s) return channel.send("F\r");
+    behave(message);
   };
-  bench.start_power_on();
-  bench.pass(20s);
-  REQUIRE(bench.channel.sent.size() > 12);  // a second between attempts, and a reply and a gap
-  CHECK(bench.channel.sent[2].message == "~0002 1\r");
-  CHECK(bench.channel.sent[2].at - *on_at < 200ms);  // power on's reply after 20 ms, and the gap of 100 ms
-  CHECK(bench.light);
-  bench.pass(7s);
-  CHECK_FALSE(bench.light);
-  CHECK_FALSE(bench.answer);  // the projector is not warm yet
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Ok);
-  CHECK(bench.events.empty());
+  start_power_on();
+  pass(20s);
+  REQUIRE(channel.sent.size() > 12);  // a second between attempts, and a reply and a gap
+  CHECK(channel.sent[2].message == "~0002 1\r");
+  CHECK(channel.sent[2].at - *on_at < 200ms);  // power on's reply after 20 ms, and the gap of 100 ms
+  CHECK(light);
+  pass(7s);
+  CHECK_FALSE(light);
+  CHECK_FALSE(answer);  // the projector is not warm yet
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Ok);
+  CHECK(events.empty());
 }
 
-TEST_CASE("a projector that is deaf while it warms up is made dark after that, without a machine event") {
-  Bench bench;
+TEST_CASE_METHOD(
+    SerialProjectorFixture,
+    "a projector that is deaf while it warms up is made dark after that, without a machine event") {
   std::optional<TimePoint> on_at;
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0000 1\r" && !on_at) on_at = bench.clock.now(), bench.light = bench.is_on = true;
-    if (on_at && message != "~0000 1\r" && bench.clock.now() - *on_at < 29900ms) return;
-    bench.behave(message);
+  channel.projector = [&](const std::string& message) {
+    if (message == "~0000 1\r" && !on_at) on_at = clock.now(), light = is_on = true;
+    if (on_at && message != "~0000 1\r" && clock.now() - *on_at < 29900ms) return;
+    behave(message);
   };
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Ok);
-  CHECK_FALSE(bench.light);
-  CHECK(bench.events.empty());
+  start_power_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Ok);
+  CHECK_FALSE(light);
+  CHECK(events.empty());
 }
 
-TEST_CASE("a projector that refuses light off when it is warm is reported") {
-  Bench bench;
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0002 1\r") return bench.channel.send("F\r");
-    bench.behave(message);
+TEST_CASE_METHOD(SerialProjectorFixture, "a projector that refuses light off when it is warm is reported") {
+  channel.projector = [&](const std::string& message) {
+    if (message == "~0002 1\r") return channel.send("F\r");
+    behave(message);
   };
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Refused);
-  CHECK(bench.now() >= 30s);
-  CHECK(bench.now() < 33s);  // an attempt a second
-  CHECK(bench.events.size() == 1);
+  start_power_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Refused);
+  CHECK(now() >= 30s);
+  CHECK(now() < 33s);  // an attempt a second
+  CHECK(events.size() == 1);
 }
 
-TEST_CASE("a projector that warms up a second time can be turned off") {
-  Bench bench;
-  bench.power_on();
-  bench.projector.power_off();
-  bench.pass(70s);
-  REQUIRE_FALSE(bench.is_on);
-  bench.start_power_on();
-  bench.pass(10s);
-  REQUIRE(bench.is_on);
-  bench.light = true;
-  bench.projector.power_off();
-  bench.pass(5s);
-  CHECK_FALSE(bench.is_on);
-  CHECK_FALSE(bench.light);
-  CHECK_FALSE(bench.answer);
+TEST_CASE_METHOD(SerialProjectorFixture, "a projector that warms up a second time can be turned off") {
+  power_on();
+  projector.power_off();
+  pass(70s);
+  REQUIRE_FALSE(is_on);
+  start_power_on();
+  pass(10s);
+  REQUIRE(is_on);
+  light = true;
+  projector.power_off();
+  pass(5s);
+  CHECK_FALSE(is_on);
+  CHECK_FALSE(light);
+  CHECK_FALSE(answer);
 }
 
-TEST_CASE("a serial projector that is on already is not warmed up again") {
-  Bench bench;
-  bench.is_on = bench.light = true;
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.channel.messages() == Messages{"~00124 1\r", "~0002 1\r"});
-  CHECK(bench.now() < 1s);
-  CHECK_FALSE(bench.light);
+TEST_CASE_METHOD(SerialProjectorFixture, "a serial projector that is on already is not warmed up again") {
+  is_on = light = true;
+  start_power_on();
+  wait_for_answer();
+  CHECK(channel.messages() == Messages{"~00124 1\r", "~0002 1\r"});
+  CHECK(now() < 1s);
+  CHECK_FALSE(light);
 }
 
-TEST_CASE("light on is reported when the serial projector's reply has come") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
-  const TimePoint asked = bench.clock.now();
-  bench.light_on();
-  CHECK(bench.light);
-  CHECK(bench.answered_at - asked == 20ms);
+TEST_CASE_METHOD(SerialProjectorFixture, "light on is reported when the serial projector's reply has come") {
+  power_on();
+  pass(1s);
+  const TimePoint asked = clock.now();
+  light_on();
+  CHECK(light);
+  CHECK(answered_at - asked == 20ms);
 }
 
-TEST_CASE("light off is sent in the very call, ahead of a light on that waits for its reply") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
-  bench.reply = 500ms;
-  bench.start_light_on();
-  bench.pass(200ms);
-  bench.channel.sent.clear();
-  const TimePoint asked = bench.clock.now();
-  bench.projector.light_off();
-  REQUIRE(bench.channel.sent.size() == 1);
-  CHECK(bench.channel.sent[0].message == "~0002 1\r");
-  CHECK(bench.channel.sent[0].at == asked);
-  bench.pass(5s);
-  CHECK_FALSE(bench.answer);  // dropped
-  CHECK(bench.events.empty());
-  CHECK_FALSE(bench.light);
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "light off is sent in the very call, ahead of a light on that waits for its reply") {
+  power_on();
+  pass(1s);
+  reply = 500ms;
+  start_light_on();
+  pass(200ms);
+  channel.sent.clear();
+  const TimePoint asked = clock.now();
+  projector.light_off();
+  REQUIRE(channel.sent.size() == 1);
+  CHECK(channel.sent[0].message == "~0002 1\r");
+  CHECK(channel.sent[0].at == asked);
+  pass(5s);
+  CHECK_FALSE(answer);  // dropped
+  CHECK(events.empty());
+  CHECK_FALSE(light);
 }
 
-TEST_CASE("light off waits only for the gap that the projector needs after a command") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
-  bench.reply = 500ms;
-  bench.start_light_on();
-  const TimePoint asked = bench.clock.now();
-  bench.projector.light_off();
-  bench.pass(1s);
-  REQUIRE(bench.channel.sent.size() >= 2);  // and again when light on's reply has come
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "light off waits only for the gap that the projector needs after a command") {
+  power_on();
+  pass(1s);
+  reply = 500ms;
+  start_light_on();
+  const TimePoint asked = clock.now();
+  projector.light_off();
+  pass(1s);
+  REQUIRE(channel.sent.size() >= 2);  // and again when light on's reply has come
   // 8 bytes of 10 bits at 9600 baud are 8.333 ms.
-  CHECK(bench.channel.sent[1].at - asked == 100ms + std::chrono::nanoseconds{8'333'333});
+  CHECK(channel.sent[1].at - asked == 100ms + std::chrono::nanoseconds{8'333'333});
 }
 
-TEST_CASE("the late reply to a light on does not confirm the light off after it") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0002 0\r") bench.channel.send("P\r", 300ms);  // and light off is lost
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "the late reply to a light on does not confirm the light off after it") {
+  power_on();
+  pass(1s);
+  channel.projector = [&](const std::string& message) {
+    if (message == "~0002 0\r") channel.send("P\r", 300ms);  // and light off is lost
   };
-  bench.start_light_on();
-  bench.pass(200ms);
-  bench.projector.light_off();
-  bench.pass(10s);
-  CHECK(bench.events.size() == 1);
-  CHECK(bench.channel.sent.size() > 4);
+  start_light_on();
+  pass(200ms);
+  projector.light_off();
+  pass(10s);
+  CHECK(events.size() == 1);
+  CHECK(channel.sent.size() > 4);
 }
 
-TEST_CASE("a reply to light on that comes late and twice does not confirm the light off after it") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a reply to light on that comes late and twice does not confirm the light off after it") {
+  power_on();
+  pass(1s);
   int light_offs = 0;
-  bench.channel.projector = [&](const std::string& message) {
+  channel.projector = [&](const std::string& message) {
     if (message == "~0002 1\r" && ++light_offs == 1) return;  // lost
-    if (message != "~0002 0\r") return bench.behave(message);
-    bench.light = true;
-    bench.channel.send("P\rP\r", 300ms);
+    if (message != "~0002 0\r") return behave(message);
+    light = true;
+    channel.send("P\rP\r", 300ms);
   };
-  bench.start_light_on();
-  bench.pass(200ms);
+  start_light_on();
+  pass(200ms);
   bool dark = false;
-  bench.projector.light_off();
-  bench.projector.when_dark([&] { dark = true; });
-  bench.pass(110ms);
-  CHECK(bench.light);
+  projector.light_off();
+  projector.when_dark([&] { dark = true; });
+  pass(110ms);
+  CHECK(light);
   CHECK_FALSE(dark);
   // The gap of 100 ms, the reply's 20 ms.
-  bench.pass(125ms);
-  CHECK_FALSE(bench.light);
+  pass(125ms);
+  CHECK_FALSE(light);
   CHECK(dark);
 }
 
-TEST_CASE("a reply to light off that comes late and twice does not confirm the power off after it") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a reply to light off that comes late and twice does not confirm the power off after it") {
+  power_on();
+  pass(1s);
   int light_offs = 0, power_offs = 0;
-  bench.channel.projector = [&](const std::string& message) {
+  channel.projector = [&](const std::string& message) {
     if (message == "~0000 0\r" && ++power_offs == 1) return;  // lost
-    if (message != "~0002 1\r") return bench.behave(message);
+    if (message != "~0002 1\r") return behave(message);
     // The first two light offs are both answered, and the second one's reply comes twice.
-    ++light_offs == 1 ? bench.channel.send("P\r", 1100ms) : bench.channel.send("P\rP\r", 200ms);
+    ++light_offs == 1 ? channel.send("P\r", 1100ms) : channel.send("P\rP\r", 200ms);
   };
-  bench.projector.power_off();
-  bench.pass(1300ms);
+  projector.power_off();
+  pass(1300ms);
   REQUIRE(power_offs == 1);
-  bench.pass(500ms);
+  pass(500ms);
   CHECK(power_offs == 3);  // the second power off's reply might be light off's third
-  CHECK_FALSE(bench.is_on);
+  CHECK_FALSE(is_on);
 }
 
-TEST_CASE(
+TEST_CASE_METHOD(
+    SerialProjectorFixture,
     "light off is repeated until the projector confirms it, and reported once when that takes too long") {
-  Bench bench;
-  bench.power_on();
-  bench.light_on();
-  bench.fall_silent();
-  bench.projector.light_off();
-  bench.pass(2900ms);
-  CHECK(bench.events.empty());
-  bench.pass(300ms);
-  REQUIRE(bench.events.size() == 1);
-  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
-  CHECK(bench.events[0].what ==
+  power_on();
+  light_on();
+  fall_silent();
+  projector.light_off();
+  pass(2900ms);
+  CHECK(events.empty());
+  pass(300ms);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].kind == MachineEvent::Kind::Fault);
+  CHECK(events[0].what ==
         "the light may be on: the projector at /dev/ttyUSB7 did not answer \"light off\" in 3 tries of 1000 "
         "ms: is it "
         "connected, and set to 9600 baud?");
-  bench.pass(60s);
-  CHECK(bench.channel.sent.size() > 15);
-  for (const std::string& message : bench.channel.messages())
+  pass(60s);
+  CHECK(channel.sent.size() > 15);
+  for (const std::string& message : channel.messages())
     CHECK(message == "~0002 1\r");
-  CHECK(bench.events.size() == 1);
+  CHECK(events.size() == 1);
 
-  CHECK_FALSE(bench.projector.why_not_ready().empty());
-  CHECK(bench.projector.light_off_unconfirmed().find("did not answer \"light off\"") != std::string::npos);
+  CHECK_FALSE(projector.why_not_ready().empty());
+  CHECK(projector.light_off_unconfirmed().find("did not answer \"light off\"") != std::string::npos);
 
-  bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
-  bench.pass(2s);
-  CHECK_FALSE(bench.light);
-  CHECK(bench.projector.why_not_ready().empty());
-  CHECK(bench.projector.light_off_unconfirmed().empty());
-  REQUIRE(bench.events.size() == 2);
-  CHECK(bench.events[1].kind == MachineEvent::Kind::Recovery);
-  CHECK(bench.events[1].what == "the projector at /dev/ttyUSB7 has confirmed that its light is off");
-  bench.channel.sent.clear();
-  bench.pass(60s);
-  for (const std::string& message : bench.channel.messages())
+  channel.projector = [&](const std::string& message) { behave(message); };
+  pass(2s);
+  CHECK_FALSE(light);
+  CHECK(projector.why_not_ready().empty());
+  CHECK(projector.light_off_unconfirmed().empty());
+  REQUIRE(events.size() == 2);
+  CHECK(events[1].kind == MachineEvent::Kind::Recovery);
+  CHECK(events[1].what == "the projector at /dev/ttyUSB7 has confirmed that its light is off");
+  channel.sent.clear();
+  pass(60s);
+  for (const std::string& message : channel.messages())
     CHECK(message == "~00124 1\r");  // the question whether it is still on
 }
 
-TEST_CASE("the reason why the light may be on is still reported after another command has failed") {
-  Bench bench;
-  bench.power_on();
-  bench.light_on();
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0002 1\r") return bench.channel.send("F\r");
-    if (message != "~0000 0\r") bench.behave(message);
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "the reason why the light may be on is still reported after another command has failed") {
+  power_on();
+  light_on();
+  channel.projector = [&](const std::string& message) {
+    if (message == "~0002 1\r") return channel.send("F\r");
+    if (message != "~0000 0\r") behave(message);
   };
-  bench.projector.power_off();
+  projector.power_off();
   for (int second = 0; second < 20; ++second) {
-    bench.pass(1s);
-    CHECK_FALSE(bench.projector.light_off_unconfirmed().empty());
-    CHECK(bench.projector.light_off_unconfirmed().find("power off") == std::string::npos);
+    pass(1s);
+    CHECK_FALSE(projector.light_off_unconfirmed().empty());
+    CHECK(projector.light_off_unconfirmed().find("power off") == std::string::npos);
   }
-  CHECK_FALSE(bench.projector.why_not_ready().empty());
+  CHECK_FALSE(projector.why_not_ready().empty());
 }
 
-TEST_CASE("a light is not turned on again while its light off is not confirmed") {
-  Bench bench;
-  bench.power_on();
-  bench.light_on();
-  bench.fall_silent();
-  bench.projector.light_off();
-  bench.pass(4s);
-  bench.channel.sent.clear();
-  bench.start_light_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Refused);
-  bench.pass(10s);
-  for (const std::string& message : bench.channel.messages())
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a light is not turned on again while its light off is not confirmed") {
+  power_on();
+  light_on();
+  fall_silent();
+  projector.light_off();
+  pass(4s);
+  channel.sent.clear();
+  start_light_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Refused);
+  pass(10s);
+  for (const std::string& message : channel.messages())
     CHECK(message == "~0002 1\r");
 }
 
-TEST_CASE("light on that is not confirmed is followed by light off") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0002 1\r") bench.behave(message);
-    if (message == "~0002 0\r") bench.light = true;  // obeyed, but not answered
+TEST_CASE_METHOD(SerialProjectorFixture, "light on that is not confirmed is followed by light off") {
+  power_on();
+  pass(1s);
+  channel.projector = [&](const std::string& message) {
+    if (message == "~0002 1\r") behave(message);
+    if (message == "~0002 0\r") light = true;  // obeyed, but not answered
   };
-  bench.start_light_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::NoAnswer);
-  CHECK(bench.projector.last_problem() ==
+  start_light_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::NoAnswer);
+  CHECK(projector.last_problem() ==
         "the projector at /dev/ttyUSB7 did not answer \"light on\" in 1 try of 1000 ms: is it connected, "
         "and set to 9600 baud?");
-  bench.pass(3s);
-  CHECK(bench.times_sent("~0002 0\r") == 1);
-  CHECK_FALSE(bench.light);
+  pass(3s);
+  CHECK(times_sent("~0002 0\r") == 1);
+  CHECK_FALSE(light);
 }
 
-TEST_CASE("a projector that is silent from the start is asked whether it is on, without a machine event") {
-  Bench bench;
-  bench.fall_silent();
-  bench.projector.light_off();
-  CHECK(bench.channel.messages() == Messages{"~0002 1\r"});
-  bench.pass(60s);
-  CHECK(bench.channel.messages() ==
+TEST_CASE_METHOD(
+    SerialProjectorFixture,
+    "a projector that is silent from the start is asked whether it is on, without a machine event") {
+  fall_silent();
+  projector.light_off();
+  CHECK(channel.messages() == Messages{"~0002 1\r"});
+  pass(60s);
+  CHECK(channel.messages() ==
         Messages{"~0002 1\r", "~0002 1\r", "~0002 1\r", "~00124 1\r", "~00124 1\r", "~00124 1\r"});
-  CHECK(bench.events.empty());
+  CHECK(events.empty());
 }
 
-TEST_CASE("a projector that is off and refuses light off is dark") {
-  Bench bench;
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0002 1\r") return bench.channel.send("F\r");  // as Optoma's do in standby
-    bench.behave(message);
+TEST_CASE_METHOD(SerialProjectorFixture, "a projector that is off and refuses light off is dark") {
+  channel.projector = [&](const std::string& message) {
+    if (message == "~0002 1\r") return channel.send("F\r");  // as Optoma's do in standby
+    behave(message);
   };
-  bench.projector.light_off();
-  bench.pass(60s);
-  CHECK(bench.channel.messages() == Messages{"~0002 1\r", "~00124 1\r"});
-  CHECK(bench.events.empty());
+  projector.light_off();
+  pass(60s);
+  CHECK(channel.messages() == Messages{"~0002 1\r", "~00124 1\r"});
+  CHECK(events.empty());
 }
 
-TEST_CASE(
+TEST_CASE_METHOD(
+    SerialProjectorFixture,
     "a projector found on that does not confirm light off is reported once, and gets it again and again") {
-  Bench bench;
-  bench.is_on = bench.light = true;
+  is_on = light = true;
   bool hears = false;
-  bench.channel.projector = [&](const std::string& message) {
-    if (hears || message != "~0002 1\r") bench.behave(message);
+  channel.projector = [&](const std::string& message) {
+    if (hears || message != "~0002 1\r") behave(message);
   };
-  bench.projector.light_off();
-  bench.pass(60s);
-  REQUIRE(bench.events.size() == 1);
-  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
-  CHECK(bench.events[0].what.starts_with(
+  projector.light_off();
+  pass(60s);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].kind == MachineEvent::Kind::Fault);
+  CHECK(events[0].what.starts_with(
       "the light may be on: the projector at /dev/ttyUSB7 did not answer \"light off\""));
-  CHECK(bench.channel.sent.size() > 15);
+  CHECK(channel.sent.size() > 15);
   hears = true;
-  bench.pass(2s);
-  CHECK_FALSE(bench.light);
-  bench.channel.sent.clear();
-  bench.pass(60s);
-  CHECK(bench.channel.sent.empty());
-  REQUIRE(bench.events.size() == 2);
-  CHECK(bench.events[1].kind == MachineEvent::Kind::Recovery);
+  pass(2s);
+  CHECK_FALSE(light);
+  channel.sent.clear();
+  pass(60s);
+  CHECK(channel.sent.empty());
+  REQUIRE(events.size() == 2);
+  CHECK(events[1].kind == MachineEvent::Kind::Recovery);
 }
 
-TEST_CASE("garbage in answer to the first light off is reported once") {
-  Bench bench;
-  bench.answer_always("\x8f\xe0\x03\xff");
-  bench.projector.light_off();
-  bench.pass(60s);
-  REQUIRE(bench.events.size() == 1);
-  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
+TEST_CASE_METHOD(SerialProjectorFixture, "garbage in answer to the first light off is reported once") {
+  answer_always("\x8f\xe0\x03\xff");
+  projector.light_off();
+  pass(60s);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].kind == MachineEvent::Kind::Fault);
   CHECK(
-      bench.events[0].what.starts_with("the light may be on: the projector at /dev/ttyUSB7 answered "
-                                       "\"light off\" in 3 tries of 1000 ms with \""));
+      events[0].what.starts_with("the light may be on: the projector at /dev/ttyUSB7 answered "
+                                 "\"light off\" in 3 tries of 1000 ms with \""));
 }
 
 TEST_CASE("confirm_dark answers when the projector has confirmed, or was asked often enough") {
-  const auto reply_of = [](Bench& bench) {
+  const auto reply_of = [](SerialProjectorFixture& fixture) {
     std::optional<ProjectorReply> reply;
-    bench.projector.confirm_dark([&](ProjectorReply r) { reply = r; });
+    fixture.projector.confirm_dark([&](ProjectorReply r) { reply = r; });
     CHECK_FALSE(reply);
-    bench.pass(30s);
+    fixture.pass(30s);
     REQUIRE(reply);
     return *reply;
   };
   {
-    Bench on;
+    SerialProjectorFixture on;
     on.is_on = on.light = true;
     CHECK(reply_of(on) == ProjectorReply::Ok);
     CHECK(on.channel.messages() == Messages{"~0002 1\r"});
     CHECK_FALSE(on.light);
   }
   {
-    Bench standby;
+    SerialProjectorFixture standby;
     standby.channel.projector = [&](const std::string& message) {
       standby.channel.send(message == "~00124 1\r" ? "OK0\r" : "F\r");
     };
     CHECK(reply_of(standby) == ProjectorReply::Ok);
   }
   {
-    Bench refuses;
+    SerialProjectorFixture refuses;
     refuses.channel.projector = [&](const std::string& message) {
       refuses.channel.send(message == "~00124 1\r" ? "OK1\r" : "F\r");
     };
@@ -470,7 +459,7 @@ TEST_CASE("confirm_dark answers when the projector has confirmed, or was asked o
           "the projector at /dev/ttyUSB7 refused \"light off\": it answered \"F\"");
   }
   {
-    Bench silent;
+    SerialProjectorFixture silent;
     silent.fall_silent();
     CHECK(reply_of(silent) == ProjectorReply::NoAnswer);
     CHECK(
@@ -479,12 +468,12 @@ TEST_CASE("confirm_dark answers when the projector has confirmed, or was asked o
         "and set to 9600 baud?");
   }
   {
-    Bench garbled;
+    SerialProjectorFixture garbled;
     garbled.answer_always("\x8f\xe0");
     CHECK(reply_of(garbled) == ProjectorReply::NoAnswer);
   }
   {
-    Bench lost;
+    SerialProjectorFixture lost;
     lost.channel.unplug();
     CHECK(reply_of(lost) == ProjectorReply::NoAnswer);
   }
@@ -493,151 +482,148 @@ TEST_CASE("confirm_dark answers when the projector has confirmed, or was asked o
     ProjectorTable table = text_table();
     table.light_on.reset();
     table.power.reset();
-    Bench partial(table);
+    SerialProjectorFixture partial(table);
     partial.fall_silent();
     CHECK(reply_of(partial) == ProjectorReply::NoAnswer);
     CHECK(partial.channel.messages() == Messages{"~0002 1\r", "~0002 1\r", "~0002 1\r"});
   }
 }
 
-TEST_CASE("a print that begins while the light is not yet known to be off gets its answer") {
-  Bench bench;
-  bench.is_on = bench.light = true;
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a print that begins while the light is not yet known to be off gets its answer") {
+  is_on = light = true;
   bool hears = false;
-  bench.channel.projector = [&](const std::string& message) {
-    if (hears || message != "~0002 1\r") bench.behave(message);
+  channel.projector = [&](const std::string& message) {
+    if (hears || message != "~0002 1\r") behave(message);
   };
-  bench.projector.light_off();
-  bench.start_power_on();
-  bench.pass(20s);
-  CHECK(bench.answer == ProjectorReply::NoAnswer);
-  CHECK(bench.events.size() == 1);
+  projector.light_off();
+  start_power_on();
+  pass(20s);
+  CHECK(answer == ProjectorReply::NoAnswer);
+  CHECK(events.size() == 1);
 }
 
-TEST_CASE("a silent projector is asked again as often as its table says, then given up") {
-  Bench bench;
-  bench.fall_silent();
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::NoAnswer);
-  CHECK(bench.channel.messages() ==
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a silent projector is asked again as often as its table says, then given up") {
+  fall_silent();
+  start_power_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::NoAnswer);
+  CHECK(channel.messages() ==
         Messages{"~00124 1\r", "~00124 1\r", "~00124 1\r", "~0000 1\r", "~0000 1\r", "~0000 1\r"});
-  CHECK(bench.projector.last_problem() ==
+  CHECK(projector.last_problem() ==
         "the projector at /dev/ttyUSB7 did not answer \"power on\" in 3 tries of 1000 ms: is it connected, "
         "and set to 9600 "
         "baud?");
 }
 
-TEST_CASE("a projector that ignores questions while it is off is turned on all the same") {
-  Bench bench;
-  bench.channel.projector = [&](const std::string& message) {
-    if (bench.is_on || message == "~0000 1\r") bench.behave(message);
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a projector that ignores questions while it is off is turned on all the same") {
+  channel.projector = [&](const std::string& message) {
+    if (is_on || message == "~0000 1\r") behave(message);
   };
-  bench.power_on();
-  CHECK(bench.is_on);
+  power_on();
+  CHECK(is_on);
 }
 
-TEST_CASE("garbage, as from a wrong baud rate, is shown in the message") {
-  Bench bench;
-  bench.answer_always("\x8f\xe0\x03\xff");
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::NoAnswer);
+TEST_CASE_METHOD(SerialProjectorFixture, "garbage, as from a wrong baud rate, is shown in the message") {
+  answer_always("\x8f\xe0\x03\xff");
+  start_power_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::NoAnswer);
   CHECK(
-      bench.projector.last_problem() ==
+      projector.last_problem() ==
       "the projector at /dev/ttyUSB7 answered \"power on\" in 3 tries of 1000 ms with "
       "\"\\x8F\\xE0\\x03\\xFF\\x8F\\xE0\\x03\\xFF\\x8F\\xE0\\x03\\xFF\", which is not a reply to it: is its "
       "baud rate 9600, and is the table \"Optoma\" the right one for it?");
 }
 
-TEST_CASE("a refusal is distinguished from silence, and its bytes are shown") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
-  bench.channel.projector = [&](const std::string& message) {
-    bench.channel.send(message == "~0002 0\r" ? "F\r" : "P\r");
+TEST_CASE_METHOD(SerialProjectorFixture, "a refusal is distinguished from silence, and its bytes are shown") {
+  power_on();
+  pass(1s);
+  channel.projector = [&](const std::string& message) {
+    channel.send(message == "~0002 0\r" ? "F\r" : "P\r");
   };
-  bench.start_light_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Refused);
-  CHECK(bench.projector.last_problem() ==
-        "the projector at /dev/ttyUSB7 refused \"light on\": it answered \"F\"");
+  start_light_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Refused);
+  CHECK(projector.last_problem() == "the projector at /dev/ttyUSB7 refused \"light on\": it answered \"F\"");
 }
 
-TEST_CASE("a reply without its line end counts when nothing more has come in time") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
-  bench.answer_always("P");
-  bench.start_light_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Ok);
-  CHECK(bench.channel.sent.size() == 1);
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a reply without its line end counts when nothing more has come in time") {
+  power_on();
+  pass(1s);
+  answer_always("P");
+  start_light_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Ok);
+  CHECK(channel.sent.size() == 1);
 }
 
-TEST_CASE(
+TEST_CASE_METHOD(
+    SerialProjectorFixture,
     "a reply that comes after a command was sent again answers it, and its repetition answers no other") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
-  bench.reply = 1100ms;  // the table's timeout is 1 s
-  const TimePoint start = bench.clock.now();
-  bench.answer.reset();
-  bench.projector.ask_status([&](const ProjectorStatus& status) {
-    if (!bench.answer) bench.answer = status.reply, bench.answered_at = bench.clock.now();
+  power_on();
+  pass(1s);
+  reply = 1100ms;  // the table's timeout is 1 s
+  const TimePoint start = clock.now();
+  answer.reset();
+  projector.ask_status([&](const ProjectorStatus& status) {
+    if (!answer) answer = status.reply, answered_at = clock.now();
   });
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Ok);
-  CHECK(bench.channel.messages() == Messages{"~00124 1\r", "~00124 1\r", "~00108 1\r", "~00108 1\r"});
-  CHECK(bench.answered_at - start == 2 * 1100ms + 100ms);  // with the gap between the two questions
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Ok);
+  CHECK(channel.messages() == Messages{"~00124 1\r", "~00124 1\r", "~00108 1\r", "~00108 1\r"});
+  CHECK(answered_at - start == 2 * 1100ms + 100ms);  // with the gap between the two questions
   // The second reply is still on its way when light off, which is lost, waits for its own.
-  bench.fall_silent();
-  bench.projector.light_off();
-  bench.pass(5s);
-  CHECK(bench.events.empty());  // no light was ever asked for
-  CHECK(bench.channel.messages().back() != "~0002 0\r");
+  fall_silent();
+  projector.light_off();
+  pass(5s);
+  CHECK(events.empty());  // no light was ever asked for
+  CHECK(channel.messages().back() != "~0002 0\r");
 }
 
 TEST_CASE("light on is sent once, and the light counts from its first byte, whatever the reply does") {
   for (const bool obeys : {true, false}) {
     CAPTURE(obeys);
-    Bench bench;
-    bench.power_on();
-    bench.pass(1s);
-    bench.channel.projector = [&](const std::string& message) {
-      if (message != "~0002 0\r") return bench.behave(message);
-      bench.light = obeys;  // and the reply is lost
+    SerialProjectorFixture fixture;
+    fixture.power_on();
+    fixture.pass(1s);
+    fixture.channel.projector = [&](const std::string& message) {
+      if (message != "~0002 0\r") return fixture.behave(message);
+      fixture.light = obeys;  // and the reply is lost
     };
-    const TimePoint asked = bench.clock.now();
-    bench.start_light_on();
-    bench.wait_for_answer();
-    CHECK(bench.sent_at == asked);
-    CHECK(bench.answer == ProjectorReply::NoAnswer);
-    bench.pass(3s);
-    const auto light = bench.projector.last_light();
+    const TimePoint asked = fixture.clock.now();
+    fixture.start_light_on();
+    fixture.wait_for_answer();
+    CHECK(fixture.sent_at == asked);
+    CHECK(fixture.answer == ProjectorReply::NoAnswer);
+    fixture.pass(3s);
+    const auto light = fixture.projector.last_light();
     REQUIRE(light);
     CHECK(light->on_earliest == asked);
     CHECK_FALSE(light->on_latest);
     // The reply was waited for during a second from the command's last byte, then light off was sent. The
     // first reply may be light on's and the second a repetition of it, so the third counts; each takes a gap
     // of 100 ms and a reply of 20 ms.
-    CHECK(light->most(bench.clock.now()) > 1240ms);
-    CHECK(light->most(bench.clock.now()) < 1300ms);
+    CHECK(light->most(fixture.clock.now()) > 1240ms);
+    CHECK(light->most(fixture.clock.now()) < 1300ms);
     CHECK(light->least() == Duration{0});
-    CHECK(bench.times_sent("~0002 0\r") == 1);
+    CHECK(fixture.times_sent("~0002 0\r") == 1);
   }
 }
 
 TEST_CASE("a light that comes no sooner than its projector's latency counts from then on") {
   ProjectorTable table = text_table();
   table.latency = 150ms;
-  Bench bench(table);
-  bench.power_on();
-  bench.pass(1s);
-  const TimePoint asked = bench.clock.now();
-  bench.start_light_on();
-  bench.wait_for_answer();
-  CHECK(bench.sent_at == asked + 150ms);
+  SerialProjectorFixture fixture(table);
+  fixture.power_on();
+  fixture.pass(1s);
+  const TimePoint asked = fixture.clock.now();
+  fixture.start_light_on();
+  fixture.wait_for_answer();
+  CHECK(fixture.sent_at == asked + 150ms);
 }
 
 TEST_CASE("after a lost reply to light on the projector is asked, where it can be, whether the light is on") {
@@ -645,22 +631,22 @@ TEST_CASE("after a lost reply to light on the projector is asked, where it can b
   table.light = text_command("light", "~00355 1", {{ReplyMeaning::On, "OK0"}, {ReplyMeaning::Off, "OK1"}});
   for (const bool obeyed : {true, false}) {
     CAPTURE(obeyed);
-    Bench bench(table);
-    bench.power_on();
-    bench.pass(1s);
-    bench.channel.projector = [&](const std::string& message) {
-      if (message == "~00355 1\r") return bench.channel.send(bench.light ? "OK0\r" : "OK1\r");
-      if (message != "~0002 0\r") return bench.behave(message);
-      bench.light = obeyed;
+    SerialProjectorFixture fixture(table);
+    fixture.power_on();
+    fixture.pass(1s);
+    fixture.channel.projector = [&](const std::string& message) {
+      if (message == "~00355 1\r") return fixture.channel.send(fixture.light ? "OK0\r" : "OK1\r");
+      if (message != "~0002 0\r") return fixture.behave(message);
+      fixture.light = obeyed;
     };
-    bench.start_light_on();
-    bench.wait_for_answer();
-    CHECK(bench.answer == (obeyed ? ProjectorReply::Ok : ProjectorReply::NoAnswer));
-    CHECK(bench.projector.last_light()->on_latest.has_value() == obeyed);
-    bench.pass(3s);
-    CHECK(bench.light == obeyed);
+    fixture.start_light_on();
+    fixture.wait_for_answer();
+    CHECK(fixture.answer == (obeyed ? ProjectorReply::Ok : ProjectorReply::NoAnswer));
+    CHECK(fixture.projector.last_light()->on_latest.has_value() == obeyed);
+    fixture.pass(3s);
+    CHECK(fixture.light == obeyed);
     // Light off is sent although light on was not obeyed.
-    CHECK((bench.times_sent("~0002 1\r") > 0) == !obeyed);
+    CHECK((fixture.times_sent("~0002 1\r") > 0) == !obeyed);
   }
 }
 
@@ -672,160 +658,160 @@ TEST_CASE("a reply to light on that may be a repeated one to light off does not 
       if (asked)
         table.light =
             text_command("light", "~00355 1", {{ReplyMeaning::On, "OK0"}, {ReplyMeaning::Off, "OK1"}});
-      Bench bench(table);
-      bench.power_on();
-      bench.light_on();
-      bench.channel.projector = [&](const std::string& message) {
-        if (message == "~00355 1\r") return bench.channel.send(bench.light ? "OK0\r" : "OK1\r");
-        bench.light = message == "~0002 0\r" && obeyed;
+      SerialProjectorFixture fixture(table);
+      fixture.power_on();
+      fixture.light_on();
+      fixture.channel.projector = [&](const std::string& message) {
+        if (message == "~00355 1\r") return fixture.channel.send(fixture.light ? "OK0\r" : "OK1\r");
+        fixture.light = message == "~0002 0\r" && obeyed;
         // The second light off is answered for both of them; light on's reply looks like one more of these.
-        if (message == "~0002 0\r") return bench.channel.send("P\r");
-        if (bench.times_sent("~0002 1\r") == 2) bench.channel.send("P\rP\r");
+        if (message == "~0002 0\r") return fixture.channel.send("P\r");
+        if (fixture.times_sent("~0002 1\r") == 2) fixture.channel.send("P\rP\r");
       };
-      bench.projector.light_off();
-      bench.pass(1500ms);
-      REQUIRE(bench.projector.light_off_unconfirmed().empty());
-      bench.start_light_on();
-      bench.wait_for_answer();
-      CHECK(bench.answer == (asked && !obeyed ? ProjectorReply::NoAnswer : ProjectorReply::Ok));
-      CHECK(bench.projector.last_light()->on_latest.has_value() == (asked && obeyed));
+      fixture.projector.light_off();
+      fixture.pass(1500ms);
+      REQUIRE(fixture.projector.light_off_unconfirmed().empty());
+      fixture.start_light_on();
+      fixture.wait_for_answer();
+      CHECK(fixture.answer == (asked && !obeyed ? ProjectorReply::NoAnswer : ProjectorReply::Ok));
+      CHECK(fixture.projector.last_light()->on_latest.has_value() == (asked && obeyed));
       if (asked && !obeyed)
-        CHECK(bench.projector.last_problem().find("has not confirmed that its light is on") !=
+        CHECK(fixture.projector.last_problem().find("has not confirmed that its light is on") !=
               std::string::npos);
     }
   }
 }
 
-TEST_CASE("the callback of when_dark is called when light off is confirmed, not before") {
-  Bench bench;
-  bench.power_on();
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "the callback of when_dark is called when light off is confirmed, not before") {
+  power_on();
   std::optional<TimePoint> dark_at;
   const auto wait = [&] {
     dark_at.reset();
-    bench.projector.when_dark([&] { dark_at = bench.clock.now(); });
+    projector.when_dark([&] { dark_at = clock.now(); });
     CHECK_FALSE(dark_at);
   };
   wait();
-  bench.pass(1s);
+  pass(1s);
   CHECK(dark_at);  // dark from the start
-  bench.light_on();
+  light_on();
   wait();
-  bench.pass(1s);
+  pass(1s);
   CHECK_FALSE(dark_at);
-  bench.fall_silent();
-  const TimePoint off = bench.clock.now();
-  bench.projector.light_off();
-  bench.pass(2500ms);
+  fall_silent();
+  const TimePoint off = clock.now();
+  projector.light_off();
+  pass(2500ms);
   CHECK_FALSE(dark_at);
-  bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
-  bench.pass(2s);
+  channel.projector = [&](const std::string& message) { behave(message); };
+  pass(2s);
   REQUIRE(dark_at);
-  CHECK_FALSE(bench.light);
-  CHECK(bench.projector.last_light()->off_earliest == off);
-  CHECK(bench.projector.last_light()->off_latest == dark_at);
+  CHECK_FALSE(light);
+  CHECK(projector.last_light()->off_earliest == off);
+  CHECK(projector.last_light()->off_latest == dark_at);
   wait();
-  bench.start_light_on();  // drops the wait for darkness
-  bench.pass(1s);
+  start_light_on();  // drops the wait for darkness
+  pass(1s);
   CHECK_FALSE(dark_at);
 }
 
-TEST_CASE("a light on is refused while a light off is not confirmed") {
-  Bench bench;
-  bench.power_on();
-  bench.light_on();
-  bench.projector.light_off();
-  bench.start_light_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Refused);
-  CHECK_FALSE(bench.sent_at);
-  bench.pass(1s);
-  bench.light_on();
-  CHECK(bench.light);
+TEST_CASE_METHOD(SerialProjectorFixture, "a light on is refused while a light off is not confirmed") {
+  power_on();
+  light_on();
+  projector.light_off();
+  start_light_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Refused);
+  CHECK_FALSE(sent_at);
+  pass(1s);
+  light_on();
+  CHECK(light);
 }
 
-TEST_CASE("a projector is not asked whether it is still on if light off would have to wait for the answer") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(3900ms);
-  bench.start_light_on(2s);  // the question would be due after 1.1 s of it
-  bench.pass(1950ms);
-  CHECK(bench.times_sent("~00124 1\r") == 0);
-  bench.projector.light_off();
-  CHECK(bench.channel.sent.back().at == bench.clock.now());
-  bench.pass(8s);
-  bench.channel.sent.clear();
-  bench.start_light_on(30s);
-  bench.pass(20s);
-  CHECK(bench.times_sent("~00124 1\r") >= 3);
+TEST_CASE_METHOD(
+    SerialProjectorFixture,
+    "a projector is not asked whether it is still on if light off would have to wait for the answer") {
+  power_on();
+  pass(3900ms);
+  start_light_on(2s);  // the question would be due after 1.1 s of it
+  pass(1950ms);
+  CHECK(times_sent("~00124 1\r") == 0);
+  projector.light_off();
+  CHECK(channel.sent.back().at == clock.now());
+  pass(8s);
+  channel.sent.clear();
+  start_light_on(30s);
+  pass(20s);
+  CHECK(times_sent("~00124 1\r") >= 3);
 }
 
 TEST_CASE("a power off that no projector answers is checked where it can be asked, and sent again") {
   ProjectorTable table = text_table();
   table.power_off.replies.clear();
-  Bench bench(table);
-  bench.power_on();
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0000 0\r" && bench.times_sent(message) == 1) return;  // lost
-    bench.behave(message);
+  SerialProjectorFixture fixture(table);
+  fixture.power_on();
+  fixture.channel.projector = [&](const std::string& message) {
+    if (message == "~0000 0\r" && fixture.times_sent(message) == 1) return;  // lost
+    fixture.behave(message);
   };
-  bench.projector.power_off();
-  bench.pass(4s);
-  CHECK(bench.is_on);
-  bench.pass(10s);
-  CHECK_FALSE(bench.is_on);
-  bench.channel.sent.clear();
-  bench.pass(60s);
-  CHECK(bench.channel.sent.empty());  // the projector has said that it is off
-  CHECK(bench.events.empty());
+  fixture.projector.power_off();
+  fixture.pass(4s);
+  CHECK(fixture.is_on);
+  fixture.pass(10s);
+  CHECK_FALSE(fixture.is_on);
+  fixture.channel.sent.clear();
+  fixture.pass(60s);
+  CHECK(fixture.channel.sent.empty());  // the projector has said that it is off
+  CHECK(fixture.events.empty());
 }
 
 TEST_CASE("a projector that stays on though it was turned off is reported, even if power off has no reply") {
   ProjectorTable table = text_table();
   table.power_off.replies.clear();
-  Bench bench(table);
-  bench.power_on();
-  bench.channel.projector = [&](const std::string& message) {
-    if (message != "~0000 0\r") bench.behave(message);
+  SerialProjectorFixture fixture(table);
+  fixture.power_on();
+  fixture.channel.projector = [&](const std::string& message) {
+    if (message != "~0000 0\r") fixture.behave(message);
   };
-  bench.projector.power_off();
-  bench.pass(60s);
-  REQUIRE(bench.events.size() == 1);
-  CHECK(bench.events[0].what ==
+  fixture.projector.power_off();
+  fixture.pass(60s);
+  REQUIRE(fixture.events.size() == 1);
+  CHECK(fixture.events[0].what ==
         "the lamp may be on: the projector at /dev/ttyUSB7 has not confirmed that it is off");
 }
 
-TEST_CASE("power on right after power off waits until the lamp has cooled down") {
-  Bench bench;
-  bench.power_on();
-  bench.projector.power_off();
-  bench.pass(1s);
-  CHECK(bench.channel.messages() == Messages{"~0002 1\r", "~0000 0\r"});
-  CHECK_FALSE(bench.is_on);
-  const TimePoint off = bench.clock.now() - 1s;
-  bench.channel.sent.clear();
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Ok);
-  REQUIRE(bench.channel.sent.size() == 5);
-  CHECK(bench.channel.sent[1].message == "~0000 1\r");
-  CHECK(bench.channel.sent[1].at - off >= 60s);
-  CHECK(bench.channel.sent[1].at - off < 61s);  // power off was confirmed a few replies after it was asked
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "power on right after power off waits until the lamp has cooled down") {
+  power_on();
+  projector.power_off();
+  pass(1s);
+  CHECK(channel.messages() == Messages{"~0002 1\r", "~0000 0\r"});
+  CHECK_FALSE(is_on);
+  const TimePoint off = clock.now() - 1s;
+  channel.sent.clear();
+  start_power_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Ok);
+  REQUIRE(channel.sent.size() == 5);
+  CHECK(channel.sent[1].message == "~0000 1\r");
+  CHECK(channel.sent[1].at - off >= 60s);
+  CHECK(channel.sent[1].at - off < 61s);  // power off was confirmed a few replies after it was asked
 }
 
 TEST_CASE("power on right after power off waits for the cool-down too where a projector cannot be asked") {
   ProjectorTable table = text_table();
   table.power.reset();
-  Bench bench(table);
-  bench.power_on();
-  bench.projector.power_off();
-  bench.pass(50ms);
-  const TimePoint off_at = bench.clock.now();
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Ok);
-  CHECK(bench.is_on);
-  const auto on = std::ranges::find(bench.channel.sent, "~0000 1\r", &ScriptedChannel::Sent::message);
-  REQUIRE(on != bench.channel.sent.end());
+  SerialProjectorFixture fixture(table);
+  fixture.power_on();
+  fixture.projector.power_off();
+  fixture.pass(50ms);
+  const TimePoint off_at = fixture.clock.now();
+  fixture.start_power_on();
+  fixture.wait_for_answer();
+  CHECK(fixture.answer == ProjectorReply::Ok);
+  CHECK(fixture.is_on);
+  const auto on = std::ranges::find(fixture.channel.sent, "~0000 1\r", &ScriptedChannel::Sent::message);
+  REQUIRE(on != fixture.channel.sent.end());
   CHECK(on->at - off_at >= 60s);
   CHECK(on->at - off_at < 61s);  // a gap and a reply
 }
@@ -834,165 +820,164 @@ TEST_CASE("a power off that waits for a question to be answered is sent when lig
   ProjectorTable table = text_table();
   table.light_on.reset();
   table.light_off.reset();
-  Bench bench(table);
-  bench.power_on();
-  bench.fall_silent();
-  bench.projector.power_off();
-  bench.pass(8s);  // three tries of a second; 5 s later power off is sent again
-  REQUIRE(bench.is_on);
-  bench.projector.ask_status([](const ProjectorStatus&) {});
-  bench.pass(500ms);
-  bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
-  bench.projector.light_off();
-  bench.pass(2s);
-  CHECK_FALSE(bench.is_on);
+  SerialProjectorFixture fixture(table);
+  fixture.power_on();
+  fixture.fall_silent();
+  fixture.projector.power_off();
+  fixture.pass(8s);  // three tries of a second; 5 s later power off is sent again
+  REQUIRE(fixture.is_on);
+  fixture.projector.ask_status([](const ProjectorStatus&) {});
+  fixture.pass(500ms);
+  fixture.channel.projector = [&](const std::string& message) { fixture.behave(message); };
+  fixture.projector.light_off();
+  fixture.pass(2s);
+  CHECK_FALSE(fixture.is_on);
 }
 
-TEST_CASE("a projector that still cools down from before the program ran is turned on again and again") {
-  Bench bench;
-  bench.deaf_until = bench.clock.now() + 50s;
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Ok);
-  CHECK(bench.is_on);
+TEST_CASE_METHOD(
+    SerialProjectorFixture,
+    "a projector that still cools down from before the program ran is turned on again and again") {
+  deaf_until = clock.now() + 50s;
+  start_power_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Ok);
+  CHECK(is_on);
 }
 
-TEST_CASE("a projector that never comes on is given up in less than the time a print waits for it") {
-  Bench bench;
-  bench.deaf_until = TimePoint::max();
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Refused);
-  CHECK(bench.projector.last_problem() ==
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a projector that never comes on is given up in less than the time a print waits for it") {
+  deaf_until = TimePoint::max();
+  start_power_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Refused);
+  CHECK(projector.last_problem() ==
         "the projector at /dev/ttyUSB7 says that it is off, long after it was turned on");
-  CHECK(bench.now() < 300s);  // the print process's deadline
+  CHECK(now() < 300s);  // the print process's deadline
 }
 
-TEST_CASE("power off follows a light off that is never confirmed, and ends the light that way") {
-  Bench bench;
-  bench.power_on();
-  bench.light_on();
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0000 0\r") bench.behave(message);
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "power off follows a light off that is never confirmed, and ends the light that way") {
+  power_on();
+  light_on();
+  channel.projector = [&](const std::string& message) {
+    if (message == "~0000 0\r") behave(message);
   };
-  bench.projector.power_off();
-  bench.pass(10s);
-  CHECK_FALSE(bench.is_on);
-  REQUIRE(bench.events.size() == 2);
-  CHECK(bench.events[1].kind == MachineEvent::Kind::Recovery);
-  bench.channel.sent.clear();
-  bench.projector.light_off();
-  bench.pass(60s);
-  CHECK(bench.channel.sent.empty());  // off is dark
+  projector.power_off();
+  pass(10s);
+  CHECK_FALSE(is_on);
+  REQUIRE(events.size() == 2);
+  CHECK(events[1].kind == MachineEvent::Kind::Recovery);
+  channel.sent.clear();
+  projector.light_off();
+  pass(60s);
+  CHECK(channel.sent.empty());  // off is dark
 }
 
-TEST_CASE("power off comes soon once light off is known to be ignored") {
-  Bench bench;
-  bench.power_on();
-  bench.light_on();
-  bench.fall_silent();
-  bench.projector.light_off();
-  bench.pass(10s);
-  REQUIRE(bench.events.size() == 1);
-  bench.channel.sent.clear();
-  const TimePoint asked = bench.clock.now();
-  bench.projector.power_off();
-  bench.pass(10s);
-  REQUIRE(bench.channel.sent.size() > 2);
-  CHECK(bench.channel.sent[0].message == "~0002 1\r");
-  CHECK(bench.channel.sent[1].message == "~0000 0\r");
-  CHECK(bench.channel.sent[1].at - asked < 1200ms);  // one try of light off
+TEST_CASE_METHOD(SerialProjectorFixture, "power off comes soon once light off is known to be ignored") {
+  power_on();
+  light_on();
+  fall_silent();
+  projector.light_off();
+  pass(10s);
+  REQUIRE(events.size() == 1);
+  channel.sent.clear();
+  const TimePoint asked = clock.now();
+  projector.power_off();
+  pass(10s);
+  REQUIRE(channel.sent.size() > 2);
+  CHECK(channel.sent[0].message == "~0002 1\r");
+  CHECK(channel.sent[1].message == "~0000 0\r");
+  CHECK(channel.sent[1].at - asked < 1200ms);  // one try of light off
 }
 
-TEST_CASE("light off does not cancel a pending power off") {
-  Bench bench;
-  bench.power_on();
-  bench.light_on();
-  bench.projector.power_off();
-  bench.projector.light_off();
-  bench.pass(5s);
-  CHECK_FALSE(bench.is_on);
-  CHECK_FALSE(bench.light);
+TEST_CASE_METHOD(SerialProjectorFixture, "light off does not cancel a pending power off") {
+  power_on();
+  light_on();
+  projector.power_off();
+  projector.light_off();
+  pass(5s);
+  CHECK_FALSE(is_on);
+  CHECK_FALSE(light);
 }
 
-TEST_CASE("a message that a projector sends by itself is a machine event if it matters") {
-  Bench bench;
-  bench.power_on();
-  bench.channel.send("INFO1\r");
-  bench.pass(1s);
-  CHECK(bench.events.empty());
-  bench.channel.send("INFO4\r");
-  bench.pass(1s);
-  REQUIRE(bench.events.size() == 1);
-  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
-  CHECK(bench.events[0].what == "the projector at /dev/ttyUSB7 says: the lamp failed");
-  bench.channel.send("INFO2\r");
-  bench.pass(1s);
-  CHECK(bench.events.size() == 2);
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a message that a projector sends by itself is a machine event if it matters") {
+  power_on();
+  channel.send("INFO1\r");
+  pass(1s);
+  CHECK(events.empty());
+  channel.send("INFO4\r");
+  pass(1s);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].kind == MachineEvent::Kind::Fault);
+  CHECK(events[0].what == "the projector at /dev/ttyUSB7 says: the lamp failed");
+  channel.send("INFO2\r");
+  pass(1s);
+  CHECK(events.size() == 2);
 }
 
-TEST_CASE("a projector that cools down because it was told to causes no machine event") {
-  Bench bench;
-  bench.power_on();
-  bench.projector.power_off();
-  bench.pass(1s);
-  bench.channel.send("INFO2\r");
-  bench.pass(1s);
-  CHECK(bench.events.empty());
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a projector that cools down because it was told to causes no machine event") {
+  power_on();
+  projector.power_off();
+  pass(1s);
+  channel.send("INFO2\r");
+  pass(1s);
+  CHECK(events.empty());
 }
 
-TEST_CASE("a line of the projector's own between a command and its reply is not taken for the reply") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
-  bench.answer_always("INFO1\rP\r");
-  bench.start_light_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Ok);
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a line of the projector's own between a command and its reply is not taken for the reply") {
+  power_on();
+  pass(1s);
+  answer_always("INFO1\rP\r");
+  start_light_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Ok);
 }
 
-TEST_CASE("a serial line that is lost is a fault, and every command is answered at once") {
-  Bench bench;
-  bench.power_on();
-  bench.pass(1s);
-  bench.start_light_on();
-  const TimePoint unplugged = bench.clock.now();
-  bench.channel.unplug();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::NoAnswer);
-  CHECK(bench.answered_at == unplugged);
-  bench.projector.light_off();
-  bench.pass(60s);
-  REQUIRE(bench.events.size() == 1);
-  CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
-  CHECK(bench.events[0].what ==
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a serial line that is lost is a fault, and every command is answered at once") {
+  power_on();
+  pass(1s);
+  start_light_on();
+  const TimePoint unplugged = clock.now();
+  channel.unplug();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::NoAnswer);
+  CHECK(answered_at == unplugged);
+  projector.light_off();
+  pass(60s);
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].kind == MachineEvent::Kind::Fault);
+  CHECK(events[0].what ==
         "the serial port /dev/ttyUSB7 was lost: it was unplugged; the projector's light may be on");
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::NoAnswer);
-  CHECK(bench.projector.last_problem() ==
+  start_power_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::NoAnswer);
+  CHECK(projector.last_problem() ==
         "the projector at /dev/ttyUSB7 cannot be reached: the serial line is lost");
 }
 
-TEST_CASE("a projector's status is its power and its lamp hours, and asking changes nothing") {
-  Bench bench;
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a projector's status is its power and its lamp hours, and asking changes nothing") {
   std::optional<ProjectorStatus> status;
   const auto ask = [&] {
     status.reset();
-    bench.projector.ask_status([&](const ProjectorStatus& s) { status = s; });
-    bench.pass(10s);
+    projector.ask_status([&](const ProjectorStatus& s) { status = s; });
+    pass(10s);
     REQUIRE(status);
   };
   ask();
   CHECK(status->powered == false);
   CHECK_FALSE(status->lamp_hours);
-  bench.is_on = true;
+  is_on = true;
   ask();
   CHECK(status->reply == ProjectorReply::Ok);
   CHECK(status->powered == true);
   CHECK(status->lamp_hours == 1234);
-  CHECK(bench.channel.messages() == Messages{"~00124 1\r", "~00124 1\r", "~00108 1\r"});
-  bench.fall_silent();
+  CHECK(channel.messages() == Messages{"~00124 1\r", "~00124 1\r", "~00108 1\r"});
+  fall_silent();
   ask();
   CHECK(status->reply == ProjectorReply::NoAnswer);
   CHECK(status->problem ==
@@ -1027,15 +1012,15 @@ TEST_CASE("a table without a light has its projector shine as long as it is on")
   ProjectorTable table = text_table();
   table.light_on.reset();
   table.light_off.reset();
-  Bench bench(table);
-  bench.power_on();
-  bench.start_light_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Ok);
-  bench.projector.light_off();
-  bench.pass(4s);
-  CHECK(bench.channel.sent.empty());
-  CHECK(bench.events.empty());
+  SerialProjectorFixture fixture(table);
+  fixture.power_on();
+  fixture.start_light_on();
+  fixture.wait_for_answer();
+  CHECK(fixture.answer == ProjectorReply::Ok);
+  fixture.projector.light_off();
+  fixture.pass(4s);
+  CHECK(fixture.channel.sent.empty());
+  CHECK(fixture.events.empty());
 }
 
 TEST_CASE("a serial projector's destructor sends an unconfirmed light off, or power off, once more") {
@@ -1053,10 +1038,10 @@ TEST_CASE("a serial projector's destructor sends an unconfirmed light off, or po
 namespace {
 
 // A projector that obeys power on at once, with its light, and takes no other command before it is warm.
-struct SlowStarter : Bench {
+struct SlowStarter : SerialProjectorFixture {
   explicit SlowStarter(Duration warm_after, const std::string& until_then,
                        ProjectorTable table = text_table())
-      : Bench(std::move(table)) {
+      : SerialProjectorFixture(std::move(table)) {
     channel.projector = [this, warm_after, until_then](const std::string& message) {
       if (message == "~0000 1\r" && !is_on) {
         is_on = light = true;
@@ -1076,71 +1061,71 @@ struct SlowStarter : Bench {
 }  // namespace
 
 TEST_CASE("a projector that obeys power on without an answer is made dark and turned off") {
-  SlowStarter bench(15s, "");
-  bench.answers_power_on = false;
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::NoAnswer);
-  bench.projector.light_off();
-  bench.projector.power_off();
-  bench.pass(60s);
-  CHECK_FALSE(bench.light);
-  CHECK_FALSE(bench.is_on);
+  SlowStarter fixture(15s, "");
+  fixture.answers_power_on = false;
+  fixture.start_power_on();
+  fixture.wait_for_answer();
+  CHECK(fixture.answer == ProjectorReply::NoAnswer);
+  fixture.projector.light_off();
+  fixture.projector.power_off();
+  fixture.pass(60s);
+  CHECK_FALSE(fixture.light);
+  CHECK_FALSE(fixture.is_on);
 }
 
 TEST_CASE("light off between power on and its reply is repeated until the projector comes up and takes it") {
-  SlowStarter bench(20s, "F\r");
-  bench.reply = 300ms;
-  bench.start_power_on();
-  while (!bench.is_on)
-    REQUIRE(bench.clock.run_next());
-  bench.pass(100ms);
-  bench.projector.light_off();
-  bench.pass(35s);
-  CHECK_FALSE(bench.light);
-  CHECK(bench.events.empty());
+  SlowStarter fixture(20s, "F\r");
+  fixture.reply = 300ms;
+  fixture.start_power_on();
+  while (!fixture.is_on)
+    REQUIRE(fixture.clock.run_next());
+  fixture.pass(100ms);
+  fixture.projector.light_off();
+  fixture.pass(35s);
+  CHECK_FALSE(fixture.light);
+  CHECK(fixture.events.empty());
 }
 
-TEST_CASE(
+TEST_CASE_METHOD(
+    SerialProjectorFixture,
     "a print cancelled in a warm-up ends with lamp and light off, whatever is refused and said until then") {
-  Bench bench;
   std::optional<TimePoint> on_at;
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0000 1\r") on_at = bench.clock.now(), bench.light = true;
-    const bool cold = on_at && bench.clock.now() - *on_at < 20s;
-    if (cold && message == "~00124 1\r") return bench.channel.send("OK0\r");
-    if (cold && message != "~0000 1\r") return bench.channel.send("F\r");
-    bench.behave(message);
+  channel.projector = [&](const std::string& message) {
+    if (message == "~0000 1\r") on_at = clock.now(), light = true;
+    const bool cold = on_at && clock.now() - *on_at < 20s;
+    if (cold && message == "~00124 1\r") return channel.send("OK0\r");
+    if (cold && message != "~0000 1\r") return channel.send("F\r");
+    behave(message);
   };
-  bench.start_power_on();
+  start_power_on();
   while (!on_at)
-    REQUIRE(bench.clock.run_next());
-  bench.pass(5s);
-  bench.projector.light_off();
-  bench.projector.power_off();
-  bench.pass(60s);
-  CHECK_FALSE(bench.light);
-  CHECK_FALSE(bench.is_on);
-  CHECK(bench.events.empty());
+    REQUIRE(clock.run_next());
+  pass(5s);
+  projector.light_off();
+  projector.power_off();
+  pass(60s);
+  CHECK_FALSE(light);
+  CHECK_FALSE(is_on);
+  CHECK(events.empty());
 }
 
-TEST_CASE("power on that is refused by a projector that is off does not count as light") {
-  Bench bench;
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~00124 1\r") return bench.channel.send("OK0\r");
-    bench.channel.send("F\r");
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "power on that is refused by a projector that is off does not count as light") {
+  channel.projector = [&](const std::string& message) {
+    if (message == "~00124 1\r") return channel.send("OK0\r");
+    channel.send("F\r");
   };
-  bench.start_power_on();
-  bench.wait_for_answer();
-  CHECK(bench.answer == ProjectorReply::Refused);
-  bench.projector.light_off();
-  bench.projector.power_off();
-  bench.pass(120s);
-  CHECK(bench.projector.light_off_unconfirmed().empty());
-  CHECK(bench.events.empty());
-  bench.channel.sent.clear();
-  bench.pass(600s);
-  CHECK(bench.channel.sent.empty());
+  start_power_on();
+  wait_for_answer();
+  CHECK(answer == ProjectorReply::Refused);
+  projector.light_off();
+  projector.power_off();
+  pass(120s);
+  CHECK(projector.light_off_unconfirmed().empty());
+  CHECK(events.empty());
+  channel.sent.clear();
+  pass(600s);
+  CHECK(channel.sent.empty());
 }
 
 TEST_CASE("a warm-up that was interrupted is waited for to its end") {
@@ -1152,64 +1137,64 @@ TEST_CASE("a warm-up that was interrupted is waited for to its end") {
         table.light_off.reset();
       }
       if (!asks) table.power.reset();
-      Bench bench(table);
-      bench.start_power_on();
-      while (!bench.is_on)
-        REQUIRE(bench.clock.run_next());
-      const TimePoint on_at = bench.clock.now();
-      bench.pass(2s);
-      bench.projector.light_off();
-      bench.pass(3s);
-      bench.start_power_on();
-      bench.wait_for_answer();
-      CHECK(bench.answer == ProjectorReply::Ok);
-      CHECK(bench.answered_at - on_at >= 30s);
-      CHECK(bench.answered_at - on_at < 32s);
+      SerialProjectorFixture fixture(table);
+      fixture.start_power_on();
+      while (!fixture.is_on)
+        REQUIRE(fixture.clock.run_next());
+      const TimePoint on_at = fixture.clock.now();
+      fixture.pass(2s);
+      fixture.projector.light_off();
+      fixture.pass(3s);
+      fixture.start_power_on();
+      fixture.wait_for_answer();
+      CHECK(fixture.answer == ProjectorReply::Ok);
+      CHECK(fixture.answered_at - on_at >= 30s);
+      CHECK(fixture.answered_at - on_at < 32s);
     }
   }
 }
 
 TEST_CASE("power off is repeated until the projector confirms it or says that it is off") {
   for (const std::string& answer : {std::string("F\r"), std::string()}) {
-    Bench bench;
-    bench.power_on();
+    SerialProjectorFixture fixture;
+    fixture.power_on();
     bool takes = false;
-    bench.channel.projector = [&](const std::string& message) {
-      if (message != "~0000 0\r" || takes) return bench.behave(message);
-      if (!answer.empty()) bench.channel.send(answer);
+    fixture.channel.projector = [&](const std::string& message) {
+      if (message != "~0000 0\r" || takes) return fixture.behave(message);
+      if (!answer.empty()) fixture.channel.send(answer);
     };
-    bench.projector.power_off();
-    bench.pass(25s);
-    CHECK(bench.is_on);
-    CHECK(bench.events.empty());
-    bench.pass(20s);
-    REQUIRE(bench.events.size() == 1);
-    CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
-    CHECK(bench.events[0].what.starts_with("the lamp may be on: the projector at /dev/ttyUSB7 "));
-    CHECK(bench.events[0].what.find("\"power off\"") != std::string::npos);
+    fixture.projector.power_off();
+    fixture.pass(25s);
+    CHECK(fixture.is_on);
+    CHECK(fixture.events.empty());
+    fixture.pass(20s);
+    REQUIRE(fixture.events.size() == 1);
+    CHECK(fixture.events[0].kind == MachineEvent::Kind::Fault);
+    CHECK(fixture.events[0].what.starts_with("the lamp may be on: the projector at /dev/ttyUSB7 "));
+    CHECK(fixture.events[0].what.find("\"power off\"") != std::string::npos);
     takes = true;
-    bench.pass(65s);
-    CHECK_FALSE(bench.is_on);
-    CHECK(bench.events.size() == 1);
-    bench.channel.sent.clear();
-    bench.pass(600s);
-    CHECK(bench.channel.sent.empty());
+    fixture.pass(65s);
+    CHECK_FALSE(fixture.is_on);
+    CHECK(fixture.events.size() == 1);
+    fixture.channel.sent.clear();
+    fixture.pass(600s);
+    CHECK(fixture.channel.sent.empty());
   }
 }
 
-TEST_CASE("a print that begins while power off is not yet confirmed does not lose its power later") {
-  Bench bench;
-  bench.power_on();
-  bench.channel.projector = [&](const std::string& message) {
-    if (message == "~0000 0\r") return bench.channel.send("F\r");
-    bench.behave(message);
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a print that begins while power off is not yet confirmed does not lose its power later") {
+  power_on();
+  channel.projector = [&](const std::string& message) {
+    if (message == "~0000 0\r") return channel.send("F\r");
+    behave(message);
   };
-  bench.projector.power_off();
-  bench.pass(12s);
-  bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
-  bench.power_on();
-  bench.pass(120s);
-  CHECK(bench.is_on);
+  projector.power_off();
+  pass(12s);
+  channel.projector = [&](const std::string& message) { behave(message); };
+  power_on();
+  pass(120s);
+  CHECK(is_on);
 }
 
 TEST_CASE("a projector that falls silent or turns itself off in a print is a fault, reported once") {
@@ -1220,124 +1205,124 @@ TEST_CASE("a projector that falls silent or turns itself off in a print is a fau
         table.light_on.reset();
         table.light_off.reset();
       }
-      Bench bench(table);
-      bench.power_on();
-      bench.pass(60s);
-      CHECK(bench.events.empty());
-      bench.is_on = false;
-      if (silent) bench.fall_silent();
+      SerialProjectorFixture fixture(table);
+      fixture.power_on();
+      fixture.pass(60s);
+      CHECK(fixture.events.empty());
+      fixture.is_on = false;
+      if (silent) fixture.fall_silent();
       // As in a print without light commands: light off comes in between, and nothing is asked.
       for (int layer = 0; layer < 20; ++layer) {
-        if (!switches_light) bench.projector.light_off();
-        bench.pass(1s);
+        if (!switches_light) fixture.projector.light_off();
+        fixture.pass(1s);
       }
-      REQUIRE(bench.events.size() == 1);
-      CHECK(bench.events[0].kind == MachineEvent::Kind::Fault);
-      CHECK(bench.events[0].what ==
+      REQUIRE(fixture.events.size() == 1);
+      CHECK(fixture.events[0].kind == MachineEvent::Kind::Fault);
+      CHECK(fixture.events[0].what ==
             (silent ? "the projector at /dev/ttyUSB7 did not answer \"power\" in 3 tries of 1000 ms: is it "
                       "connected, and set to 9600 baud?"
                     : "the projector at /dev/ttyUSB7 says that it is off, although it was not turned off"));
-      bench.pass(60s);
-      CHECK(bench.events.size() == 1);
+      fixture.pass(60s);
+      CHECK(fixture.events.size() == 1);
     }
   }
 }
 
 TEST_CASE("a projector that a crashed process has left on is turned off, unless a print has begun") {
   for (const bool prints : {false, true}) {
-    Bench bench;
-    bench.is_on = bench.light = true;
-    bench.projector.power_off_if_on();
-    bench.projector.light_off();
-    if (prints) bench.start_power_on();
-    bench.pass(30s);
-    CHECK(bench.is_on == prints);
-    CHECK_FALSE(bench.light);
-    if (prints) CHECK(bench.answer == ProjectorReply::Ok);
+    SerialProjectorFixture fixture;
+    fixture.is_on = fixture.light = true;
+    fixture.projector.power_off_if_on();
+    fixture.projector.light_off();
+    if (prints) fixture.start_power_on();
+    fixture.pass(30s);
+    CHECK(fixture.is_on == prints);
+    CHECK_FALSE(fixture.light);
+    if (prints) CHECK(fixture.answer == ProjectorReply::Ok);
   }
-  Bench off;
+  SerialProjectorFixture off;
   off.projector.power_off_if_on();
   off.pass(30s);
   CHECK(off.channel.messages() == Messages{"~00124 1\r"});
 }
 
-TEST_CASE("a projector that was left on and is silent at first is turned off when it answers") {
-  Bench bench;
-  bench.is_on = true;
-  bench.fall_silent();
-  bench.projector.power_off_if_on();
-  bench.pass(20s);
-  bench.channel.projector = [&](const std::string& message) { bench.behave(message); };
-  bench.pass(60s);
-  CHECK_FALSE(bench.is_on);
-  bench.channel.sent.clear();
-  bench.pass(5min);
-  CHECK(bench.channel.sent.empty());
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a projector that was left on and is silent at first is turned off when it answers") {
+  is_on = true;
+  fall_silent();
+  projector.power_off_if_on();
+  pass(20s);
+  channel.projector = [&](const std::string& message) { behave(message); };
+  pass(60s);
+  CHECK_FALSE(is_on);
+  channel.sent.clear();
+  pass(5min);
+  CHECK(channel.sent.empty());
 }
 
 TEST_CASE(
     "a projector that may be warming up is not believed when it refuses light off and says that it is off") {
   for (const bool may_warm_up : {true, false}) {
     CAPTURE(may_warm_up);
-    Bench bench;
-    bench.channel.projector = [&](const std::string& message) {
+    SerialProjectorFixture fixture;
+    fixture.channel.projector = [&](const std::string& message) {
       // The projector calls itself on, and obeys light off, once it is warm; then it has a picture of its
       // own.
-      const bool warm = bench.clock.now() >= TimePoint{} + 10s;
-      if (warm && !bench.is_on) bench.is_on = bench.light = true;
-      if (message == "~0002 1\r" && !warm) return bench.channel.send("F\r");
-      bench.behave(message);
+      const bool warm = fixture.clock.now() >= TimePoint{} + 10s;
+      if (warm && !fixture.is_on) fixture.is_on = fixture.light = true;
+      if (message == "~0002 1\r" && !warm) return fixture.channel.send("F\r");
+      fixture.behave(message);
     };
     std::optional<ProjectorReply> dark;
-    if (may_warm_up) bench.projector.may_warm_up();
-    bench.projector.confirm_dark([&](ProjectorReply reply) { dark = reply; });
-    bench.pass(9s);
+    if (may_warm_up) fixture.projector.may_warm_up();
+    fixture.projector.confirm_dark([&](ProjectorReply reply) { dark = reply; });
+    fixture.pass(9s);
     CHECK(dark.has_value() == !may_warm_up);
-    bench.pass(6s);
+    fixture.pass(6s);
     REQUIRE(dark == ProjectorReply::Ok);
-    CHECK(bench.light == false);
+    CHECK(fixture.light == false);
   }
 }
 
 TEST_CASE("a projector that warms up is not dark because it says that it is off") {
   ProjectorTable table = text_table();
   table.warm_up = 5s;
-  Bench bench(table);
+  SerialProjectorFixture fixture(table);
   std::optional<TimePoint> warm_at;
-  const auto is_warm = [&] { return warm_at && bench.clock.now() >= *warm_at; };
-  bench.channel.projector = [&](const std::string& message) {
+  const auto is_warm = [&] { return warm_at && fixture.clock.now() >= *warm_at; };
+  fixture.channel.projector = [&](const std::string& message) {
     // The first answers come as late as may be, so that light off is under way when power on is due.
     if (message == "~00124 1\r")
-      return bench.channel.send(is_warm() ? "OK1\r" : "OK0\r", warm_at ? 20ms : 1990ms);
-    if (message == "~0000 1\r") warm_at = bench.clock.now() + 4900ms;
+      return fixture.channel.send(is_warm() ? "OK1\r" : "OK0\r", warm_at ? 20ms : 1990ms);
+    if (message == "~0000 1\r") warm_at = fixture.clock.now() + 4900ms;
     if (message == "~0002 1\r") {
       if (!is_warm()) return;
-      bench.light = true;
+      fixture.light = true;
     }
-    bench.channel.send("P\r");
+    fixture.channel.send("P\r");
   };
-  bench.projector.may_warm_up();
-  bench.projector.light_off();
-  bench.start_power_on();
-  while (!bench.answer) {
-    bench.clock.run_next();
-    const bool has_a_picture = is_warm() && !bench.light;
-    if (has_a_picture) CHECK_FALSE(bench.projector.light_off_unconfirmed().empty());
+  fixture.projector.may_warm_up();
+  fixture.projector.light_off();
+  fixture.start_power_on();
+  while (!fixture.answer) {
+    fixture.clock.run_next();
+    const bool has_a_picture = is_warm() && !fixture.light;
+    if (has_a_picture) CHECK_FALSE(fixture.projector.light_off_unconfirmed().empty());
   }
-  CHECK(bench.answer == ProjectorReply::Ok);
+  CHECK(fixture.answer == ProjectorReply::Ok);
 }
 
-TEST_CASE("a projector that comes on while it may be warming up is turned off") {
-  Bench bench;
-  const auto warm = bench.clock.call_after(12s, [&] { bench.is_on = true; });
-  bench.projector.may_warm_up();
-  bench.projector.power_off_if_on();
-  bench.pass(11s);
-  CHECK(bench.times_sent("~0000 0\r") == 0);
-  bench.pass(10s);
-  CHECK(bench.times_sent("~0000 0\r") == 1);
-  CHECK_FALSE(bench.is_on);
-  bench.channel.sent.clear();
-  bench.pass(60s);
-  CHECK(bench.channel.sent.empty());
+TEST_CASE_METHOD(SerialProjectorFixture,
+                 "a projector that comes on while it may be warming up is turned off") {
+  const auto warm = clock.call_after(12s, [&] { is_on = true; });
+  projector.may_warm_up();
+  projector.power_off_if_on();
+  pass(11s);
+  CHECK(times_sent("~0000 0\r") == 0);
+  pass(10s);
+  CHECK(times_sent("~0000 0\r") == 1);
+  CHECK_FALSE(is_on);
+  channel.sent.clear();
+  pass(60s);
+  CHECK(channel.sent.empty());
 }

@@ -12,12 +12,15 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "tests/catch.hpp"
+#include "tests/hw/watchdog/socket_pair.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
+using testing::socket_pair;
 
 namespace {
 
@@ -29,20 +32,14 @@ TimePoint now() {
   return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
 }
 
-std::pair<FileDescriptor, FileDescriptor> socket_pair(int type) {
-  int ends[2];
-  REQUIRE(::socketpair(AF_UNIX, type | SOCK_CLOEXEC, 0, ends) == 0);
-  return {FileDescriptor(ends[0]), FileDescriptor(ends[1])};
-}
-
 bool readable(const FileDescriptor& end) {
   pollfd waited{end.get(), POLLIN, 0};
   return ::poll(&waited, 1, kPatienceMs) == 1;
 }
 
 // The far end of a serial port.
-struct Projector {
-  Projector() { std::tie(port, line) = socket_pair(SOCK_STREAM); }
+struct SerialLine {
+  SerialLine() { std::tie(port, line) = socket_pair(SOCK_STREAM); }
   // Returns all bytes that come until `size` bytes are there, or no process holds the port any more.
   std::string heard(std::size_t size) {
     std::string all;
@@ -69,8 +66,8 @@ int serve_alone(const FileDescriptor& socket) {
 }
 
 // A light watchdog, forked, and the daemon's end of its socket.
-struct Watchdog {
-  Watchdog() {
+struct WatchdogProcess {
+  WatchdogProcess() {
     auto [ours, its] = socket_pair(SOCK_SEQPACKET);
     process = ::fork();
     REQUIRE(process >= 0);
@@ -79,8 +76,8 @@ struct Watchdog {
     REQUIRE(reply().type == WatchdogMessageType::Ready);
   }
   // A watchdog that another process has forked.
-  explicit Watchdog(FileDescriptor ours) : socket(std::move(ours)) {}
-  ~Watchdog() {
+  explicit WatchdogProcess(FileDescriptor ours) : socket(std::move(ours)) {}
+  ~WatchdogProcess() {
     socket = FileDescriptor();
     if (process > 0) ::kill(process, SIGKILL);
     if (process > 0) ::waitpid(process, nullptr, 0);
@@ -92,7 +89,7 @@ struct Watchdog {
     REQUIRE(receive_packet(socket.get(), packet) == Received::Packet);
     return packet.as<WatchdogReply>().value();
   }
-  void give(const Projector& projector) {
+  void give(const SerialLine& projector) {
     SerialMessage message{};
     message.type = WatchdogMessageType::Serial;
     message.size = static_cast<std::uint32_t>(kOff.size());
@@ -126,8 +123,8 @@ struct Watchdog {
 }  // namespace
 
 TEST_CASE("A light watchdog whose daemon ends without a light on ends too, and sends nothing") {
-  Projector projector;
-  Watchdog watchdog;
+  SerialLine projector;
+  WatchdogProcess watchdog;
   watchdog.give(projector);
   projector.port = FileDescriptor();
   watchdog.arm();
@@ -138,8 +135,8 @@ TEST_CASE("A light watchdog whose daemon ends without a light on ends too, and s
 }
 
 TEST_CASE("When the daemon's end of the socket closes in an exposure, light off is sent thrice") {
-  Projector projector;
-  Watchdog watchdog;
+  SerialLine projector;
+  WatchdogProcess watchdog;
   watchdog.give(projector);
   projector.port = FileDescriptor();
   watchdog.arm();
@@ -151,8 +148,8 @@ TEST_CASE("When the daemon's end of the socket closes in an exposure, light off 
 }
 
 TEST_CASE("A daemon that falls silent has its light turned off, and is informed") {
-  Projector projector;
-  Watchdog watchdog;
+  SerialLine projector;
+  WatchdogProcess watchdog;
   watchdog.give(projector);
   const TimePoint armed = now();
   watchdog.arm();
@@ -173,8 +170,8 @@ TEST_CASE("A daemon that falls silent has its light turned off, and is informed"
 }
 
 TEST_CASE("A live daemon has its light turned off if it has not done so when the exposure is over") {
-  Projector projector;
-  Watchdog watchdog;
+  SerialLine projector;
+  WatchdogProcess watchdog;
   watchdog.give(projector);
   TimePoint armed;
   LightTrip trip = LightTrip::Silence;
@@ -195,8 +192,8 @@ TEST_CASE("A live daemon has its light turned off if it has not done so when the
 }
 
 TEST_CASE("The signals that end a daemon end no light watchdog") {
-  Projector projector;
-  Watchdog watchdog;
+  SerialLine projector;
+  WatchdogProcess watchdog;
   watchdog.give(projector);
   projector.port = FileDescriptor();
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGABRT, SIGPIPE, SIGALRM, SIGUSR1})
@@ -208,8 +205,8 @@ TEST_CASE("The signals that end a daemon end no light watchdog") {
 }
 
 TEST_CASE("A new port replaces the old one, which is closed") {
-  Projector before, after;
-  Watchdog watchdog;
+  SerialLine before, after;
+  WatchdogProcess watchdog;
   watchdog.give(before);
   watchdog.give(after);
   before.port = FileDescriptor();
@@ -220,8 +217,8 @@ TEST_CASE("A new port replaces the old one, which is closed") {
 }
 
 TEST_CASE("A port that is withdrawn is closed, and the light watchdog goes on without it") {
-  Projector projector;
-  Watchdog watchdog;
+  SerialLine projector;
+  WatchdogProcess watchdog;
   watchdog.give(projector);
   projector.port = FileDescriptor();
   SerialMessage none{};
@@ -233,8 +230,8 @@ TEST_CASE("A port that is withdrawn is closed, and the light watchdog goes on wi
 }
 
 TEST_CASE("A packet that is not a message is ignored, and its descriptor is closed") {
-  Projector stray, projector;
-  Watchdog watchdog;
+  SerialLine stray, projector;
+  WatchdogProcess watchdog;
   watchdog.give(projector);
   const std::string long_one(400, 'x'), longest(4'000, 'x');
   for (const std::string& bytes : {std::string("x"), std::string("garbage"), long_one, longest})
@@ -252,8 +249,8 @@ TEST_CASE("A packet that is not a message is ignored, and its descriptor is clos
 }
 
 TEST_CASE("A message that claims more bytes than it has room for sends no more than that") {
-  Projector projector;
-  Watchdog watchdog;
+  SerialLine projector;
+  WatchdogProcess watchdog;
   SerialMessage lies{};
   lies.type = WatchdogMessageType::Serial;
   lies.size = 1'000'000;
@@ -269,7 +266,7 @@ namespace {
 
 // A daemon's process that sends heartbeats until it is stopped or killed, with a watchdog of its own.
 struct Daemon {
-  explicit Daemon(Projector& projector) {
+  explicit Daemon(SerialLine& projector) {
     auto [ours, its] = socket_pair(SOCK_SEQPACKET);
     auto [here, there] = socket_pair(SOCK_STREAM);
     watchdog = ::fork();
@@ -290,8 +287,8 @@ struct Daemon {
   }
 
   // Sends heartbeats as a real daemon does, but five times as often, because a busy machine delays them.
-  static int heartbeat(FileDescriptor& socket, FileDescriptor& to_test, Projector& projector) {
-    Watchdog watchdog(std::move(socket));
+  static int heartbeat(FileDescriptor& socket, FileDescriptor& to_test, SerialLine& projector) {
+    WatchdogProcess watchdog(std::move(socket));
     watchdog.exposure = 1;
     watchdog.give(projector);
     projector.port = FileDescriptor();
@@ -323,7 +320,7 @@ struct Daemon {
 
 TEST_CASE(
     "A daemon that is stopped in an exposure has its light turned off, and learns that when it goes on") {
-  Projector projector;
+  SerialLine projector;
   Daemon daemon(projector);
   REQUIRE(daemon.reports('h'));
   CHECK_FALSE(projector.has_heard_something());
@@ -334,7 +331,7 @@ TEST_CASE(
 }
 
 TEST_CASE("A daemon that is killed in an exposure has its light turned off") {
-  Projector projector;
+  SerialLine projector;
   Daemon daemon(projector);
   REQUIRE(daemon.reports('h'));
   REQUIRE(::kill(daemon.process, SIGKILL) == 0);

@@ -2,25 +2,29 @@
 // Not thread-safe.
 #pragma once
 
-#include <sys/socket.h>
-
 #include <stdexcept>
+#include <vector>
 
 #include "hw/watchdog/light_watchdog.hpp"
+#include "tests/hw/no_descriptors.hpp"
+#include "tests/hw/virtual_time_fixture.hpp"
+#include "tests/hw/watchdog/socket_pair.hpp"
 
 namespace contourd::testing {
+
+inline void send_reply(const FileDescriptor& process, const WatchdogReply& reply) {
+  if (!send_message(process.get(), reply)) throw std::runtime_error("the socket pair takes nothing");
+}
 
 // Returns a watchdog that is ready. The clock, the watcher and `process`, the other end, must outlive it.
 inline LightWatchdog ready_watchdog(Clock& clock, DescriptorWatcher& watcher, FileDescriptor& process) {
   return LightWatchdog(clock, watcher, [&process] {
-    int ends[2];
-    if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
-      throw std::runtime_error("no socket pair");
-    process = FileDescriptor(ends[1]);
+    auto [daemon, far] = socket_pair(SOCK_SEQPACKET);
+    process = std::move(far);
     WatchdogReply ready{};
     ready.type = WatchdogMessageType::Ready;
-    if (!send_message(ends[1], ready)) throw std::runtime_error("the socket pair takes nothing");
-    return LightWatchdog::Process{FileDescriptor(ends[0]), -1};
+    send_reply(process, ready);
+    return LightWatchdog::Process{std::move(daemon), -1};
   });
 }
 
@@ -33,9 +37,16 @@ inline void watch_over_exposure(LightWatchdog& watchdog, const FileDescriptor& p
     WatchdogReply heard{};
     heard.type = WatchdogMessageType::Heard;
     heard.exposure = asked->exposure.number;
-    if (!send_message(process.get(), heard)) throw std::runtime_error("the socket pair takes nothing");
+    send_reply(process, heard);
   }
   (void)watchdog.trip();  // reads the answers
 }
+
+// A ready watchdog on a virtual clock; the test is its process.
+struct ReadyWatchdogFixture : VirtualTimeFixture {
+  NoDescriptors watcher;
+  FileDescriptor process;
+  LightWatchdog watchdog = ready_watchdog(clock, watcher, process);
+};
 
 }  // namespace contourd::testing

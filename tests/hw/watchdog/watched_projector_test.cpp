@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
-#include "tests/hw/plain_devices.hpp"
+#include "tests/hw/noted_projector.hpp"
 #include "tests/hw/watchdog/ready_watchdog.hpp"
 
 using namespace contourd;
@@ -14,37 +13,9 @@ using namespace std::chrono_literals;
 
 namespace {
 
-class NoDescriptors final : public DescriptorWatcher {
- public:
-  [[nodiscard]] std::unique_ptr<Watch> when_readable(int, std::function<void()>) override {
-    return std::make_unique<Watch>();
-  }
-};
-
-// Records its commands, and answers when the test says so.
-class NotedProjector final : public testing::PlainProjector {
- public:
-  void power_on(Done done) override { note("power on"), done(ProjectorReply::Ok); }
-  void light_on(Duration, LightOn tell) override { note("light on"), answer = std::move(tell); }
-  void light_off() noexcept override { note("light off"); }
-  void when_dark(std::function<void()> call) override { dark = std::move(call); }
-  [[nodiscard]] std::optional<LightSpan> last_light() const override { return light; }
-  void power_off() noexcept override { note("power off"); }
-  void ask_status(StatusDone done) override { done({}); }
-  [[nodiscard]] std::string last_problem() const override { return "the projector's problem"; }
-  [[nodiscard]] std::string light_off_unconfirmed() const override { return "light off is not confirmed"; }
-
-  std::vector<std::string> commands;
-  LightOn answer;
-  std::function<void()> dark;
-  std::optional<LightSpan> light;
-
- private:
-  void note(const std::string& what) { commands.push_back(what); }
-};
-
-struct Bench {
-  Bench() {
+struct WatchedProjectorFixture : testing::ReadyWatchdogFixture {
+  WatchedProjectorFixture() {
+    inner.answers_light_on = false;
     watchdog.on_trouble([this](const std::string& what) { troubles.push_back(what); });
     (void)came();
   }
@@ -66,7 +37,7 @@ struct Bench {
     message.trip = trip;
     message.at = clock.now();
     message.line_off = line_off;
-    CHECK(send_message(process.get(), message));
+    testing::send_reply(process, message);
     (void)watchdog.trip();  // reads the message
   }
   void turn_on(Duration exposure = 2s) {
@@ -83,19 +54,14 @@ struct Bench {
     inner.answer.done(ProjectorReply::Ok);
   }
   void wait(Duration duration) {
-    bool over = false;
-    const auto end = clock.call_after(duration, [&] { over = true; });
-    while (!over && clock.run_next()) {
+    pass(duration, [this] {
       const bool asked = !came().empty();
       if (asked && answers) reply(WatchdogMessageType::Heard);
-    }
+    });
   }
 
-  VirtualClock clock;
-  NoDescriptors watcher;
-  FileDescriptor process;
-  LightWatchdog watchdog = testing::ready_watchdog(clock, watcher, process);
-  NotedProjector inner;
+  std::vector<std::string> commands;
+  testing::NotedProjector inner{commands};
   int offered = 0;
   bool answers = true;
   WatchedProjector projector{inner, watchdog, [this] { ++offered; }};
@@ -107,118 +73,120 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("No light on is sent before the watchdog has confirmed that it watches") {
-  Bench bench;
-  bench.inner.light = LightSpan{};  // an earlier light
-  bench.turn_on();
-  CHECK(bench.inner.commands.empty());
-  CHECK(bench.offered == 1);
-  CHECK(bench.came() == std::vector{WatchdogMessageType::Arm});
-  CHECK_FALSE(bench.projector.last_light());  // light on was never sent
-  bench.reply(WatchdogMessageType::Heard);
-  CHECK(bench.inner.commands == std::vector<std::string>{"light on"});
-  bench.inner.answer.sent(TimePoint{300ms});
-  CHECK(bench.sent == TimePoint{300ms});
-  (void)bench.came();
-  CHECK(bench.last.end == TimePoint{2300ms});
-  CHECK_FALSE(bench.answered);
-  bench.inner.answer.done(ProjectorReply::Ok);
-  CHECK(bench.answered == ProjectorReply::Ok);
+TEST_CASE_METHOD(WatchedProjectorFixture,
+                 "No light on is sent before the watchdog has confirmed that it watches") {
+  inner.light = LightSpan{};  // an earlier light
+  turn_on();
+  CHECK(commands.empty());
+  CHECK(offered == 1);
+  CHECK(came() == std::vector{WatchdogMessageType::Arm});
+  CHECK_FALSE(projector.last_light());  // light on was never sent
+  reply(WatchdogMessageType::Heard);
+  CHECK(commands == std::vector<std::string>{"light on"});
+  inner.answer.sent(TimePoint{300ms});
+  CHECK(sent == TimePoint{300ms});
+  (void)came();
+  CHECK(last.end == TimePoint{2300ms});
+  CHECK_FALSE(answered);
+  inner.answer.done(ProjectorReply::Ok);
+  CHECK(answered == ProjectorReply::Ok);
 }
 
-TEST_CASE("A watchdog that does not answer lets no light on through, and that is reported") {
-  Bench bench;
-  bench.answers = false;
-  bench.turn_on();
-  bench.wait(1s);
-  CHECK(bench.inner.commands.empty());
-  CHECK_FALSE(bench.answered);
-  CHECK(bench.troubles ==
+TEST_CASE_METHOD(WatchedProjectorFixture,
+                 "A watchdog that does not answer lets no light on through, and that is reported") {
+  answers = false;
+  turn_on();
+  wait(1s);
+  CHECK(commands.empty());
+  CHECK_FALSE(answered);
+  CHECK(troubles ==
         std::vector<std::string>{"the light watchdog does not answer; no light is turned on without it"});
 }
 
-TEST_CASE("The light is turned off before the watchdog hears of it, and watched until it is confirmed dark") {
-  Bench bench;
-  bench.shine();
-  (void)bench.came();
-  bench.projector.light_off();
-  CHECK(bench.inner.commands.back() == "light off");
-  CHECK(bench.came() == std::vector{WatchdogMessageType::Heartbeat});
-  CHECK(bench.last.off_asked);
+TEST_CASE_METHOD(
+    WatchedProjectorFixture,
+    "The light is turned off before the watchdog hears of it, and watched until it is confirmed dark") {
+  shine();
+  (void)came();
+  projector.light_off();
+  CHECK(commands.back() == "light off");
+  CHECK(came() == std::vector{WatchdogMessageType::Heartbeat});
+  CHECK(last.off_asked);
   bool dark = false;
-  bench.projector.when_dark([&] { dark = true; });
-  CHECK(bench.came().empty());
-  bench.inner.dark();
+  projector.when_dark([&] { dark = true; });
+  CHECK(came().empty());
+  inner.dark();
   CHECK(dark);
-  CHECK(bench.came() == std::vector{WatchdogMessageType::Disarm});
+  CHECK(came() == std::vector{WatchdogMessageType::Disarm});
 }
 
 TEST_CASE("Darkness ends the watch even if no one else waits for it") {
   for (const bool power : {false, true}) {
-    Bench bench;
-    bench.shine();
-    power ? bench.projector.power_off() : bench.projector.light_off();
-    (void)bench.came();
-    REQUIRE(bench.inner.dark);
-    bench.inner.dark();
-    CHECK(bench.came() == std::vector{WatchdogMessageType::Disarm});
+    WatchedProjectorFixture fixture;
+    fixture.shine();
+    power ? fixture.projector.power_off() : fixture.projector.light_off();
+    (void)fixture.came();
+    REQUIRE(fixture.inner.dark);
+    fixture.inner.dark();
+    CHECK(fixture.came() == std::vector{WatchdogMessageType::Disarm});
   }
 }
 
-TEST_CASE("A light off that overtakes the watchdog's confirmation keeps the light off") {
-  Bench bench;
-  bench.turn_on();
-  (void)bench.came();
-  bench.projector.light_off();
-  bench.reply(WatchdogMessageType::Heard);
-  CHECK(bench.inner.commands == std::vector<std::string>{"light off"});
+TEST_CASE_METHOD(WatchedProjectorFixture,
+                 "A light off that overtakes the watchdog's confirmation keeps the light off") {
+  turn_on();
+  (void)came();
+  projector.light_off();
+  reply(WatchdogMessageType::Heard);
+  CHECK(commands == std::vector<std::string>{"light off"});
 }
 
-TEST_CASE("A light off while no light is on does not drop a wait for darkness") {
-  Bench bench;
+TEST_CASE_METHOD(WatchedProjectorFixture,
+                 "A light off while no light is on does not drop a wait for darkness") {
   bool dark = false;
-  bench.projector.when_dark([&] { dark = true; });
-  bench.projector.light_off();
-  CHECK(bench.came().empty());
-  bench.inner.dark();
+  projector.when_dark([&] { dark = true; });
+  projector.light_off();
+  CHECK(came().empty());
+  inner.dark();
   CHECK(dark);
 }
 
 TEST_CASE("A light that the watchdog turned off by its line went off then, not when that was noticed") {
   for (const bool by_line : {true, false}) {
-    Bench bench;
-    bench.shine();
-    (void)bench.came();
-    bench.wait(1s);
-    bench.reply(WatchdogMessageType::Tripped, LightTrip::Silence, by_line);
-    bench.wait(20s);
-    bench.inner.light->off_earliest = bench.inner.light->off_latest = bench.clock.now();
-    const LightSpan light = bench.projector.last_light().value();
+    WatchedProjectorFixture fixture;
+    fixture.shine();
+    (void)fixture.came();
+    fixture.wait(1s);
+    fixture.reply(WatchdogMessageType::Tripped, LightTrip::Silence, by_line);
+    fixture.wait(20s);
+    fixture.inner.light->off_earliest = fixture.inner.light->off_latest = fixture.clock.now();
+    const LightSpan light = fixture.projector.last_light().value();
     CHECK(light.least() == 1s);
     // For a projector's own light, only its reply is proof.
-    CHECK(light.most(bench.clock.now()) == (by_line ? 1s : 21s));
+    CHECK(light.most(fixture.clock.now()) == (by_line ? 1s : 21s));
   }
 }
 
-TEST_CASE("A trip of the watchdog does not affect the times of the next light") {
-  Bench bench;
-  bench.shine();
-  (void)bench.came();
-  bench.reply(WatchdogMessageType::Tripped, LightTrip::Silence, true);
-  bench.projector.light_off();
-  bench.inner.dark();
-  bench.wait(5s);
-  bench.shine();
-  bench.wait(1s);
-  CHECK(bench.projector.last_light()->most(bench.clock.now()) == 1s);
+TEST_CASE_METHOD(WatchedProjectorFixture,
+                 "A trip of the watchdog does not affect the times of the next light") {
+  shine();
+  (void)came();
+  reply(WatchdogMessageType::Tripped, LightTrip::Silence, true);
+  projector.light_off();
+  inner.dark();
+  wait(5s);
+  shine();
+  wait(1s);
+  CHECK(projector.last_light()->most(clock.now()) == 1s);
 }
 
-TEST_CASE("Another projector takes the place of one that is gone") {
-  Bench bench;
-  NotedProjector another;
-  bench.projector.watch(another);
-  bench.projector.light_off();
-  CHECK(bench.inner.commands.empty());
-  CHECK(another.commands == std::vector<std::string>{"light off"});
-  CHECK(bench.projector.light_off_unconfirmed() == "light off is not confirmed");
+TEST_CASE_METHOD(WatchedProjectorFixture, "Another projector takes the place of one that is gone") {
+  std::vector<std::string> others;
+  testing::NotedProjector another(others);
+  another.unconfirmed = "light off is not confirmed";
+  projector.watch(another);
+  projector.light_off();
+  CHECK(commands.empty());
+  CHECK(others == std::vector<std::string>{"light off"});
+  CHECK(projector.light_off_unconfirmed() == "light off is not confirmed");
 }

@@ -1,4 +1,4 @@
-#include "core/clearance/layer_stack.hpp"
+#include "core/clearance/lit_layers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,20 +13,20 @@ constexpr double kLookedAt_mm = 0.1;
 
 // Returns a lower bound for the whole pixels between a place in a row and the run; a pixel counts from its
 // middle.
-double gap(const LayerStack::Run& run, double column) {
+double gap(const LitLayers::Run& run, double column) {
   return std::max({run.first - column, column - (run.end - 1), 1.0}) - 1;
 }
 
 // True if one of a row's runs contains the pixel.
-bool is_in(std::span<const LayerStack::Run> runs, double column) {
+bool is_in(std::span<const LitLayers::Run> runs, double column) {
   const auto reaching =
-      std::ranges::find_if(runs, [column](const LayerStack::Run& run) { return run.end > column; });
+      std::ranges::find_if(runs, [column](const LitLayers::Run& run) { return run.end > column; });
   return reaching != runs.end() && reaching->first <= column;
 }
 
 }  // namespace
 
-void LayerStack::begin(const DisplayGeometry& sweep_display, Nanometers step) {
+void LitLayers::begin(const DisplayGeometry& sweep_display, Nanometers step) {
   columns_ = sweep_display.width.count();
   rows_ = sweep_display.height.count();
   pitch_mm_ = to_millimeters(sweep_display.pixel_pitch).count();
@@ -37,7 +37,7 @@ void LayerStack::begin(const DisplayGeometry& sweep_display, Nanometers step) {
   runs_.clear();
 }
 
-void LayerStack::layer(Nanometers /*height*/, const MaskRuns& lit) {
+void LitLayers::layer(Nanometers /*height*/, const MaskRuns& lit) {
   const std::span<const PixelRun> runs = lit.runs();
   Layer layer{0, 0, row_starts_.size()};
   if (!runs.empty()) {
@@ -53,7 +53,7 @@ void LayerStack::layer(Nanometers /*height*/, const MaskRuns& lit) {
   layers_.push_back(layer);
 }
 
-std::span<const LayerStack::Run> LayerStack::runs_in(std::int32_t layer, std::int32_t row) const {
+std::span<const LitLayers::Run> LitLayers::runs_in(std::int32_t layer, std::int32_t row) const {
   if (layer < 0 || layer >= layers()) return {};
   const Layer& in = layers_[static_cast<std::size_t>(layer)];
   if (row < in.first_row || row >= in.end_row) return {};
@@ -61,7 +61,7 @@ std::span<const LayerStack::Run> LayerStack::runs_in(std::int32_t layer, std::in
   return std::span(runs_).subspan(row_starts_[start], row_starts_[start + 1] - row_starts_[start]);
 }
 
-bool LayerStack::is_clear(const PlatePoint& point, double distance_mm) const {
+bool LitLayers::is_clear(const PlatePoint& point, double distance_mm) const {
   const double column = point.x / pitch_mm_ + columns_ / 2.0 - 0.5;
   const double row = rows_ / 2.0 - point.y / pitch_mm_ - 0.5;
   const double level = point.z / step_mm_ - 0.5;
@@ -77,7 +77,7 @@ bool LayerStack::is_clear(const PlatePoint& point, double distance_mm) const {
 }
 
 // `disc` is the squared radius, in squared pixels; row and column count from the first pixel's middle.
-bool LayerStack::is_disc_clear(std::int32_t layer, double row, double column, double disc) const {
+bool LitLayers::is_disc_clear(std::int32_t layer, double row, double column, double disc) const {
   const Layer& in = layers_[static_cast<std::size_t>(layer)];
   const double across = std::sqrt(disc) + 1;
   const double last = std::min(std::floor(row + across), in.end_row - 1.0);
@@ -101,16 +101,16 @@ bool LayerStack::is_disc_clear(std::int32_t layer, double row, double column, do
   return true;
 }
 
-bool LayerStack::is_pixel_lit(double layer, double row, double column) const {
+bool LitLayers::is_pixel_lit(double layer, double row, double column) const {
   if (!(layer >= 0 && layer < layers() && row >= 0 && row < rows_)) return false;
   return is_in(runs_in(static_cast<std::int32_t>(layer), static_cast<std::int32_t>(row)), column);
 }
 
-bool LayerStack::is_lit(const PlatePoint& point) const {
+bool LitLayers::is_lit(const PlatePoint& point) const {
   return is_pixel_lit(std::floor(point.z / step_mm_), row_of(point.y), column_of(point.x));
 }
 
-std::optional<double> LayerStack::underside_above(const PlatePoint& point, double up_mm) const {
+std::optional<double> LitLayers::underside_above(const PlatePoint& point, double up_mm) const {
   const double column = column_of(point.x), row = row_of(point.y);
   const auto last =
       static_cast<std::int32_t>(std::min(std::floor((point.z + up_mm) / step_mm_), layers() - 1.0));
@@ -126,7 +126,7 @@ std::optional<double> LayerStack::underside_above(const PlatePoint& point, doubl
   return std::nullopt;
 }
 
-std::optional<double> LayerStack::top_below(const PlatePoint& point, double down_mm) const {
+std::optional<double> LitLayers::top_below(const PlatePoint& point, double down_mm) const {
   const double column = column_of(point.x), row = row_of(point.y);
   if (row < 0 || row >= rows_ || point.z < 0) return std::nullopt;
   const auto level =

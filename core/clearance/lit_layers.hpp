@@ -16,7 +16,7 @@
 
 namespace contourd {
 
-class LayerStack final : public LayerObserver {
+class LitLayers final : public LayerObserver {
  public:
   // Lit pixels [first, end) of a row.
   struct Run {

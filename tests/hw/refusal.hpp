@@ -1,0 +1,22 @@
+// The message of the exception that a call throws.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include "hw/hardware_error.hpp"
+
+namespace contourd::testing {
+
+// Returns the message of the `Error` that the call throws; empty if the call throws none.
+template <typename Error = HardwareError, typename Call>
+[[nodiscard]] std::string refusal_of(const Call& call) {
+  try {
+    (void)call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace contourd::testing
