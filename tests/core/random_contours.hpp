@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 #include "core/contour/contour_loops.hpp"
@@ -21,6 +23,10 @@ inline Contours contours_from(const std::vector<Loop>& loops) {
     contours.points.insert(contours.points.end(), loop.begin(), loop.end());
   }
   return contours;
+}
+
+inline Contours one_loop(Loop points) {
+  return contours_from({std::move(points)});
 }
 
 // Returns a rectangle, counter-clockwise.

@@ -38,16 +38,6 @@ inline std::vector<Segment> segments_as_filed(const models::Facets& facets, doub
   return segments;
 }
 
-inline models::Facets together(models::Facets facets, const models::Facets& more) {
-  facets.insert(facets.end(), more.begin(), more.end());
-  return facets;
-}
-
-inline models::Facets inverted(models::Facets facets) {
-  models::invert(facets);
-  return facets;
-}
-
 // Returns the loop's area, positive if it runs counter-clockwise.
 inline double signed_area(std::span<const Point> points) {
   double twice = 0;

@@ -65,29 +65,14 @@ struct Subject {
   models::Facets facets;
 };
 
-models::Facets together(models::Facets a, const models::Facets& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
-
-// Returns random facets anywhere, including the limits of float's range and subnormal numbers.
-models::Facets soup(std::size_t count, double reach, models::Dice& dice) {
-  models::Facets facets(count);
-  for (Facet& facet : facets) {
-    for (Vertex& v : facet.vertices)
-      v = dice.in_ball(reach);
-  }
-  return facets;
-}
-
 std::vector<Subject> good_models() {
   models::Facets hollow = models::box({-8, -8, 0}, {8, 8, 12});
   models::Facets cavity = models::box({-5, -5, 3}, {5.3F, 5.7F, 9});
   models::invert(cavity);
   return {{"box", models::box({0.1F, 0.2F, 0.3F}, {12.7F, 9.9F, 7.1F})},
           {"sliver", models::box({-9, 0.013F, 0}, {9, 0.021F, 15})},
-          {"hollow", together(hollow, cavity)},
-          {"overlap", together(hollow, models::box({-3.3F, -3.3F, 5.5F}, {10.1F, 2.2F, 14.9F}))},
+          {"hollow", models::together(hollow, cavity)},
+          {"overlap", models::together(hollow, models::box({-3.3F, -3.3F, 5.5F}, {10.1F, 2.2F, 14.9F}))},
           {"sphere", models::sphere(7, 14)},
           {"gyroid", models::gyroid_sphere(8, 5, 24)}};
 }
@@ -106,9 +91,9 @@ std::vector<Subject> bad_models() {
           {"holed", holed},
           {"split", split},
           {"turned", turned},
-          {"soup", soup(300, 9, dice)},
-          {"huge", soup(60, 3e38, dice)},
-          {"tiny", soup(60, 1e-41, dice)}};
+          {"soup", models::soup(300, 9, dice)},
+          {"huge", models::soup(60, 3e38, dice)},
+          {"tiny", models::soup(60, 1e-41, dice)}};
 }
 
 struct Setting {

@@ -8,10 +8,10 @@
 
 namespace contourd::testing {
 
-inline Mask mask_of(std::int64_t width, std::int64_t height, std::uint8_t grey) {
+inline Mask mask_of(std::int64_t width, std::int64_t height, int grey) {
   Mask mask(Pixels{static_cast<std::int32_t>(width)}, Pixels{static_cast<std::int32_t>(height)});
   for (std::int32_t y = 0; y < height; ++y)
-    std::ranges::fill(mask.row(y), grey);
+    std::ranges::fill(mask.row(y), static_cast<std::uint8_t>(grey));
   return mask;
 }
 

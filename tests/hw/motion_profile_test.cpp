@@ -35,7 +35,7 @@ MotionProfile profile(double distance_mm, double speed_mm_s, double acceleration
 // True if the duration is `seconds`. The tolerance is a nanosecond for rounding up, and the rounding of a
 // double of seconds below 1e5: 1e-11 s.
 bool lasts(Duration duration, double seconds) {
-  return std::fabs(std::chrono::duration<double>(duration).count() - seconds) <= 1e-9 + 1e-11;
+  return std::fabs(in_seconds(duration) - seconds) <= 1e-9 + 1e-11;
 }
 
 struct DrawnProfile {

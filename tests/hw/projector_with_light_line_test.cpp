@@ -6,10 +6,8 @@
 
 #include "hw/hardware_error.hpp"
 #include "hw/simulated_printer.hpp"
-#include "hw/virtual_clock.hpp"
 #include "tests/catch.hpp"
 #include "tests/hw/noted_projector.hpp"
-#include "tests/hw/plain_devices.hpp"
 #include "tests/hw/virtual_time_fixture.hpp"
 
 using namespace contourd;
@@ -246,8 +244,7 @@ TEST_CASE("a projector with a light line is confirmed dark when both are") {
       std::optional<ProjectorReply> reply;
       fixture.log.clear();
       fixture.projector.confirm_dark([&](ProjectorReply r) { reply = r; });
-      while (fixture.clock.run_next()) {
-      }
+      fixture.run();
       CHECK(fixture.log == Log{"line off", "confirm dark"});
       const ProjectorReply line = stuck ? ProjectorReply::Refused : ProjectorReply::Ok;
       CHECK(reply == (inner == ProjectorReply::Ok ? line : inner));

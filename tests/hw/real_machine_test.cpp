@@ -316,7 +316,7 @@ TEST_CASE_METHOD(LightMachineFixture,
                  "The lid cuts the light line before the event loop notices, until it is closed again") {
   REQUIRE(light_on() == ProjectorReply::Ok);
   REQUIRE(line->level);
-  const TimePoint opened = plant.clock.now();
+  const TimePoint lid_opened = plant.clock.now();
   plant.press(AxisInput::Lid, true);
   plant.run_threads_for(std::chrono::milliseconds{100});
   CHECK_FALSE(line->level);
@@ -325,7 +325,7 @@ TEST_CASE_METHOD(LightMachineFixture,
   // event loop noticed.
   const auto span = machine->projector().last_light();
   REQUIRE((span && span->off_earliest));
-  CHECK(*span->off_earliest - opened == std::chrono::microseconds{60});
+  CHECK(*span->off_earliest - lid_opened == std::chrono::microseconds{60});
   CHECK(light_on() == ProjectorReply::Interlocked);
   CHECK(count(machine->projector().last_problem(), "stays off") == 1);
   CHECK_FALSE(line->level);

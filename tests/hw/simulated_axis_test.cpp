@@ -19,7 +19,7 @@ namespace {
 
 using Switch = SimulatedAxisConfig::Switch;
 
-constexpr MillimetersPerSecond kSpeed{10.0};
+constexpr MillimetersPerSecond kMoveSpeed{10.0};
 
 // An axis on its own clock, with the results of its last home() and move_to().
 struct SimulatedAxisFixture : testing::VirtualTimeFixture {
@@ -28,7 +28,7 @@ struct SimulatedAxisFixture : testing::VirtualTimeFixture {
   void start_homing() {
     axis.home([this](HomingResult result) { homed = result; });
   }
-  void start_move(Nanometers target, MillimetersPerSecond speed = kSpeed) {
+  void start_move(Nanometers target, MillimetersPerSecond speed = kMoveSpeed) {
     moved.reset();
     axis.move_to(target, speed, [this](MoveResult result) { moved = result; });
   }
@@ -84,7 +84,7 @@ TEST_CASE_METHOD(SimulatedAxisFixture, "Homing finds the switch at full speed an
 }
 
 TEST_CASE("Homing that starts on the switch or below it backs off first") {
-  for (const std::int64_t start_mm : {0, -2}) {
+  for (const double start_mm : {0.0, -2.0}) {
     SimulatedAxisConfig config;
     config.start_height = mm(start_mm);
     SimulatedAxisFixture fixture(config);
@@ -139,7 +139,7 @@ TEST_CASE("A nudge starts wherever the plate is, ends at the switch, and forgets
   SimulatedAxisConfig config;
   config.start_height = mm(3);
   SimulatedAxisFixture fixture(config);
-  const auto nudge = [&fixture](std::int64_t distance_mm) {
+  const auto nudge = [&fixture](double distance_mm) {
     fixture.moved.reset();
     fixture.axis.nudge(mm(distance_mm), MillimetersPerSecond{1},
                        [&fixture](MoveResult result) { fixture.moved = result; });
@@ -201,7 +201,7 @@ TEST_CASE_METHOD(SimulatedAxisFixture, "A move arrives after its duration") {
   CHECK(moved == MoveResult::Reached);
   CHECK_FALSE(axis.moving());
   CHECK(axis.height() == mm(40));
-  CHECK(clock.now() - start == axis.move_duration(mm(40), kSpeed));
+  CHECK(clock.now() - start == axis.move_duration(mm(40), kMoveSpeed));
   // 0.4 s for both ramps over 4 mm together, 36 mm at 10 mm/s; rounded up to a nanosecond.
   CHECK(clock.now() - start >= 4400ms);
   CHECK(clock.now() - start <= 4400ms + 1ns);
@@ -390,9 +390,9 @@ TEST_CASE("An aborted move or homing never calls back") {
 TEST_CASE_METHOD(SimulatedAxisFixture, "A move may be started from inside the end of another") {
   home();
   std::optional<MoveResult> second;
-  axis.move_to(mm(1), kSpeed, [&](MoveResult) {
+  axis.move_to(mm(1), kMoveSpeed, [&](MoveResult) {
     CHECK_FALSE(axis.moving());
-    axis.move_to(mm(2), kSpeed, [&second](MoveResult result) { second = result; });
+    axis.move_to(mm(2), kMoveSpeed, [&second](MoveResult result) { second = result; });
   });
   run();
   CHECK(second == MoveResult::Reached);

@@ -181,20 +181,19 @@ TEST_CASE("The lid is opened when the light has been on for long enough, and clo
   SimulatedPrinterConfig config;
   config.lid_opened_after_light = 3s;
   config.lid_open_for = 4s;
-  VirtualClock clock;
-  SimulatedPrinter printer(clock, config);
+  SimulatedPrinterFixture fixture(config);
+  SimulatedPrinter& printer = fixture.printer;
   std::vector<std::pair<MachineEvent::Kind, TimePoint>> reported;
-  printer.on_event([&](const MachineEvent& event) { reported.emplace_back(event.kind, clock.now()); });
-  printer.projector().power_on([](ProjectorReply) {});
-  while (clock.run_next()) {
-  }
+  printer.on_event(
+      [&](const MachineEvent& event) { reported.emplace_back(event.kind, fixture.clock.now()); });
+  fixture.power_on();
   TimePoint lit{};
   for (int i = 0; i < 2; ++i) {
     printer.projector().light_on(
-        1s, {.sent = [](TimePoint) {}, .done = [&](ProjectorReply) { lit = clock.now(); }});
-    const auto off = clock.call_after(2s + config.projector.reply, [&] { printer.projector().light_off(); });
-    while (clock.run_next()) {
-    }
+        1s, {.sent = [](TimePoint) {}, .done = [&](ProjectorReply) { lit = fixture.clock.now(); }});
+    const auto off =
+        fixture.clock.call_after(2s + config.projector.reply, [&] { printer.projector().light_off(); });
+    fixture.run();
   }
   // Two seconds of the first light, one of the second.
   REQUIRE(reported.size() == 2);

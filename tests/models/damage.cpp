@@ -21,6 +21,15 @@ std::size_t count_of(double share, std::size_t of) {
 
 }  // namespace
 
+Facets soup(std::size_t count, double reach_mm, Dice& dice) {
+  Facets facets(count);
+  for (Facet& facet : facets) {
+    for (Vertex& v : facet.vertices)
+      v = dice.in_ball(reach_mm);
+  }
+  return facets;
+}
+
 void shake_corners(Facets& facets, double reach_mm, Dice& dice) {
   for (Facet& facet : facets) {
     for (Vertex& v : facet.vertices)

@@ -7,6 +7,9 @@
 
 namespace contourd::models {
 
+// Returns facets anywhere, with their corners up to `reach_mm` from the origin.
+[[nodiscard]] Facets soup(std::size_t count, double reach_mm, Dice& dice);
+
 // Moves each corner of each facet on its own by up to `reach_mm`, which opens cracks along every side.
 void shake_corners(Facets& facets, double reach_mm, Dice& dice);
 

@@ -216,6 +216,23 @@ void invert(Facets& facets) {
     std::swap(facet.vertices[1], facet.vertices[2]);
 }
 
+Facets inverted(Facets facets) {
+  invert(facets);
+  return facets;
+}
+
+Facets together(Facets facets, const Facets& more) {
+  facets.insert(facets.end(), more.begin(), more.end());
+  return facets;
+}
+
+Facets together(std::initializer_list<Facets> parts) {
+  Facets all;
+  for (const Facets& part : parts)
+    all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
 std::vector<std::byte> to_binary_stl(std::span<const Facet> facets) {
   std::vector<std::byte> bytes(84 + 50 * facets.size());
   std::byte* at = bytes.data() + 80;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,6 +42,9 @@ using Facets = std::vector<Facet>;
 void translate(Facets& facets, float x, float y, float z);
 // Reverses all facets.
 void invert(Facets& facets);
+[[nodiscard]] Facets inverted(Facets facets);
+[[nodiscard]] Facets together(Facets facets, const Facets& more);
+[[nodiscard]] Facets together(std::initializer_list<Facets> parts);
 
 [[nodiscard]] std::vector<std::byte> to_binary_stl(std::span<const Facet> facets);
 [[nodiscard]] std::string to_ascii_stl(std::span<const Facet> facets);

@@ -1,4 +1,4 @@
-"""Sections of the shared models against the shared, independent slicer: area, contours and segments."""
+"""Compares sections of the shared models with those of an independent slicer: area, perimeter, contours and segments."""
 
 import concurrent.futures
 import csv
@@ -9,10 +9,10 @@ import unittest
 
 from harness import OK, SHARED, contourctl, main, skip_file
 
-ORACLE_PYTHON = "/usr/bin/python3"  # Debian's, which python3-numpy belongs to
+ORACLE_PYTHON = "/usr/bin/python3"  # Debian's python, for which python3-numpy is installed
 HEIGHTS = 50
 
-# One process a model: reading the model takes longer than cutting it.
+# One process for each model, since reading a model takes longer than cutting it.
 PROGRAM = """
 import json, random, sys
 sys.path.insert(0, sys.argv[1])
@@ -32,7 +32,7 @@ print(json.dumps(found))
 def find_models():
     table = os.path.join(SHARED, "models", "TABLE.tsv")
     if not os.path.exists(table):
-        skip_file(f"{table} is not there")
+        skip_file(f"{table} does not exist")
     if subprocess.run([ORACLE_PYTHON, "-c", "import numpy"], stderr=subprocess.DEVNULL, check=False).returncode != 0:
         skip_file("the oracle needs numpy: apt-get install python3-numpy")
     with open(table, newline="", encoding="utf-8") as file:
@@ -61,22 +61,22 @@ class Sections(unittest.TestCase):
                 self.assertEqual(expected["open"], 0)
                 self.assertEqual((found["contours"], found["open_chains"]), (expected["contours"], 0))
                 self.assertEqual(found["segments"], expected["segments"])
-                # Both sides compute in double from the same floats; what is left is the order of
-                # additions, and the grid on which overlaps are resolved.
+                # Both slicers compute in double from the same floats; they differ in the order of
+                # additions, and by the grid on which overlaps are resolved.
                 area = abs(expected["area"])
                 self.assertAlmostEqual(found["area_mm2"], area, delta=area * 1e-5)
                 self.assertAlmostEqual(found["perimeter_mm"], expected["perimeter"], delta=expected["perimeter"] * 1e-5)
                 cut += found["segments"] > 0
         return cut
 
-    def test_watertight_models_have_the_oracles_sections_at_seeded_random_heights(self):
+    def test_watertight_models_have_the_oracle_s_sections_at_seeded_random_heights(self):
         models = find_models()
         self.assertGreaterEqual(len(models), 10)
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
             for name, truth in zip(models, pool.map(truth_of, models)):
                 self.assertEqual(len(truth), HEIGHTS)
                 sections = list(pool.map(lambda expected, name=name: section_of(name, expected["z"]), truth))
-                # A random height between the ends of a model seldom misses all of it.
+                # Few random heights between the ends of a model miss all its facets.
                 self.assertGreaterEqual(self.compare(name, truth, sections), HEIGHTS // 2, name)
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""contourctl orient, and jobs whose tickets leave it to contourd what points up."""
+"""contourctl orient, and jobs whose tickets let contourd choose the direction that points up."""
 
 import json
 import os
@@ -10,7 +10,7 @@ from harness import (
     main, read_png,
 )  # fmt: skip
 
-# A table: on its legs its top hangs in the air; upside down nothing does.
+# A table: when it stands on its legs, its top overhangs; upside down nothing overhangs.
 TABLE = binary_stl(
     box((0, 0, 6), (16, 16, 7)) + [f for x in (0, 14) for y in (0, 14) for f in box((x, y, 0), (x + 2, y + 2, 7))]
 )
@@ -39,12 +39,12 @@ class Orient(FolderTest):
         self.assertTrue(all(a["score"] >= best["score"] for a in drawn))
         self.assertEqual(found[0]["preset"], "auto")
 
-    def test_scale_and_preset_count(self):
+    def test_scale_and_preset_are_used(self):
         doubled = json.loads(self.orient("--json", "--scale", "2", "--preset", "fast").stdout)
         self.assertEqual(doubled["preset"], "fast")
         self.assertEqual(doubled["alternatives"][0]["size_mm"][2], 14)
 
-    def test_what_does_not_fit_the_printer_is_not_chosen(self):
+    def test_an_orientation_that_does_not_fit_the_printer_is_not_chosen(self):
         model = self.write("rod.stl", binary_stl(box((0, 0, 0), (5, 5, 90))))
         alone = json.loads(contourctl("orient", model, "--json").stdout)
         self.assertTrue(alone["as_drawn"])
@@ -56,7 +56,7 @@ class Orient(FolderTest):
         self.assertFalse(low["as_drawn"])
         self.assertTrue(low["alternatives"][0]["fits"])
 
-    def test_the_page_and_the_pictures_show_each_way_up(self):
+    def test_the_page_and_the_pictures_show_each_orientation(self):
         page, folder = self.path("ways.html"), self.path("ways")
         self.assertEqual(self.orient("--html", page, "--pictures", folder).returncode, OK)
         with open(page, encoding="utf-8") as file:
@@ -71,7 +71,7 @@ class Orient(FolderTest):
         self.assertEqual(self.orient("--pictures", folder).returncode, CANNOT_CREATE)
         self.assertEqual(self.orient("--pictures", folder, "--force").returncode, OK)
 
-    def test_bad_words_and_bad_files_are_told_in_one_line(self):
+    def test_wrong_options_and_bad_files_are_errors(self):
         for arguments, code, word in (
             (["--scale", "0"], BAD_USAGE, "--scale"),
             (["--scale", "nan"], BAD_USAGE, "--scale"),
@@ -101,7 +101,7 @@ class Orient(FolderTest):
         self.assertGreater(json.loads(contourctl("analyze", model, "--json").stdout)["largest_area_layer"], 100)
         self.assertEqual(contourctl("slice", model, "--z", "1", "--up", "1,2").returncode, BAD_USAGE)
 
-    def test_real_models_are_rated_in_time(self):
+    def test_real_models_are_rated_within_the_time_limit(self):
         model = os.path.join(SHARED, "models", "bunny-closed-70k.stl")
         if not os.path.exists(model):
             self.skipTest("no ../shared/models")
@@ -112,7 +112,7 @@ class Orient(FolderTest):
 
 
 class Jobs(FolderTest):
-    def test_a_job_is_turned_and_its_report_says_what_else_there_was(self):
+    def test_a_job_is_turned_and_its_report_lists_the_alternatives(self):
         daemon = Daemon(self).start()
         model = self.write("table.stl", TABLE)
         result = daemon.ctl("submit", model, "--up", "clean", "--wait")

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What a ticket sets in the place of its resin's profile: within that one's limits, told everywhere, refused beyond them."""
+"""Settings of the resin profile that a ticket overrides: allowed within the profile's limits, reported everywhere, and refused
+beyond the limits."""
 
 import json
 import os
@@ -14,7 +15,7 @@ SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))  # 4 layers
 LIMITS = {"exposure_ms": [2000, 8000], "bottom_exposure_ms": [4000, 60000], "lift_mm": [4, 10], "settle_ms": [0, 5000], "rest_ms": [0, 2000]}
 # The shipped resin has 3000 and 30000 ms, 6 mm, 1000 and 500 ms.
 ASKED = {"exposure_ms": 4000.5, "bottom_exposure_ms": 9000, "lift_mm": 8, "settle_ms": 250, "rest_ms": 0}
-TOLD = "exposure_ms 4000.5 instead of 3000, bottom_exposure_ms 9000 instead of 30000, lift_mm 8 instead of 6, " \
+REPORTED = "exposure_ms 4000.5 instead of 3000, bottom_exposure_ms 9000 instead of 30000, lift_mm 8 instead of 6, " \
     "settle_ms 250 instead of 1000, rest_ms 0 instead of 500"
 BOTTOM = {"bottom_layers": 2, "fade_layers": 0, "ticket_limits": LIMITS}
 
@@ -25,7 +26,7 @@ def overrides(asked, profile):
 
 class OverridesTest(FolderTest):
     def refusal(self, daemon, job, *words):
-        """One sentence, which names the ticket's file and these words."""
+        """Waits until the job is refused, and returns the reason: one sentence that contains these words."""
         reason = daemon.wait_refused(job).rstrip("\n")
         self.assertNotIn("\n", reason)
         self.assertTrue(reason.startswith("the job ticket is wrong: "), reason)
@@ -35,23 +36,23 @@ class OverridesTest(FolderTest):
         return sentence
 
     def queued(self, daemon, job):
-        """What waits by that name, once it has been checked."""
-        def look():
+        """Waits until the queued job has been checked, and returns its entry."""
+        def entry():
             jobs = [each for each in daemon.rpc("queue")["result"]["jobs"] if each["job"] == job]
             return jobs and jobs[0]["state"] == "ready" and jobs[0]
-        return wait_until(look, f"the check of {job}")
+        return wait_until(entry, f"{job} to be checked")
 
 
 class Printed(OverridesTest):
     def assert_light(self, report):
-        """What was given is what the ticket asks for: the simulated lamp is exact but for the loop's lateness."""
+        """Asserts that layers got the light that the ticket asks for; the simulated lamp is exact except for delays of the loop."""
         layers = report["layer_records"]
         self.assertEqual([layer["exposure_asked_ms"] for layer in layers], [9000, 9000, 4000.5, 4000.5])
         for layer in layers:
             self.assertGreaterEqual(layer["exposure_least_ms"], layer["exposure_asked_ms"] - 0.001)
             self.assertTrue(layer["complete"])
 
-    def test_light_lift_and_waits_are_the_tickets_and_told_so(self):
+    def test_light_lift_and_waits_come_from_the_ticket_and_are_reported(self):
         daemon = Daemon(self, resin=BOTTOM).start()
         daemon.drop("part.stl", SMALL, ASKED)
         report = daemon.wait_done("part")
@@ -60,12 +61,12 @@ class Printed(OverridesTest):
             self.assertEqual(report["settings"][key], value)
         self.assertEqual(report["overrides"], overrides(ASKED, source_json("resins", "standard.json")))
         self.assertIn(f"part: standard: light of 4000.5 ms, 9000 ms in 2 bottom layers", daemon.log())
-        self.assertIn(f"by its ticket: {TOLD}", daemon.log())
-        self.assertIn(f"by its ticket: {TOLD}", daemon.read("done", "part.report.html"))
+        self.assertIn(f"by its ticket: {REPORTED}", daemon.log())
+        self.assertIn(f"by its ticket: {REPORTED}", daemon.read("done", "part.report.html"))
         ended = daemon.rpc("history")["result"]["ended"][-1]
-        self.assertTrue(ended["settings"].endswith(f"by its ticket: {TOLD}"), ended)
+        self.assertTrue(ended["settings"].endswith(f"by its ticket: {REPORTED}"), ended)
         self.assertEqual(ended["light_asked_s"], 26.001)
-        # By the machine's clock, shown to shown: settle, light, rest, lift and back.
+        # On the machine's clock, from one mask to the next: settle, light, rest, lift and return.
         shown = [layer["shown_at_s"] for layer in report["layer_records"]]
         daemon.drop("plain.stl", SMALL)
         plain = daemon.wait_done("plain")
@@ -75,7 +76,7 @@ class Printed(OverridesTest):
         self.assertGreater(slower[1] - slower[0], shown[1] - shown[0] + 20)
         daemon.stop()
 
-    def test_a_plate_has_them_for_all_its_models_and_copies(self):
+    def test_the_overrides_of_a_plate_apply_to_all_its_models_and_copies(self):
         daemon = Daemon(self, resin=BOTTOM).start()
         os.makedirs(self.path("plate"))
         self.write("plate/a.stl", SMALL)
@@ -87,7 +88,7 @@ class Printed(OverridesTest):
         self.assertEqual(len(report["overrides"]), 5)
         daemon.stop()
 
-    def test_the_exposure_of_a_working_curve_is_set_for_the_tickets_layer_height(self):
+    def test_an_exposure_override_replaces_the_working_curve_for_the_ticket_s_layer_height(self):
         curve = {"exposure_ms": None, "bottom_exposure_ms": None, "bottom_layers": 1, "fade_layers": 0,
                  "working_curve": {"penetration_depth_um": 150, "critical_energy_mj_cm2": 9, "overcure_um": 60, "bottom_overcure_um": 200},
                  "ticket_limits": {"exposure_ms": [1000, 9000]}}  # fmt: skip
@@ -104,7 +105,7 @@ class Printed(OverridesTest):
 
 
 class Refused(OverridesTest):
-    def test_what_is_beyond_the_limits_or_no_number_prints_nothing(self):
+    def test_an_override_beyond_the_limits_or_of_a_wrong_type_prints_nothing(self):
         daemon = Daemon(self, resin=BOTTOM).start()
         profile = self.path("resins", "standard.json")
         for job, (ticket, *words) in {
@@ -127,14 +128,14 @@ class Refused(OverridesTest):
         self.assertNotIn("layer 1 of", daemon.log())
         daemon.stop()
 
-    def test_a_profile_that_names_no_limits_allows_none(self):
+    def test_a_profile_without_limits_allows_no_overrides(self):
         daemon = Daemon(self).start()
         for key, value in ASKED.items():
             daemon.drop(key + ".stl", SMALL, {key: value})
             self.refusal(daemon, key, f"/{key}: {value} is asked for", "no ticket_limits", self.path("resins", "standard.json"))
         daemon.stop()
 
-    def test_limits_that_have_changed_while_a_job_waited_count(self):
+    def test_limits_that_changed_while_a_job_waited_apply_to_it(self):
         daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS, "ticket_limits": {"settle_ms": [0, 5000]}}).start()
         daemon.drop("first.stl", SMALL)
         daemon.wait_state("exposing")
@@ -183,7 +184,7 @@ class Submitted(OverridesTest):
         self.assertEqual(len(daemon.report("part")["overrides"]), 5)
         daemon.stop()
 
-    def test_with_a_configuration_they_are_checked_before_anything_is_copied(self):
+    def test_with_a_configuration_submit_checks_the_options_before_it_copies_anything(self):
         daemon = Daemon(self, resin=BOTTOM)
         os.makedirs(daemon.file("incoming"))
         submit = ["submit", self.write("part.stl", SMALL), "--spool", daemon.spool, "--printer", daemon.config_path]
@@ -202,12 +203,12 @@ class Submitted(OverridesTest):
                 result = contourctl(*submit[:4], f"--exposure-ms={value}")
                 self.assertEqual((result.returncode, result.stdout), (BAD_USAGE, b""), result)
         self.assertEqual(os.listdir(daemon.file("incoming")), [])
-        # A profile that cannot be read here is the daemon's to tell of.
+        # If the profile cannot be read here, the daemon checks the options.
         self.assertEqual(contourctl(*submit, "--resin", "gold", "--exposure-ms", "4000").returncode, OK)
         self.assertEqual(contourctl(*submit, *self.OPTIONS).returncode, OK)
         self.assertEqual(sorted(os.listdir(daemon.file("incoming"))), ["part-2.json", "part-2.stl", "part.json", "part.stl"])
 
-    def test_without_one_the_daemon_looks_at_them(self):
+    def test_without_a_configuration_the_daemon_checks_the_options(self):
         daemon = Daemon(self, resin=BOTTOM).start()
         result = daemon.ctl("submit", self.write("part.stl", SMALL), "--exposure-ms", "8001")
         self.assertEqual(result.returncode, OK, result)

@@ -27,19 +27,19 @@ class PlateTest(FolderTest):
         return Daemon(self, config, resin, **options)
 
     def printing_daemon(self, config=None):
-        """A daemon in real time whose first job stays in its first exposure."""
+        """Starts a daemon in real time whose first job stays in its first exposure."""
         daemon = self.daemon(merge(json.loads(json.dumps(REALTIME)), config or {}), {**NIMBLE_RESIN, **ENDLESS}).start()
         daemon.drop("first.stl", CUBE)
         daemon.wait_state("exposing")
         return daemon
 
     def put(self, daemon, name, data):
-        """A whole file, by a rename."""
+        """Puts a complete file into incoming/ by a rename."""
         staging = self.write("staged", data)
         os.rename(staging, os.fsencode(daemon.file("incoming", name)))
 
     def drop_plate(self, daemon, name, ticket, files=None):
-        """A whole plate, moved in at once."""
+        """Puts a complete plate into incoming/ by one rename."""
         staging = self.path("staged-plate")
         os.mkdir(staging)
         for file, data in (files or {"cube.stl": CUBE, "post.stl": POST}).items():
@@ -61,7 +61,7 @@ class PlateTest(FolderTest):
 
 
 class Printing(PlateTest):
-    def test_a_plate_is_printed_as_its_models_alone_are(self):
+    def test_a_plate_is_printed_like_its_models_alone(self):
         daemon = self.daemon(masks=True).start()
         self.drop_plate(daemon, "both", BOTH)
         report = daemon.wait_done("both")
@@ -74,7 +74,7 @@ class Printing(PlateTest):
         masks = report["masks_folder"]
         pictures = {name: read_png(os.path.join(masks, name)) for name in sorted(os.listdir(masks)) if name.endswith(".png")}
         self.assertEqual(len(pictures), 40)
-        # 200 by 200 pixels 400 to the left of the middle; 80 by 40, 300 to the right and 200 up.
+        # The cube is 200 x 200 pixels, 400 left of the middle; the post is 80 x 40, 300 right of the middle and 200 above.
         cube, post = self.alone("cube", CUBE, -400, 0), self.alone("post", POST, 300, 200)
         for number, picture in enumerate(pictures.values()):
             rows = [bytearray(row) for row in post[number]]
@@ -86,7 +86,7 @@ class Printing(PlateTest):
         daemon.stop()
 
     def alone(self, name, data, right, up):
-        """The masks of `contourctl slice`, moved by whole pixels: the rows of each layer."""
+        """Returns the rows of each mask of `contourctl slice`, moved by whole pixels."""
         model = self.write(name + ".stl", data)
         folder = self.path("masks-" + name)
         done = contourctl("slice", model, "--layer-height-um", "50", "--display", "1920x1080", "--pixel-pitch-um", "50",
@@ -109,9 +109,9 @@ class Printing(PlateTest):
         self.assertAlmostEqual(report["layer_records"][-1]["area_mm2"], 5 * 8 + 200, delta=1e-6)
         daemon.stop()
 
-    def test_adaptive_layers_are_exposed_by_their_thickness(self):
+    def test_adaptive_layers_are_exposed_according_to_their_thickness(self):
         daemon = self.daemon(resin=CURVE).start()
-        # A roof: 10 mm wide, 2 mm high, upon walls of 1 mm. Its slope is 2 in 5.
+        # A roof, 10 mm wide and 2 mm high, on walls of 1 mm. Its slope is 2 in 5.
         roof = [((0, 0, 1), (10, 0, 1), (5, 0, 3)), ((0, 10, 1), (5, 10, 3), (10, 10, 1)),
                 ((0, 0, 1), (5, 0, 3), (5, 10, 3)), ((0, 0, 1), (5, 10, 3), (0, 10, 1)),
                 ((10, 0, 1), (10, 10, 1), (5, 10, 3)), ((10, 0, 1), (5, 10, 3), (5, 0, 3))]  # fmt: skip
@@ -125,23 +125,23 @@ class Printing(PlateTest):
         self.assertAlmostEqual(sum(record["thickness_um"] for record in records), 3000, delta=1e-6)
         self.assertEqual(report["layers"], len(records))
         self.assertEqual(report["adaptive_layers"], {"cusp_um": 28, "min_um": 25, "max_um": 100})
-        # Behind the fade: Jacobs' working curve, exp((thickness + overcure) / Dp) Ec / irradiance.
+        # After the fade, Jacobs' working curve applies: exp((thickness + overcure) / Dp) Ec / irradiance.
         self.assertAlmostEqual(records[-20]["exposure_asked_ms"], 9 / 5 * 2.718281828459045 ** ((30 + 60) / 150) * 1000, delta=0.01)
         daemon.stop()
 
 
 class Arrival(PlateTest):
-    def test_a_plate_that_is_copied_file_by_file_waits_until_all_are_there(self):
+    def test_a_plate_that_is_copied_file_by_file_waits_until_all_files_are_there(self):
         daemon = self.daemon().start()
         os.mkdir(daemon.file("incoming", "slow"))
-        # Before its plate.json is seen the folder may be, which then waits for that.
+        # The daemon may see the folder before its plate.json; then the folder waits for plate.json.
         self.put(daemon, "slow/plate.json", text(BOTH))
-        wait_until(lambda: daemon.status()["incomplete"].get("slow") == ["cube.stl", "post.stl"], "the wait for both")
+        wait_until(lambda: daemon.status()["incomplete"].get("slow") == ["cube.stl", "post.stl"], "the plate to wait for both files")
         self.put(daemon, "slow/cube.stl", CUBE)
-        wait_until(lambda: daemon.status()["incomplete"].get("slow") == ["post.stl"], "the last file's wait")
+        wait_until(lambda: daemon.status()["incomplete"].get("slow") == ["post.stl"], "the plate to wait for the last file")
         with open(daemon.file("incoming", "slow", "post.stl"), "wb", buffering=0) as file:
             file.write(POST[:100])
-            # Every file is there, but one is still being written.
+            # All files exist, but one is still being written.
             wait_until(lambda: not daemon.status()["incomplete"], "the file to be seen")
             daemon.drop("empty.stl", b"")
             daemon.wait_refused("empty")
@@ -159,10 +159,10 @@ class Arrival(PlateTest):
             os.mkdir(folder)
             self.write(f"plate{number}/plate.json", json.dumps(plate))
             os.rename(folder, daemon.file("incoming", f"plate{number}"))
-        wait_until(lambda: daemon.log().count(" waits for ") == 40, "all to be looked at")
+        wait_until(lambda: daemon.log().count(" waits for ") == 40, "all plates to be looked at")
         self.assertEqual(len(daemon.status()["incomplete"]), 10)
 
-    def test_a_folder_without_a_plate_json_is_left_alone_until_it_gets_one(self):
+    def test_a_folder_is_ignored_until_it_contains_a_plate_json(self):
         daemon = self.daemon()
         os.makedirs(daemon.file("incoming", "later"))
         os.makedirs(daemon.file("incoming", ".hidden"))
@@ -193,23 +193,23 @@ class Arrival(PlateTest):
         self.assertTrue(daemon.has("done", "part.stl") and daemon.has("done", "part-2", "cube.stl"))
         daemon.stop()
 
-    def test_a_waiting_plate_from_which_a_file_is_taken_waits_for_it_again(self):
+    def test_a_waiting_plate_that_loses_a_file_waits_for_it_again(self):
         daemon = self.printing_daemon()
         self.drop_plate(daemon, "second", BOTH)
         wait_until(lambda: daemon.status()["queued"] == 1, "the plate in the queue")
         os.rename(daemon.file("incoming", "second", "post.stl"), self.path("taken.stl"))
-        wait_until(lambda: daemon.status()["queued"] == 0, "an empty queue")
+        wait_until(lambda: daemon.status()["queued"] == 0, "the queue to be empty")
         self.assertEqual(daemon.status()["incomplete"], {"second": ["post.stl"]})
         os.rename(self.path("taken.stl"), daemon.file("incoming", "second", "post.stl"))
         wait_until(lambda: daemon.status()["queued"] == 1, "the plate in the queue again")
         os.rename(daemon.file("incoming", "second"), self.path("withdrawn"))
-        wait_until(lambda: daemon.status()["queued"] == 0, "an empty queue")
+        wait_until(lambda: daemon.status()["queued"] == 0, "the queue to be empty")
         self.assertEqual(daemon.status()["incomplete"], {})
         daemon.stop()
 
 
 class Refusal(PlateTest):
-    def test_what_is_wrong_with_a_plate_is_told(self):
+    def test_the_reason_names_what_is_wrong_with_a_plate(self):
         daemon = self.daemon().start()
         self.refused(daemon, "syntax", "{", "plate.json")
         self.refused(daemon, "unknown", {"models": [{"file": "cube.stl", "colour": 1}]}, "/models/0/colour")
@@ -242,7 +242,7 @@ class Interruption(PlateTest):
         self.assertTrue(daemon.has("failed", "plate.of.two", "post.stl"))
         self.assertIn("interrupted", daemon.read("failed", "plate.of.two.reason.txt"))
         self.assertEqual(daemon.status()["plate_job"], "plate.of.two")
-        # Put back as it is, it is printed again.
+        # The plate is printed again when it is put back unchanged.
         os.rename(daemon.file("failed", "plate.of.two"), daemon.file("incoming", "again"))
         daemon.rpc("plate_cleared")
         daemon.wait_state("exposing")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""contourctl preview: pictures of models, jobs and layers, as PNG files and as a terminal shows them."""
+"""contourctl preview: pictures of models, jobs and layers, as PNG files and on terminals."""
 
 import contextlib
 import fcntl
@@ -27,12 +27,12 @@ ASKED = b"\x1b[c"
 SIXELS, NO_SIXELS = b"\x1b[?62;4;22c", b"\x1b[?62;22c"
 COLORLESS = {"NO_COLOR": None, "COLORTERM": None, "TERM": "xterm"}
 SGR = re.compile(rb"\x1b\[[0-9;]*m")
-# A display of which a whole mask fits on a terminal.
+# A display whose whole mask fits on a terminal.
 DISPLAY = {"display": {"width_px": 192, "height_px": 108, "pixel_pitch_um": 100}}
 
 
 def decode_sixels(data):
-    """Greys, row by row. Of the format (DEC STD 070, 9) only what a picture in one piece has, and nothing else."""
+    """Returns the decoded picture. Allows only the part of the format (DEC STD 070, 9) that a picture in one piece needs."""
     found = re.fullmatch(rb'\x1bPq"1;1;(\d+);(\d+)(.*)\x1b\\', data, re.DOTALL)
     assert found, data[:80]
     width, height = int(found[1]), int(found[2])
@@ -56,7 +56,7 @@ def decode_sixels(data):
                         rows[y + bit][x] = round(level * 255 / 100)
                         drawn += 1
                 x += 1
-    assert drawn == width * height, "each pixel once"
+    assert drawn == width * height, "each pixel must be drawn once"
     return Picture(width, height, [bytes(row) for row in rows])
 
 
@@ -70,7 +70,7 @@ def grey_of(light_):
 
 
 def resized(picture, left, top, right, bottom, width, height):
-    """That part in so many pixels, each with the mean light of what it covers."""
+    """Returns the rows of a part of the picture, resized to width x height; each pixel has the mean light of the area it covers."""
     def weights(size, count):
         for i in range(count):
             begin, end = i * size / count, (i + 1) * size / count
@@ -89,11 +89,11 @@ class PreviewTest(FolderTest):
         self.addCleanup(os.chdir, self.home)
 
     def printer(self, **config):
-        """A printer's configuration that no daemon has."""
+        """Returns the path of a printer's configuration without a running daemon."""
         return Daemon(self, {**DISPLAY, **config}).config_path
 
     def spool(self, **jobs):
-        """A spool with each job's model and, if there is one, its ticket; by folder."""
+        """Makes a spool. `jobs` is a dictionary from folder to {job: (model, ticket or None)}."""
         for folder in ("incoming", "printing", "done", "failed"):
             os.makedirs(self.path("spool", folder), exist_ok=True)
             for name, (model, ticket) in jobs.get(folder, {}).items():
@@ -103,7 +103,7 @@ class PreviewTest(FolderTest):
         return self.path("spool")
 
     def png(self, *arguments, **options):
-        """What it writes."""
+        """Returns the picture that contourctl preview writes."""
         output = self.path("out.png")
         result = contourctl("preview", *arguments, "-o", output, **options)
         self.assertEqual((result.returncode, result.stdout, result.stderr), (OK, b"", b""), result)
@@ -114,7 +114,7 @@ class PreviewTest(FolderTest):
         self.assert_one_line(result.stderr, *words)
 
     def drawn(self, *arguments):
-        """Its lines, behind a pipe."""
+        """Returns the lines that contourctl preview writes into a pipe."""
         result = contourctl("preview", *arguments)
         self.assertEqual((result.returncode, result.stderr), (OK, b""), result)
         self.assertNotIn(b"\x1b", result.stdout)
@@ -124,7 +124,7 @@ class PreviewTest(FolderTest):
 
 
 class Pictures(PreviewTest):
-    def test_a_job_is_shaded_as_its_file_and_turned_by_its_ticket_and_a_layer_is_the_mask_that_was_shown(self):
+    def test_a_job_looks_like_its_file_turned_by_its_ticket_and_a_layer_is_the_mask_that_was_shown(self):
         daemon = Daemon(self, masks=True).start()
         shaded = {}
         for name, ticket in (("plain", None), ("turned", b'{"rotation_deg": {"x": 30}, "scale": 2}')):
@@ -138,12 +138,12 @@ class Pictures(PreviewTest):
                     shown = read_png(self.path("masks", name, f"{number:04}.png"))
                     self.assertEqual(self.png(name, "--layer", str(number), *as_printed), shown)
         daemon.stop()
-        # Of a file nothing else is needed.
+        # A file needs neither a daemon nor a printer.
         self.write("w.stl", WEDGE)
         self.assertEqual(self.png("w.stl"), shaded["plain"])
         self.assertNotEqual(shaded["turned"], shaded["plain"])
 
-    def test_a_job_is_found_wherever_it_lies(self):
+    def test_a_job_is_found_in_every_folder_of_the_spool(self):
         spool = self.spool(incoming={"a": (SMALL, None)}, printing={"b": (WEDGE, None)}, done={"c": (SMALL, None)},
                            failed={"d": (WEDGE, None)})  # fmt: skip
         for name, folder in (("a", "incoming"), ("b", "printing"), ("c", "done"), ("d", "failed"), ("a.stl", "incoming")):
@@ -155,38 +155,38 @@ class Pictures(PreviewTest):
         for hostile in ("..", ".", "", "x" * 300, "a\n"):
             self.assertNotEqual(contourctl("preview", hostile, "--spool", spool).returncode, OK)
 
-    def test_what_waits_comes_before_what_is_done_and_the_other_is_told(self):
+    def test_a_waiting_job_is_preferred_and_others_of_its_name_are_mentioned(self):
         spool = self.spool(incoming={"a": (SMALL, None)}, done={"a": (WEDGE, None)}, failed={"a": (WEDGE, None)})
         self.assertIn("a, in incoming (there is another in done and in failed): 4 x 2 x 1 mm", self.drawn("a", "--spool", spool)[0])
-        # Its path is a file's.
+        # The path of a job's model is that of a file.
         self.assertIn("a.stl: 8 x 4 x 2 mm", self.drawn("spool/done/a.stl")[0])
 
-    def test_two_files_of_one_name_are_told_apart_by_their_own(self):
+    def test_two_files_of_one_job_name_are_distinguished_by_their_file_names(self):
         spool = self.spool(incoming={"a": (SMALL, None)})
         self.write("spool/incoming/a.STL", WEDGE)
         self.refused(contourctl("preview", "a", "--spool", spool), BAD_USAGE, 'more than one job in incoming is called "a"', '"a.STL", "a.stl"')
         self.assertIn("8 x 4 x 2 mm", self.drawn("a.STL", "--spool", spool)[0])
 
-    def test_a_file_comes_before_a_job_and_a_folder_does_not(self):
+    def test_a_file_is_preferred_to_a_job_and_a_folder_is_not(self):
         spool = self.spool(incoming={"part": (SMALL, None), "other": (SMALL, None)})
         self.write("part", WEDGE)
         os.mkdir("other")
         self.assertIn("part: 8 x 4 x 2 mm", self.drawn("part", "--spool", spool)[0])
         self.assertIn("other, in incoming: 4 x 2 x 1 mm", self.drawn("other", "--spool", spool)[0])
 
-    def test_names_are_said_as_people_read_them(self):
+    def test_control_characters_in_names_are_replaced(self):
         spool = self.spool(incoming={"b\x1b[31m": (SMALL, None), "B\u00e4r-\u90e8\u54c1" * 9: (SMALL, None)})
         self.assertIn("b?[31m, in incoming", self.drawn("b?[31m", "--spool", spool)[0])
         self.drawn("B\u00e4r-\u90e8\u54c1" * 9, "--spool", spool)
         self.write(b"c\x1b[31m\xff.stl", SMALL)
         self.assertIn("c?[31m", self.drawn(b"c\x1b[31m\xff.stl")[0])
 
-    def test_a_jobs_ticket_counts(self):
+    def test_a_job_is_shown_according_to_its_ticket(self):
         ticket = b'{"copies": 3, "scale": 2, "up": {"x": 1}, "layer_height_um": 100}'
         spool = self.spool(incoming={"a": (SMALL, ticket)})
         as_printed = ["--spool", spool, "--printer", self.printer()]
         self.assertIn("a, in incoming: 3 of 2 x 4 x 8 mm, layers 80 of 100 um", self.drawn("a", *as_printed)[0])
-        # Three of them are wider than one.
+        # Three copies are wider than one.
         three = self.png("a", *as_printed).lit_box()
         alone = self.png(self.write("one.stl", SMALL), "--ticket", self.write("one", ticket.replace(b"3", b"1", 1)), *as_printed[2:]).lit_box()
         self.assertGreater(three[2] - three[0], 1.5 * (alone[2] - alone[0]))
@@ -194,13 +194,13 @@ class Pictures(PreviewTest):
         middle = mask.rows[mask.lit_box()[1] + 1]
         self.assertEqual(len(re.findall(rb"[^\0]+", middle)), 3)
         self.assertEqual(sum(map(bool, middle)), 3 * 20)  # 2 mm at 0.1 mm
-        # The same of a file.
+        # A file with the same ticket has the same mask.
         file, given = self.write("a.stl", SMALL), self.write("t", ticket)
         self.assertEqual(self.png(file, "--layer", "80", "--ticket", given, *as_printed[2:]), mask)
         self.refused(contourctl("preview", "a", "--ticket", given, *as_printed), BAD_USAGE, "--ticket goes with a file")
         self.refused(contourctl("preview", file, "--ticket", self.write("bad", b"{"), *as_printed[2:]), BAD_DATA, "ticket")
 
-    def test_a_plate_is_shown_whole(self):
+    def test_a_plate_is_shown_with_all_its_models(self):
         spool = self.spool()
         os.makedirs(self.path("spool", "incoming", "two"))
         self.write("spool/incoming/two/a.stl", SMALL)
@@ -210,7 +210,7 @@ class Pictures(PreviewTest):
         self.assertIn("two, in incoming: 3 models, 2 mm high, layers 40 of 50 um", self.drawn("two", *as_printed)[0])
         self.assertGreater(self.png("two", "--layer", "1", *as_printed).lit_box()[2], 0)
 
-    def test_a_layer_that_there_is_not_is_refused_with_how_many_there_are(self):
+    def test_the_error_about_a_missing_layer_names_the_number_of_layers(self):
         model = self.write("a.stl", SMALL)
         for number in ("21", "10000000"):
             self.refused(contourctl("preview", model, "--layer", number, "--printer", self.printer()), BAD_USAGE,
@@ -219,7 +219,7 @@ class Pictures(PreviewTest):
             self.assertEqual(contourctl("preview", model, "--layer", number, "--printer", self.printer()).returncode, BAD_USAGE)
 
     @unittest.skipIf(os.path.exists(INSTALLED), "contourd is installed")
-    def test_without_a_configuration_it_says_what_needs_one(self):
+    def test_without_a_configuration_the_error_names_the_option_that_needs_one(self):
         model, ticket = self.write("a.stl", SMALL), self.write("a.json", "{}")
         self.refused(contourctl("preview", model, "--layer", "1"), BAD_USAGE, "--layer needs a printer's configuration", INSTALLED)
         self.refused(contourctl("preview", model, "--ticket", ticket), BAD_USAGE, "a ticket needs a printer's configuration")
@@ -227,7 +227,7 @@ class Pictures(PreviewTest):
         self.drawn(model)
         self.drawn("a", "--spool", self.spool(incoming={"a": (SMALL, None)}))
 
-    def test_a_job_that_is_refused_is_shown_as_its_file_has_it_with_the_reason(self):
+    def test_a_refused_job_is_shown_like_its_file_with_the_reason_as_a_warning(self):
         high = binary_stl(box((0, 0, 0), (4, 2, 500)))
         spool = self.spool(failed={"high": (high, b"{}"), "odd": (SMALL, b'{"copis": 2}')})
         for name, why in (("high", "500.00 mm high"), ("odd", "copis")):
@@ -237,13 +237,13 @@ class Pictures(PreviewTest):
             self.assertIn("facets", result.stdout.decode().splitlines()[0])
             self.refused(contourctl("preview", name, "--layer", "1", "--spool", spool, "--printer", self.printer()), BAD_DATA, why)
 
-    def test_without_a_daemon_it_says_how_a_job_can_be_found(self):
+    def test_without_a_daemon_the_error_says_how_to_find_a_job(self):
         self.refused(contourctl("preview", "part", "--socket", self.path("none")), UNAVAILABLE,
                      'there is no file "part"', "cannot reach contourd", "--spool")  # fmt: skip
         self.refused(contourctl("preview", "./part.stl", "--socket", self.path("none")), NO_INPUT, "./part.stl")
         self.refused(contourctl("preview", "part", "--spool", self.path("none")), NO_INPUT, "none/incoming")
 
-    def test_a_daemon_that_tells_no_spool_is_told(self):
+    def test_a_daemon_that_does_not_name_its_spool_is_an_error(self):
         path = self.path("s")
         for answer in (b'{"id":1,"result":{"spool":""}}\n', b'{"id":1,"error":{}}\n', b""):
             with self.subTest(answer), socket.socket(socket.AF_UNIX) as server:
@@ -260,7 +260,7 @@ class Pictures(PreviewTest):
                 self.assertEqual((asking.returncode, out), (UNAVAILABLE, b""), why)
                 self.assert_one_line(why, 'there is no file "part"', "--spool")
 
-    def test_what_is_no_model_is_refused_as_by_the_other_commands(self):
+    def test_a_file_that_is_no_model_is_refused_as_by_the_other_commands(self):
         os.mkfifo("fifo.stl")
         os.mkdir("folder.stl")
         self.write("empty.stl", b"")
@@ -275,7 +275,7 @@ class Pictures(PreviewTest):
                 self.refused(mine, other.returncode, name)
                 self.assertIn(mine.returncode, (BAD_DATA, NO_INPUT))
 
-    def test_nothing_to_see_is_said(self):
+    def test_it_says_so_if_there_is_nothing_to_see(self):
         self.write("point.stl", binary_stl(box((1, 1, 1), (1, 1, 1))))
         self.assertEqual(self.drawn("point.stl"), ["point.stl: 0 x 0 x 0 mm, 12 facets", "nothing of it can be seen"])
         self.png("point.stl")
@@ -284,11 +284,11 @@ class Pictures(PreviewTest):
         self.assertEqual(self.drawn("gap.stl", "--layer", "15", "--printer", self.printer()),
                          ["gap.stl: layer 15 of 40, 0.700 to 0.750 mm, 0.00 mm2", "nothing is lit"])  # fmt: skip
 
-    @unittest.skipIf(SANITIZED, "AddressSanitizer wants to be loaded first")
-    def test_a_job_that_is_moved_meanwhile_is_found_where_it_is_then(self):
+    @unittest.skipIf(SANITIZED, "AddressSanitizer must be loaded first")
+    def test_a_job_that_is_moved_meanwhile_is_found_in_its_new_folder(self):
         spool = self.spool(incoming={"a": (SMALL, None)})
         os.mkdir("slow")
-        self.write("slow/models", b"")  # what opens a model waits as long as that is there (slow_disk.cpp)
+        self.write("slow/models", b"")  # opening a model waits while this file exists (slow_disk.cpp)
         slow = {**os.environ, "LD_PRELOAD": os.path.join(BIN, "libslow-disk.so"), "SLOW_DISK": self.path("slow")}
         with subprocess.Popen([CONTOURCTL, "preview", "a", "--spool", spool], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               env=slow) as process:  # fmt: skip
@@ -326,7 +326,7 @@ class Output(PreviewTest):
             self.assertEqual(contourctl("preview", model, "-o", "-", stdout=full).returncode, CANNOT_CREATE)
             self.assertEqual(contourctl("preview", model, stdout=full).returncode, CANNOT_CREATE)
 
-    def test_what_is_there_is_replaced_whole_or_stays(self):
+    def test_an_existing_file_is_replaced_completely_or_kept(self):
         model = self.write("a.stl", SMALL)
         self.write("old.png", b"old")
         os.link("old.png", "kept")
@@ -335,7 +335,7 @@ class Output(PreviewTest):
         self.assertTrue(os.path.islink("link.png"))
         self.assertEqual(read_png("old.png").width, 720)
         with open("kept", "rb") as file:
-            self.assertEqual(file.read(), b"old")  # nobody has written into it
+            self.assertEqual(file.read(), b"old")  # the old file has been replaced, not written into
         before = sorted(os.listdir())
         os.mkfifo("fifo")
         os.mkdir("folder")
@@ -347,7 +347,7 @@ class Output(PreviewTest):
         self.refused(contourctl("preview", self.write("bad.stl", b"x"), "-o", "old.png"), BAD_DATA)
         self.assertEqual(read_png("old.png").width, 720)
 
-    def test_the_model_is_not_written_over(self):
+    def test_the_model_is_not_overwritten(self):
         model, ticket = self.write("a.stl", SMALL), self.write("t.json", b"{}")
         os.link("a.stl", "same.png")
         spool = self.spool(incoming={"j": (SMALL, None)})
@@ -357,8 +357,8 @@ class Output(PreviewTest):
         with open(model, "rb") as file:
             self.assertEqual(file.read(), SMALL)
 
-    def test_whoever_is_interrupted_leaves_nothing(self):
-        # Between the first and the last of its calls: each time a little later.
+    def test_an_interrupted_preview_leaves_no_file(self):
+        # Interrupts a little later each time, from the start of the program to its end.
         model = self.write("a.stl", binary_stl(wedge(8, 4, 2) * 5000))
         before, begin = sorted(os.listdir()), time.monotonic()
         self.png(model)
@@ -379,7 +379,7 @@ class Output(PreviewTest):
 
 
 class OnTerminal(PreviewTest):
-    """`answer`: what the terminal sends when it is asked for its attributes."""
+    """`answer` is what the terminal sends when it is asked for its attributes."""
 
     def start(self, *arguments, size=(80, 24), cell=(0, 0), typed=b"", controlling=True, **environment):
         columns, rows = size
@@ -390,8 +390,8 @@ class OnTerminal(PreviewTest):
         self.modes = termios.tcgetattr(self.its)
         os.write(self.ours, typed)
         variables = {**os.environ, **COLORLESS, **environment}
-        # A session of its own, whose terminal this is: in its foreground. What is to be stopped is in a group that is not
-        # orphaned.
+        # By default the program is in the foreground of a new session on this terminal. A program that is to be stopped needs
+        # a process group that is not orphaned.
         group = {"start_new_session": True, "preexec_fn": lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0)}
         self.process = subprocess.Popen(
             [CONTOURCTL, "preview", *map(os.fspath, arguments)], stdin=self.its, stdout=self.its, stderr=self.its,
@@ -400,7 +400,7 @@ class OnTerminal(PreviewTest):
         self.addCleanup(self.process.kill)
 
     def read(self, answer=None, until=None):
-        """What it writes to its end, or until that has come."""
+        """Returns the program's output until it ends, or until `until` has been received."""
         data, asked = b"", False
         while True:
             if select.select([self.ours], [], [], 0.02)[0]:
@@ -414,7 +414,7 @@ class OnTerminal(PreviewTest):
                 return data
 
     def shown(self, *arguments, answer=None, code=OK, **options):
-        """What is on the terminal, whose modes are as they were."""
+        """Returns the text on the terminal, and asserts that the terminal's modes have been restored."""
         self.start(*arguments, **options)
         data = self.read(answer)
         self.assertEqual(self.process.returncode, code, data)
@@ -422,7 +422,7 @@ class OnTerminal(PreviewTest):
         return data.replace(b"\r\n", b"\n")
 
     def left_to_read(self):
-        """What the next program on this terminal would read."""
+        """Returns the input that the next program on this terminal would read."""
         modes = termios.tcgetattr(self.its)
         modes[3] &= ~(termios.ICANON | termios.ECHO)
         termios.tcsetattr(self.its, termios.TCSANOW, modes)
@@ -433,7 +433,7 @@ class OnTerminal(PreviewTest):
 
     def test_a_terminal_with_sixels_shows_the_pixels_of_the_png(self):
         large = binary_stl(wedge(18, 10, 2))
-        # All of it, by a whole factor, as it is and smaller; what is lit alone, larger and smaller.
+        # The whole mask: enlarged by a whole factor, unchanged, and reduced. The lit part alone: enlarged and reduced.
         for size, cell, model, whole in (((80, 24), (9, 18), large, True), ((30, 12), (9, 18), large, True), ((7, 30), (9, 18), large, True),
                                          ((80, 24), (0, 0), WEDGE, False), ((8, 12), (9, 18), WEDGE, False)):  # fmt: skip
             with self.subTest(size=size, cell=cell, whole=whole):
@@ -451,12 +451,12 @@ class OnTerminal(PreviewTest):
                 self.assertEqual((area is None, "all 192x108 pixels" in note), (whole, whole))
                 left, right, top, bottom = map(int, area.groups()) if area else (1, 192, 1, 108)
                 expected = resized(png, left - 1, top - 1, right, bottom, picture.width, picture.height)
-                # A hundredth of the light's grey, as sixels have it, by half; and rounding twice.
+                # Half a step of sixels, which have a hundred grey levels, and two roundings to whole grey values.
                 worst = max(abs(a - b) for mine, theirs in zip(picture.rows, expected, strict=True) for a, b in zip(mine, theirs, strict=True))
                 self.assertLessEqual(worst, 1.275 + 0.5 + 0.5)
                 self.assertGreater(len(picture.values()), 1)
 
-    def test_half_blocks_are_drawn_where_there_are_no_sixels(self):
+    def test_a_terminal_without_sixels_shows_half_blocks(self):
         arguments = self.layer()
         true_color = self.shown(*arguments, answer=NO_SIXELS, COLORTERM="truecolor").replace(ASKED, b"")
         greys = self.shown(*arguments, answer=NO_SIXELS).replace(ASKED, b"")
@@ -469,7 +469,7 @@ class OnTerminal(PreviewTest):
             self.assertLessEqual(len(lines), 23)
             self.assertTrue(data.endswith(b"\x1b[0m\n"))
 
-    def test_it_fits_every_terminal(self):
+    def test_the_picture_fits_every_terminal(self):
         arguments = self.layer()
         for size in ((40, 24), (80, 24), (200, 60), (20, 8), (1, 1), (1000, 3)):
             with self.subTest(size):
@@ -479,7 +479,7 @@ class OnTerminal(PreviewTest):
                     self.assertLess(len(lines), size[1])
         self.assertIn(b"\xe2\x96\x80", self.shown(*arguments, answer=NO_SIXELS, size=(0, 0)))
 
-    def test_characters_are_drawn_where_colours_are_not_wanted_or_not_known_and_nothing_is_asked(self):
+    def test_without_colours_characters_are_drawn_and_the_terminal_is_not_asked(self):
         arguments = self.layer()
         piped = contourctl("preview", *arguments).stdout
         for environment in ({"NO_COLOR": "1"}, {"TERM": "dumb"}, {"TERM": None}, {"TERM": ""}):
@@ -490,7 +490,7 @@ class OnTerminal(PreviewTest):
         self.assertIn("\u2588", piped.decode())
         self.assertIn(ASKED, self.shown(*arguments, answer=SIXELS, NO_COLOR=""))
 
-    def test_a_terminal_is_asked_only_when_its_answer_would_be_heard(self):
+    def test_a_terminal_is_asked_only_if_its_answer_can_be_read(self):
         arguments = self.layer()
         def shown_with(**ends):
             self.ours, self.its = pty.openpty()
@@ -508,7 +508,7 @@ class OnTerminal(PreviewTest):
             os.close(its)
             other.kill()
 
-    def test_a_terminal_that_does_not_answer_or_answers_rubbish_gets_half_blocks_and_the_shell_none_of_it(self):
+    def test_without_a_valid_answer_half_blocks_are_drawn_and_the_shell_gets_nothing_of_the_answer(self):
         arguments = self.layer()
         for answer in (b"", b"\x1b", b"\x1b[?62;4", b"\x1b[62;4c", b"c" * 3000, b"\x1b[?" + b"1;" * 1500, b"\xff\x00\x9b?62;4c", b"\x1b[>1;2;3c"):
             with self.subTest(answer[:20]):
@@ -517,7 +517,7 @@ class OnTerminal(PreviewTest):
                 self.assertNotIn(b"\x1bP", data)
                 self.assertEqual(self.left_to_read(), b"")
 
-    def test_a_terminal_that_never_stops_sending_ends_nothing(self):
+    def test_a_terminal_that_never_stops_sending_does_no_harm(self):
         self.start(*self.layer())
         data = b""
         while self.process.poll() is None:
@@ -530,16 +530,16 @@ class OnTerminal(PreviewTest):
         self.assertEqual(self.process.returncode, OK)
         self.assertEqual(termios.tcgetattr(self.its), self.modes)
 
-    def test_what_was_typed_before_and_behind_the_answer_is_left_to_the_shell(self):
+    def test_text_typed_before_and_after_the_answer_is_left_to_the_shell(self):
         arguments = self.layer()
         self.shown(*arguments, answer=SIXELS + b"ls\n")
         self.assertEqual(self.left_to_read(), b"ls\n")
         self.assertNotIn(ASKED, self.shown(*arguments, answer=SIXELS, typed=b"ls\n"))
         self.assertEqual(self.left_to_read(), b"ls\n")
 
-    def test_in_the_background_it_asks_nothing_and_is_not_stopped(self):
+    def test_in_the_background_the_terminal_is_not_asked_and_the_program_is_not_stopped(self):
         model = self.write("s.stl", WEDGE)
-        self.start("--help")  # for its terminal
+        self.start("--help")  # only for its terminal
         self.read()
         job = subprocess.Popen(["bash", "-mc", f"{CONTOURCTL} preview {os.fsdecode(model)} & wait $!"], stdin=self.its, stdout=self.its,
                                stderr=self.its, env={**os.environ, "TERM": "xterm", "NO_COLOR": ""}, start_new_session=True,
@@ -552,7 +552,7 @@ class OnTerminal(PreviewTest):
         self.assertIn(b"\xe2\x96\x80", data)
         self.assertEqual(termios.tcgetattr(self.its), self.modes)
 
-    def test_signals_while_it_asks_leave_the_terminal_as_it_was(self):
+    def test_signals_during_the_question_leave_the_terminal_as_it_was(self):
         for how in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, b"\x03"):
             with self.subTest(how):
                 self.start(*self.layer())
@@ -578,11 +578,11 @@ class OnTerminal(PreviewTest):
         self.assertEqual(self.process.returncode, -signal.SIGTERM)
         self.assertEqual(self.left_to_read(), b"")
 
-    def test_a_signal_in_the_middle_of_a_picture_leaves_the_terminal_fit_for_text(self):
+    def test_a_signal_in_the_middle_of_a_picture_leaves_the_terminal_usable(self):
         for answer in (SIXELS, NO_SIXELS):
             for number in (signal.SIGINT, signal.SIGTERM):
                 with self.subTest(answer=answer, number=number):
-                    # More than a terminal holds that nobody reads from.
+                    # The picture is larger than the buffer of a terminal that is not read.
                     self.start(self.write("s.stl", WEDGE), size=(900, 400), cell=(4, 8), COLORTERM="truecolor")
                     data = self.read(answer, until=b"\x1bP" if answer == SIXELS else b"\x1b[48")
                     self.wait_full()
@@ -594,13 +594,13 @@ class OnTerminal(PreviewTest):
                     self.assertEqual(termios.tcgetattr(self.its), self.modes)
 
     def wait_full(self):
-        """Until it waits for the terminal."""
+        """Waits until the program sleeps, because the terminal is full."""
         def waits():
             with open(f"/proc/{self.process.pid}/stat", encoding="utf-8") as file:
                 return file.read().rsplit(") ", 1)[1].startswith("S")
         wait_until(waits, "the program to wait")
 
-    def test_one_that_is_stopped_in_the_middle_draws_anew(self):
+    def test_a_program_that_is_stopped_in_the_middle_draws_the_picture_again(self):
         self.start(self.write("s.stl", WEDGE), size=(900, 400), cell=(4, 8), controlling=False)
         self.read(SIXELS, until=b"\x1bP")
         self.wait_full()
@@ -615,12 +615,12 @@ class OnTerminal(PreviewTest):
         self.assertEqual(self.process.returncode, OK)
         decode_sixels(b"\x1bP" + data.rsplit(b"\x1bP", 1)[1].replace(b"\r\n", b"\n").rstrip(b"\n"))
 
-    def test_standard_output_is_no_terminal_for_a_file(self):
+    def test_a_png_is_not_written_to_a_terminal(self):
         data = self.shown(self.write("a.stl", SMALL), "-o", "-", code=BAD_USAGE)
         self.assertIn(b"standard output is a terminal", data)
         self.assertNotIn(b"PNG", data)
 
-    def test_what_cannot_be_shown_is_told_and_the_terminal_is_not_asked(self):
+    def test_for_a_bad_model_the_terminal_is_not_asked(self):
         data = self.shown(self.write("a.stl", b"x"), answer=SIXELS, code=BAD_DATA)
         self.assertNotIn(b"\x1b", data)
 

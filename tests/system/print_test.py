@@ -14,8 +14,8 @@ from harness import (
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers of 50 um
-ANALYSIS = "contourd-layers"  # its thread
-# The picture of a part: faint is at most 0.3 of the brightest 250.
+ANALYSIS = "contourd-layers"  # the name of the analysis thread
+# In a preview, faint layers have at most 0.3 of the brightest grey value, 250.
 BRIGHTER_THAN_FAINT = 80
 PITCH_MM, WIDTH, HEIGHT = 0.05, 1920, 1080  # simulated.json
 
@@ -37,7 +37,7 @@ class PrintTest(FolderTest):
 
 
 class MaskBudget(PrintTest):
-    def test_a_soup_of_facets_is_refused_with_what_its_masks_take(self):
+    def test_a_soup_of_facets_is_refused_because_of_its_masks_time(self):
         dice = random.Random(4)
         soup = [[[dice.uniform(0, 20) for _ in range(3)] for _ in range(3)] for _ in range(6000)]
         daemon = self.daemon({"mask_budget_ms": 100}, NIMBLE_RESIN, masks=False)
@@ -61,7 +61,7 @@ class Masks(PrintTest):
         self.assertEqual(report["masks_folder"], self.path("masks", "part"))
         self.assertEqual(len(names), report["layers"])
         for name in names:
-            # The pixels, not the bytes of the file.
+            # Compares the pixels, not the bytes of the files.
             self.assertEqual(read_png(self.path("masks", "part", name)), read_png(self.path("expected", name)), name)
 
     def test_a_box_of_20_mm_has_the_masks_of_contourctl_bit_for_bit(self):
@@ -71,17 +71,17 @@ class Masks(PrintTest):
         self.assertEqual(self.masks("part")["0001.png"].lit_box(), (760, 340, 1160, 740))
         self.assert_same_as_contourctl(data, report)
 
-    def test_slanted_walls_holes_and_odd_layer_heights_have_them_too(self):
+    def test_slanted_walls_holes_and_odd_layer_heights_have_the_masks_of_contourctl(self):
         facets = wedge(20, 10.013, 3.03) + inside_out(box((2.001, 2, 0), (6, 5.5, 1.0)))
         data = ascii_stl(facets)
         self.assert_same_as_contourctl(data, self.printed(data, {"layer_height_um": 33.75}))
 
-    def test_without_anti_aliasing_they_are_the_same_as_well(self):
+    def test_without_anti_aliasing_the_masks_are_those_of_contourctl(self):
         data = binary_stl(wedge(20, 10, 3))
         report = self.printed(data, config={"display": {"anti_aliasing": False}})
         self.assert_same_as_contourctl(data, report, "--aa", "off")
 
-    def test_compensation_and_correction_are_the_same_as_well_and_in_the_report(self):
+    def test_compensation_and_correction_are_those_of_contourctl_and_in_the_report(self):
         data = binary_stl(wedge(10, 5, 1) + box((20, 0, 0), (22, 9, 1)))
         self.write("model.stl", data)
         contourctl("slice", self.path("model.stl"), "--z", "0.5", "--mask", self.path("even.png"))
@@ -115,7 +115,7 @@ class Masks(PrintTest):
         report = self.printed(data, ticket, config)
         return report, self.masks("part")["0001.png"]
 
-    def test_one_part_lies_in_the_middle_whatever_its_shape(self):
+    def test_a_single_part_is_centred_whatever_its_shape(self):
         for number, (x, y) in enumerate(((10, 5), (10, 50), (1, 40), (90, 2))):
             with self.subTest(x=x, y=y):
                 daemon = self.daemon()
@@ -126,11 +126,11 @@ class Masks(PrintTest):
                 self.assertEqual(self.masks(name)["0001.png"].lit_box(),
                                  (960 - x * 10, 540 - y * 10, 960 + x * 10, 540 + y * 10))  # fmt: skip
 
-    def test_a_position_moves_it_by_as_many_pixels(self):
+    def test_a_position_moves_the_part_by_the_same_number_of_pixels(self):
         _, picture = self.lit(SMALL, {"position_mm": {"x": 20, "y": -10}})
         self.assertEqual(picture.lit_box(), (960 - 100 + 400, 540 - 50 + 200, 960 + 100 + 400, 540 + 50 + 200))
 
-    def test_copies_lie_apart_and_inside(self):
+    def test_copies_are_apart_from_each_other_and_inside_the_plate(self):
         for copies in (2, 3, 5, 6):
             with self.subTest(copies):
                 daemon = self.daemon()
@@ -149,7 +149,7 @@ class Masks(PrintTest):
         _, picture = self.lit(binary_stl(facets), {"rotation_deg": {"z": 90}})
         left, top, right, bottom = picture.lit_box()
         self.assertEqual((right - left, bottom - top), (120, 200))
-        # Right of the model has become its top, its top the left: the foot runs along the right, the rest is top left.
+        # The model's right side becomes its top and its top becomes its left side: the long bar is at the right, the rest top left.
         self.assertEqual(picture.rows[top + 5][left:right], b"\xff" * 120)
         self.assertEqual(picture.rows[bottom - 5][left:right], bytes(80) + b"\xff" * 40)
 
@@ -166,7 +166,7 @@ class Masks(PrintTest):
         self.assertEqual(pictures[True, False].rows, [row[::-1] for row in plain.rows])
         self.assertEqual(pictures[False, True].rows, plain.rows[::-1])
 
-    def test_masks_of_an_earlier_job_of_that_name_do_not_remain(self):
+    def test_masks_of_an_earlier_job_of_the_same_name_are_deleted(self):
         daemon = self.daemon()
         daemon.drop("part.stl", SMALL)
         daemon.wait_done("part")
@@ -179,7 +179,7 @@ class Masks(PrintTest):
 
 
 class Analysis(PrintTest):
-    # 60 layers of 50 um: a slab, a millimetre of nothing, and a box in the air.
+    # A slab, a gap of 1 mm, and a box above the gap: 60 layers of 50 um.
     FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
 
     def test_a_sound_print_is_analysed_without_a_warning(self):
@@ -191,12 +191,12 @@ class Analysis(PrintTest):
         # 20 boxes of 200 by 100 pixels, in double.
         self.assertAlmostEqual(found["resin_ml"], 0.05, delta=1e-9)
         self.assertAlmostEqual(found["largest_area_mm2"], 50, delta=1e-9)
-        # What the print took besides its layers: the lamp's warm-up of 5 s, homing, the first way down, parking.
+        # Besides its layers, a print has the lamp's warm-up of 5 s, homing, the first way down, and parking.
         self.assertGreater(found["layer_time_s"], 20 * 6)
         self.assertGreater(report["print_time_s"], found["layer_time_s"] + 5)
         self.assertLess(report["print_time_s"], found["layer_time_s"] + 120)
 
-    def test_islands_and_empty_layers_are_warned_about_and_printed_all_the_same(self):
+    def test_islands_and_empty_layers_give_warnings_and_are_printed(self):
         daemon = self.daemon()
         daemon.drop("part.stl", self.FLOATING)
         report = daemon.wait_done("part")
@@ -206,7 +206,7 @@ class Analysis(PrintTest):
         self.assertEqual(found["empty_layer_list"], list(range(21, 41)))
         island = found["island_list"][0]
         self.assertEqual(island["layer"], 41)
-        # Corners on pixel borders; what is left is double rounding.
+        # The corners lie on borders of pixels, so only the rounding of doubles remains.
         for value, expected in zip(island["plate_mm"], (-2, -1), strict=True):
             self.assertAlmostEqual(value, expected, delta=1e-9)
         self.assertAlmostEqual(island["area_mm2"], 4, delta=1e-9)
@@ -222,7 +222,7 @@ class Analysis(PrintTest):
         self.assertEqual(history[-1]["analysis"]["islands"], 1)
         daemon.stop()
 
-    def test_a_print_that_is_over_before_its_analysis_is_filed_as_done_also_at_a_stop(self):
+    def test_a_print_that_ends_before_its_analysis_is_filed_as_done_even_at_a_stop(self):
         daemon = self.daemon(masks=False)
         with daemon.held_thread(ANALYSIS):
             daemon.drop("part.stl", SMALL)
@@ -235,12 +235,12 @@ class Analysis(PrintTest):
         self.assertTrue(daemon.has("done", "part.stl"))
         self.assertEqual((daemon.names_in("printing"), daemon.names_in("incoming")), ([], []))
 
-    def test_the_status_tells_it_while_the_print_runs(self):
+    def test_the_status_shows_the_analysis_during_the_print(self):
         daemon = self.daemon(REALTIME)
         daemon.drop("part.stl", self.FLOATING)
-        told = daemon.watcher.wait_for(lambda m: m.get("method") == "analysis", "the analysis")["params"]
-        self.assertEqual(told["job"]["analysis"]["islands"], 1)
-        self.assertEqual(daemon.status()["job"]["analysis"], told["job"]["analysis"])
+        status = daemon.watcher.wait_for(lambda m: m.get("method") == "analysis", "the analysis")["params"]
+        self.assertEqual(status["job"]["analysis"]["islands"], 1)
+        self.assertEqual(daemon.status()["job"]["analysis"], status["job"]["analysis"])
         result = daemon.ctl("status")
         self.assertIn(b"resin     0.10 ml", result.stdout)
         self.assertIn(b"warning   1 island begins", result.stdout)
@@ -249,7 +249,7 @@ class Analysis(PrintTest):
 
 
 class Report(PrintTest):
-    def test_its_figures_are_those_of_the_print(self):
+    def test_the_figures_of_the_report_are_those_of_the_print(self):
         report = self.printed(binary_stl(cube(20)))
         resin = source_json("resins", "standard.json")
         self.assertEqual((report["job"], report["outcome"], report["printer"]), ("part", "done", "Simulated printer"))
@@ -276,7 +276,7 @@ class Report(PrintTest):
             faded = min(max(number - resin["bottom_layers"], 0), resin["fade_layers"] + 1) / (resin["fade_layers"] + 1)
             expected = resin["bottom_exposure_ms"] + (resin["exposure_ms"] - resin["bottom_exposure_ms"]) * faded
             self.assertAlmostEqual(record["exposure_asked_ms"], expected, delta=1e-5)
-            # The simulated clock runs by nothing but the print's own timers.
+            # Only the print's own timers advance the simulated clock.
             self.assertAlmostEqual(record["exposure_most_ms"], record["exposure_asked_ms"], delta=1e-5)
         light = sum(record["exposure_asked_ms"] for record in records) / 1000
         rests = 400 * (resin["settle_ms"] + resin["rest_ms"]) / 1000
@@ -289,38 +289,38 @@ class Report(PrintTest):
         self.assertEqual(report["layers_exposed"], 20)
         for record in report["layer_records"]:
             self.assertEqual(record["exposure_asked_ms"], 40 if record["layer"] <= 2 else 20)
-            # Never too short. Late by what a busy machine takes; a printer's process has it for itself.
+            # Never too short. On a busy machine it may be late; a printer has its computer for itself.
             self.assertGreaterEqual(record["exposure_most_ms"], record["exposure_asked_ms"] - 0.01)
             self.assertLess(record["exposure_most_ms"], record["exposure_asked_ms"] + 50)
         self.assertGreater(report["print_time_s"], 20 * 0.02)
 
-    def test_an_exposure_that_was_too_long_is_warned_about_with_both_figures(self):
+    def test_an_exposure_that_was_too_long_gives_a_warning_with_both_figures(self):
         resin = {**NIMBLE_RESIN, "exposure_ms": 1000, "bottom_exposure_ms": 1000}
         daemon = self.daemon(REALTIME, resin=resin)
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
         lit = time.monotonic()
-        wait_until(lambda: time.monotonic() - lit > 0.3, "the lamp, that takes 20 ms")
-        # As if the machine had something better to do.
+        wait_until(lambda: time.monotonic() - lit > 0.3, "the lamp, which takes 20 ms")
+        # Simulates a computer that is busy with something else.
         daemon.process.send_signal(signal.SIGSTOP)
         stopped = time.monotonic()
-        wait_until(lambda: time.monotonic() - stopped > 1.5, "an exposure's time and more")
+        wait_until(lambda: time.monotonic() - stopped > 1.5, "longer than the exposure")
         daemon.process.send_signal(signal.SIGCONT)
         layer = daemon.wait_done("part")["layer_records"][0]
         daemon.stop()
         self.assertGreater(layer["exposure_least_ms"], 1500)
-        # One figure where the bounds round to the same.
+        # The log has one figure if both bounds round to the same.
         least, most = "%.1f" % layer["exposure_least_ms"], "%.1f" % layer["exposure_most_ms"]
         light = most if least == most else least + " to " + most
         self.assertIn("layer 1: the light was on for " + light + " ms, 1000.0 ms were asked for", daemon.log())
 
-    def test_warnings_about_the_model_are_in_it(self):
+    def test_warnings_about_the_model_are_in_the_report(self):
         report = self.printed(binary_stl(cube(2)[1:]))
         self.assertFalse(report["model"]["watertight"])
         self.assertEqual(report["model"]["open_edges"], 3)
         self.assertTrue(any("watertight" in warning for warning in report["model"]["warnings"]), report["model"])
 
-    def test_the_preview_shows_what_was_printed_and_the_rest_faint(self):
+    def test_the_preview_shows_unprinted_layers_faintly(self):
         daemon = self.daemon({"simulation": {"projector_silent_after_commands": 101}})
         daemon.drop("part.stl", binary_stl(cube(20)))
         daemon.wait_refused("part")
@@ -335,15 +335,15 @@ class Report(PrintTest):
         daemon.wait_done("whole")
         whole = read_png(daemon.file("done", "whole.preview.png")).lit_box(BRIGHTER_THAN_FAINT)
         daemon.stop()
-        # Its top is lower: a quarter of it was printed. On a slow computer the picture is smaller.
+        # The top of the printed part is lower, since a quarter was printed. On a slow computer the picture is smaller.
         self.assertGreater(part[1], whole[1] + (whole[3] - whole[1]) // 4)
-        self.assertLessEqual(abs(part[3] - whole[3]), 1)  # its bottom is the same
+        self.assertLessEqual(abs(part[3] - whole[3]), 1)  # both have the same bottom
         for side, faint in zip(whole, all_of_it):
             self.assertLessEqual(abs(side - faint), 1)
 
 
 class HeldQueue(PrintTest):
-    """After a print that failed on the hardware nothing moves by itself, whatever wait_for_plate_cleared says."""
+    """After a print that failed because of the hardware, no job starts by itself, whatever wait_for_plate_cleared is."""
 
     def held(self, wait_for_plate_cleared=False):
         daemon = self.daemon({"simulation": {"limit_switch": "stuck_open"}, "wait_for_plate_cleared": wait_for_plate_cleared})
@@ -358,7 +358,7 @@ class HeldQueue(PrintTest):
             return status if status["waiting_for"] and words in status["waiting_for"] else None
         return wait_until(waits, f"jobs to wait because of {words}")
 
-    def test_jobs_wait_until_the_owner_resumes_and_are_told_why(self):
+    def test_jobs_wait_until_the_user_resumes_and_the_status_says_why(self):
         daemon, status = self.held()
         self.assertEqual((status["queued"], status["plate"]), (2, "clear"))
         sentence = status["held"]
@@ -367,21 +367,21 @@ class HeldQueue(PrintTest):
         self.assertIn(sentence, daemon.log())
         self.assertIn(sentence.encode(), daemon.ctl("status").stdout)
         self.assertEqual(sorted(daemon.names_in("incoming")), ["three.stl", "two.stl"])
-        # The owner speaks: the next job tries, and fails as well.
+        # After the user's resume, the next job starts and fails as well.
         self.assertEqual(daemon.ctl("resume").returncode, OK)
         daemon.wait_refused("two")
         self.waiting(daemon, "two failed")
         self.assertEqual(daemon.names_in("incoming"), ["three.stl"])
         self.assertNotIn("error", daemon.rpc("plate_cleared"))
         daemon.wait_refused("three")
-        # Nothing waits: it is told all the same.
-        self.assertIn("three failed", wait_until(lambda: daemon.status()["held"], "the hold"))
+        # The hold is shown even if no job waits.
+        self.assertIn("three failed", wait_until(lambda: daemon.status()["held"], "the queue to be held"))
         self.assertIn(b"held      the queue is held: three failed", daemon.ctl("status").stdout)
         self.assertIsNone(daemon.rpc("resume")["result"]["held"])
         self.assertIn("no print", daemon.rpc("resume")["error"]["message"])
         daemon.stop()
 
-    def test_a_restart_does_not_let_the_queue_go(self):
+    def test_a_restart_does_not_release_the_queue(self):
         daemon, _ = self.held()
         daemon.stop()
         daemon.config["simulation"]["limit_switch"] = "works"
@@ -394,7 +394,7 @@ class HeldQueue(PrintTest):
         daemon.stop()
         self.assertFalse(daemon.has("../spool.state/queue-held"))
 
-    def test_with_a_part_on_the_plate_one_command_says_that_both_are_seen_to(self):
+    def test_with_a_part_on_the_plate_one_command_confirms_printer_and_plate(self):
         daemon = self.daemon({"simulation": {"projector_silent_after_commands": 8}, "wait_for_plate_cleared": True})
         daemon.drop("one.stl", SMALL)
         daemon.drop("two.stl", SMALL)
@@ -405,7 +405,7 @@ class HeldQueue(PrintTest):
         daemon.wait_refused("two")
         daemon.stop()
 
-    def test_a_job_that_fails_for_its_own_file_holds_nothing(self):
+    def test_a_job_that_fails_because_of_its_file_does_not_hold_the_queue(self):
         daemon = self.daemon()
         daemon.drop("bad.stl", b"no model")
         daemon.drop("good.stl", SMALL)
@@ -414,7 +414,7 @@ class HeldQueue(PrintTest):
         self.assertIsNone(daemon.status()["held"])
         daemon.stop()
 
-    def test_a_stop_of_the_daemon_holds_the_queue_in_a_print_alone(self):
+    def test_a_stop_of_the_daemon_holds_the_queue_only_during_a_print(self):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, **ENDLESS})
         daemon.stop()
         daemon.start()
@@ -437,12 +437,12 @@ class Reload(PrintTest):
         daemon.wait_done("part")
         daemon.stop()
 
-    def test_a_print_ends_undisturbed_and_the_next_job_is_the_new_daemons(self):
+    def test_a_print_ends_undisturbed_and_the_new_daemon_prints_the_next_job(self):
         daemon = self.daemon(REALTIME, NIMBLE_RESIN)
         daemon.drop("one.stl", SMALL)
         daemon.wait_state("exposing")
         daemon.drop("two.stl", SMALL)
-        wait_until(lambda: daemon.status()["queued"] == 1, "the second job")
+        wait_until(lambda: daemon.status()["queued"] == 1, "the second job in the queue")
         daemon.reload()
         daemon.wait_restart()
         self.assertIn("contourd restarts when one is over", daemon.log())
@@ -453,7 +453,7 @@ class Reload(PrintTest):
         daemon.wait_done("two")
         daemon.stop()
 
-    def test_a_print_whose_analysis_is_under_way_is_filed_with_it(self):
+    def test_a_print_whose_analysis_is_running_is_filed_with_the_analysis(self):
         daemon = self.daemon(masks=False)
         with daemon.held_thread(ANALYSIS):
             daemon.drop("part.stl", SMALL)
@@ -476,7 +476,7 @@ class Reload(PrintTest):
         daemon.wait_restart()
         self.assertTrue(daemon.has("done", "part.stl"))
 
-    def test_a_stop_that_comes_before_the_restart_is_a_stop(self):
+    def test_a_stop_before_the_restart_interrupts_the_print(self):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, **ENDLESS})
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
@@ -489,7 +489,7 @@ class Fault(PrintTest):
     def fails(self, simulation, layers_exposed, data=SMALL, **config):
         daemon = self.daemon({"simulation": simulation, **config}, masks=False)
         self.assertEqual(daemon.names_in("failed"), [])
-        for name in ("one", "two"):  # it goes on to the next
+        for name in ("one", "two"):  # the next job starts after a failure
             daemon.drop(name + ".stl", data)
             reason = daemon.wait_refused(name)
             self.assertEqual(len(reason.splitlines()), 1, reason)
@@ -497,7 +497,7 @@ class Fault(PrintTest):
             self.assertEqual((report["outcome"], report["reason"]), ("failed", reason.strip()))
             if name == "one":
                 self.assertEqual(report["layers_exposed"], layers_exposed)
-                # The last may have had a part of its light, or nobody knows.
+                # The last layer may have had a part of its light, or its light is unknown.
                 self.assertEqual(sum(layer["complete"] for layer in report["layer_records"]), layers_exposed)
                 first = reason
             self.assertTrue(daemon.has("failed", name + ".report.html"))
@@ -506,29 +506,29 @@ class Fault(PrintTest):
         self.daemon_under_test = daemon
         return first
 
-    def test_a_limit_switch_that_never_closes_is_told(self):
+    def test_a_limit_switch_that_never_closes_is_reported(self):
         reason = self.fails({"limit_switch": "stuck_open"}, 0)
         self.assertRegex(reason, "homing failed: .*switch")
         self.assertEqual(self.daemon_under_test.status()["plate"], "clear")
         self.daemon_under_test.stop()
 
-    def test_a_limit_switch_that_never_opens_is_told(self):
+    def test_a_limit_switch_that_never_opens_is_reported(self):
         reason = self.fails({"limit_switch": "stuck_closed"}, 0)
         self.assertRegex(reason, "homing failed: .*switch")
         self.daemon_under_test.stop()
 
     def interrupted(self, simulation):
-        """A print that has paused by itself, and its status."""
+        """Starts a print, and returns the daemon and the status once the print has paused by itself."""
         daemon = self.daemon({"simulation": simulation})
         daemon.drop("part.stl", SMALL)
         return daemon, daemon.wait_state("paused")
 
-    def test_a_display_that_is_lost_pauses_the_print_until_it_is_back_and_the_owner_resumes(self):
+    def test_a_lost_display_pauses_the_print_until_it_is_back_and_the_user_resumes(self):
         daemon, status = self.interrupted({"display_lost_after_frames": 12, "display_back_after_s": 60})
         self.assertEqual((status["job"]["interruption"], status["job"]["layer"]), ("the display was unplugged", 13))
         self.assertEqual(status["job"]["layers_done"], 12)
-        # A simulated minute later, which is at once.
-        status = wait_until(lambda: (lambda s: None if s["hindrance"] else s)(daemon.status()), "the display")
+        # The display is back after a simulated minute, which passes at once.
+        status = wait_until(lambda: (lambda s: None if s["hindrance"] else s)(daemon.status()), "the display to be back")
         self.assertEqual((status["state"], status["job"]["interruption"]), ("paused", "the display was unplugged"))
         self.assertIn(b"stopped   the display was unplugged", daemon.ctl("status").stdout)
         self.assertEqual(daemon.ctl("resume").returncode, OK)
@@ -536,7 +536,7 @@ class Fault(PrintTest):
         daemon.stop()
         self.assertEqual((report["outcome"], report["layers_exposed"]), ("done", 20))
         self.assertEqual(report["interruptions"], ["layer 13: the display was unplugged"])
-        self.assertEqual(len(self.masks("part")), 20)  # none but those that could be seen
+        self.assertEqual(len(self.masks("part")), 20)  # only the masks that could be seen
         self.assertIn("layer 13: the display was unplugged; the light is off", daemon.log())
         self.assertIn("the display was plugged in again", daemon.log())
 
@@ -549,14 +549,14 @@ class Fault(PrintTest):
         self.assertEqual(daemon.status()["state"], "paused")
         self.assertEqual(daemon.ctl("cancel").returncode, OK)
         self.assertEqual(daemon.wait_ended("part")["outcome"], "cancelled")
-        # The next job waits for the machine, and says so.
+        # The next job waits for the machine, and the status says so.
         daemon.drop("next.stl", SMALL)
-        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the wait")
+        status = wait_until(lambda: (lambda s: s if s["waiting_for"] else None)(daemon.status()), "the next job to wait")
         self.assertEqual((status["waiting_for"], status["queued"]), ("the display is unplugged", 1))
         self.assertIn(b"machine   the display is unplugged", daemon.ctl("status").stdout)
         daemon.stop()
 
-    def test_a_lid_opened_in_an_exposure_divides_it_and_the_parts_add_up(self):
+    def test_a_lid_opened_during_an_exposure_divides_it_and_the_parts_add_up(self):
         # Layers 1 to 5 have the bottom's 30 s each: the lid opens 18 s into the second.
         daemon, status = self.interrupted({"lid_opened_after_light_s": 48})
         self.assertEqual((status["job"]["interruption"], status["job"]["layer"]), ("the lid was opened", 2))
@@ -572,7 +572,7 @@ class Fault(PrintTest):
             self.assertIn("layer 2: the lid was opened", file.read())
 
     def test_a_projector_that_falls_silent_ends_the_print(self):
-        # Power on, then one command a layer.
+        # The projector gets power on, and then one command for each layer.
         reason = self.fails({"projector_silent_after_commands": 8}, 7)
         self.assertRegex(reason, "in vain for the projector to confirm that its light is off")
         last = self.daemon_under_test.report("one", "failed")["layer_records"][-1]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The profiles of plausible machines: every Raspberry Pi, screw, microstep and projector is a good configuration, and the
-figures that docs/first-print.md gives for them are right."""
+"""The shipped profiles: they are valid with every Raspberry Pi, screw, microstep setting and projector, and the figures in
+docs/first-print.md are right."""
 
 import fractions
 import json
@@ -10,11 +10,11 @@ import re
 from harness import BAD_CONFIG, CONTOURD, OK, SOURCE, Daemon, FolderTest, binary_stl, box, main, merge, run, source_json
 
 MODELS = ("3", "4", "5")
-# By the kernel's drivers drivers/pinctrl/bcm/pinctrl-bcm2835.c and drivers/pinctrl/pinctrl-rp1.c.
+# Source: the kernel's drivers drivers/pinctrl/bcm/pinctrl-bcm2835.c and drivers/pinctrl/pinctrl-rp1.c.
 CHIPS = {"3": "pinctrl-bcm2835", "4": "pinctrl-bcm2711", "5": "pinctrl-rp1"}
 PITCHES_MM, MICROSTEPS, FULL_STEPS = (2, 4, 8), (16, 32), 200
 TABLES = sorted(name[:-len(".json")] for name in os.listdir(os.path.join(SOURCE, "config", "projectors")))
-# docs/printer-setup.md: no axis may make more, and what is no matter for any Raspberry Pi.
+# Steps per second (docs/printer-setup.md): the limit of any axis, and the rate that every Raspberry Pi reaches easily.
 MOST_RATE, SURE_RATE = 20000, 5000
 GUIDE = os.path.join(SOURCE, "docs", "first-print.md")
 
@@ -24,7 +24,7 @@ def per_mm(pitch_mm, microsteps):
 
 
 def guide_table(first_column):
-    """Rows of the guide's table whose first column is called so, as lists of cells."""
+    """Returns the rows of the guide's table whose first column has this name, as lists of cells."""
     with open(GUIDE, encoding="utf-8") as file:
         text = file.read()
     (table,) = re.findall(rf"(?m)^\| {re.escape(first_column)} \|.*\n\|[-| ]+\|\n((?:\|.*\n)+)", text)
@@ -57,40 +57,40 @@ class Profiles(FolderTest):
         return self.profile(model, microsteps_per_mm=float(steps_per_mm), top_speed_mm_s=speed, travel_speed_mm_s=slower,
                             homing_speed_mm_s=slower)  # fmt: skip
 
-    def test_every_machine_with_every_projector_is_good(self):
+    def test_every_machine_with_every_projector_is_valid(self):
         self.assertEqual(len(TABLES), 6)
         for model, pitch, microsteps in self.machines():
             for table in TABLES:
                 with self.subTest(model=model, pitch=pitch, microsteps=microsteps, table=table):
-                    # A top speed below a resin's is refused: a screw of 2 mm at 1/32 has to go beyond the sure rate.
+                    # A top speed below a resin's speed is refused, so a screw of 2 mm at 1/32 must exceed the sure rate.
                     fastest = fractions.Fraction(source_json("resins", "standard.json")["retract_speed_mm_s"])
                     steps = per_mm(pitch, microsteps)
                     self.assertEqual(fastest * steps > SURE_RATE, (pitch, microsteps) == (2, 32))
                     profile = self.with_speed(model, steps, max(SURE_RATE, fastest * steps))
                     profile["projector"]["table"] = table
                     if "light_on" not in source_json("projectors", table + ".json")["commands"]:
-                        code, told = self.check(profile)
+                        code, output = self.check(profile)
                         self.assertEqual(code, BAD_CONFIG)
-                        self.assertIn('give a "light" line too', told)
+                        self.assertIn('give a "light" line too', output)
                         profile["projector"]["light"] = {"chip": CHIPS[model], "line": 24}
-                    code, told = self.check(profile)
-                    *warnings, good = told.splitlines()
+                    code, output = self.check(profile)
+                    *warnings, good = output.splitlines()
                     self.assertEqual((code, good), (OK, f"{self.path('contourd.json')}: good"))
-                    # Its replies may take longer than the resin's exposure: the guide says so.
+                    # BenQ's replies may take longer than the resin's exposure, as the guide says.
                     self.assertEqual([table for warning in warnings if "the reply to light_on may take" in warning],
                                      ["benq"] if table == "benq" else [])  # fmt: skip
-                    self.assertEqual(len(warnings), int(table == "benq"), told)
+                    self.assertEqual(len(warnings), int(table == "benq"), output)
 
-    def test_the_highest_speed_is_where_arithmetic_has_it(self):
+    def test_the_highest_speed_follows_from_the_step_rate(self):
         for model, pitch, microsteps in self.machines():
             with self.subTest(model=model, pitch=pitch, microsteps=microsteps):
                 steps = per_mm(pitch, microsteps)
                 self.assertEqual(self.check(self.with_speed(model, steps, MOST_RATE))[0], OK)
-                code, told = self.check(self.with_speed(model, steps, MOST_RATE * 1.01))
+                code, output = self.check(self.with_speed(model, steps, MOST_RATE * 1.01))
                 self.assertEqual(code, BAD_CONFIG)
                 most = f"{float(MOST_RATE / steps):g} mm/s"
-                self.assertIn(f"more than the limit, {most}" if steps == 400 else  # the schema's
-                              f"are 20200 steps a second; the limit is {MOST_RATE}, that is {most}", told)  # fmt: skip
+                self.assertIn(f"more than the limit, {most}" if steps == 400 else  # the schema's limit
+                              f"are 20200 steps a second; the limit is {MOST_RATE}, that is {most}", output)  # fmt: skip
 
     def test_the_guide_has_the_same_figures(self):
         rows = {}
@@ -100,7 +100,7 @@ class Profiles(FolderTest):
         for (pitch, microsteps), figures in rows.items():
             steps = per_mm(pitch, microsteps)
             expected = [steps, 1000 / steps, SURE_RATE / steps, MOST_RATE / steps]
-            # Rounded to two places, and never up where it is a limit.
+            # The figures are rounded to two places, limits always down.
             for figure, value, most_above in zip(figures, expected, (0, 0.005, 0, 0), strict=True):
                 self.assertLessEqual(figure, value + most_above)
                 self.assertGreater(figure, value - fractions.Fraction(1, 100))
@@ -115,14 +115,14 @@ class Profiles(FolderTest):
             for line in ("step", "direction", "enable", "limit_switch"):
                 self.assertEqual(profile["z_axis"][line]["chip"], CHIPS[model])
 
-    def test_models_differ_in_their_chip_and_their_name_alone(self):
+    def test_profiles_differ_only_in_their_chip_and_name(self):
         texts = set()
         for model in MODELS:
             text = json.dumps(self.profile(model)).replace(CHIPS[model], "chip")
             texts.add(text.replace(f"Raspberry Pi {model}", "Raspberry Pi"))
         self.assertEqual(len(texts), 1)
 
-    def test_wired_as_the_guide_says_everything_fits_and_no_line_is_used_twice(self):
+    def test_the_wiring_of_the_guide_uses_no_line_twice(self):
         for model in MODELS:
             contact = {"chip": CHIPS[model], "active_low": True, "bias": "pull_up", "contact": "normally_closed"}
             profile = self.profile(model, emergency_stop={**contact, "line": 5}, lid={**contact, "line": 6})

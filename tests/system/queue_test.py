@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What an owner does with the jobs that wait: contourctl queue."""
+"""contourctl queue: shows, removes and reorders waiting jobs."""
 
 import json
 import os
@@ -15,7 +15,7 @@ class Queue(FolderTest):
         self.daemon = self.printing()
 
     def printing(self):
-        """A daemon whose print stays in its first exposure."""
+        """Starts a daemon whose print stays in its first exposure."""
         daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
@@ -30,13 +30,13 @@ class Queue(FolderTest):
         return self.daemon.rpc("queue")["result"]["queue"]
 
     def queue(self, *words, code=OK):
-        told = self.daemon.ctl("queue", *words)
-        self.assertEqual(told.returncode, code, told)
-        return (told.stdout if code == OK else told.stderr).decode()
+        result = self.daemon.ctl("queue", *words)
+        self.assertEqual(result.returncode, code, result)
+        return (result.stdout if code == OK else result.stderr).decode()
 
-    def test_a_job_tells_what_it_will_be_once_it_is_checked(self):
+    def test_a_checked_job_shows_its_time_parts_and_layers(self):
         self.wait("one", ticket={"copies": 2, "layer_height_um": 25})
-        wait_until(lambda: self.daemon.rpc("queue")["result"]["jobs"][0]["state"] == "ready", "its check")
+        wait_until(lambda: self.daemon.rpc("queue")["result"]["jobs"][0]["state"] == "ready", "the job to be checked")
         lines = self.queue().splitlines()
         self.assertEqual(lines[0], "  1  one.stl")
         self.assertRegex(lines[1], r"^     ready, \d+ min \d\d s, 2 parts, layers 8 of 25 um, standard, 0\.7 kB$")
@@ -44,7 +44,7 @@ class Queue(FolderTest):
         self.assertEqual((shown["job"], shown["number"], shown["parts"], shown["layers"]), ("one", "1 of 1", "2", "8 of 25 um, 0.20 mm high"))
         self.assertEqual(json.loads(self.queue("show", "one", "--json"))["result"]["jobs"][0]["layers"], 8)
 
-    def test_an_order_holds_across_a_restart_and_is_the_order_of_the_prints(self):
+    def test_an_order_survives_a_restart_and_is_the_order_of_the_prints(self):
         self.wait("a", "b", "c", "d")
         self.assertEqual(self.queue("move", "d", "--first").splitlines()[0], "  1  d.stl")
         self.queue("move", "a", "--last")
@@ -52,16 +52,16 @@ class Queue(FolderTest):
         expected = ["d.stl", "c.stl", "b.stl", "a.stl"]
         self.assertEqual(self.order(), expected)
         record = self.path("spool.state", "queue-order")
-        wait_until(lambda: self.read(record) == "".join(name + "\0" for name in expected), "the record")
+        wait_until(lambda: self.read(record) == "".join(name + "\0" for name in expected), "the stored order")
         self.daemon.kill()
         self.daemon = Daemon(self, {**REALTIME, "wait_for_plate_cleared": True}, NIMBLE_RESIN).start()
-        wait_until(lambda: len(self.order()) == 4, "the jobs")
+        wait_until(lambda: len(self.order()) == 4, "the four jobs")
         self.assertEqual(self.order(), expected)
         self.wait("late")
         self.assertEqual(self.order(), [*expected, "late.stl"])
         self.daemon.rpc("plate_cleared")
         self.daemon.wait_done("d")
-        wait_until(lambda: not self.read(record).startswith("d.stl"), "the record without it")
+        wait_until(lambda: not self.read(record).startswith("d.stl"), "the stored order without the printed job")
         self.assertEqual(self.order(), [*expected[1:], "late.stl"])
 
     def read(self, path):
@@ -81,7 +81,7 @@ class Queue(FolderTest):
         # The print under way goes on.
         self.assertEqual(self.daemon.status()["state"], "exposing")
 
-    def test_what_is_wrong_changes_nothing(self):
+    def test_wrong_commands_change_nothing(self):
         self.wait("a", "b")
         for words in (["move", "a"], ["move", "a", "--to", "0"], ["move", "a", "--to", "x"], ["move", "a", "--first", "--last"],
                       ["remove"], ["remove", ""], ["show"], ["drop", "a"]):  # fmt: skip
@@ -91,7 +91,7 @@ class Queue(FolderTest):
         self.assertIn("cancel ends it", self.queue("remove", "part", code=FAILED))
         self.assertEqual(self.order(), ["a.stl", "b.stl"])
 
-    def test_hundreds_of_orders_at_once_end_in_the_last_and_leave_the_light_alone(self):
+    def test_hundreds_of_moves_at_once_end_in_the_last_order_without_disturbing_the_print(self):
         self.wait("a", "b", "c")
         client = self.daemon.client()
         for number in range(400):
@@ -99,7 +99,7 @@ class Queue(FolderTest):
             client.send(json.dumps({"jsonrpc": "2.0", "method": "queue_move", "params": {"job": job, "to": 1}, "id": number}).encode() + b"\n")
         last = client.wait_for(lambda m: m.get("id") == 399, "the last answer")["result"]["queue"]
         self.assertEqual(last, ["a.stl", "c.stl", "b.stl"])
-        wait_until(lambda: self.read(self.path("spool.state", "queue-order")).split("\0")[:-1] == last, "the record")
+        wait_until(lambda: self.read(self.path("spool.state", "queue-order")).split("\0")[:-1] == last, "the stored order")
         self.assertEqual(self.daemon.status()["state"], "exposing")
 
 

@@ -1,4 +1,4 @@
-"""The report page in a real browser: without an error, a request that leaves it, or anything wider than the screen."""
+"""The report page in a real browser: no errors, no requests to other hosts, and nothing wider than the screen."""
 
 import base64
 import fcntl
@@ -13,19 +13,19 @@ import time
 from harness import DEADLINE_S, Daemon, FolderTest, binary_stl, box, main, skip_file
 
 CHROMIUM = shutil.which("chromium")
-# 60 layers of 50 um: a slab, a millimetre of nothing, and a box in the air.
+# A slab, a gap of 1 mm, and a box above the gap: 60 layers of 50 um.
 FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
 HOSTILE = 'a & b "quoted" <b>bold <script>alert(1)<img src=x onerror=y>'
 
 
 class Browser:
-    """A headless chromium, by its DevTools protocol over two pipes. It can reach nothing."""
+    """A headless chromium without access to any network, controlled by its DevTools protocol over two pipes."""
 
     def __init__(self, test):
         self.errors, self.requests, self.numbers, self.waiting = [], [], iter(range(1, 1 << 30)), []
         to_read, self.to = os.pipe()
         self.from_, to_write = os.pipe()
-        ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 64) for end in (to_read, to_write)]  # out of the way of 3 and 4
+        ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 64) for end in (to_read, to_write)]  # numbers other than 3 and 4
         def place():
             os.dup2(ends[0], 3)
             os.dup2(ends[1], 4)
@@ -52,15 +52,15 @@ class Browser:
     def next_message(self, end):
         while b"\0" not in self.received:
             if not select.select([self.from_], [], [], max(0.0, end - time.monotonic()))[0]:
-                raise AssertionError(f"chromium says nothing for {DEADLINE_S:g} s")
+                raise AssertionError(f"chromium sent nothing for {DEADLINE_S:g} s")
             data = os.read(self.from_, 1 << 20)
             assert data, "chromium has ended"
             self.received += data
         message, self.received = self.received.split(b"\0", 1)
         return json.loads(message)
 
-    def hear(self, accept):
-        """The first message that `accept` takes; what all of them tell is kept."""
+    def wait_for(self, accept):
+        """Returns the first message for which `accept` is true. Keeps the errors and requests that all messages report."""
         end = time.monotonic() + DEADLINE_S
         while True:
             message = self.next_message(end)
@@ -82,7 +82,7 @@ class Browser:
         if self.session:
             message["sessionId"] = self.session
         os.write(self.to, json.dumps(message).encode() + b"\0")
-        answer = self.hear(lambda m: m.get("id") == number)
+        answer = self.wait_for(lambda m: m.get("id") == number)
         assert "error" not in answer, answer
         return answer["result"]
 
@@ -91,7 +91,7 @@ class Browser:
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=width < 800)
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
         self.call("Page.navigate", url="file://" + path)
-        self.hear(lambda m: m.get("method") == "Page.loadEventFired")
+        self.wait_for(lambda m: m.get("method") == "Page.loadEventFired")
 
     def value(self, expression):
         return self.call("Runtime.evaluate", expression=expression, returnByValue=True)["result"].get("value")
@@ -104,7 +104,7 @@ class Browser:
             file.write(base64.b64decode(shot["data"]))
 
 
-# Of every text on the page, the least contrast with what is behind it (WCAG 2, 1.4.3), and whose that is.
+# The least contrast between a text of the page and its background (WCAG 2, 1.4.3), and the element with that text.
 LEAST_CONTRAST = """(() => {
   const parse = (text) => (text.match(/[\\d.]+/g) || []).map(Number);
   const luminance = (rgb) => rgb.map((c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
@@ -124,7 +124,7 @@ LEAST_CONTRAST = """(() => {
 })()"""
 
 
-# Texts of pictures that are cut off at the picture's edge.
+# Texts in pictures that are cut off at the picture's edge.
 CUT_OFF = """[...document.querySelectorAll("svg text")].filter((text) => {
   const box = text.getBBox(), all = text.ownerSVGElement.viewBox.baseVal;
   return box.x < 0 || box.y < 0 || box.x + box.width > all.width || box.y + box.height > all.height;
@@ -132,7 +132,7 @@ CUT_OFF = """[...document.querySelectorAll("svg text")].filter((text) => {
 
 
 class InABrowser(FolderTest):
-    """CONTOURD_SCREENSHOTS, a folder, gets what is seen, to be looked at."""
+    """Screenshots are saved in the folder CONTOURD_SCREENSHOTS, if it is set."""
 
     def test_the_page_is_shown_without_an_error_or_a_request_on_a_phone_and_a_screen_light_and_dark(self):
         daemon = Daemon(self).start()
@@ -141,7 +141,7 @@ class InABrowser(FolderTest):
         path = self.path("page.html")
         shutil.copy(daemon.file("done", HOSTILE + ".report.html"), path)
         daemon.stop()
-        # What is written beside the last plots differs from print to print: no value there is wider than this.
+        # The labels of the last plots differ from print to print; none is wider than 0.0125.
         with open(path, encoding="utf-8") as file:
             before, plots = file.read().split("<h2>Time from height to mask", 1)
         plots = re.sub(r'(text-anchor="end">)[^<]*', r"\g<1>0.0125", plots)
@@ -170,8 +170,8 @@ class InABrowser(FolderTest):
                 file.write(printed)
         self.assertLessEqual(len(re.findall(rb"/Type\s*/Page\b", printed)), 6)
 
-    def test_a_page_that_asks_for_something_or_fails_is_found_out(self):
-        """What the test above would say of one."""
+    def test_a_page_with_requests_or_errors_is_detected(self):
+        """Checks that the test above can detect such a page."""
         browser = Browser(self)
         browser.open(self.write("asks.html", '<img src="http://192.0.2.1/x.png">').decode(), 390, "light")
         self.assertIn("http://192.0.2.1/x.png", browser.requests)

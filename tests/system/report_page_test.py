@@ -1,4 +1,4 @@
-"""The report page of a print: well-formed, whole in itself, within its size, with a picture behind each of its links."""
+"""The report page of a print: well-formed, self-contained, within its size limit, and with a picture for each of its links."""
 
 import base64
 import html
@@ -11,12 +11,12 @@ from harness import (
 
 LARGEST_PAGE = 3_000_000  # docs/printing.md
 HOSTILE = 'a & b "quoted" <b>bold <script>alert(1)<img src=x onerror=y>'
-# 60 layers of 50 um: a slab, a millimetre of nothing, and a box in the air.
+# A slab, a gap of 1 mm, and a box above the gap: 60 layers of 50 um.
 FLOATING = binary_stl(box((0, 0, 0), (10, 10, 1)) + box((2, 3, 2), (4, 5, 3)))
 
 
 class Page(html.parser.HTMLParser):
-    """What a page has in it."""
+    """Parses a page, and collects its tags, ids, references, pictures and text."""
 
     VOID = {"meta", "img", "br", "link", "input", "hr"}
 
@@ -34,9 +34,9 @@ class Page(html.parser.HTMLParser):
         self.references += [value for name, value in attributes if name in ("src", "href", "srcset", "data", "action")]
         self.ids += [values["id"]] if "id" in values else []
         if tag == "figure":
-            self.figure = values.get("id")  # the part has none
+            self.figure = values.get("id")  # the preview's figure has no id
         if tag == "img":
-            assert values["alt"], "a picture without a text in its place"
+            assert values["alt"], "a picture without an alternative text"
             self.images[self.figure] = values["src"]
         if "http-equiv" in values:
             self.meta[values["http-equiv"]] = values["content"]
@@ -63,11 +63,11 @@ class PageTest(FolderTest):
         return Daemon(self, config, resin, masks).start()
 
     def page_of(self, daemon, folder, name):
-        """Of a job that ended; what holds for every page is looked at."""
+        """Returns the page of a job that ended, after checks that every page must pass."""
         text = daemon.read(folder, name + ".report.html")
         self.assertLess(len(text.encode()), LARGEST_PAGE)
         self.assertIsNone(re.search(r"(?i)https?:|url\(|@import|<script", text))
-        self.assertIsNone(re.search(r"\b(nan|inf)\b", text))  # numbers that no browser draws
+        self.assertIsNone(re.search(r"\b(nan|inf)\b", text))  # numbers that browsers do not draw
         page = Page(text)
         self.assertEqual(page.open, [])
         self.assertEqual(page.meta["Content-Security-Policy"],
@@ -86,7 +86,7 @@ class PageTest(FolderTest):
 
 
 class OnTheDisk(PageTest):
-    def test_the_page_is_self_contained_and_well_formed_whatever_the_job_is_called(self):
+    def test_the_page_is_self_contained_and_well_formed_whatever_the_job_s_name(self):
         daemon = self.daemon()
         daemon.drop(HOSTILE + ".stl", binary_stl(wedge(20, 10, 10)))
         daemon.wait_done(HOSTILE)
@@ -101,7 +101,7 @@ class OnTheDisk(PageTest):
         self.assertGreaterEqual(len(preview.values()), 3)  # black, and two faces in different light
         self.assertEqual(preview, read_png(daemon.file("done", HOSTILE + ".preview.png")))
 
-    def test_a_warning_leads_to_the_mask_that_was_shown_at_its_layer(self):
+    def test_a_warning_links_to_the_mask_that_was_shown_at_its_layer(self):
         daemon = self.daemon(masks=True)
         daemon.drop("part.stl", FLOATING)
         report = daemon.wait_done("part")
@@ -111,20 +111,20 @@ class OnTheDisk(PageTest):
         for warning in report["analysis"]["warnings"]:
             self.assertIn(warning, html.unescape(text))
         self.assertIn("#layer-41", page.references)  # where the island begins
-        self.assertIn("#layer-21", page.references)  # the first that is empty
+        self.assertIn("#layer-21", page.references)  # the first empty layer
         figures = [name for name in page.images if name]
         self.assertEqual(len(figures), 12)
         for figure in figures:
             number = int(figure.removeprefix("layer-"))
             shown = read_png(self.path("masks", "part", f"{number:04}.png"))
             small = self.picture(page, figure)
-            # 200 pixels of 50 um are not made smaller: they are cut out.
+            # A part of 200 pixels is cut out without being reduced.
             lit = [row.strip(b"\0") for row in shown.rows if row.strip(b"\0")]
             self.assertEqual([row.strip(b"\0") for row in small.rows if row.strip(b"\0")], lit, figure)
         self.assertIsNone(self.picture(page, "layer-21").lit_box())
 
-    def test_where_the_time_went_is_told_and_each_pause(self):
-        # The first layer has light for long enough to be told in it.
+    def test_the_page_shows_the_time_in_each_state_and_each_pause(self):
+        # The first exposure is long enough to pause during it.
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, "bottom_exposure_ms": 2000})
         daemon.drop("part.stl", FLOATING)
         daemon.wait_state("exposing")
@@ -144,7 +144,7 @@ class OnTheDisk(PageTest):
         self.assertIn(f"layer {pause['layer']}: stopped for", page.text)
         self.assertIn("paused", page.text)
 
-    def test_a_print_that_is_cancelled_in_its_first_layer_has_its_page(self):
+    def test_a_print_that_is_cancelled_in_its_first_layer_has_a_page(self):
         daemon = self.daemon(REALTIME, {**NIMBLE_RESIN, **ENDLESS})
         daemon.drop("part.stl", FLOATING)
         daemon.wait_state("exposing")
@@ -155,14 +155,14 @@ class OnTheDisk(PageTest):
         self.assertIn("cancelled", page.text)
         self.assertIn("0 of 60 exposed", page.text)
 
-    def test_a_plate_of_many_copies_shows_all_of_them_in_every_picture(self):
+    def test_a_plate_of_many_copies_shows_all_copies_in_every_picture(self):
         daemon = self.daemon()
         daemon.drop("many.stl", binary_stl(box((0, 0, 0), (1, 1, 0.5))), {"copies": 100})
         daemon.wait_done("many")
         page = self.page_of(daemon, "done", "many")
         daemon.stop()
         lit = self.picture(page, "layer-1")
-        # Upper left corners of boxes, none of which touches another or the edge.
+        # Counts upper left corners of boxes; no box touches another box or the edge.
         corners = sum(row[x] > 0 == row[x - 1] == above[x] for above, row in zip(lit.rows, lit.rows[1:])
                       for x in range(1, lit.width))  # fmt: skip
         self.assertEqual(corners, 100)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the display shows: the mask under way, pictures of the owner's, and who may show and see them."""
+"""The picture on the display: the mask of a print, pictures of the user, and who may show and see them."""
 
 import base64
 import os
@@ -24,7 +24,7 @@ def chunk(kind, body):
 
 
 def png(width, height, rows, depth=8, colour=0, more=b""):
-    """A PNG file of rows of bytes; `more` are chunks before the pixels."""
+    """Returns a PNG file with these rows of bytes; `more` are chunks before the pixels."""
     head = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, 0)
     pixels = zlib.compress(b"".join(b"\0" + row for row in rows), 1)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + more + chunk(b"IDAT", pixels) + chunk(b"IEND", b"")
@@ -42,7 +42,7 @@ class ScreenTest(FolderTest):
         return [chance.randbytes(self.width) for _ in range(self.height)]
 
     def whole(self, client, reply):
-        """Puts a picture's pieces together."""
+        """Gets all pieces of a picture, and returns the picture."""
         result = reply["result"]
         data = base64.b64decode(result["data"])
         while len(data) < result["bytes"]:
@@ -68,7 +68,7 @@ class ScreenTest(FolderTest):
 
 
 class Mask(ScreenTest):
-    def test_the_mask_of_the_layer_under_way_is_the_one_that_the_display_was_given(self):
+    def test_the_mask_of_the_current_layer_is_the_one_that_the_display_was_given(self):
         daemon = self.start({**NIMBLE_RESIN, **ENDLESS}, masks=True)
         self.assertEqual(self.refusal(daemon.rpc("mask")), BLACK)
         daemon.drop("part.stl", SMALL)
@@ -86,10 +86,10 @@ class Mask(ScreenTest):
         daemon.rpc("cancel")
         daemon.wait_ended("part")
         self.assertEqual(self.refusal(daemon.rpc("mask")), BLACK)
-        # Some kept it: it is not what is shown.
+        # A picture with another number is not available.
         self.assertIn("not kept", self.refusal(daemon.rpc("mask", picture=999)))
 
-    def test_while_it_is_dark_the_mask_is_told_as_one_that_was_shown(self):
+    def test_while_the_screen_is_dark_the_last_mask_is_marked_as_not_on_screen(self):
         daemon = self.start({**NIMBLE_RESIN, "rest_ms": 60000})
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("resting")
@@ -101,7 +101,7 @@ class Mask(ScreenTest):
         for wrong in ({"picture": -1}, {"picture": "1"}, {"from": 5}, {"picture": 1.5}, {"piece": 1}):
             self.assertIn("error", daemon.rpc("mask", **wrong), wrong)
 
-    def test_all_who_ask_at_once_get_the_same(self):
+    def test_all_clients_that_ask_at_once_get_the_same_mask(self):
         daemon = self.start({**NIMBLE_RESIN, **ENDLESS})
         daemon.drop("part.stl", SMALL)
         daemon.wait_state("exposing")
@@ -114,7 +114,7 @@ class Mask(ScreenTest):
 
 
 class Command(ScreenTest):
-    def test_the_mask_is_written_or_drawn_with_what_it_is_of(self):
+    def test_the_mask_is_written_or_drawn_with_its_layer(self):
         daemon = self.start({**NIMBLE_RESIN, **ENDLESS}, masks=True)
         for output in ((), ("-o", self.path("none.png"))):
             result = daemon.ctl("mask", *output)
@@ -137,7 +137,7 @@ class Command(ScreenTest):
         with open(self.path("mask.png"), "rb") as file:
             self.assertEqual(whole.stdout, file.read())
 
-    def test_what_the_mask_cannot_be_is_told_in_one_line(self):
+    def test_a_mask_that_cannot_be_written_is_an_error(self):
         daemon = self.start()
         daemon.client().call("show", pattern="grid")
         os.mkdir(self.path("folder"))
@@ -164,10 +164,10 @@ class Show(ScreenTest):
         self.assertEqual(self.whole(client, reply), Picture(self.width, self.height, rows))
         self.assertEqual(daemon.status()["manual"]["picture"], "picture")
         process.send_signal(signal.SIGKILL)
-        wait_until(lambda: daemon.status()["manual"]["picture"] is None, "the end of the picture")
+        wait_until(lambda: daemon.status()["manual"]["picture"] is None, "the picture to be removed")
         self.assertEqual(self.refusal(daemon.rpc("mask")), BLACK)
 
-    def test_pictures_of_other_kinds_are_shown_as_grey(self):
+    def test_pictures_of_other_formats_are_shown_in_grey(self):
         daemon = self.start()
         width, height = self.width, self.height
         white, half = b"\xff\xff\xff", b"\xff\xff\xff\x00"
@@ -184,9 +184,9 @@ class Show(ScreenTest):
                 client = daemon.client()
                 self.assertEqual(self.whole(client, client.call("mask")).values(), {0 if kind == "transparent" else 255})
                 process.kill()
-                wait_until(lambda: daemon.status()["manual"]["picture"] is None, "the end of the picture")
+                wait_until(lambda: daemon.status()["manual"]["picture"] is None, "the picture to be removed")
 
-    def test_what_is_no_picture_of_the_displays_size_is_refused_in_one_line(self):
+    def test_a_file_that_is_no_picture_of_the_display_s_size_is_refused(self):
         daemon = self.start()
         good = png(self.width, self.height, self.noise())
         wrong = {
@@ -215,7 +215,7 @@ class Show(ScreenTest):
         client = daemon.client()
         seen = self.whole(client, client.call("mask"))
         process.kill()
-        wait_until(lambda: daemon.status()["manual"]["picture"] is None, "the end of the picture")
+        wait_until(lambda: daemon.status()["manual"]["picture"] is None, "the picture to be removed")
         daemon.drop("part.stl", SMALL)
         daemon.wait_done("part")
         kept = sorted(os.path.join(folder, name) for folder, _, names in os.walk(self.path("masks")) for name in names
@@ -241,7 +241,7 @@ class Show(ScreenTest):
 
 
 class Upload(ScreenTest):
-    def test_a_piece_that_continues_nothing_is_refused(self):
+    def test_a_piece_that_does_not_continue_an_upload_is_refused(self):
         daemon = self.start()
         client, other = daemon.client(), daemon.client()
         self.assertIn("begin anew", self.refusal(client.call("upload", **{"from": 3, "data": "AAAA"})))
@@ -256,7 +256,7 @@ class Upload(ScreenTest):
                       {"from": -1, "data": "AAAA"}, {"from": 0, "data": "AAB="}, {"from": 0, "data": "\u00e4AAA"}):  # fmt: skip
             self.assertIn("Base64", self.refusal(client.call("upload", **wrong)), wrong)
 
-    def test_a_picture_has_a_limit_and_goes_with_its_connection(self):
+    def test_a_picture_that_exceeds_the_limit_is_discarded(self):
         daemon = self.start()
         limit = self.width * self.height * 9 // 8 + 65536
         client = daemon.client()
@@ -269,7 +269,7 @@ class Upload(ScreenTest):
         self.assertIn("no picture was uploaded", self.refusal(client.call("show", uploaded=True)))
         self.assertEqual(daemon.status()["state"], "idle")
 
-    @unittest.skipIf(SANITIZED, "what AddressSanitizer takes says nothing")
+    @unittest.skipIf(SANITIZED, "memory use is not measured with AddressSanitizer")
     def test_texts_in_a_picture_take_no_memory(self):
         daemon = self.start()
         client = daemon.client()
@@ -279,13 +279,13 @@ class Upload(ScreenTest):
                 return next(int(line.split()[1]) // 1024 for line in file if line.startswith("VmHWM"))
 
         before = peak_mb()
-        text = zlib.compress(b"a" * 7_900_000)  # libpng itself unpacks no more of one
+        text = zlib.compress(b"a" * 7_900_000)  # the most of one text that libpng itself unpacks
         texts = (chunk(b"zTXt", b"Title\0\0" + text) + chunk(b"iTXt", b"Title\0\1\0\0\0" + text)) * 10
         self.upload(client, png(self.width, self.height, [bytes(self.width)] * self.height, more=texts))
         self.assertIn("result", client.call("show", uploaded=True, seconds=60))
         self.assertLess(peak_mb() - before, 60, "the texts are 158 MB")
 
-    def test_two_ways_to_say_what_is_shown_exclude_each_other(self):
+    def test_an_uploaded_picture_and_a_pattern_exclude_each_other(self):
         daemon = self.start()
         client = daemon.client()
         self.upload(client, png(self.width, self.height, self.noise()))
@@ -294,8 +294,8 @@ class Upload(ScreenTest):
         self.assertIn("result", client.call("show", pattern="grid"))
         self.assertEqual(daemon.status()["manual"]["picture"], "grid")
 
-    @unittest.skipUnless(os.geteuid() == 0, "only root becomes another user")
-    def test_only_those_with_service_rights_upload_and_show(self):
+    @unittest.skipUnless(os.geteuid() == 0, "only root can become another user")
+    def test_only_users_with_service_rights_may_upload_and_show(self):
         daemon = self.start()
         os.chmod(self.folder, 0o755)
         os.chmod(daemon.socket_path, 0o777)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""contourctl setup: from wired parts to a configuration, asked and unasked, left and gone on with."""
+"""contourctl setup: from wired parts to a configuration; with and without a dialog, interrupted and continued."""
 
 import contextlib
 import fcntl
@@ -20,7 +20,7 @@ from harness import (
     contourctl, main, merge, run, wait_until,
 )  # fmt: skip
 
-# What nobody can know of a machine without asking.
+# Values of a machine that setup cannot know without asking.
 UNKNOWN = {"screw_lead_mm": 4, "travel_mm": 150, "projector_table": "optoma", "serial_port": "/dev/ttyUSB0",
            "display_mode": "1920x1080@60", "build_width_mm": 96}  # fmt: skip
 REAL = {"hardware": "real", "gpio_chip": "gpiochip0", "connector": "HDMI-A-1", **UNKNOWN}
@@ -38,11 +38,11 @@ class SetupTest(FolderTest):
         return ["setup", "--config", self.config, *words, *(word for key, value in answers.items() for word in ("--set", f"{key}={value}"))]
 
     def unasked(self, *words, code=OK, **answers):
-        told = contourctl(*self.setup_words("--non-interactive", *words, **answers))
-        self.assertEqual(told.returncode, code, told)
+        result = contourctl(*self.setup_words("--non-interactive", *words, **answers))
+        self.assertEqual(result.returncode, code, result)
         if code != OK:
-            self.assert_one_line(told.stderr)
-        return told
+            self.assert_one_line(result.stderr)
+        return result
 
     def written(self, path=None):
         with open(path or self.config, encoding="utf-8") as file:
@@ -56,16 +56,16 @@ class SetupTest(FolderTest):
         self.assertEqual(checked.returncode, OK, checked)
 
 
-class Unasked(SetupTest):
+class NonInteractive(SetupTest):
     @unittest.skipIf(glob.glob("/dev/gpiochip*"), "this computer has a GPIO chip")
-    def test_without_devices_it_says_what_is_missing_and_writes_a_simulated_printer(self):
+    def test_without_devices_setup_lists_what_is_missing_and_writes_a_simulated_printer(self):
         told = self.unasked().stdout.decode()
-        self.assertIn("GPIO: none. The motor's driver", told)
-        self.assertIn("hardware = simulated: there is no GPIO chip", told)
+        self.assertIn("GPIO: none. The motor's driver", output)
+        self.assertIn("hardware = simulated: there is no GPIO chip", output)
         self.assertEqual(self.written()["hardware"], "simulated")
         self.assert_good()
 
-    def test_what_is_given_is_written_with_defaults_for_the_rest_and_notes_of_why(self):
+    def test_given_values_are_written_with_defaults_for_the_rest_and_notes_with_reasons(self):
         self.unasked(**REAL, name="Mine")
         self.assert_good()
         profile = self.written()
@@ -79,7 +79,7 @@ class Unasked(SetupTest):
         self.assertIn("  travel_mm = 150: as answered\n", notes)
         self.assertIn("  switch_contact = normally_closed: a broken wire is noticed then\n", notes)
 
-    def test_screws_steps_and_tables_that_are_usual_all_make_a_good_configuration(self):
+    def test_all_usual_screws_steps_and_tables_make_a_valid_configuration(self):
         tables = [os.path.basename(path)[:-5] for path in glob.glob(self.path("projectors", "*.json"))]
         self.assertGreater(len(tables), 3)
         cases = [(lead, steps, "optoma") for lead in (2, 4, 8) for steps in (16, 32)] + [(4, 16, table) for table in (*tables, "none")]
@@ -90,16 +90,16 @@ class Unasked(SetupTest):
                                                            "gpio_chip": chip, "light_line": 24})  # fmt: skip
                     self.assert_good()
 
-    def test_what_it_cannot_know_is_named_and_nothing_is_written(self):
+    def test_a_missing_answer_is_an_error_and_nothing_is_written(self):
         for key in UNKNOWN:
-            if key in ("serial_port", "display_mode"):  # there may be one here
+            if key in ("serial_port", "display_mode"):  # this computer may have one
                 continue
             with self.subTest(key):
                 told = self.unasked(code=BAD_USAGE, **{name: value for name, value in REAL.items() if name != key})
-                self.assertIn(f"no default is safe for {key}", told.stderr.decode())
+                self.assertIn(f"no default is safe for {key}", result.stderr.decode())
                 self.assertEqual(self.files(), [])
 
-    def test_what_is_no_answer_is_said_with_its_key_and_nothing_is_written(self):
+    def test_a_wrong_answer_is_an_error_and_nothing_is_written(self):
         for key, value, word in (("travel_mm", "high", "from 1 to 500 mm"), ("travel_mm", "", "from 1 to 500"), ("travel_mm", "nan", "from 1"),
                                  ("step_line", "27", "Line 27 is step_line already"), ("projector_table", "magic", "acer, anhua-df10"),
                                  ("name", "a\x1b[2J", "printable"), ("hardware", "both", "real, simulated"), ("colour", "red", "one of the keys hardware, name"),
@@ -111,12 +111,12 @@ class Unasked(SetupTest):
         self.assertIn(b"expected KEY=VALUE", self.unasked("--set", "travel_mm", code=BAD_USAGE).stderr)
         self.assertEqual(self.files(), [])
 
-    def test_answers_come_from_a_file_and_options_go_before_it(self):
+    def test_answers_can_come_from_a_file_and_options_override_it(self):
         answers = self.write("answers.json", json.dumps({**REAL, "wait_for_plate_cleared": False, "checks": {"switch": "passed"}}).encode())
         self.unasked("--answers", answers, travel_mm=77)
         profile = self.written()
         self.assertEqual((profile["z_axis"]["travel_mm"], profile["wait_for_plate_cleared"]), (77, False))
-        # What was checked on another printer is not checked on this one.
+        # Checks of another printer do not count for this one.
         self.assertNotIn("switch", self.written(self.record).get("checks", {}))
         for text, word in (("[]", "no object"), ("{", "answers.json"), ('{"colour": 1}', "/colour: no question"), ('{"name": []}', "/name"),
                            ('{"checks": 1}', "/checks"), ('{"name": "a", "name": "b"}', "name")):  # fmt: skip
@@ -125,7 +125,7 @@ class Unasked(SetupTest):
                 self.assertIn(word, self.unasked("--answers", answers, code=BAD_CONFIG).stderr.decode())
         self.unasked("--answers", self.path("none"), code=BAD_CONFIG)
 
-    def test_an_edited_configuration_is_replaced_only_when_that_is_said_and_is_kept(self):
+    def test_an_edited_configuration_is_replaced_only_with_replace_and_a_copy_is_kept(self):
         self.unasked(**REAL)
         edited = self.written()
         edited["z_axis"]["emergency_stop"] = {"line": 5, "active_low": True, "bias": "pull_up", "contact": "normally_closed"}
@@ -140,21 +140,21 @@ class Unasked(SetupTest):
             self.unasked("--replace", travel_mm=99 + len(kept))
             self.assertIn(kept, self.files())
         self.assertEqual(self.written(self.path("printer.json.before-setup")), before)
-        # What nobody is asked for stays.
+        # Keys without a question keep their values.
         self.assertEqual(self.written()["z_axis"]["emergency_stop"], edited["z_axis"]["emergency_stop"])
         self.assertEqual(os.stat(self.config).st_mode & 0o777, 0o640)
         self.assertNotIn("printer.json.new", self.files())
 
-    def test_a_configuration_that_would_be_wrong_is_not_written(self):
+    def test_an_invalid_configuration_is_not_written(self):
         self.unasked(**REAL)
         before = self.written()
-        told = contourctl(*self.setup_words("--non-interactive", "--replace", top_speed_mm_s=0.5))
-        self.assertEqual(told.returncode, BAD_CONFIG, told)
-        self.assertIn("the printer's top speed", told.stderr.decode())
+        result = contourctl(*self.setup_words("--non-interactive", "--replace", top_speed_mm_s=0.5))
+        self.assertEqual(result.returncode, BAD_CONFIG, result)
+        self.assertIn("the printer's top speed", result.stderr.decode())
         self.assertEqual(self.written(), before)
         self.assertEqual(self.files(), ["printer.json", "printer.setup.json", "printer.setup.txt"])
 
-    def test_what_cannot_be_read_is_named_and_what_is_damaged_can_be_forgotten(self):
+    def test_an_unreadable_file_is_an_error_and_a_damaged_record_can_be_discarded(self):
         os.mkfifo(self.config)
         self.assertIn(f"{self.config}: it is not a regular file", self.unasked(code=NO_INPUT).stderr.decode())
         os.unlink(self.config)
@@ -163,13 +163,13 @@ class Unasked(SetupTest):
         self.unasked("--anew", hardware="simulated")
         self.assert_good()
 
-    def test_where_nothing_can_be_written_it_says_so_at_once(self):
+    def test_a_folder_that_cannot_be_written_is_reported_at_once(self):
         self.config = self.path("none", "printer.json")
         self.assertIn("cannot write into", self.unasked(code=CANNOT_CREATE).stderr.decode())
 
 
 class TerminalTest(SetupTest):
-    """One that is asked on a terminal."""
+    """contourctl setup with a dialog on a terminal."""
 
     def begin(self, *words, columns=80, **answers):
         mine, its = pty.openpty()
@@ -190,13 +190,13 @@ class TerminalTest(SetupTest):
         self.assertTrue(select.select([self.mine], [], [], DEADLINE_S)[0], self.shown)
         try:
             more = os.read(self.mine, 65536)
-        except OSError:  # nobody has its other end any more
+        except OSError:  # the other end has been closed
             more = b""
         self.shown += more.decode().replace("\r", "")
         return more
 
     def expect(self, *words):
-        """What is shown from where the last was found on, until all of these are in it, in their order."""
+        """Reads until these words have been shown, in this order, after the words that were expected last."""
         for word in words:
             while word not in self.shown[self.at:]:
                 self.assertTrue(self.read_some(), f"{word!r} is not in {self.shown[self.at:]}")
@@ -207,7 +207,7 @@ class TerminalTest(SetupTest):
             os.write(self.mine, line.encode() + b"\n")
 
     def answer(self, *dialog):
-        """Each behind its prompt."""
+        """Types each answer after its prompt."""
         for prompt, line in dialog:
             self.expect(prompt)
             self.type(line)
@@ -220,7 +220,7 @@ class TerminalTest(SetupTest):
 
 
 class OnTerminal(TerminalTest):
-    def test_it_leads_to_a_good_configuration_and_asks_again_for_what_is_no_answer(self):
+    def test_the_dialog_leads_to_a_valid_configuration_and_repeats_questions_after_wrong_answers(self):
         self.begin(gpio_chip="gpiochip0", connector="HDMI-A-1", display_mode="1920x1080@60")
         self.answer(("hardware:", "maybe"), ("That is one of: real, simulated.\nhardware:", "real"), ("name:", "Mine"),
                     ("screw_lead_mm:", "-1"), ("That is a number from 0.1 to 100 mm", "4"), ("steps_per_turn:", "1.5"), ("whole number", ""),
@@ -243,7 +243,7 @@ class OnTerminal(TerminalTest):
         self.assertTrue(profile["z_axis"]["direction"]["active_low"])
         self.assertNotIn("enable", profile["z_axis"])
 
-    def test_what_is_left_anywhere_is_gone_on_with_and_can_be_gone_back_in(self):
+    def test_an_interrupted_dialog_can_be_continued_and_go_back(self):
         def hang_up():
             os.close(self.mine)
             self.process.wait(DEADLINE_S)
@@ -261,7 +261,7 @@ class OnTerminal(TerminalTest):
         for end, prompt, answer in ((hang_up, "screw_lead_mm:", "2"), (interrupt, "steps_per_turn:", "400"), (leave, "microsteps:", "8")):
             with self.subTest(prompt):
                 self.answer((prompt, answer))
-                wait_until(lambda key=prompt[:-1]: key in self.written(self.record), "the answer in the file")
+                wait_until(lambda key=prompt[:-1]: key in self.written(self.record), "the answer to be stored")
                 end()
                 self.begin()
                 self.expect("Goes on with", "--anew", "Each answer is kept")
@@ -274,7 +274,7 @@ class OnTerminal(TerminalTest):
         self.assertNotIn("Goes on", self.shown)
         self.assertEqual(self.files(), ["printer.setup.json"])
 
-    def test_a_configuration_that_is_there_is_kept_beside_the_new_one(self):
+    def test_a_copy_of_an_existing_configuration_is_kept(self):
         self.unasked(**REAL)
         before = self.written()
         self.begin(travel_mm=90)
@@ -299,7 +299,8 @@ class OnTerminal(TerminalTest):
 
 
 class Checks(TerminalTest):
-    """What is tried on a printer, a simulated one here: contourd has its own file, and each start of it is one with the new."""
+    """The checks on a printer. Here contourd runs a simulated printer with its own configuration, and a restart of it stands for
+    a restart with the new configuration."""
 
     def setUp(self):
         super().setUp()
@@ -312,7 +313,7 @@ class Checks(TerminalTest):
         return Daemon(self, config, NIMBLE_RESIN).start()
 
     def configured(self, daemon):
-        """With everything answered."""
+        """Writes a configuration, and begins setup on a terminal with all questions answered."""
         folder = self.path("etc")
         os.mkdir(folder)
         for name in ("resins", "projectors"):
@@ -324,7 +325,7 @@ class Checks(TerminalTest):
         self.answer(("is so already, go on:", ""))
 
     def restarted(self, daemon):
-        """As its owner does, when told to."""
+        """Restarts the daemon, as setup asks the user to do."""
         self.expect("skip: no checks:")
         daemon.stop()
         daemon.start()
@@ -336,7 +337,7 @@ class Checks(TerminalTest):
     def outcomes(self):
         return self.written(self.record)["checks"]
 
-    def test_a_daemon_that_still_runs_with_the_old_one_is_noticed(self):
+    def test_a_daemon_that_still_runs_with_the_old_configuration_is_detected(self):
         daemon = self.daemon()
         self.configured(daemon)
         self.answer(("skip: no checks:", ""))
@@ -348,7 +349,7 @@ class Checks(TerminalTest):
         self.ended(FAILED)
         daemon.stop()
 
-    def test_another_printers_daemon_is_not_taken_for_this_one(self):
+    def test_a_daemon_of_another_printer_is_detected(self):
         daemon = self.daemon()
         self.configured(daemon)
         self.expect("skip: no checks:")
@@ -362,7 +363,7 @@ class Checks(TerminalTest):
         self.ended(FAILED)
         daemon.stop()
 
-    def test_without_a_daemon_it_says_so_and_lists_what_was_not_checked(self):
+    def test_without_a_daemon_setup_lists_what_was_not_checked(self):
         daemon = self.daemon()
         self.configured(daemon)
         self.restarted(daemon)
@@ -378,7 +379,7 @@ class Checks(TerminalTest):
         self.ended(OK)
         self.assertEqual(set(self.outcomes().values()), {"taken", "skipped"})
 
-    def test_each_check_is_made_and_what_it_measures_goes_into_the_configuration(self):
+    def test_each_check_is_made_and_its_result_is_written_to_the_configuration(self):
         daemon = self.daemon(pace="fast", start_height_mm=6)
         self.configured(daemon)
         self.restarted(daemon)
@@ -411,14 +412,14 @@ class Checks(TerminalTest):
         display = self.written()["display"]
         self.assertEqual((display["mirror_x"], display["mirror_y"], display["pixel_pitch_um"]), (True, False, 49))
         self.assert_good()
-        # What has been passed is not made again.
+        # Passed checks are not repeated.
         self.begin("--socket", daemon.socket_path)
         self.answer(("is so already, go on:", ""))
         self.expect("All checks are passed.")
         self.ended(OK)
         daemon.stop()
 
-    def test_a_plate_that_goes_the_wrong_way_turns_dir_round(self):
+    def test_a_plate_that_moves_the_wrong_way_inverts_dir(self):
         daemon = self.daemon(start_height_mm=6)
         self.configured(daemon)
         self.restarted(daemon)
@@ -433,7 +434,7 @@ class Checks(TerminalTest):
         self.ended(FAILED)
         daemon.stop()
 
-    def test_a_contact_of_the_other_kind_is_found_by_its_rest(self):
+    def test_a_switch_contact_of_the_other_kind_is_detected(self):
         daemon = self.daemon(start_height_mm=0)
         self.configured(daemon)
         self.restarted(daemon)

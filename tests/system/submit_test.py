@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""contourctl submit: models into the spool, whole, with their tickets, under names that nobody has."""
+"""contourctl submit: puts complete models with their tickets into the spool, under unused names."""
 
 import json
 import os
@@ -16,7 +16,7 @@ from harness import (
 )  # fmt: skip
 
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
-# Nothing is taken from there by a daemon that has not been started.
+# A spool without a running daemon, so that files stay in incoming/.
 SPOOL_FOLDERS = ("incoming", "printing", "done", "failed")
 
 
@@ -58,39 +58,39 @@ class WithContourd(SubmitTest):
             self.assertEqual(file.read(), SMALL)
         daemon.stop()
 
-    def test_a_name_that_a_job_has_gets_a_number(self):
+    def test_a_name_that_is_in_use_gets_a_number(self):
         daemon = Daemon(self, REALTIME, {**NIMBLE_RESIN, **ENDLESS}).start()
         model = self.write("part.stl", SMALL)
         jobs = []
         for _ in range(3):
-            told = self.lines(daemon.ctl("submit", model, "--json"))
-            jobs.append(json.loads(told[0])["job"])
+            lines = self.lines(daemon.ctl("submit", model, "--json"))
+            jobs.append(json.loads(lines[0])["job"])
             if len(jobs) == 1:
                 daemon.wait_state("exposing")
         self.assertEqual(jobs, ["part", "part-2", "part-3"])
         wait_until(lambda: daemon.status()["queued"] == 2, "two jobs in the queue")
         daemon.stop()
 
-    def test_wait_fails_when_one_of_the_jobs_fails_and_waits_for_the_others(self):
+    def test_wait_fails_if_one_of_the_jobs_fails_but_waits_for_all(self):
         daemon = Daemon(self).start()
         good, flat = self.write("good.stl", SMALL), self.write("flat.stl", binary_stl(box((0, 0, 0), (5, 5, 0))))
         result = daemon.ctl("submit", "--wait", flat, good)
         self.assertEqual(result.returncode, FAILED, result)
-        told = result.stdout.decode()
-        self.assertIn("flat: failed: ", told)
-        self.assertIn("good: done", told)
+        output = result.stdout.decode()
+        self.assertIn("flat: failed: ", output)
+        self.assertIn("good: done", output)
         daemon.stop()
 
-    def test_it_appears_whole(self):
+    def test_the_model_appears_in_the_spool_at_once(self):
         daemon = Daemon(self).start()
         model = self.write("part.stl", SMALL)
         self.lines(daemon.ctl("submit", model))
         daemon.wait_done("part")
-        # Nobody had it open: the daemon did not have to look at it twice.
+        # No process had the file open, so the daemon saw its arrival only once.
         self.assertEqual(daemon.log().count("part.stl: arrived"), 1)
         daemon.stop()
 
-    def test_a_model_comes_from_another_file_system(self):
+    def test_a_model_can_come_from_another_file_system(self):
         daemon = Daemon(self).start()
         if os.stat("/dev/shm").st_dev == os.stat(self.path()).st_dev:
             self.skipTest("/dev/shm is on the same file system")
@@ -103,7 +103,7 @@ class WithContourd(SubmitTest):
 
 
 class WithoutContourd(SubmitTest):
-    def test_it_waits_in_the_spool_for_the_daemon(self):
+    def test_without_a_daemon_the_model_waits_in_the_spool(self):
         model = self.write("part.stl", SMALL)
         self.refused(contourctl("submit", model, "--socket", self.path("none")), UNAVAILABLE, "cannot reach contourd")
         self.lines(contourctl("submit", model, "--spool", self.spool()))
@@ -111,7 +111,7 @@ class WithoutContourd(SubmitTest):
         mode = os.stat(self.path("spool", "incoming", "part.stl")).st_mode
         self.assertTrue(mode & stat.S_IRGRP)
 
-    def test_a_given_ticket_is_put_there_as_it_is(self):
+    def test_a_given_ticket_is_copied_unchanged(self):
         model, ticket = self.write("part.stl", SMALL), self.write("t", b'{"copies":   2}')
         self.lines(contourctl("submit", model, "--spool", self.spool(), "--ticket", ticket))
         self.assertEqual(self.incoming(), ["part.json", "part.stl"])
@@ -128,7 +128,7 @@ class WithoutContourd(SubmitTest):
         self.assertEqual(json.loads(self.lines(contourctl("submit", model, "--spool", self.spool(), "--json"))[0])["job"], "part-5")
         self.assertEqual(self.incoming(), ["part-2.json", "part-5.stl", "part.stl"])
 
-    def test_what_is_wrong_is_told_before_anything_is_put_there(self):
+    def test_wrong_files_and_options_are_reported_before_anything_is_queued(self):
         good, bad = self.write("good.stl", SMALL), self.write("bad.stl", b"no model")
         spool = self.spool()
         os.mkdir(self.path("folder.stl"))
@@ -151,7 +151,7 @@ class WithoutContourd(SubmitTest):
                 self.refused(contourctl("submit", good, *arguments, "--spool", spool), code, word)
                 self.assertEqual(self.incoming(), [])
 
-    def test_options_that_do_not_go_together_are_told(self):
+    def test_options_that_exclude_each_other_are_bad_usage(self):
         good, ticket = self.write("good.stl", SMALL), self.write("t.json", b"{}")
         for arguments in (["--ticket", ticket, "--copies", "2"], ["--fit", "--scale", "2"], ["--up", "1,2"], ["--resin", ""]):
             with self.subTest(arguments):
@@ -159,7 +159,7 @@ class WithoutContourd(SubmitTest):
                 self.assertEqual(result.returncode, BAD_USAGE, result)
                 self.assertEqual(self.incoming(), [])
 
-    def test_a_spool_that_cannot_be_written_is_told_and_keeps_nothing(self):
+    def test_a_spool_that_cannot_be_written_is_an_error_and_stays_empty(self):
         model = self.write("part.stl", SMALL)
         self.not_written(contourctl("submit", model, "--spool", self.path("none")), "none/incoming", "No such file")
         os.makedirs(self.path("full", "incoming"))
@@ -173,15 +173,15 @@ class WithoutContourd(SubmitTest):
         self.assertEqual(os.listdir(self.path("full", "incoming")), [])
 
     def not_written(self, result, *words):
-        """What is to be expected of the model has been told."""
+        """Asserts that submit failed after it had printed the outlook: no job, and one line with these words."""
         self.assertEqual(result.returncode, CANNOT_CREATE, result)
         self.assertNotIn(b": job ", result.stdout)
         self.assert_one_line(result.stderr, *words)
 
-    def test_killed_on_the_way_it_leaves_nothing(self):
+    def test_a_killed_submit_leaves_only_complete_models(self):
         spool = self.spool()
         model = self.write("part.stl", SMALL)
-        # Stopped behind the first, whatever it is about to do with the others.
+        # Killed after the first job, at any point of the others.
         process = subprocess.Popen([CONTOURCTL, "submit", *[model] * 50, "--spool", spool], stdout=subprocess.PIPE)
         while b": job " not in process.stdout.readline():
             pass
@@ -195,7 +195,7 @@ class WithoutContourd(SubmitTest):
 
 
 class Outlook(SubmitTest):
-    """What it tells before anything is queued."""
+    """The outlook on time, resin and warnings that submit prints before it queues a job."""
 
     def setUp(self):
         super().setUp()
@@ -206,7 +206,7 @@ class Outlook(SubmitTest):
         return contourctl("submit", "--spool", self.spool(), "--printer", self.daemon.config_path, *arguments)
 
     def in_terminal(self, keys, *arguments):
-        """What a person sees, and the exit code; `keys` are typed behind the question."""
+        """Returns the text on the terminal and the exit code; `keys` are typed after the question."""
         command = [CONTOURCTL, "submit", "--spool", self.spool(), "--printer", self.daemon.config_path, *arguments]
         child, terminal = pty.fork()
         if child == 0:
@@ -227,7 +227,7 @@ class Outlook(SubmitTest):
         _, status = os.waitpid(child, 0)
         return seen.decode(), os.waitstatus_to_exitcode(status)
 
-    def test_time_resin_and_warnings_come_before_the_job_and_nobody_is_asked_without_a_terminal(self):
+    def test_time_resin_and_warnings_are_printed_first_and_without_a_terminal_there_is_no_question(self):
         lines = self.lines(self.submit(self.island))
         self.assertRegex(lines[0], r"island\.stl: 4 layers in .*, 0\.0\d ml of standard$")
         self.assertRegex(lines[1], r"^  warning: 1 island begins with nothing under it: layer 3 ")
@@ -238,7 +238,7 @@ class Outlook(SubmitTest):
         self.assertEqual(len(outlook["warnings"]), 1)
         self.assertAlmostEqual(outlook["resin_ml"], (10 * 5 * 0.2 + 5 * 5 * 0.1) / 1000, 4)
 
-    def test_at_a_terminal_a_warning_is_a_question(self):
+    def test_on_a_terminal_a_warning_leads_to_a_question(self):
         for keys, code, queued in ((b"n\n", FAILED, []), (b"\x04", FAILED, []), (b"\x03", -signal.SIGINT, []), (b"\n", OK, ["island.stl"]), (b"y\n", OK, ["island-2.stl", "island.stl"])):
             with self.subTest(keys):
                 seen, ended = self.in_terminal(keys, self.island)
@@ -252,7 +252,7 @@ class Outlook(SubmitTest):
             self.assertNotIn("[Y/n]", seen)
         self.assertEqual(self.incoming(), ["island.stl", "sound.stl"])
 
-    def test_what_it_does_not_know_it_says_and_queues_all_the_same(self):
+    def test_an_unknown_time_is_reported_and_the_model_is_queued(self):
         flat = self.write("flat.stl", binary_stl(box((0, 0, 0), (5, 5, 0))))
         lines = self.lines(self.submit(flat))
         self.assertTrue(lines[0].endswith("flat.stl: time and resin not known"), lines)
@@ -261,7 +261,7 @@ class Outlook(SubmitTest):
         self.assertRegex(lines[0], r"flat\.stl: time and resin not known: the printer is not known: .*; --printer FILE says it$")
         self.assertEqual(self.incoming(), ["flat-2.stl", "flat.stl"])
 
-    def test_a_large_file_is_queued_without_being_read_before(self):
+    def test_a_large_file_is_queued_without_being_read_first(self):
         large = self.path("large.stl")
         with open(large, "wb") as file:
             file.write(b"\0" * 80 + (2_100_000).to_bytes(4, "little"))
@@ -269,7 +269,7 @@ class Outlook(SubmitTest):
         lines = self.lines(self.submit(large))
         self.assertIn("105 MB are too much to be looked at here", lines[0])
 
-    def test_a_wrong_configuration_is_told_and_nothing_is_queued(self):
+    def test_a_wrong_configuration_is_an_error_and_nothing_is_queued(self):
         for file, code in ((self.path("none.json"), BAD_CONFIG), (self.write("bad.json", b"{}"), BAD_CONFIG)):
             result = contourctl("submit", self.island, "--spool", self.spool(), "--printer", file)
             self.assertEqual(result.returncode, code, result)

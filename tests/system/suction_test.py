@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Suction cups and resin traps: found, told, asked about; and the drain holes of a ticket."""
+"""Suction cups and resin traps: found, reported, and a reason to wait for acceptance; and the drain holes of a ticket."""
 
 import json
 import math
@@ -14,11 +14,11 @@ def hollow(low, high):
     return binary_stl([*BLOCK, *inside_out(box((2, 2, low), (8, 8, high)))])
 
 
-# Twenty layers. Its mouth is at the film.
+# 20 layers. The cup's mouth is at the film.
 CUP = hollow(0.2, 1)
 CLOSED = hollow(0.2, 0.8)
 TUBE = hollow(0, 1)
-# From its left side into the hollow, from that one's first layer on.
+# A hole from the left side into the hollow, starting at the first layer of the hollow.
 SIDE_HOLE = {"position_mm": {"x": 0, "y": 5, "z": 0.3}, "direction": {"x": 3}, "diameter_mm": 0.4, "depth_mm": 2.5}
 ASKS = {"ask_before": ["suction_cups", "resin_traps"]}
 
@@ -34,10 +34,10 @@ class Suction(FolderTest):
         return next((job for job in jobs if job["job"] == name), {})
 
     def wait_unaccepted(self, daemon, name):
-        wait_until(lambda: self.job(daemon, name).get("state") == "unaccepted", f"{name} to ask")
+        wait_until(lambda: self.job(daemon, name).get("state") == "unaccepted", f"{name} to wait to be accepted")
         return self.job(daemon, name)
 
-    def test_a_cup_is_told_with_layers_place_area_and_volume(self):
+    def test_a_cup_is_reported_with_layers_place_area_and_volume(self):
         found = self.analyze(CUP)
         self.assertEqual((found["suction_cups"], found["resin_traps"]), (1, 0))
         cup = found["suction_cup_list"][0]
@@ -48,12 +48,12 @@ class Suction(FolderTest):
             self.assertAlmostEqual(value, 0, delta=1e-6)
         self.assertIn("1 suction cup pulls on the film until it opens or is closed: layers 5 to 20", found["warnings"][0])
 
-    def test_a_tube_on_the_plate_is_closed_by_it(self):
+    def test_a_tube_on_the_plate_is_closed_by_the_plate(self):
         found = self.analyze(TUBE)
         self.assertTrue(found["suction_cup_list"][0]["on_plate"])
         self.assertIn("closed by the plate", found["warnings"][0])
 
-    def test_the_page_has_its_tables(self):
+    def test_the_page_lists_cups_and_traps(self):
         page = self.path("part.html")
         self.analyze(CLOSED, "--html", page)
         with open(page, encoding="utf-8") as file:
@@ -74,7 +74,7 @@ class Suction(FolderTest):
         self.assertIn("Suction cups and resin traps that are widest here", page)
         daemon.stop()
 
-    def test_a_closed_hollow_is_asked_about_as_both(self):
+    def test_a_closed_hollow_is_both_a_cup_and_a_trap(self):
         daemon = Daemon(self, ASKS).start()
         daemon.drop("ball.stl", CLOSED)
         self.assertEqual(self.wait_unaccepted(daemon, "ball")["asks"], ["suction_cups", "resin_traps"])
@@ -83,7 +83,7 @@ class Suction(FolderTest):
     # --- drain holes
 
     def new_name(self):
-        """A test's daemons share their spool."""
+        """Returns an unused name, since the daemons of a test share their spool."""
         self.dropped = getattr(self, "dropped", 0) + 1
         return f"part{self.dropped}"
 
@@ -104,7 +104,7 @@ class Suction(FolderTest):
         daemon.stop()
         return report
 
-    def test_a_bottle_with_a_hole_in_its_side_is_neither_cup_nor_trap(self):
+    def test_a_hollow_with_a_hole_in_its_side_is_neither_cup_nor_trap(self):
         daemon = Daemon(self, ASKS).start()
         daemon.drop("bottle.stl", CLOSED, {"drain": [SIDE_HOLE]})
         report = daemon.wait_done("bottle")
@@ -112,16 +112,16 @@ class Suction(FolderTest):
         self.assertEqual(report["model"]["drain_holes"], 1)
         daemon.stop()
 
-    def test_a_hole_in_the_floor_of_what_stands_on_the_plate_leaves_a_cup_on_it_and_no_trap(self):
+    def test_a_hole_in_the_floor_leaves_a_cup_on_the_plate_and_no_trap(self):
         report = self.drained(CLOSED, [{"position_mm": {"x": 5, "y": 5}, "direction": {"z": 1}, "diameter_mm": 2, "depth_mm": 0.5}])
         self.assertEqual((report["analysis"]["suction_cups"], report["analysis"]["resin_traps"]), (1, 0))
         self.assertTrue(report["analysis"]["suction_cup_list"][0]["on_plate"])
 
-    def test_a_hole_takes_its_volume_and_is_turned_and_scaled_with_the_model(self):
+    def test_a_hole_removes_its_volume_and_is_turned_and_scaled_with_the_model(self):
         whole = self.drained(binary_stl(BLOCK), [])["analysis"]["resin_ml"] * 1000
         through = {"position_mm": {"x": 5, "y": 5}, "direction": {"z": 1}, "diameter_mm": 3, "depth_mm": 2}
         area = math.pi * 1.5**2
-        # Each pixel counts whole, by its centre: 0.05 mm in the radius would be 7 %, the mean of it far less.
+        # A pixel counts fully or not at all, by its centre: 0.05 mm in the radius would be 7 %, but its mean is far less.
         taken = whole - self.drained(binary_stl(BLOCK), [through])["analysis"]["resin_ml"] * 1000
         self.assertAlmostEqual(taken, area * 1, delta=0.01 * area)
         turned = whole - self.drained(binary_stl(BLOCK), [through], up={"x": 1})["analysis"]["resin_ml"] * 1000

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What holds a print: supports in tickets, in the printer's file, in the report and in contourctl."""
+"""Supports in tickets, in the printer's configuration, in the report and in contourctl."""
 
 import json
 import math
@@ -14,7 +14,7 @@ DISPLAY = ("--display", "1920x1080", "--pixel-pitch-um", "50")  # simulated.json
 
 
 def ball(radius, steps=24):
-    """Stands on a point."""
+    """Returns the facets of a ball around the origin."""
     def at(ring, turn):
         down, around = math.pi * ring / steps, 2 * math.pi * turn / steps
         return (radius * math.sin(down) * math.cos(around), radius * math.sin(down) * math.sin(around), radius * math.cos(down))
@@ -32,7 +32,7 @@ def ball(radius, steps=24):
 
 BALL = binary_stl(ball(4))
 BOX = binary_stl(box((0, 0, 0), (10, 5, 1)))
-# A closed room, a tenth of a millimetre high and a centimetre wide: no support has room beneath its ceiling.
+# A block with a closed cavity, 0.1 mm high and 10 mm wide: there is no room for a support below its ceiling.
 CAGED = binary_stl([*box((0, 0, 0), (12, 12, 8)), *inside_out(box((1, 1, 2), (11, 11, 2.1)))])
 
 
@@ -60,7 +60,7 @@ class Supports(FolderTest):
 
     # --- what is printed
 
-    def test_a_ball_is_held_without_a_word_where_the_printer_s_file_says_so(self):
+    def test_a_ball_gets_supports_without_a_ticket_if_the_configuration_says_so(self):
         daemon = self.daemon()
         report = self.printed(daemon, "ball", BALL)
         supports = report["supports"]
@@ -69,7 +69,7 @@ class Supports(FolderTest):
         self.assertEqual(supports["unheld"], 0)
         self.assertEqual(len(supports["contact_list"]), supports["contacts"])
         self.assertEqual(report["analysis"]["islands"], 0)
-        # 8 mm of ball and 5 mm beneath it, by 50 um.
+        # The ball of 8 mm and 5 mm below it, in layers of 50 um.
         self.assertEqual(report["layers"], 260)
         self.assertEqual(report["settings"]["supports"]["tip_diameter_mm"], 0.4)
         self.assertRegex(daemon.log(), r"ball: supports: \d+ contacts? \(\d+ islands?, \d+ overhangs?, \d+ peel\), \d+ branch(es)?, \d+ f(oo|ee)t")
@@ -78,7 +78,7 @@ class Supports(FolderTest):
         self.assertEqual(self.masks(self.path("masks", "ball")), self.sliced(BALL, "--supports", "auto"))
         daemon.stop()
 
-    def test_off_prints_what_was_printed_before_there_were_supports(self):
+    def test_off_prints_the_model_without_supports(self):
         daemon = self.daemon("off")
         report = self.printed(daemon, "ball", BALL)
         self.assertIsNone(report["supports"])
@@ -89,7 +89,7 @@ class Supports(FolderTest):
         self.assertIsNotNone(self.printed(daemon, "held", BALL, {"supports": "auto"})["supports"])
         daemon.stop()
 
-    def test_a_model_that_needs_nothing_is_printed_as_it_is(self):
+    def test_a_model_that_needs_no_supports_is_printed_unchanged(self):
         daemon = self.daemon()
         report = self.printed(daemon, "box", BOX, {"copies": 2})
         self.assertEqual((report["supports"]["contacts"], report["supports"]["unheld"]), (0, 0))
@@ -98,7 +98,7 @@ class Supports(FolderTest):
         self.assertEqual(self.masks(self.path("masks", "box")), self.masks(self.path("masks", "bare")))
         daemon.stop()
 
-    def test_a_ticket_s_figures_are_printed_and_told(self):
+    def test_support_settings_of_a_ticket_are_used_and_reported(self):
         daemon = self.daemon("off")
         report = self.printed(daemon, "ball", BALL, {"supports": {"lift_mm": 7, "foot_diameter_mm": 3}})
         self.assertEqual(report["layers"], 300)
@@ -109,7 +109,7 @@ class Supports(FolderTest):
         self.assertIn("/supports/tip_diameter_mm: 2 mm is more than pillar_diameter_mm, 1 mm", daemon.wait_refused("wrong"))
         daemon.stop()
 
-    def test_a_model_that_is_too_high_once_it_is_lifted_is_refused(self):
+    def test_a_model_that_is_too_high_on_its_supports_is_refused(self):
         daemon = self.daemon(z_axis={"travel_mm": 18}, simulation={"start_height_mm": 0})
         daemon.drop("ball.stl", BALL)
         self.assert_one_line(daemon.wait_refused("ball").encode(), "the model is 8.00 mm high and stands 5.00 mm above the plate, on supports: "
@@ -119,10 +119,10 @@ class Supports(FolderTest):
 
     # --- what cannot be held
 
-    def test_what_cannot_be_held_waits_for_a_word(self):
+    def test_a_model_with_unheld_places_waits_to_be_accepted(self):
         daemon = self.daemon()
         daemon.drop("caged.stl", CAGED)
-        job = wait_until(lambda: next((job for job in daemon.rpc("queue")["result"]["jobs"] if job["state"] == "unaccepted"), None), "caged to ask")
+        job = wait_until(lambda: next((job for job in daemon.rpc("queue")["result"]["jobs"] if job["state"] == "unaccepted"), None), "caged to wait to be accepted")
         self.assertEqual(job["asks"], ["unheld_places"])
         self.assertGreaterEqual(job["supports"]["unheld"], 1)
         self.assertRegex(" ".join(job["warnings"]), r"places? cannot be held: at -?\d+\.\d\d, -?\d+\.\d\d mm from the plate's centre, \d+\.\d\d mm above the plate \(")
@@ -138,23 +138,23 @@ class Supports(FolderTest):
         self.assertTrue(any("cannot be held" in warning for warning in report["model"]["warnings"]))
         daemon.stop()
 
-    def test_a_job_that_waits_for_a_word_is_looked_at_again_when_its_ticket_is_mended_or_broken(self):
+    def test_a_job_that_waits_to_be_accepted_is_checked_again_when_its_ticket_changes(self):
         daemon = self.daemon()
 
         def waits():
             return next((job for job in daemon.rpc("queue")["result"]["jobs"] if job["state"] == "unaccepted"), None)
 
         daemon.drop("caged.stl", CAGED)
-        wait_until(waits, "caged to ask")
+        wait_until(waits, "caged to wait to be accepted")
         self.write("spool/incoming/caged.json", json.dumps({"supports": "off"}))
         self.assertIsNone(daemon.wait_done("caged")["supports"])
         daemon.drop("again.stl", CAGED)
-        wait_until(waits, "again to ask")
+        wait_until(waits, "again to wait to be accepted")
         self.write("spool/incoming/again.json", '{"supports": ')
         self.assertIn("again.json", daemon.wait_refused("again"))
         daemon.stop()
 
-    def test_a_tip_that_reaches_nowhere_is_printed_as_one_that_does_not_reach_into_the_model(self):
+    def test_a_tiny_tip_depth_prints_the_same_as_a_tip_depth_of_zero(self):
         daemon = self.daemon()
         for name, depth in (("none", 0), ("hardly", 1e-170)):
             self.printed(daemon, name, BALL, {"supports": {"tip_depth_mm": depth}})
@@ -163,7 +163,7 @@ class Supports(FolderTest):
 
     # --- contourctl
 
-    def test_support_lists_what_holds_and_writes_it_as_a_model(self):
+    def test_support_lists_contacts_and_writes_supports_as_a_model(self):
         model = self.write("ball.stl", BALL)
         told = contourctl("support", model, "--scale", "1000")
         self.assertEqual(told.returncode, BAD_DATA)
@@ -184,12 +184,12 @@ class Supports(FolderTest):
         half = self.json_of("support", model, "--scale", "0.5")
         self.assertLess(max(each["plate_mm"][2] for each in half["contact_list"]), 5 + 4)
 
-    def test_analyze_counts_what_holds_and_shows_it(self):
+    def test_analyze_counts_supports_and_shows_them(self):
         model, page = self.write("ball.stl", BALL), self.path("ball.html")
         bare = self.json_of("analyze", model)
         held = self.json_of("analyze", model, "--supports", "auto", "--html", page)
         self.assertIsNone(bare["supports"])
-        self.assertEqual(bare["islands"], 0)  # a ball's point on the plate is none
+        self.assertEqual(bare["islands"], 0)  # the ball's lowest point on the plate is no island
         self.assertEqual((held["islands"], held["layers"]), (0, 260))
         self.assertGreater(held["resin_ml"], bare["resin_ml"])
         with open(page, encoding="utf-8") as file:
@@ -202,7 +202,7 @@ class Supports(FolderTest):
         self.assertEqual(self.json_of("analyze", model, "--printer", printer, "--supports", "off")["layers"], 160)
         self.assertEqual(self.json_of("analyze", model, "--printer", printer, "--scale", "0.5")["layers"], 180)
 
-    def test_submit_says_so_in_the_ticket_and_tells_what_to_expect(self):
+    def test_submit_writes_supports_into_the_ticket_and_prints_the_outlook(self):
         daemon = self.daemon("off")
         model = self.write("ball.stl", BALL)
         told = daemon.ctl("submit", "--yes", "--supports", "auto", "--printer", daemon.config_path, model)
@@ -217,7 +217,7 @@ class Supports(FolderTest):
         os.link(model, link)
         return link
 
-    def test_what_makes_no_sense_is_refused_in_a_sentence(self):
+    def test_wrong_options_are_refused_with_a_reason(self):
         model = self.write("ball.stl", BALL)
         name = os.fsdecode(model)
         for words, code, part in (

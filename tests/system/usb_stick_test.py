@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What contourd-usb@.service does with a stick, but for systemd: a partition of a loop device, mounted and read by a user
-without rights."""
+"""The steps of contourd-usb@.service without systemd: a loop device in the place of a stick is mounted, and an unprivileged user
+reads it."""
 
 import hashlib
 import os
@@ -16,7 +16,7 @@ WITH_USB_STICK = os.path.join(SOURCE, "systemd", "with-usb-stick")
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 0.2)))
 LARGE = binary_stl(box((0, 0, 0), (10, 5, 0.2)) * 5000)
 USER, GROUP = 64123, 64124
-# The users are those of this mount namespace alone; the rest of the machine has none of that name.
+# The users exist only in this mount namespace, not on the rest of the machine.
 RUN = """
 set -e
 mount --bind "$0/passwd" /etc/passwd
@@ -26,7 +26,7 @@ exec "$@"
 
 
 def loop_device(image):
-    """None where there can be none, such as in a container."""
+    """Returns a new loop device, or None if none can be made, such as in a container."""
     made = subprocess.run(["losetup", "--find", "--show", image], capture_output=True, text=True, check=False)
     return made.stdout.strip() if made.returncode == 0 else None
 
@@ -62,7 +62,7 @@ class UsbStick(FolderTest):
         return self.write(os.path.join("files", name), data)
 
     def image(self):
-        """Of what was put there. One that is broken asks for a panic."""
+        """Makes a file system with the files. Its superblock asks for a panic in case of errors, which contourd-usb must override."""
         image = self.path("image")
         subprocess.run(["mke2fs", "-q", "-t", "ext4", "-e", "panic", "-d", self.path("files"), image, "16M"], check=True,
                        capture_output=True)  # fmt: skip
@@ -74,7 +74,7 @@ class UsbStick(FolderTest):
         return device
 
     def offer(self, device, *before):
-        """`before` is a command that goes on as that which is behind it."""
+        """`before` is a command that executes its last arguments, which are contourctl's call."""
         command = ["unshare", "--mount", "sh", "-c", RUN, self.folder, WITH_USB_STICK, device, self.path("mounted"), *before,
                    self.contourctl, "offer", "--once", self.path("record", "taken"), "--spool", self.path("spool")]  # fmt: skip
         result = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -84,7 +84,7 @@ class UsbStick(FolderTest):
     def incoming(self):
         return sorted(os.listdir(self.path("spool", "incoming")))
 
-    def test_models_are_taken_once_by_a_user_without_rights_and_the_stick_stays_as_it_was(self):
+    def test_an_unprivileged_user_takes_models_once_and_the_stick_is_not_changed(self):
         self.put("part.stl")
         self.put("part.json", b'{"copies": 2}')
         image = self.image()
@@ -101,7 +101,7 @@ class UsbStick(FolderTest):
         with open(image, "rb") as file:
             self.assertEqual(hashlib.sha256(file.read()).digest(), before)
 
-    def test_another_sticks_are_others(self):
+    def test_the_same_file_on_another_stick_is_another_model(self):
         self.put("part.stl")
         for _ in range(2):
             result = self.offer(self.device(self.image()))
@@ -109,7 +109,7 @@ class UsbStick(FolderTest):
             os.unlink(self.path("image"))
         self.assertEqual(self.incoming(), ["part-2.stl", "part.stl"])
 
-    def test_links_devices_and_what_is_not_for_all_to_read_are_told(self):
+    def test_links_devices_and_unreadable_files_are_reported(self):
         self.put("good.stl")
         os.chmod(self.put("secret.stl"), 0)
         os.symlink("/etc/shadow", self.path("files", "shadow.stl"))
@@ -124,7 +124,7 @@ class UsbStick(FolderTest):
         self.assertEqual(len(result.stderr.splitlines()), 5)
         self.assertEqual(self.incoming(), ["good.stl"])
 
-    def test_a_stick_of_which_nothing_may_be_read_is_told(self):
+    def test_an_unreadable_stick_is_an_error(self):
         self.put("part.stl")
         image = self.image()
         subprocess.run(["debugfs", "-w", "-R", "set_inode_field / mode 040700", image], check=True, capture_output=True)
@@ -132,21 +132,21 @@ class UsbStick(FolderTest):
         self.assertEqual((result.returncode, result.stdout), (NO_INPUT, ""), result)
         self.assertIn("Permission denied", result.stderr)
 
-    def test_a_stick_that_is_gone_in_the_middle_leaves_nothing_half(self):
+    def test_a_stick_that_is_removed_while_it_is_read_leaves_no_partial_model(self):
         self.put("large.stl", LARGE)
         image = self.image()
         with open(image, "rb") as file:
             middle = file.read().index(LARGE[: 1 << 16]) + len(LARGE) // 2
         os.chmod(image, 0o666)
-        # The device is as long as ever, and what is behind there cannot be read once it is mounted.
+        # The device keeps its length, but the end of the file cannot be read once the device is mounted.
         result = self.offer(self.device(image), "sh", "-c", f'truncate --size={middle // 4096 * 4096} {image} && exec "$@"', "sh")
         self.assertEqual((result.returncode, result.stdout), (BAD_DATA, ""), result)
         self.assertIn('"large.stl" is not taken: Input/output error', result.stderr)
         self.assertEqual(os.listdir(self.path("spool", "incoming")), [])
-        # It is not taken for one that was.
+        # The model is not recorded as taken.
         self.assertFalse(os.path.exists(self.path("record", "taken")))
 
-    def test_what_cannot_be_read_or_is_in_use_is_left_alone(self):
+    def test_a_broken_unknown_or_mounted_stick_is_left_alone(self):
         self.put("part.stl")
         image = self.image()
         with open(image, "r+b") as file:

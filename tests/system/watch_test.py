@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""contourctl watch on a whole terminal, through a pseudo terminal: what is on the screen, and that it is given back."""
+"""contourctl watch on a pseudo terminal: the contents of the screen, and that the terminal is restored."""
 
 import codecs
 import fcntl
@@ -22,12 +22,12 @@ from harness import (
 SMALL = binary_stl(box((0, 0, 0), (10, 5, 1)))  # 20 layers
 ISLAND = binary_stl(box((0, 0, 0), (10, 5, 1)) + box((20, 0, 0.5), (25, 5, 1)))
 SEQUENCE = re.compile(r"\x1b\[(\??)([0-9;]*)([A-Za-z])")
-# A signal may come in the middle of one: with the next ESC a terminal begins anew.
+# A signal may interrupt a sequence; a terminal drops it at the next ESC.
 CUT_SEQUENCE = re.compile(r"\x1b(?:\[[?\d;]*)?(?=\x1b)")
 
 
 class Terminal:
-    """A terminal of that size, and a program on it. Knows the sequences that the view is drawn with, and no others."""
+    """A terminal of this size with a program on it. Knows only the sequences that the view is drawn with."""
 
     def __init__(self, test, command, columns=80, rows=24, **environment):
         self.columns, self.rows, self.received, self.raw = columns, rows, "", b""
@@ -38,7 +38,7 @@ class Terminal:
         self.resize(columns, rows)
         self.modes = termios.tcgetattr(its)
         environment = {"TERM": "xterm", **environment}
-        # A process group of its own, in this session: one that is orphaned cannot be stopped.
+        # A separate process group in this session, since an orphaned one cannot be stopped.
         self.process = subprocess.Popen(
             command, stdin=its, stdout=its, stderr=its, process_group=0,
             env={**{k: v for k, v in os.environ.items() if k not in ("TERM", "NO_COLOR")}, **environment})  # fmt: skip
@@ -54,7 +54,7 @@ class Terminal:
         self.lines = (self.lines + [""] * rows)[:rows]
 
     def read(self, seconds=0.02):
-        """What has been drawn meanwhile; False when there is nothing."""
+        """Reads what has been drawn meanwhile; returns False if there is nothing."""
         if not select.select([self.ours], [], [], seconds)[0]:
             return False
         data = os.read(self.ours, 65536)
@@ -128,18 +128,18 @@ class Terminal:
             raise AssertionError(f"{error}:\n{self.before}\n{self.text()}") from None
 
     def wait_end(self):
-        """Its exit code. Everything is as it was before."""
+        """Waits for the end of the program, asserts that it has restored the terminal, and returns its exit code."""
         def ended():
             return not self.read() and self.process.poll() is not None
-        wait_until(ended, "the end of the view")
+        wait_until(ended, "the view to end")
         while self.read():
             pass
-        self.assert_given_back()
+        self.assert_restored()
         return self.process.returncode
 
-    def assert_given_back(self):
+    def assert_restored(self):
         assert not self.alternate and self.cursor and self.wraps, self.raw[-200:]
-        assert termios.tcgetattr(self.its) == self.modes, "the keyboard is not as it was"
+        assert termios.tcgetattr(self.its) == self.modes, "the terminal's modes are not restored"
 
 
 class Watch(FolderTest):
@@ -156,7 +156,7 @@ class Watch(FolderTest):
     def watch(self, daemon, *arguments, **options):
         return Terminal(self, [CONTOURCTL, "watch", "--socket", daemon.socket_path, *arguments], **options)
 
-    def test_it_shows_the_print_and_its_warnings_and_ends_with_it(self):
+    def test_watch_shows_the_print_and_its_warnings_and_ends_with_the_print(self):
         daemon = self.printing("Bär-部品")
         terminal = self.watch(daemon)
         terminal.wait_for("warning   1 island")
@@ -171,7 +171,7 @@ class Watch(FolderTest):
         self.assertEqual(lines[1:], ["Bär-部品: cancelled"])
         daemon.stop()
 
-    def test_the_mask_on_the_screen_is_drawn_below_where_there_is_room(self):
+    def test_the_current_mask_is_drawn_below_if_there_is_room(self):
         daemon = self.printing()
         terminal = self.watch(daemon, rows=40, NO_COLOR="1")
         terminal.wait_for("mask      layer 1, cut at 0.0")
@@ -180,7 +180,7 @@ class Watch(FolderTest):
         self.assertFalse(terminal.seen_colour)
         coloured = self.watch(daemon, rows=24, COLORTERM="truecolor")
         coloured.wait_for("mask      layer 1")
-        wait_until(lambda: coloured.read() is not None and b"\x1b[48;2;255;255;255m" in coloured.raw, "what is lit, in white")
+        wait_until(lambda: coloured.read() is not None and b"\x1b[48;2;255;255;255m" in coloured.raw, "the lit area in white")
         small = self.watch(daemon, rows=14)
         small.wait_for("queue     empty")
         self.assertNotIn("mask", small.text())
@@ -189,7 +189,7 @@ class Watch(FolderTest):
             self.assertEqual(each.wait_end(), -signal.SIGTERM)
         daemon.stop()
 
-    def test_a_picture_that_is_shown_by_hand_is_drawn_until_it_is_gone(self):
+    def test_a_manually_shown_picture_is_drawn_until_it_is_removed(self):
         daemon = self.daemon()
         terminal = self.watch(daemon, rows=40)
         terminal.wait_for("queue     empty")
@@ -203,7 +203,7 @@ class Watch(FolderTest):
         self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
         daemon.stop()
 
-    def test_a_whole_print_is_watched_on_screens_of_every_size(self):
+    def test_a_whole_print_can_be_watched_on_terminals_of_every_size(self):
         daemon = self.daemon({})
         for columns, rows in ((200, 60), (80, 24), (40, 10), (20, 3), (1, 1)):
             with self.subTest(columns=columns, rows=rows):
@@ -214,7 +214,7 @@ class Watch(FolderTest):
                 self.assertEqual(terminal.before.splitlines()[-1], f"{name}: done")
         daemon.stop()
 
-    def test_it_counts_down(self):
+    def test_the_time_left_counts_down(self):
         daemon = self.printing()
         terminal = self.watch(daemon)
         seen = set()
@@ -223,16 +223,16 @@ class Watch(FolderTest):
             terminal.read()
             seen.update(re.findall(r"exposing, 1 min (\d\d) s left", terminal.text()))
             return len(seen) > 2
-        wait_until(counted, "three figures")
+        wait_until(counted, "three different times")
         terminal.process.terminate()
         self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
 
-    def test_it_is_drawn_anew_in_place_when_the_terminal_gets_another_size(self):
+    def test_the_view_is_redrawn_in_place_when_the_terminal_changes_its_size(self):
         daemon = self.printing()
         terminal = self.watch(daemon)
         terminal.wait_for("light     ON")
         terminal.resize(30, 5)
-        terminal.process.send_signal(signal.SIGWINCH)  # a terminal that is the session's own sends it
+        terminal.process.send_signal(signal.SIGWINCH)  # the session's own terminal would send it
         terminal.lines = [""] * 5
         terminal.wait_for("light     ON")
         self.assertEqual(len(terminal.lines), 5)
@@ -240,7 +240,7 @@ class Watch(FolderTest):
         terminal.process.terminate()
         self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
 
-    def test_the_terminal_is_given_back_whatever_ends_it(self):
+    def test_the_terminal_is_restored_however_the_program_ends(self):
         daemon = self.printing()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
             with self.subTest(number):
@@ -255,7 +255,7 @@ class Watch(FolderTest):
             self.assertEqual(terminal.wait_end(), -signal.SIGINT)
         self.assertEqual(daemon.status()["state"], "exposing")
 
-    def test_it_gives_the_terminal_back_while_it_is_stopped(self):
+    def test_the_terminal_is_restored_while_the_program_is_stopped(self):
         daemon = self.printing()
         terminal = self.watch(daemon)
         terminal.wait_for("light     ON")
@@ -263,7 +263,7 @@ class Watch(FolderTest):
         self.assertTrue(os.WIFSTOPPED(os.waitpid(terminal.process.pid, os.WUNTRACED)[1]))
         while terminal.read():
             pass
-        terminal.assert_given_back()
+        terminal.assert_restored()
         terminal.process.send_signal(signal.SIGCONT)
         terminal.wait_for("light     ON")
         terminal.process.send_signal(signal.SIGSTOP)
@@ -273,19 +273,19 @@ class Watch(FolderTest):
         terminal.process.terminate()
         self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
 
-    def test_a_terminal_that_takes_nothing_keeps_it_from_nothing(self):
+    def test_a_blocked_terminal_does_not_delay_the_end(self):
         daemon = self.printing()
         terminal = self.watch(daemon)
         terminal.wait_for("light     ON")
-        termios.tcflow(terminal.its, termios.TCOOFF)  # as Ctrl-S does
+        termios.tcflow(terminal.its, termios.TCOOFF)  # the effect of Ctrl-S
         while terminal.read():
             pass
-        terminal.process.send_signal(signal.SIGWINCH)  # all is to be drawn anew
+        terminal.process.send_signal(signal.SIGWINCH)  # requests a complete redraw
         terminal.process.terminate()
         self.assertEqual(terminal.process.wait(DEADLINE_S), -signal.SIGTERM)
         self.assertEqual(termios.tcgetattr(terminal.its), terminal.modes)
 
-    def test_it_says_that_contourd_is_gone_and_goes_on_when_it_is_back(self):
+    def test_watch_reports_that_contourd_is_gone_and_continues_when_it_is_back(self):
         daemon = self.printing()
         terminal = self.watch(daemon)
         terminal.wait_for("light     ON")
@@ -299,7 +299,7 @@ class Watch(FolderTest):
         self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
         daemon.stop()
 
-    def test_a_job_that_is_nowhere_is_told_on_the_terminal_as_it_was(self):
+    def test_an_unknown_job_is_reported_on_the_restored_terminal(self):
         daemon = self.daemon()
         terminal = self.watch(daemon, "--job", "nothere")
         self.assertEqual(terminal.wait_end(), FAILED)
@@ -307,7 +307,7 @@ class Watch(FolderTest):
         self.assertEqual(len(terminal.before.splitlines()), 1)
         daemon.stop()
 
-    def test_it_shows_the_queue_and_what_is_done_by_hand_while_nothing_prints(self):
+    def test_watch_shows_the_queue_and_manual_operations_while_nothing_prints(self):
         daemon = self.daemon(wait_for_plate_cleared=True, resin={})
         daemon.drop("one.stl", SMALL)
         daemon.wait_done("one")
@@ -323,7 +323,7 @@ class Watch(FolderTest):
         terminal.process.terminate()
         self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
 
-    def test_no_name_reaches_the_terminal_raw(self):
+    def test_names_reach_the_terminal_without_control_characters(self):
         daemon = self.printing("\x1b[31m\n\u202e\x9b2J" + "品" * 60)  # Terminal checks what it prints
         daemon.drop("b\x1b]0;x\x07.stl", SMALL)
         terminal = self.watch(daemon)
@@ -332,7 +332,7 @@ class Watch(FolderTest):
         terminal.process.terminate()
         self.assertEqual(terminal.wait_end(), -signal.SIGTERM)
 
-    def test_no_colour_and_a_terminal_that_knows_no_sequences_are_respected(self):
+    def test_no_color_and_a_dumb_terminal_are_respected(self):
         daemon = self.printing()
         terminal = self.watch(daemon, NO_COLOR="1")
         terminal.wait_for("light     ON")
@@ -341,7 +341,7 @@ class Watch(FolderTest):
         self.assertFalse(terminal.seen_colour)
         plain = [self.watch(daemon, TERM="dumb"), self.watch(daemon, "--json")]
         for terminal in plain:
-            wait_until(lambda terminal=terminal: terminal.read() or "exposing" in terminal.before, "a line")
+            wait_until(lambda terminal=terminal: terminal.read() or "exposing" in terminal.before, "a line of output")
         daemon.rpc("cancel")
         for terminal in plain:
             self.assertEqual(terminal.wait_end(), FAILED)

@@ -6,32 +6,18 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/core/text_mask.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
 using testing::draw;
+using testing::mask_of;
 
 namespace {
 
-// Builds a mask from rows of text: '.' is dark, a digit d has the grey value 25 d + 30, '#' is fully lit.
-Mask mask_of(const std::vector<std::string>& rows) {
-  Mask mask(Pixels{static_cast<std::int32_t>(rows[0].size())},
-            Pixels{static_cast<std::int32_t>(rows.size())});
-  for (std::size_t y = 0; y < rows.size(); ++y) {
-    for (std::size_t x = 0; x < rows[y].size(); ++x) {
-      const char c = rows[y][x];
-      mask.row(static_cast<std::int32_t>(y))[x] = static_cast<std::uint8_t>(c == '.'   ? 0
-                                                                            : c == '#' ? 255
-                                                                                       : 25 * (c - '0') + 30);
-    }
-  }
-  return mask;
-}
-
-MaskRuns runs_of(const Mask& mask, std::uint8_t least_grey) {
-  MaskRuns lit, bright;
-  lit.extract(mask);
-  bright.extract_bright(mask, lit, least_grey);
+MaskRuns bright_runs_of(const Mask& mask, std::uint8_t least_grey) {
+  MaskRuns bright;
+  bright.extract_bright(mask, testing::runs_of(mask), least_grey);
   return bright;
 }
 
@@ -39,7 +25,8 @@ std::vector<MaskIsland> islands_of(const Mask& layer, const Mask& beneath, std::
                                    std::int64_t contact_pixels) {
   IslandFinder finder;
   const auto found =
-      finder.find(runs_of(layer, least_grey), runs_of(beneath, least_grey), {contact_pixels, 0}).here;
+      finder.find(bright_runs_of(layer, least_grey), bright_runs_of(beneath, least_grey), {contact_pixels, 0})
+          .here;
   return {found.begin(), found.end()};
 }
 
@@ -50,16 +37,16 @@ std::vector<MaskIsland> islands_of(const Mask& layer, const Mask& beneath) {
 
 // The definition of an island, as a reference: floods every group pixel by pixel. Each island as (left, top,
 // right, bottom, pixels, grey), sorted.
-using Figures =
+using IslandFigures =
     std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int64_t, std::uint64_t>;
 
-class Flood {
+class IslandFlood {
  public:
-  Flood(const Mask& layer, const Mask& beneath)
+  IslandFlood(const Mask& layer, const Mask& beneath)
       : layer_(layer), beneath_(beneath), seen_(layer.pixels().size()) {}
 
-  std::vector<Figures> islands() {
-    std::vector<Figures> found;
+  std::vector<IslandFigures> islands() {
+    std::vector<IslandFigures> found;
     for (std::int32_t y = 0; y < layer_.height().count(); ++y) {
       for (std::int32_t x = 0; x < layer_.width().count(); ++x) {
         held_ = false;
@@ -96,7 +83,7 @@ class Flood {
   const Mask& beneath_;
   std::vector<bool> seen_;
   bool held_ = false;
-  Figures group_{};
+  IslandFigures group_{};
 };
 
 Mask draw_mask(Pixels width, Pixels height, std::int64_t lit_of_ten) {
@@ -149,11 +136,11 @@ TEST_CASE("The islands found are those of a flood fill") {
     const Pixels width{static_cast<std::int32_t>(draw(1, 40))},
         height{static_cast<std::int32_t>(draw(1, 20))};
     const Mask layer = draw_mask(width, height, draw(0, 9)), beneath = draw_mask(width, height, draw(0, 3));
-    std::vector<Figures> found;
+    std::vector<IslandFigures> found;
     for (const MaskIsland& i : islands_of(layer, beneath))
       found.emplace_back(i.left, i.top, i.right, i.bottom, i.pixels, i.grey);
     std::ranges::sort(found);
-    RC_ASSERT(found == Flood(layer, beneath).islands());
+    RC_ASSERT(found == IslandFlood(layer, beneath).islands());
   }));
 }
 
@@ -191,8 +178,8 @@ std::vector<std::size_t> islands_in(const std::vector<std::vector<std::string>>&
   IslandFinder finder;
   std::vector<std::size_t> counts(layers.size(), 0);
   for (std::size_t i = 1; i < layers.size(); ++i) {
-    const auto found =
-        finder.find(runs_of(mask_of(layers[i]), 64), runs_of(mask_of(layers[i - 1]), 64), {4, 2 * 255});
+    const auto found = finder.find(bright_runs_of(mask_of(layers[i]), 64),
+                                   bright_runs_of(mask_of(layers[i - 1]), 64), {4, 2 * 255});
     counts[i] += found.here.size();
     counts[i - 1] += found.beneath.size();
   }
@@ -317,8 +304,8 @@ TEST_CASE("The specks found to be islands are those of the definition") {
                third = draw_mask(width, height, draw(0, 9));
     const auto speck_grey = static_cast<std::uint64_t>(draw(0, 900));
     IslandFinder finder;
-    (void)finder.find(runs_of(second, 1), runs_of(first, 1), {1, speck_grey});
-    const auto found = finder.find(runs_of(third, 1), runs_of(second, 1), {1, speck_grey});
+    (void)finder.find(bright_runs_of(second, 1), bright_runs_of(first, 1), {1, speck_grey});
+    const auto found = finder.find(bright_runs_of(third, 1), bright_runs_of(second, 1), {1, speck_grey});
     RC_ASSERT(found.beneath.size() == outlasting(first, second, third, speck_grey));
   }));
 }

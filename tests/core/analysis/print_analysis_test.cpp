@@ -8,37 +8,27 @@
 
 #include "core/model/mesh_report.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/engine_fixture.hpp"
+#include "tests/core/near.hpp"
 #include "tests/core/section_fixture.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
-using testing::inverted;
-using testing::together;
+using models::inverted;
+using models::together;
+using testing::engine_for;
+using testing::kFineDisplay;
+using testing::kThickLayer;
+using testing::near;
 
 namespace {
 
-constexpr Nanometers kLayer{500'000};
-const DisplayGeometry kDisplay{Pixels{480}, Pixels{440}, Micrometers{50.0}};
-
-// The model's point (0, 0) lies on the plate's centre.
-ContourEngine engine_for(models::Facets facets, const DisplayGeometry& display = kDisplay) {
-  return ContourEngine(HeightIndex(std::move(facets)), EngineSettings{display, AntiAliasing::On},
-                       {PixelMap::true_scale(display, {0, 0})});
-}
-
-PrintFindings analyze(const models::Facets& facets, Nanometers thickness = kLayer,
-                      const DisplayGeometry& display = kDisplay) {
+PrintFindings analyze(const models::Facets& facets, Nanometers thickness = kThickLayer,
+                      const DisplayGeometry& display = kFineDisplay) {
   const LayerStack layers = layers_for(Millimeters{bounds_of(facets).size_z()}, thickness);
-  ContourEngine engine = engine_for(facets, display);
+  ContourEngine engine = engine_for(facets, {display});
   return analyze_print(engine, display, PrintLayers(layers).all(), [](std::int32_t) { return 0s; }).value();
 }
-
-bool near(double a, double b, double tolerance) {
-  return std::fabs(a - b) <= tolerance;
-}
-
-// Tolerance for scaled sums of whole grey values over 255.
-constexpr double kRounding = 1e-9;
 
 models::Facets ball(float x, float y, float z, double radius, int cells = 32) {
   models::Facets facets = models::sphere(radius, cells);
@@ -66,8 +56,8 @@ TEST_CASE("A box has its volume and its area and no other findings") {
   CHECK(near(found.volume_mm3, 800, 800 * 1e-12));
   CHECK(near(found.resin_ml(), 0.8, 1e-12));
   for (const double area : found.area_mm2)
-    CHECK(near(area, 80, kRounding));
-  CHECK(near(found.largest_area_mm2, 80, kRounding));
+    CHECK(near(area, 80));
+  CHECK(near(found.largest_area_mm2, 80));
   CHECK(found.largest_area_layer == 0);
   CHECK(found.empty_layers.empty());
   CHECK(found.island_count == 0);
@@ -94,11 +84,11 @@ TEST_CASE("The middle of a bridge is no island, but a part that hangs from it is
   REQUIRE(hung.islands.size() == 1);
   CHECK(hung.island_count == 1);
   CHECK(hung.islands[0].layer == 10);
-  CHECK(near(hung.islands[0].area_mm2, 3, kRounding));
-  CHECK(near(hung.islands[0].plate_mm.x, 0.5, kRounding));
-  CHECK(near(hung.islands[0].plate_mm.y, 0, kRounding));
-  CHECK(near(hung.islands[0].pixel.x, 250, kRounding));
-  CHECK(near(hung.islands[0].pixel.y, 220, kRounding));
+  CHECK(near(hung.islands[0].area_mm2, 3));
+  CHECK(near(hung.islands[0].plate_mm.x, 0.5));
+  CHECK(near(hung.islands[0].plate_mm.y, 0));
+  CHECK(near(hung.islands[0].pixel.x, 250));
+  CHECK(near(hung.islands[0].pixel.y, 220));
 }
 
 TEST_CASE("Mirrors do not change an island's place on the plate") {
@@ -106,13 +96,13 @@ TEST_CASE("Mirrors do not change an island's place on the plate") {
       together(models::box({-8, -8, 0}, {-6, -6, 8}), models::box({4, 5, 4}, {6, 7, 8}));
   for (const bool mirror_x : {false, true}) {
     for (const bool mirror_y : {false, true}) {
-      DisplayGeometry display = kDisplay;
+      DisplayGeometry display = kFineDisplay;
       display.mirror_x = mirror_x;
       display.mirror_y = mirror_y;
-      const PrintFindings found = analyze(model, kLayer, display);
+      const PrintFindings found = analyze(model, kThickLayer, display);
       REQUIRE(found.islands.size() == 1);
-      CHECK(near(found.islands[0].plate_mm.x, 5, kRounding));
-      CHECK(near(found.islands[0].plate_mm.y, 6, kRounding));
+      CHECK(near(found.islands[0].plate_mm.x, 5));
+      CHECK(near(found.islands[0].plate_mm.y, 6));
       CHECK((found.islands[0].pixel.x < 240) == mirror_x);
     }
   }
@@ -138,7 +128,7 @@ TEST_CASE("Dark layers at the end of a print are empty layers") {
   // The engine knows only the model; the print goes on above it.
   ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
   const auto found =
-      analyze_print(engine, kDisplay, std::vector(10, kLayer), [](std::int32_t) { return 1s; });
+      analyze_print(engine, kFineDisplay, std::vector(10, kThickLayer), [](std::int32_t) { return 1s; });
   REQUIRE(found);
   CHECK(found->layers() == 10);
   CHECK(found->empty_layers == std::vector<std::int32_t>{4, 5, 6, 7, 8, 9});
@@ -159,12 +149,12 @@ TEST_CASE("Every layer of a print without light is empty") {
 }
 
 TEST_CASE("A dark first layer makes the part above it an island") {
-  PrintAnalysis analysis(kDisplay);
-  Mask mask(kDisplay.width, kDisplay.height);
-  analysis.add_layer(mask, {kLayer, 0s, {}});
+  PrintAnalysis analysis(kFineDisplay);
+  Mask mask(kFineDisplay.width, kFineDisplay.height);
+  analysis.add_layer(mask, {kThickLayer, 0s, {}});
   mask.row(10)[10] = 255;
-  analysis.add_layer(mask, {kLayer, 0s, {}});
-  analysis.add_layer(mask, {kLayer, 0s, {}});
+  analysis.add_layer(mask, {kThickLayer, 0s, {}});
+  analysis.add_layer(mask, {kThickLayer, 0s, {}});
   CHECK(analysis.findings().empty_layers == std::vector<std::int32_t>{0});
   CHECK(analysis.findings().island_count == 1);
 }
@@ -207,9 +197,9 @@ TEST_CASE("A cup that opens towards the film sucks, and one that opens towards t
   CHECK(cup.first_layer == 4);
   CHECK(cup.last_layer == 19);
   CHECK(cup.widest_layer == 4);
-  CHECK(near(cup.area_mm2, 100, kRounding));
+  CHECK(near(cup.area_mm2, 100));
   CHECK(near(cup.volume_mm3, 800, 1e-6));
-  CHECK(near(cup.plate_mm.x, 0, kRounding));
+  CHECK(near(cup.plate_mm.x, 0));
   CHECK(!cup.on_plate);
   const PrintFindings down = analyze(hollowed(0, 8));
   CHECK(down.resin_trap_count == 0);
@@ -273,16 +263,16 @@ TEST_CASE("A bottle that stands on its floor sucks up to the end of its neck and
   const PrintFindings found = analyze(bottle);
   CHECK(found.resin_trap_count == 0);
   REQUIRE(found.suction_cups.size() == 1);
-  CHECK(near(found.suction_cups[0].area_mm2, 14 * 14, kRounding));
+  CHECK(near(found.suction_cups[0].area_mm2, 14 * 14));
   CHECK(near(found.suction_cups[0].volume_mm3, 14 * 14 * 6 + 4 * 4 * 5, 1e-6));
   CHECK(found.suction_cups[0].last_layer == 23);
 }
 
 TEST_CASE("Too small hollows are not reported, and the largest of many are kept") {
   // Each hollow is 1.5 x 1.5 mm wide and 0.4 mm high.
-  PrintAnalysis analysis(kDisplay, {}, {.cup_area_mm2 = 0, .cup_volume_mm3 = 0, .trap_volume_mm3 = 0});
-  PrintAnalysis usual(kDisplay);
-  Mask full(kDisplay.width, kDisplay.height), holes(kDisplay.width, kDisplay.height);
+  PrintAnalysis analysis(kFineDisplay, {}, {.cup_area_mm2 = 0, .cup_volume_mm3 = 0, .trap_volume_mm3 = 0});
+  PrintAnalysis usual(kFineDisplay);
+  Mask full(kFineDisplay.width, kFineDisplay.height), holes(kFineDisplay.width, kFineDisplay.height);
   for (std::int32_t y = 1; y < 439; ++y) {
     std::fill(full.row(y).begin() + 1, full.row(y).end() - 1, std::uint8_t{255});
     std::copy(full.row(y).begin(), full.row(y).end(), holes.row(y).begin());
@@ -295,7 +285,7 @@ TEST_CASE("Too small hollows are not reported, and the largest of many are kept"
   }
   for (PrintAnalysis* each : {&analysis, &usual}) {
     for (const Mask* mask : {&full, &holes, &full})
-      each->add_layer(*mask, {kLayer, 0s, {}});
+      each->add_layer(*mask, {kThickLayer, 0s, {}});
     each->end();
   }
   const PrintFindings& found = analysis.findings();
@@ -309,18 +299,18 @@ TEST_CASE("Too small hollows are not reported, and the largest of many are kept"
 }
 
 TEST_CASE("A hollow continues through a layer whose mask was abandoned") {
-  PrintAnalysis analysis(kDisplay);
-  Mask full(kDisplay.width, kDisplay.height);
+  PrintAnalysis analysis(kFineDisplay);
+  Mask full(kFineDisplay.width, kFineDisplay.height);
   for (std::int32_t y = 100; y < 300; ++y)
     std::fill(full.row(y).begin() + 100, full.row(y).begin() + 300, std::uint8_t{255});
   Mask ring = full;
   for (std::int32_t y = 120; y < 220; ++y)
     std::fill(ring.row(y).begin() + 120, ring.row(y).begin() + 220, std::uint8_t{0});
-  analysis.add_layer(full, {kLayer, 0s, {}});
-  analysis.add_layer(ring, {kLayer, 0s, {}});
-  analysis.add_abandoned_layer({kLayer, 0s, {}});
-  analysis.add_layer(ring, {kLayer, 0s, {}});
-  analysis.add_layer(full, {kLayer, 0s, {}});
+  analysis.add_layer(full, {kThickLayer, 0s, {}});
+  analysis.add_layer(ring, {kThickLayer, 0s, {}});
+  analysis.add_abandoned_layer({kThickLayer, 0s, {}});
+  analysis.add_layer(ring, {kThickLayer, 0s, {}});
+  analysis.add_layer(full, {kThickLayer, 0s, {}});
   analysis.end();
   REQUIRE(analysis.findings().resin_traps.size() == 1);
   CHECK(analysis.findings().resin_traps[0].first_layer == 1);
@@ -351,10 +341,10 @@ TEST_CASE("Pixels below the threshold count neither as area nor as island nor as
   const CarryingSupport anything{.least_grey = 1, .contact_area_mm2 = 0};
   const auto found_with = [&](const ToneCurve& tone, const CarryingSupport& support) {
     ContourEngine engine(HeightIndex(facets),
-                         EngineSettings{kDisplay, AntiAliasing::On, Compensation{}, tone, std::nullopt},
-                         {PixelMap::true_scale(kDisplay, {0, 0})});
-    return analyze_print(engine, kDisplay, std::vector(6, kLayer), [](std::int32_t) { return 0s; }, {},
-                         {support, {}})
+                         EngineSettings{kFineDisplay, AntiAliasing::On, Compensation{}, tone, std::nullopt},
+                         {PixelMap::true_scale(kFineDisplay, {0, 0})});
+    return analyze_print(engine, kFineDisplay, std::vector(6, kThickLayer), [](std::int32_t) { return 0s; },
+                         {}, {support, {}})
         .value();
   };
   const PrintFindings all = found_with({}, anything), bright = found_with({2.2, 64}, anything),
@@ -384,7 +374,7 @@ TEST_CASE("Cracks are summed and listed by layer") {
 
 TEST_CASE("The time is the sum over all layers") {
   ContourEngine engine = engine_for(models::box({0, 0, 0}, {2, 2, 2}));
-  const auto found = analyze_print(engine, kDisplay, std::vector(4, kLayer),
+  const auto found = analyze_print(engine, kFineDisplay, std::vector(4, kThickLayer),
                                    [](std::int32_t layer) { return 2s + 100ms * layer; });
   REQUIRE(found);
   CHECK(found->layer_time == 8600ms);
@@ -394,13 +384,13 @@ TEST_CASE("Islands beyond the maximum that is kept are still counted") {
   const DisplayGeometry display{Pixels{200}, Pixels{200}};
   PrintAnalysis analysis(display);
   Mask mask(display.width, display.height);
-  analysis.add_layer(mask, {kLayer, 0s, {}});
+  analysis.add_layer(mask, {kThickLayer, 0s, {}});
   for (std::int32_t y = 0; y < 200; y += 2) {
     for (std::size_t x = 0; x < 200; x += 2)
       mask.row(y)[x] = 255;
   }
-  analysis.add_layer(mask, {kLayer, 0s, {}});
-  analysis.add_layer(mask, {kLayer, 0s, {}});  // so that the islands are no specks of one layer
+  analysis.add_layer(mask, {kThickLayer, 0s, {}});
+  analysis.add_layer(mask, {kThickLayer, 0s, {}});  // so that the islands are no specks of one layer
   CHECK(analysis.findings().island_count == 10'000);
   CHECK(analysis.findings().islands.front().layer == 1);
   CHECK(analysis.findings().islands.size() == PrintFindings::kMaxIslands);
@@ -414,9 +404,9 @@ TEST_CASE("A dot of exactly 0.0125 mm2 is a speck, however the pitch is rounded"
       PrintAnalysis analysis(display);
       Mask mask(display.width, display.height);
       mask.row(1)[1] = 255;
-      analysis.add_layer(mask, {kLayer, 0s, {}});
+      analysis.add_layer(mask, {kThickLayer, 0s, {}});
       std::ranges::fill_n(mask.row(5).begin() + 4, static_cast<std::ptrdiff_t>(pixels + more), 255);
-      analysis.add_layer(mask, {kLayer, 0s, {}});
+      analysis.add_layer(mask, {kThickLayer, 0s, {}});
       CHECK(analysis.findings().island_count == more);
     }
   }
@@ -427,7 +417,7 @@ TEST_CASE("A stopped analysis returns nothing") {
   std::stop_source source;
   std::int32_t asked = 0;
   const auto found = analyze_print(
-      engine, kDisplay, std::vector(4, kLayer),
+      engine, kFineDisplay, std::vector(4, kThickLayer),
       [&](std::int32_t) {
         if (++asked == 2) source.request_stop();
         return 1s;

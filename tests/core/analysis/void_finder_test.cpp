@@ -8,35 +8,24 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/core/text_mask.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
 using testing::draw;
+using testing::mask_of;
 
 namespace {
 
 using Rows = std::vector<std::string>;
 
-// '#' is solid.
-Mask mask_of(const Rows& rows) {
-  Mask mask(Pixels{static_cast<std::int32_t>(rows[0].size())},
-            Pixels{static_cast<std::int32_t>(rows.size())});
-  for (std::size_t y = 0; y < rows.size(); ++y) {
-    for (std::size_t x = 0; x < rows[y].size(); ++x)
-      mask.row(static_cast<std::int32_t>(y))[x] = rows[y][x] == '#' ? 255 : 0;
-  }
-  return mask;
-}
-
-constexpr Nanometers kThickness{100};
+constexpr Nanometers kVoidLayer{100};
 
 std::vector<MaskVoid> voids_of(const std::vector<Mask>& layers) {
   VoidFinder finder;
   std::vector<MaskVoid> all;
   for (std::int32_t number = 0; const Mask& mask : layers) {
-    MaskRuns solid;
-    solid.extract(mask);
-    const auto ended = finder.add_layer(solid, {number++, kThickness});
+    const auto ended = finder.add_layer(testing::runs_of(mask), {number++, kVoidLayer});
     all.insert(all.end(), ended.begin(), ended.end());
   }
   const auto ended = finder.end();
@@ -57,23 +46,24 @@ const Rows kOpenRing = {".....", ".#.#.", ".#.#.", ".###.", "....."};
 const Rows kNothing = {".....", ".....", ".....", ".....", "....."};
 
 // First, last and widest layer, pixels in the widest layer, volume, on the plate, closed.
-using Figures = std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int64_t, std::int64_t, bool, bool>;
+using VoidFigures =
+    std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int64_t, std::int64_t, bool, bool>;
 
-Figures figures_of(const MaskVoid& v) {
+VoidFigures figures_of(const MaskVoid& v) {
   return {v.first_layer, v.last_layer, v.widest_layer, v.widest_pixels, v.volume, v.on_plate, v.closed};
 }
 
 // The definition of a void, as a reference: after each layer, floods the region of all layers so far that is
 // not reached from outside, voxel by voxel.
-class Flood {
+class VoidFlood {
  public:
-  explicit Flood(const std::vector<Mask>& layers)
+  explicit VoidFlood(const std::vector<Mask>& layers)
       : layers_(layers),
         width_(static_cast<std::size_t>(layers[0].width().count())),
         height_(static_cast<std::size_t>(layers[0].height().count())) {}
 
-  std::vector<Figures> voids() {
-    std::vector<Figures> found;
+  std::vector<VoidFigures> voids() {
+    std::vector<VoidFigures> found;
     for (std::size_t top = 0; top < layers_.size(); ++top) {
       label(top);
       note_sucking(top);
@@ -157,14 +147,14 @@ class Flood {
   }
 
   // Returns the figures of an ended void, which includes everything that sucked before and became part of it.
-  [[nodiscard]] Figures ended(const Sucking& last, bool closed) const {
-    Figures figures{static_cast<std::int32_t>(layer_of(last.voxels.front())),
-                    static_cast<std::int32_t>(last.layer),
-                    0,
-                    0,
-                    static_cast<std::int64_t>(last.voxels.size()) * kThickness.count(),
-                    layer_of(last.voxels.front()) == 0,
-                    closed};
+  [[nodiscard]] VoidFigures ended(const Sucking& last, bool closed) const {
+    VoidFigures figures{static_cast<std::int32_t>(layer_of(last.voxels.front())),
+                        static_cast<std::int32_t>(last.layer),
+                        0,
+                        0,
+                        static_cast<std::int64_t>(last.voxels.size()) * kVoidLayer.count(),
+                        layer_of(last.voxels.front()) == 0,
+                        closed};
     for (const Sucking& each : sucking_) {
       if (!std::ranges::binary_search(last.voxels, each.voxel) || each.pixels <= std::get<3>(figures))
         continue;
@@ -186,7 +176,7 @@ class Flood {
 TEST_CASE("A cup with its floor at the plate sucks until the print ends") {
   const auto voids = voids_of({kFull, kRing, kRing});
   REQUIRE(voids.size() == 1);
-  CHECK(figures_of(voids[0]) == Figures{1, 2, 1, 1, 200, false, false});
+  CHECK(figures_of(voids[0]) == VoidFigures{1, 2, 1, 1, 200, false, false});
   CHECK(voids[0].center.x == 2.5);
   CHECK(voids[0].center.y == 2.5);
 }
@@ -194,7 +184,7 @@ TEST_CASE("A cup with its floor at the plate sucks until the print ends") {
 TEST_CASE("A cup with its mouth on the plate is closed by the plate") {
   const auto voids = voids_of({kRing, kRing, kFull});
   REQUIRE(voids.size() == 1);
-  CHECK(figures_of(voids[0]) == Figures{0, 1, 0, 1, 200, true, true});
+  CHECK(figures_of(voids[0]) == VoidFigures{0, 1, 0, 1, 200, true, true});
 }
 
 TEST_CASE("A cup with its mouth above the plate does not suck") {
@@ -204,19 +194,19 @@ TEST_CASE("A cup with its mouth above the plate does not suck") {
 TEST_CASE("A tube on the plate sucks up to its end") {
   const auto voids = voids_of({kRing, kRing, kRing});
   REQUIRE(voids.size() == 1);
-  CHECK(figures_of(voids[0]) == Figures{0, 2, 0, 1, 300, true, false});
+  CHECK(figures_of(voids[0]) == VoidFigures{0, 2, 0, 1, 300, true, false});
 }
 
 TEST_CASE("A closed hollow is closed by the layer above it") {
   const auto voids = voids_of({kFull, kRing, kRing, kFull, kFull});
   REQUIRE(voids.size() == 1);
-  CHECK(figures_of(voids[0]) == Figures{1, 2, 1, 1, 200, false, true});
+  CHECK(figures_of(voids[0]) == VoidFigures{1, 2, 1, 1, 200, false, true});
 }
 
 TEST_CASE("A hollow with a hole in its side sucks up to the hole and is never closed") {
   const auto voids = voids_of({kFull, kRing, kOpenRing, kRing, kRing, kFull});
   REQUIRE(voids.size() == 1);
-  CHECK(figures_of(voids[0]) == Figures{1, 1, 1, 1, 100, false, false});
+  CHECK(figures_of(voids[0]) == VoidFigures{1, 1, 1, 1, 100, false, false});
 }
 
 TEST_CASE("A hollow with a hole at its bottom never sucks") {
@@ -229,7 +219,7 @@ TEST_CASE("Two hollows that meet are one from there on, and a corner is no way o
   const Rows roof = {".......", ".#####.", ".#####.", ".#####.", "......."};
   const auto voids = voids_of({roof, two, one, roof});
   REQUIRE(voids.size() == 1);
-  CHECK(figures_of(voids[0]) == Figures{1, 2, 2, 3, 500, false, true});
+  CHECK(figures_of(voids[0]) == VoidFigures{1, 2, 2, 3, 500, false, true});
   const Rows corner = {".......", "..####.", ".#...#.", ".#####.", "......."};
   CHECK(voids_of({roof, corner, roof}).size() == 1);
 }
@@ -241,7 +231,7 @@ TEST_CASE("A hollow that branches opens as a whole when one of its arms does") {
   const Rows roof = {".......", ".#####.", ".#####.", ".#####.", "......."};
   const auto voids = voids_of({roof, one, arms, open, arms, roof});
   REQUIRE(voids.size() == 1);
-  CHECK(figures_of(voids[0]) == Figures{1, 2, 1, 3, 500, false, false});
+  CHECK(figures_of(voids[0]) == VoidFigures{1, 2, 1, 3, 500, false, false});
 }
 
 TEST_CASE("A gap that touches the picture's edge is outside") {
@@ -254,15 +244,13 @@ TEST_CASE("A gap that touches the picture's edge is outside") {
 
 TEST_CASE("The next print begins without the voids of the one before") {
   VoidFinder finder;
-  MaskRuns ring, full;
-  ring.extract(mask_of(kRing));
-  full.extract(mask_of(kFull));
+  const MaskRuns ring = testing::runs_of(kRing), full = testing::runs_of(kFull);
   for (int print = 0; print < 2; ++print) {
-    CHECK(finder.add_layer(full, {0, kThickness}).empty());
-    CHECK(finder.add_layer(ring, {1, kThickness}).empty());
+    CHECK(finder.add_layer(full, {0, kVoidLayer}).empty());
+    CHECK(finder.add_layer(ring, {1, kVoidLayer}).empty());
     const auto voids = finder.end();
     REQUIRE(voids.size() == 1);
-    CHECK(figures_of(voids[0]) == Figures{1, 1, 1, 1, 100, false, false});
+    CHECK(figures_of(voids[0]) == VoidFigures{1, 1, 1, 1, 100, false, false});
   }
 }
 
@@ -277,10 +265,10 @@ TEST_CASE("The voids found are those of a flood fill of all voxels after every l
           pixel = draw(1, 10) <= solid_of_ten ? 255 : 0;
       }
     }
-    std::vector<Figures> found;
+    std::vector<VoidFigures> found;
     for (const MaskVoid& each : voids_of(layers))
       found.push_back(figures_of(each));
     std::ranges::sort(found);
-    RC_ASSERT(found == Flood(layers).voids());
+    RC_ASSERT(found == VoidFlood(layers).voids());
   }));
 }

@@ -6,25 +6,20 @@
 #include <utility>
 
 #include "tests/catch.hpp"
+#include "tests/core/near.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/damage.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
+using models::inverted;
+using models::together;
 using testing::contours_of;
-using testing::inverted;
 using testing::kPixel;
+using testing::near;
 using testing::signed_area;
-using testing::together;
 
 namespace {
-
-// Sums of products of whole millimetres are exact, apart from a few roundings of numbers below 1000.
-constexpr double kRoundingMm2 = 1e-9;
-
-bool near(double a, double b, double tolerance) {
-  return std::fabs(a - b) <= tolerance;
-}
 
 Contours linked(const std::vector<Segment>& segments, Millimeters tolerance = kPixel) {
   Contours contours;
@@ -107,8 +102,8 @@ TEST_CASE("A box is one loop that runs counter-clockwise") {
   const Contours contours = contours_of(models::box({0, 0, 0}, {10, 20, 5}), 2.5);
   REQUIRE(contours.loops.size() == 1);
   check_clean(contours);
-  CHECK(near(signed_area(contours), 200, kRoundingMm2));
-  CHECK(near(perimeter_mm(contours), 60, kRoundingMm2));
+  CHECK(near(signed_area(contours), 200));
+  CHECK(near(perimeter_mm(contours), 60));
 }
 
 TEST_CASE("A cavity is a loop that runs clockwise") {
@@ -121,8 +116,8 @@ TEST_CASE("A cavity is a loop that runs clockwise") {
   for (const ContourLoop& loop : contours.loops)
     areas.push_back(signed_area(contours.points_of(loop)));
   std::ranges::sort(areas);
-  CHECK(near(areas[0], -100, kRoundingMm2));
-  CHECK(near(areas[1], 400, kRoundingMm2));
+  CHECK(near(areas[0], -100));
+  CHECK(near(areas[1], 400));
 }
 
 TEST_CASE("Nested boxes are as many loops as there are boxes at a height") {
@@ -133,7 +128,7 @@ TEST_CASE("Nested boxes are as many loops as there are boxes at a height") {
   CHECK(contours_of(facets, 7).loops.size() == 2);
   CHECK(contours_of(facets, 15).loops.size() == 3);
   check_clean(contours_of(facets, 15));
-  CHECK(near(signed_area(contours_of(facets, 15)), 600, kRoundingMm2));
+  CHECK(near(signed_area(contours_of(facets, 15)), 600));
 }
 
 TEST_CASE("Two boxes that touch along an edge are two loops") {
@@ -142,7 +137,7 @@ TEST_CASE("Two boxes that touch along an edge are two loops") {
   REQUIRE(contours.loops.size() == 2);
   check_clean(contours);
   for (const ContourLoop& loop : contours.loops) {
-    CHECK(near(signed_area(contours.points_of(loop)), 100, kRoundingMm2));
+    CHECK(near(signed_area(contours.points_of(loop)), 100));
   }
 }
 
@@ -152,14 +147,14 @@ TEST_CASE("Two cavities that touch along an edge stay inside one solid") {
   facets = together(facets, inverted(models::box({10, 10, 1}, {20, 20, 9})));
   const Contours contours = contours_of(facets, 5);
   check_clean(contours);
-  CHECK(near(signed_area(contours), 900 - 200, kRoundingMm2));
+  CHECK(near(signed_area(contours), 900 - 200));
 }
 
 TEST_CASE("Two boxes that share a wall keep their area") {
   const auto facets = together(models::box({0, 0, 0}, {10, 10, 10}), models::box({10, 0, 0}, {20, 10, 10}));
   const Contours contours = contours_of(facets, 5);
   check_clean(contours);
-  CHECK(near(signed_area(contours), 200, kRoundingMm2));
+  CHECK(near(signed_area(contours), 200));
 }
 
 TEST_CASE("A model three times in one file is one") {
@@ -167,7 +162,7 @@ TEST_CASE("A model three times in one file is one") {
   const Contours contours = contours_of(together(together(box, box), box), 5);
   check_clean(contours);
   CHECK(contours.loops.size() == 1);
-  CHECK(near(signed_area(contours), 100, kRoundingMm2));
+  CHECK(near(signed_area(contours), 100));
 }
 
 TEST_CASE("A T-junction on an upright edge is one closed loop at all heights") {
@@ -186,7 +181,7 @@ TEST_CASE("A T-junction on an upright edge is one closed loop at all heights") {
     const Contours contours = contours_of(facets, z);
     CHECK(contours.loops.size() == 1);
     check_clean(contours);
-    CHECK(near(signed_area(contours), 100, kRoundingMm2));
+    CHECK(near(signed_area(contours), 100));
   }
 }
 
@@ -221,8 +216,8 @@ TEST_CASE("A missing facet leaves one open chain that is closed and reported") {
   CHECK(contours.closed_loops() == 0);
   CHECK(contours.cracks.gaps_closed == 0);
   // The front's diagonal halves it.
-  CHECK(near(contours.cracks.widest_gap.count(), 5, kRoundingMm2));
-  CHECK(near(signed_area(contours), 100, kRoundingMm2));
+  CHECK(near(contours.cracks.widest_gap.count(), 5));
+  CHECK(near(signed_area(contours), 100));
 }
 
 TEST_CASE("An intact part beside a broken one does not count as repaired") {
@@ -235,7 +230,7 @@ TEST_CASE("An intact part beside a broken one does not count as repaired") {
   CHECK(contours.cracks.open_chains == 1);
   CHECK(contours.repaired_loops == 1);
   CHECK(contours.closed_loops() == 1);
-  CHECK(near(signed_area(contours), 200, kRoundingMm2));
+  CHECK(near(signed_area(contours), 200));
 }
 
 TEST_CASE("A crack of a micrometre is two gaps that close within a pixel") {
@@ -273,7 +268,7 @@ TEST_CASE("A turned facet changes nothing but the report") {
     const auto& v = whole[i].vertices;
     const bool level = v[0].z == v[1].z && v[1].z == v[2].z;
     CHECK(contours.cracks.turned_chains == (level ? 0 : 1));
-    CHECK(near(signed_area(contours), 100, kRoundingMm2));
+    CHECK(near(signed_area(contours), 100));
   }
 }
 
@@ -293,7 +288,7 @@ TEST_CASE("Turned facets anywhere bridge no gap") {
     }
     const Contours contours = linked(segments);
     CHECK(contours.loops.size() == 1);
-    CHECK(near(std::fabs(signed_area(contours)), 328, kRoundingMm2));
+    CHECK(near(std::fabs(signed_area(contours)), 328));
     CHECK(contours.cracks.open_chains == 0);
     CHECK(contours.cracks.widest_gap == Millimeters{0});
   }
@@ -312,7 +307,7 @@ TEST_CASE("A few turned facets of a gyroid leave its sections as they are") {
     CHECK(contours.cracks.open_chains == 0);
     CHECK(contours.cracks.gaps_closed == 0);
     CHECK(contours.cracks.widest_gap == Millimeters{0});
-    CHECK(near(signed_area(contours), signed_area(contours_of(whole, z)), kRoundingMm2));
+    CHECK(near(signed_area(contours), signed_area(contours_of(whole, z))));
   }
 }
 
@@ -320,7 +315,7 @@ TEST_CASE("An inside-out model has the same loops as the right way out") {
   const Contours contours = contours_of(inverted(models::box({0, 0, 0}, {10, 10, 10})), 5);
   CHECK(contours.loops.size() == 1);
   check_clean(contours);
-  CHECK(near(signed_area(contours), 100, kRoundingMm2));
+  CHECK(near(signed_area(contours), 100));
 }
 
 TEST_CASE("A doubled facet is dropped") {
@@ -330,7 +325,7 @@ TEST_CASE("A doubled facet is dropped") {
     const Contours contours = contours_of(together(whole, {whole[i]}), 1.23);
     CHECK(contours.loops.size() == 1);
     check_clean(contours);
-    CHECK(near(signed_area(contours), area, kRoundingMm2));
+    CHECK(near(signed_area(contours), area));
   }
 }
 
@@ -458,5 +453,5 @@ TEST_CASE("A linker keeps nothing of the previous section") {
   linker.link(testing::section_of(models::box({0, 0, 0}, {10, 10, 10}), 5).segments, kPixel, contours);
   CHECK(contours.loops.size() == 1);
   check_clean(contours);
-  CHECK(near(signed_area(contours), 100, kRoundingMm2));
+  CHECK(near(signed_area(contours), 100));
 }

@@ -5,6 +5,7 @@
 
 #include "core/contour/filled_area.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/near.hpp"
 #include "tests/core/random_contours.hpp"
 #include "tests/core/section_fixture.hpp"
 
@@ -21,10 +22,6 @@ Contours outline_of(const std::vector<Loop>& loops, FillRule rule = FillRule::No
 
 // Cuts are rounded: points nearer than 2^-15 mm count as equal, along some 100 mm of sides.
 constexpr double kAreaMm2 = 100.0 / 32768;
-
-bool near(double a, double b, double tolerance = kAreaMm2) {
-  return std::fabs(a - b) <= tolerance;
-}
 
 }  // namespace
 
@@ -49,7 +46,7 @@ TEST_CASE("Solids that share a wall or a part of one become one loop without it"
       const Contours outline = outline_of({rectangle(0, 0, 10, 10), rectangle(10 + gap, low, 20, low + 5)});
       CAPTURE(low, gap);
       CHECK(outline.loops.size() == 1);
-      CHECK(near(signed_area(outline), 150));
+      CHECK(near(signed_area(outline), 150, kAreaMm2));
     }
   }
 }

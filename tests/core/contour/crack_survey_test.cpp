@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/core/section_fixture.hpp"
 #include "tests/models/models.hpp"
 
 using namespace contourd;
+using testing::kPixel;
 
 namespace {
-
-constexpr Millimeters kPixel{0.05};
 
 // The middles of 1 mm layers.
 std::vector<Nanometers> layers(int count) {

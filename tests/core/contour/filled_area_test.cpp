@@ -7,32 +7,22 @@
 
 #include "core/engine/contour_engine.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/near.hpp"
+#include "tests/core/random_contours.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
+using models::inverted;
+using models::together;
 using testing::contours_of;
-using testing::inverted;
-using testing::together;
+using testing::near;
+using testing::one_loop;
 
 namespace {
 
-// Areas of some hundred square millimetres, some hundred roundings: 1e-13 of it each.
-constexpr double kRoundingMm2 = 1e-9;
-
-bool near(double a, double b, double tolerance = kRoundingMm2) {
-  return std::fabs(a - b) <= tolerance;
-}
-
 double area_of(const models::Facets& facets, double z) {
   return filled_area_mm2(contours_of(facets, z));
-}
-
-Contours one_loop(std::vector<Point> points) {
-  Contours contours;
-  contours.points = std::move(points);
-  contours.loops = {{0, static_cast<std::uint32_t>(contours.points.size())}};
-  return contours;
 }
 
 }  // namespace

@@ -11,14 +11,14 @@ using namespace contourd;
 
 namespace {
 
-constexpr Millimeters kTolerance{0.05};
+constexpr Millimeters kJoinTolerance{0.05};
 
 struct OpenChain {
   Point start, end;
   std::uint32_t weight = 2;
 };
 
-JoinedChains joined(const std::vector<OpenChain>& chains, Millimeters tolerance = kTolerance) {
+JoinedChains joined(const std::vector<OpenChain>& chains, Millimeters tolerance = kJoinTolerance) {
   OpenChainJoiner joiner;
   joiner.reset(tolerance);
   for (const OpenChain& chain : chains)

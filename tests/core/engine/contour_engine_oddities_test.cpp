@@ -9,29 +9,25 @@
 
 #include "core/engine/contour_engine.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/engine_fixture.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/models/damage.hpp"
 
 using namespace contourd;
 using models::Facets;
-using testing::inverted;
-using testing::together;
+using models::inverted;
+using models::together;
+using testing::engine_for;
+using testing::kFineDisplay;
 
 namespace {
-
-const DisplayGeometry kDisplay{Pixels{440}, Pixels{420}, Micrometers{50.0}};
-constexpr AntiAliasing kBoth[] = {AntiAliasing::On, AntiAliasing::Off};
-
-ContourEngine engine_for(const Facets& facets, AntiAliasing mode) {
-  return ContourEngine(HeightIndex(facets), EngineSettings{kDisplay, mode},
-                       {PixelMap::true_scale(kDisplay, {0, 0})});
-}
 
 // True if both have the same masks at heights all over the first, including the heights of its vertices.
 bool same_masks(const Facets& clean, const Facets& odd) {
   const Bounds bounds = bounds_of(clean);
-  for (const AntiAliasing mode : kBoth) {
-    ContourEngine one = engine_for(clean, mode), other = engine_for(odd, mode);
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    ContourEngine one = engine_for(clean, {kFineDisplay, mode}),
+                  other = engine_for(odd, {kFineDisplay, mode});
     for (int i = 0; i <= 16; ++i) {
       const Millimeters z{bounds.min_z + bounds.size_z() * i / 16};
       if (one.mask_at_z(z) != other.mask_at_z(z)) return false;
@@ -73,7 +69,7 @@ TEST_CASE("Neighbouring duplicate facets do not change the masks and are no crac
     CHECK(odd.size() > clean.size() + 1);
     CHECK(odd.size() < 2 * clean.size());
     CHECK(same_masks(clean, odd));
-    ContourEngine engine = engine_for(odd, AntiAliasing::On);
+    ContourEngine engine = engine_for(odd);
     for (double z = 0.3; z < 8; z += 0.7) {
       (void)engine.mask_at_z(Millimeters{z});
       CHECK(engine.cracks() == LayerCracks{});
@@ -105,7 +101,7 @@ TEST_CASE("A wall shared by a solid and another inside it is no crack") {
   const Facets box = models::box({-6, -5, 0}, {6, 5, 8});
   const Facets within = models::box({-3, -5, 0}, {6, 5, 8});
   CHECK(same_masks(box, together(box, within)));
-  ContourEngine engine = engine_for(together(box, within), AntiAliasing::On);
+  ContourEngine engine = engine_for(together(box, within));
   (void)engine.mask_at_z(Millimeters{4});
   CHECK(engine.cracks() == LayerCracks{});
   CHECK(testing::signed_area(engine.contours_at(Nanometers{4'000'000})) == 12 * 10 + 9 * 10);
@@ -188,13 +184,14 @@ TEST_CASE("Overlapping shells unite and cavities stay empty") {
   // A second shell inside the first changes nothing, nor does a duplicate of the first.
   CHECK(same_masks(outer, together(outer, models::box({-5, -4, 0}, {5, 4, 8}))));
   const Facets hollow = together(outer, cavity);
-  for (const AntiAliasing mode : kBoth) {
-    ContourEngine engine = engine_for(hollow, mode);
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    ContourEngine engine = engine_for(hollow, {kFineDisplay, mode});
     CHECK(engine.mask_at_z(Millimeters{1}).lit_pixels() == 240 * 200);
     CHECK(engine.mask_at_z(Millimeters{4}).lit_pixels() == 240 * 200 - 80 * 80);
     CHECK(engine.mask_at_z(Millimeters{7}).lit_pixels() == 240 * 200);
     // A solid in the cavity is lit.
-    ContourEngine filled = engine_for(together(hollow, models::box({-1, -1, 2}, {1, 1, 6})), mode);
+    ContourEngine filled =
+        engine_for(together(hollow, models::box({-1, -1, 2}, {1, 1, 6})), {kFineDisplay, mode});
     CHECK(filled.mask_at_z(Millimeters{4}).lit_pixels() == 240 * 200 - 80 * 80 + 40 * 40);
   }
 }
@@ -211,7 +208,7 @@ TEST_CASE("A cube of 20 mm is 400 pixels wide at any whole pixel") {
     // Whole pixels from the display's left and top edge: the lines of the grid.
     const int column = static_cast<int>(dice.below(600)), row = static_cast<int>(dice.below(500));
     const Point center{10 - (column + 200 - 500) * 0.05, 10 + (row + 200 - 450) * 0.05};
-    for (const AntiAliasing mode : kBoth) {
+    for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
       ContourEngine engine(HeightIndex(models::box({0, 0, 0}, {20, 20, 20})), EngineSettings{display, mode},
                            {PixelMap::true_scale(display, center)});
       const Mask& mask = engine.mask_at_z(Millimeters{7});
@@ -226,8 +223,8 @@ TEST_CASE("A cube of 20 mm is 400 pixels wide at any whole pixel") {
 
 TEST_CASE("Masks at heights out of range or not a number are dark") {
   for (const Facets& facets : clean_models()) {
-    for (const AntiAliasing mode : kBoth) {
-      ContourEngine engine = engine_for(facets, mode);
+    for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+      ContourEngine engine = engine_for(facets, {kFineDisplay, mode});
       for (const double z :
            {-1e300, 1e300, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
             std::numeric_limits<double>::quiet_NaN()})
@@ -241,10 +238,10 @@ TEST_CASE("Models without height and with the largest float coordinates have mas
   const Facets flat{{{Vertex{-1, -1, 2}, Vertex{1, -1, 2}, Vertex{0, 1, 2}}}};
   const Facets huge = models::box({-kHuge, -kHuge, -kHuge}, {kHuge, kHuge, kHuge});
   const Facets tiny = models::box({-kTiny, -kTiny, -kTiny}, {kTiny, kTiny, kTiny});
-  for (const AntiAliasing mode : kBoth) {
-    CHECK(engine_for(flat, mode).mask_at_z(Millimeters{2}).lit_pixels() == 0);
-    CHECK(engine_for(huge, mode).mask_at_z(Millimeters{0}).lit_pixels() == 440 * 420);
-    CHECK(engine_for(tiny, mode).mask_at_z(Millimeters{0}).lit_pixels() <= 1);
+  for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
+    CHECK(engine_for(flat, {kFineDisplay, mode}).mask_at_z(Millimeters{2}).lit_pixels() == 0);
+    CHECK(engine_for(huge, {kFineDisplay, mode}).mask_at_z(Millimeters{0}).lit_pixels() == 480 * 440);
+    CHECK(engine_for(tiny, {kFineDisplay, mode}).mask_at_z(Millimeters{0}).lit_pixels() <= 1);
   }
 }
 

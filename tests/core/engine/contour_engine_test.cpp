@@ -9,39 +9,35 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/core/engine_fixture.hpp"
+#include "tests/core/near.hpp"
 #include "tests/core/random_contours.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
-using testing::inverted;
-using testing::together;
+using models::inverted;
+using models::together;
+using testing::engine_for;
+using testing::kFineDisplay;
+using testing::near;
+using testing::shared_index;
 
 namespace {
 
-const DisplayGeometry kDisplay{Pixels{480}, Pixels{440}, Micrometers{50.0}};
-
-ContourEngine engine_for(models::Facets facets, AntiAliasing anti_aliasing = AntiAliasing::On,
-                         Point center = {10, 10}) {
-  return ContourEngine(HeightIndex(std::move(facets)), {kDisplay, anti_aliasing, {}, {}, {}},
-                       {PixelMap::true_scale(kDisplay, center)});
+// The square from (0, 0) to (20, 20) is in the display's middle.
+ContourEngine square_engine(models::Facets facets, const EngineSettings& settings = {kFineDisplay}) {
+  return engine_for(std::move(facets), settings, {10, 10});
 }
 
 Mask mask_of(const models::Facets& facets, Nanometers height, AntiAliasing anti_aliasing = AntiAliasing::On) {
-  return engine_for(facets, anti_aliasing).mask_at(height);
+  return square_engine(facets, {kFineDisplay, anti_aliasing}).mask_at(height);
 }
 
 // Returns the lit area in square millimetres.
 double area(const Mask& mask) {
   return mask.lit_area() * 0.05 * 0.05;
 }
-
-bool near(double a, double b, double tolerance) {
-  return std::fabs(a - b) <= tolerance;
-}
-
-// Tolerance for sums of whole grey values divided by 255, scaled.
-constexpr double kRoundingMm2 = 1e-9;
 
 // A slab of 20 x 20 x 5 mm with a post of 10 x 10 x 5 mm on top.
 models::Facets slab_and_post() {
@@ -58,51 +54,51 @@ models::Facets ball() {
 
 TEST_CASE("A mask is the section just above its height") {
   for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
-    ContourEngine engine = engine_for(slab_and_post(), mode);
+    ContourEngine engine = square_engine(slab_and_post(), {kFineDisplay, mode});
     CHECK(engine.mask_at(Nanometers{-1}).lit_pixels() == 0);
-    CHECK(near(area(engine.mask_at(Nanometers{0})), 400, kRoundingMm2));
-    CHECK(near(area(engine.mask_at(Nanometers{4'999'999})), 400, kRoundingMm2));
-    CHECK(near(area(engine.mask_at(Nanometers{5'000'000})), 100, kRoundingMm2));
-    CHECK(near(area(engine.mask_at(Nanometers{9'999'999})), 100, kRoundingMm2));
+    CHECK(near(area(engine.mask_at(Nanometers{0})), 400));
+    CHECK(near(area(engine.mask_at(Nanometers{4'999'999})), 400));
+    CHECK(near(area(engine.mask_at(Nanometers{5'000'000})), 100));
+    CHECK(near(area(engine.mask_at(Nanometers{9'999'999})), 100));
     CHECK(engine.mask_at(Nanometers{10'000'000}).lit_pixels() == 0);
   }
 }
 
 TEST_CASE("A cavity under a roof opens and closes at its flat faces") {
-  ContourEngine engine = engine_for(
+  ContourEngine engine = square_engine(
       together(models::box({0, 0, 0}, {20, 20, 20}), inverted(models::box({5, 5, 5}, {15, 15, 15}))));
-  CHECK(near(area(engine.mask_at(Nanometers{4'999'999})), 400, kRoundingMm2));
-  CHECK(near(area(engine.mask_at(Nanometers{5'000'000})), 300, kRoundingMm2));
-  CHECK(near(area(engine.mask_at(Nanometers{14'999'999})), 300, kRoundingMm2));
-  CHECK(near(area(engine.mask_at(Nanometers{15'000'000})), 400, kRoundingMm2));
+  CHECK(near(area(engine.mask_at(Nanometers{4'999'999})), 400));
+  CHECK(near(area(engine.mask_at(Nanometers{5'000'000})), 300));
+  CHECK(near(area(engine.mask_at(Nanometers{14'999'999})), 300));
+  CHECK(near(area(engine.mask_at(Nanometers{15'000'000})), 400));
 }
 
 TEST_CASE("Solids that overlap or share a wall are lit once and without a dark line") {
   const Nanometers middle{5'000'000};
   const auto overlapping =
       together(models::box({0, 0, 0}, {10, 10, 10}), models::box({5, 5, 0}, {15, 15, 10}));
-  CHECK(near(area(mask_of(overlapping, middle)), 175, kRoundingMm2));
+  CHECK(near(area(mask_of(overlapping, middle)), 175));
   const auto sharing = together(models::box({0, 0, 0}, {10, 10, 10}), models::box({10, 0, 0}, {20, 10, 10}));
-  CHECK(near(area(mask_of(sharing, middle)), 200, kRoundingMm2));
+  CHECK(near(area(mask_of(sharing, middle)), 200));
   const auto stacked = together(models::box({0, 0, 0}, {10, 10, 5}), models::box({0, 0, 5}, {10, 10, 10}));
-  CHECK(near(area(mask_of(stacked, middle)), 100, kRoundingMm2));
+  CHECK(near(area(mask_of(stacked, middle)), 100));
 }
 
 TEST_CASE("Heights count from the model's lowest point, wherever it is") {
   models::Facets low = slab_and_post();
   models::translate(low, 0, 0, -64);
-  ContourEngine engine = engine_for(low);
-  CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), 400, kRoundingMm2));
-  CHECK(near(area(engine.mask_at(Nanometers{6'000'000})), 100, kRoundingMm2));
-  CHECK(near(area(engine.mask_at_z(Millimeters{-60})), 400, kRoundingMm2));
-  CHECK(near(area(engine.mask_at_z(Millimeters{-58})), 100, kRoundingMm2));
+  ContourEngine engine = square_engine(low);
+  CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), 400));
+  CHECK(near(area(engine.mask_at(Nanometers{6'000'000})), 100));
+  CHECK(near(area(engine.mask_at_z(Millimeters{-60})), 400));
+  CHECK(near(area(engine.mask_at_z(Millimeters{-58})), 100));
   CHECK(engine.mask_at_z(Millimeters{1}).lit_pixels() == 0);
 }
 
 TEST_CASE("A mask has the display's size") {
-  ContourEngine engine = engine_for(slab_and_post());
-  CHECK(engine.mask_at(Nanometers{1}).width() == kDisplay.width);
-  CHECK(engine.mask_at(Nanometers{1}).height() == kDisplay.height);
+  ContourEngine engine = square_engine(slab_and_post());
+  CHECK(engine.mask_at(Nanometers{1}).width() == kFineDisplay.width);
+  CHECK(engine.mask_at(Nanometers{1}).height() == kFineDisplay.height);
   CHECK(engine.join_tolerance() == Millimeters{0.05});
 }
 
@@ -116,10 +112,10 @@ TEST_CASE("A display without pixels or with too many is refused") {
 
 TEST_CASE("Every copy of a model is lit at its place") {
   const HeightIndex post(models::box({0, 0, 0}, {2, 2, 5}));
-  const PixelMap left = PixelMap::true_scale(kDisplay, {6, 1}),
-                 right = PixelMap::true_scale(kDisplay, {-4, 1});
+  const PixelMap left = PixelMap::true_scale(kFineDisplay, {6, 1}),
+                 right = PixelMap::true_scale(kFineDisplay, {-4, 1});
   const auto mask_with = [&](const std::vector<PixelMap>& copies) {
-    return Mask(ContourEngine(post, {.display = kDisplay}, copies).mask_at(Nanometers{1}));
+    return Mask(ContourEngine(post, {.display = kFineDisplay}, copies).mask_at(Nanometers{1}));
   };
   const Mask both = mask_with({left, right}), one = mask_with({left}), other = mask_with({right});
   CHECK(both.lit_area() == 2 * 40.0 * 40.0);
@@ -133,17 +129,18 @@ TEST_CASE("The copies of a cracked model are lit alike") {
   models::Facets box = models::box({0, 0, 0}, {2, 2, 5});
   box.pop_back();
   const HeightIndex model(box);
-  ContourEngine engine(model, {.display = kDisplay},
-                       {PixelMap::true_scale(kDisplay, {6, 1}), PixelMap::true_scale(kDisplay, {-4, 1})});
+  ContourEngine engine(
+      model, {.display = kFineDisplay},
+      {PixelMap::true_scale(kFineDisplay, {6, 1}), PixelMap::true_scale(kFineDisplay, {-4, 1})});
   CHECK(engine.mask_at(Nanometers{1'000'000}).lit_area() == 2 * 40.0 * 40.0);
 }
 
 TEST_CASE("Two models on a plate are lit together and each stands on it") {
   const auto low = std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {2, 2, 5}));
   const auto sunk = std::make_shared<const HeightIndex>(models::box({0, 0, -90}, {2, 2, -88}));
-  ContourEngine engine({{{low}, {PixelMap::true_scale(kDisplay, {6, 1})}},
-                        {{sunk}, {PixelMap::true_scale(kDisplay, {-4, 1})}}},
-                       {kDisplay, AntiAliasing::On});
+  ContourEngine engine({{{low}, {PixelMap::true_scale(kFineDisplay, {6, 1})}},
+                        {{sunk}, {PixelMap::true_scale(kFineDisplay, {-4, 1})}}},
+                       {kFineDisplay, AntiAliasing::On});
   CHECK(engine.mask_at(Nanometers{1'000'000}).lit_area() == 2 * 40.0 * 40.0);
   CHECK(engine.intersecting_facets() == 16);
   CHECK(engine.mask_at(Nanometers{3'000'000}).lit_area() == 40.0 * 40.0);
@@ -151,9 +148,9 @@ TEST_CASE("Two models on a plate are lit together and each stands on it") {
 
 TEST_CASE("A layer reports the gaps bridged to close it, and an intact layer reports none") {
   models::Facets box = models::box({0, 0, 0}, {2, 2, 5});
-  ContourEngine intact = engine_for(box);
+  ContourEngine intact = square_engine(box);
   box.pop_back();
-  ContourEngine engine = engine_for(box);
+  ContourEngine engine = square_engine(box);
   (void)intact.mask_at(Nanometers{1'000'000});
   CHECK(intact.cracks() == LayerCracks{});
   (void)engine.mask_at(Nanometers{1'000'000});
@@ -175,7 +172,9 @@ TEST_CASE("A missing, turned or doubled facet changes no pixel if its gap is a s
         static_cast<std::size_t>(testing::draw(0, static_cast<std::int64_t>(whole.size()) - 1));
     const Bounds bounds = bounds_of(std::span(whole).subspan(chosen, 1));
     const Millimeters z{(bounds.min_z + bounds.max_z) / 2};
-    const auto mask_at = [z](const models::Facets& facets) { return Mask(engine_for(facets).mask_at_z(z)); };
+    const auto mask_at = [z](const models::Facets& facets) {
+      return Mask(square_engine(facets).mask_at_z(z));
+    };
     const Mask intact = mask_at(whole);
     RC_ASSERT(intact.lit_pixels() > 0);
     models::Facets missing = whole;
@@ -201,10 +200,10 @@ TEST_CASE("A cracked model's mask differs from the intact one only near the crac
       v.x += 0.01F;
     const Bounds bounds = bounds_of(std::span(cracked).subspan(chosen, 1));
     const Millimeters z{(bounds.min_z + bounds.max_z) / 2};
-    const Mask intact = engine_for(whole).mask_at_z(z);
-    const Mask mask = engine_for(cracked).mask_at_z(z);
+    const Mask intact = square_engine(whole).mask_at_z(z);
+    const Mask mask = square_engine(cracked).mask_at_z(z);
     // The facet's box on the display and a pixel around it.
-    const PixelMap map = PixelMap::true_scale(kDisplay, {10, 10});
+    const PixelMap map = PixelMap::true_scale(kFineDisplay, {10, 10});
     const PixelPoint upper_left = map.to_pixels({bounds.min_x, bounds.max_y});
     const PixelPoint lower_right = map.to_pixels({bounds.max_x, bounds.min_y});
     int worst_near = 0, worst_elsewhere = 0;
@@ -230,7 +229,7 @@ TEST_CASE("The same height gives the same bytes, whatever came before") {
       models::Facets facets = models::gyroid_sphere(9, 6, 20);
       models::translate(facets, 10, 10, 0);
       if (broken) facets.erase(facets.begin() + 5, facets.begin() + 50);
-      ContourEngine engine = engine_for(facets, mode);
+      ContourEngine engine = square_engine(facets, {kFineDisplay, mode});
       std::vector<Mask> first;
       for (std::int64_t um = 0; um < 18'000; um += 900)
         first.push_back(engine.mask_at(Nanometers{um * 1000}));
@@ -240,7 +239,7 @@ TEST_CASE("The same height gives the same bytes, whatever came before") {
         const Nanometers height{static_cast<std::int64_t>(i) * 900'000};
         CHECK(engine.mask_at(height) == first[i]);
         CHECK(engine.mask_at(height) == first[i]);
-        CHECK(engine_for(facets, mode).mask_at(height) == first[i]);
+        CHECK(square_engine(facets, {kFineDisplay, mode}).mask_at(height) == first[i]);
       }
     }
   }
@@ -259,7 +258,7 @@ TEST_CASE("The order of the facets in the file does not matter") {
 }
 
 TEST_CASE("A section's contours are in the model's coordinates and count its facets") {
-  ContourEngine engine = engine_for(slab_and_post());
+  ContourEngine engine = square_engine(slab_and_post());
   const Contours& contours = engine.contours_at(Nanometers{6'000'000});
   REQUIRE(contours.loops.size() == 1);
   CHECK(engine.intersecting_facets() == 8);
@@ -271,41 +270,32 @@ TEST_CASE("A section's contours are in the model's coordinates and count its fac
 }
 
 TEST_CASE("A model without facets is dark") {
-  ContourEngine engine = engine_for({});
+  ContourEngine engine = square_engine({});
   CHECK(engine.mask_at(Nanometers{0}).lit_pixels() == 0);
   CHECK(engine.mask_at_z(Millimeters{0}).lit_pixels() == 0);
   CHECK(engine.contours_at(Nanometers{0}).loops.empty());
 }
 
 TEST_CASE("An engine returns its model") {
-  const ContourEngine engine = engine_for(slab_and_post());
+  const ContourEngine engine = square_engine(slab_and_post());
   CHECK(engine.model().facets().size() == 24);
   CHECK(engine.model().bounds().max_z == 10);
 }
 
 namespace {
 
-std::shared_ptr<const HeightIndex> shared_index(models::Facets facets) {
-  return std::make_shared<const HeightIndex>(std::move(facets));
-}
-
 // A slab with a post, and beside it a ball that floats far above 0 in its own coordinates.
 std::vector<PlateModel> slab_and_ball() {
   models::Facets floating = models::sphere(3, 16);
   models::translate(floating, 100, 100, 75);
-  return {{{shared_index(slab_and_post())}, {PixelMap::true_scale(kDisplay, {12, 10})}},
+  return {{{shared_index(slab_and_post())}, {PixelMap::true_scale(kFineDisplay, {12, 10})}},
           {{shared_index(floating)},
-           {PixelMap::true_scale(kDisplay, {91, 100}), PixelMap::true_scale(kDisplay, {100, 93})}}};
+           {PixelMap::true_scale(kFineDisplay, {91, 100}), PixelMap::true_scale(kFineDisplay, {100, 93})}}};
 }
 
 EngineSettings with_compensation(const Compensation& compensation,
                                  AntiAliasing anti_aliasing = AntiAliasing::On) {
-  return {.display = kDisplay, .anti_aliasing = anti_aliasing, .compensation = compensation};
-}
-
-ContourEngine engine_with(const EngineSettings& settings, models::Facets facets) {
-  return ContourEngine(HeightIndex(std::move(facets)), settings,
-                       {PixelMap::true_scale(settings.display, {10, 10})});
+  return {.display = kFineDisplay, .anti_aliasing = anti_aliasing, .compensation = compensation};
 }
 
 }  // namespace
@@ -313,8 +303,8 @@ ContourEngine engine_with(const EngineSettings& settings, models::Facets facets)
 TEST_CASE("Several models all stand on the plate and their masks unite") {
   const std::vector<PlateModel> models = slab_and_ball();
   for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
-    ContourEngine both(models, {kDisplay, mode});
-    ContourEngine slab({models[0]}, {kDisplay, mode}), balls({models[1]}, {kDisplay, mode});
+    ContourEngine both(models, {kFineDisplay, mode});
+    ContourEngine slab({models[0]}, {kFineDisplay, mode}), balls({models[1]}, {kFineDisplay, mode});
     bool overlap_seen = false, second_seen = false;
     for (std::int64_t um = 0; um < 11'000; um += 250) {
       const Nanometers height{um * 1000};
@@ -337,7 +327,7 @@ TEST_CASE("Several models all stand on the plate and their masks unite") {
 }
 
 TEST_CASE("The contours of several models follow each other, each in its own coordinates") {
-  ContourEngine engine(slab_and_ball(), {kDisplay, AntiAliasing::On});
+  ContourEngine engine(slab_and_ball(), {kFineDisplay, AntiAliasing::On});
   CHECK(engine.models().size() == 2);
   const Contours& both = engine.contours_at(Nanometers{3'000'000});
   REQUIRE(both.loops.size() == 2);
@@ -347,7 +337,7 @@ TEST_CASE("The contours of several models follow each other, each in its own coo
   for (const Point& point : both.points_of(both.loops[1]))
     CHECK((point.x >= 97 && point.y >= 97));
   const std::uint32_t facets = engine.intersecting_facets();
-  ContourEngine slab({slab_and_ball()[0]}, {kDisplay, AntiAliasing::On});
+  ContourEngine slab({slab_and_ball()[0]}, {kFineDisplay, AntiAliasing::On});
   (void)slab.contours_at(Nanometers{3'000'000});
   CHECK(slab.intersecting_facets() == 8);
   CHECK(facets > 8);
@@ -358,10 +348,10 @@ TEST_CASE("The gaps of several models are counted together") {
   models::Facets cracked = slab_and_post();
   cracked.erase(cracked.begin() + 5);
   const auto model = shared_index(cracked);
-  const PixelMap map = PixelMap::true_scale(kDisplay, {10, 10});
+  const PixelMap map = PixelMap::true_scale(kFineDisplay, {10, 10});
   const auto chains_at = [&](const std::vector<PlateModel>& models) {
     std::vector<std::uint32_t> chains;
-    ContourEngine engine(models, {kDisplay, AntiAliasing::On});
+    ContourEngine engine(models, {kFineDisplay, AntiAliasing::On});
     for (std::int64_t um = 500; um < 10'000; um += 500)
       chains.push_back(engine.contours_at(Nanometers{um * 1000}).cracks.open_chains);
     return chains;
@@ -378,9 +368,9 @@ TEST_CASE("The loops of a mask are counted from its own cut and equal those of t
   for (const Micrometers growth : {Micrometers{0}, Micrometers{100}}) {
     for (const models::Facets& facets : {slab_and_post(), ball(), cracked}) {
       const auto model = shared_index(facets);
-      const PixelMap map = PixelMap::true_scale(kDisplay, {10, 10});
+      const PixelMap map = PixelMap::true_scale(kFineDisplay, {10, 10});
       const std::vector<PlateModel> models{{{model}, {map}}, {{model}, {map, map}}};
-      ContourEngine engine(models, with_compensation({growth})), other(models, {.display = kDisplay});
+      ContourEngine engine(models, with_compensation({growth})), other(models, {.display = kFineDisplay});
       for (std::int64_t um = -250; um < 10'500; um += 250) {
         (void)engine.mask_at(Nanometers{um * 1000});
         const std::uint32_t facets_cut = engine.intersecting_facets();
@@ -398,7 +388,7 @@ TEST_CASE("The loops of a mask are counted from its own cut and equal those of t
 }
 
 TEST_CASE("A plate without models is dark") {
-  ContourEngine engine({}, {kDisplay, AntiAliasing::On});
+  ContourEngine engine({}, {kFineDisplay, AntiAliasing::On});
   CHECK(engine.mask_at(Nanometers{0}).lit_pixels() == 0);
   CHECK(engine.contours_at(Nanometers{0}).loops.empty());
 }
@@ -422,9 +412,9 @@ TEST_CASE("A part grows and shrinks by its compensation on every side") {
 TEST_CASE("The elephant foot is removed at the plate, and nothing above its height") {
   const Compensation foot{{}, Micrometers{200}, Nanometers{2'000'000}};
   ContourEngine engine = engine_with(with_compensation(foot), slab_and_post());
-  CHECK(near(area(engine.mask_at(Nanometers{0})), 19.6 * 19.6, kRoundingMm2));
-  CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), 19.8 * 19.8, kRoundingMm2));
-  ContourEngine plain = engine_for(slab_and_post());
+  CHECK(near(area(engine.mask_at(Nanometers{0})), 19.6 * 19.6));
+  CHECK(near(area(engine.mask_at(Nanometers{1'000'000})), 19.8 * 19.8));
+  ContourEngine plain = square_engine(slab_and_post());
   for (const std::int64_t nm : {2'000'000, 3'000'000, 6'000'000})
     CHECK(engine.mask_at(Nanometers{nm}) == plain.mask_at(Nanometers{nm}));
 }
@@ -433,7 +423,7 @@ TEST_CASE("A compensated 1-bit mask lights the pixels whose centres are within t
   models::Facets facets = models::gyroid_sphere(9, 6, 24);
   models::translate(facets, 10, 10, 0);
   const Nanometers height{7'300'000};
-  const Contours contours = engine_for(facets).contours_at(height);
+  const Contours contours = square_engine(facets).contours_at(height);
   for (const double um : {-180.0, -60.0, 60.0, 180.0}) {
     CAPTURE(um);
     ContourEngine engine =
@@ -461,7 +451,7 @@ TEST_CASE("A compensated grey mask's light is the moved contours' area") {
   models::Facets facets = models::gyroid_sphere(9, 6, 24);
   models::translate(facets, 10, 10, 0);
   const Nanometers height{7'300'000};
-  const Contours contours = engine_for(facets).contours_at(height);
+  const Contours contours = square_engine(facets).contours_at(height);
   for (const double um : {-100.0, 100.0}) {
     Contours moved;
     ContourOffset().offset(contours, Millimeters{um / 1000}, moved);
@@ -473,12 +463,12 @@ TEST_CASE("A compensated grey mask's light is the moved contours' area") {
 
 TEST_CASE("Every copy of a compensated model is lit alike, mirrored or not") {
   const HeightIndex post(models::box({0, 0, 0}, {2, 2, 5}));
-  DisplayGeometry mirrored = kDisplay;
+  DisplayGeometry mirrored = kFineDisplay;
   mirrored.mirror_x = true;
   EngineSettings settings = with_compensation({.growth = Micrometers{100}});
   const double one = 4 + 8 * 0.1 + std::numbers::pi * 0.01;
   ContourEngine engine(post, settings,
-                       {PixelMap::true_scale(kDisplay, {6, 1}), PixelMap::true_scale(mirrored, {6, 1})});
+                       {PixelMap::true_scale(kFineDisplay, {6, 1}), PixelMap::true_scale(mirrored, {6, 1})});
   // Twice the chords of a circle of 0.1 mm, and half a level at 2 x 180 pixels.
   CHECK(near(area(engine.mask_at(Nanometers{1})), 2 * one, 2 * 0.63 * 0.0005 + 360 * 0.5 / 255 * 0.0025));
 }
@@ -486,15 +476,15 @@ TEST_CASE("Every copy of a compensated model is lit alike, mirrored or not") {
 TEST_CASE("The uniformity mask, threshold and gamma are applied to the mask and not to its coverage") {
   EngineSettings settings = with_compensation({});
   settings.tone = {2.2, 10};
-  settings.uniformity.emplace(kDisplay.width, kDisplay.height);
-  for (std::int32_t y = 0; y < kDisplay.height.count(); ++y)
+  settings.uniformity.emplace(kFineDisplay.width, kFineDisplay.height);
+  for (std::int32_t y = 0; y < kFineDisplay.height.count(); ++y)
     std::ranges::fill(settings.uniformity->row(y), static_cast<std::uint8_t>(155 + y % 100));
-  ContourEngine engine = engine_with(settings, ball()), plain = engine_for(ball());
+  ContourEngine engine = square_engine_with(settings, ball()), plain = square_engine(ball());
   for (const std::int64_t nm : {8'000'000, 1'000'000}) {
     const Mask& mask = engine.mask_at(Nanometers{nm});
     const Mask& coverage = plain.mask_at(Nanometers{nm});
     CHECK(engine.coverage() == coverage);
-    Mask expected(kDisplay.width, kDisplay.height);
+    Mask expected(kFineDisplay.width, kFineDisplay.height);
     ExposureCorrection(settings.tone, settings.uniformity).apply(coverage, expected);
     CHECK(mask == expected);
     CHECK(mask != coverage);
@@ -504,6 +494,6 @@ TEST_CASE("The uniformity mask, threshold and gamma are applied to the mask and 
 
 TEST_CASE("A uniformity mask of another size than the display is refused") {
   EngineSettings settings = with_compensation({});
-  settings.uniformity.emplace(kDisplay.height, kDisplay.width);
-  CHECK_THROWS_AS(engine_with(settings, ball()), std::invalid_argument);
+  settings.uniformity.emplace(kFineDisplay.height, kFineDisplay.width);
+  CHECK_THROWS_AS(square_engine_with(settings, ball()), std::invalid_argument);
 }

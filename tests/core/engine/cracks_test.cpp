@@ -15,18 +15,19 @@
 #include "core/formats/model_reader.hpp"
 #include "core/model/placement.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/engine_fixture.hpp"
 #include "tests/models/damage.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
 using models::Dice;
 using models::Facets;
+using testing::kFineDisplay;
 
 namespace {
 
 constexpr double kReachMm = 0.02;  // the distance by which vertices move
-constexpr int kWidth = 440, kHeight = 420;
-const DisplayGeometry kDisplay{Pixels{kWidth}, Pixels{kHeight}, Micrometers{50.0}};
+constexpr int kColumns = kFineDisplay.width.count(), kRows = kFineDisplay.height.count();
 
 // The distance from a point to the nearest point of a convex polygon, zero within it.
 double distance_to(const std::vector<Point>& polygon, double x, double y) {
@@ -75,7 +76,7 @@ std::vector<Point> slab_of(const Facet& facet, double low, double high) {
 // The pixels that damage may change.
 class Zone {
  public:
-  explicit Zone(const PixelMap& map) : map_(map), near_(static_cast<std::size_t>(kWidth * kHeight), false) {}
+  explicit Zone(const PixelMap& map) : map_(map), near_(static_cast<std::size_t>(kColumns * kRows), false) {}
 
   // Adds all pixels within `reach` of the part of the facet that is within `reach` above and below z.
   void add(const Facet& facet, double z, double reach) {
@@ -90,8 +91,8 @@ class Zone {
     }
     // A pixel is within reach if its centre is within reach plus half its diagonal.
     const double far = reach * map_.pixels_per_mm() + std::sqrt(0.5);
-    const auto [first_column, last_column] = within(box.min_x - far, box.max_x + far, kWidth);
-    const auto [first_row, last_row] = within(box.min_y - far, box.max_y + far, kHeight);
+    const auto [first_column, last_column] = within(box.min_x - far, box.max_x + far, kColumns);
+    const auto [first_row, last_row] = within(box.min_y - far, box.max_y + far, kRows);
     for (int row = first_row; row <= last_row; ++row) {
       for (int column = first_column; column <= last_column; ++column) {
         if (distance_to(part, column + 0.5, row + 0.5) <= far) near_[index_of(row, column)] = true;
@@ -101,7 +102,9 @@ class Zone {
   [[nodiscard]] bool has(int row, int column) const { return near_[index_of(row, column)]; }
 
  private:
-  static std::size_t index_of(int row, int column) { return static_cast<std::size_t>(row * kWidth + column); }
+  static std::size_t index_of(int row, int column) {
+    return static_cast<std::size_t>(row * kColumns + column);
+  }
   static std::pair<int, int> within(double low, double high, int size) {
     return {static_cast<int>(std::clamp(low, 0.0, size - 1.0)),
             static_cast<int>(std::clamp(high, 0.0, size - 1.0))};
@@ -182,16 +185,16 @@ struct Difference {
 };
 
 // One more rounded height on a side can tip a grey value by one level (see the rasterizer's tests).
-constexpr int kOneLevel = 1;
+constexpr int kTippedLevels = 1;
 
 Difference difference_outside(const Zone& zone, const Mask& intact, const Mask& mask) {
   Difference found;
-  for (int row = 0; row < kHeight; ++row) {
+  for (int row = 0; row < kRows; ++row) {
     const auto was = intact.row(row), is = mask.row(row);
     int run = 0;
-    for (int column = 0; column < kWidth; ++column) {
+    for (int column = 0; column < kColumns; ++column) {
       const auto at = static_cast<std::size_t>(column);
-      const bool changed = std::abs(was[at] - is[at]) > kOneLevel && !zone.has(row, column);
+      const bool changed = std::abs(was[at] - is[at]) > kTippedLevels && !zone.has(row, column);
       run = changed ? run + 1 : 0;
       found.pixels += changed;
       found.longest_run = std::max(found.longest_run, run);
@@ -201,18 +204,18 @@ Difference difference_outside(const Zone& zone, const Mask& intact, const Mask& 
 }
 
 PixelMap map_for(const Facets& facets) {
-  return PixelMap::true_scale(kDisplay, bounds_of(facets).center());
+  return PixelMap::true_scale(kFineDisplay, bounds_of(facets).center());
 }
 
 // The mask at z, and its contours with the report of their repairs.
-struct Layer {
+struct CutLayer {
   Mask mask;
   Contours contours;
 };
 
-Layer layer_of(const HeightIndex& model, const PixelMap& map, double z) {
-  ContourEngine engine(model, {kDisplay, AntiAliasing::On}, {map});
-  Layer layer{engine.mask_at_z(Millimeters{z}), {}};
+CutLayer layer_of(const HeightIndex& model, const PixelMap& map, double z) {
+  ContourEngine engine(model, {kFineDisplay, AntiAliasing::On}, {map});
+  CutLayer layer{engine.mask_at_z(Millimeters{z}), {}};
   Section section;
   slice_at(model, Millimeters{z}, section);
   ContourLinker().link(section.segments, engine.join_tolerance(), layer.contours);
@@ -228,8 +231,8 @@ void at_some_heights(const Patient& patient, int heights, Dice& dice, Check&& ch
   const Bounds& bounds = whole.bounds();
   for (int i = 0; i < heights; ++i) {
     const double z = dice.between(bounds.min_z + 0.1, bounds.max_z - 0.1);
-    const Layer intact = layer_of(whole, map, z);
-    const Layer layer = layer_of(broken, map, z);
+    const CutLayer intact = layer_of(whole, map, z);
+    const CutLayer layer = layer_of(broken, map, z);
     check(difference_outside(zone_of(patient, map, z), intact.mask, layer.mask), intact, layer, z);
   }
 }
@@ -286,7 +289,7 @@ TEST_CASE("A damaged ball's and box's masks differ from the intact ones only whe
         const Patient patient = patient_of(whole, damage, seed);
         Dice dice(seed + 100);
         at_some_heights(patient, 5, dice,
-                        [&](const Difference& difference, const Layer&, const Layer& layer, double z) {
+                        [&](const Difference& difference, const CutLayer&, const CutLayer& layer, double z) {
                           CAPTURE(whole.size(), damage.name, seed, z, layer.contours.cracks.open_chains);
                           CHECK(difference.pixels == 0);
                         });
@@ -303,15 +306,16 @@ TEST_CASE("A damaged gyroid's masks hardly differ from the intact ones except wh
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
       const Patient patient = patient_of(whole, damage, seed);
       Dice dice(seed + 100);
-      at_some_heights(patient, 5, dice,
-                      [&](const Difference& difference, const Layer& intact, const Layer& layer, double z) {
-                        CAPTURE(damage.name, seed, z, layer.contours.cracks.open_chains,
-                                layer.contours.cracks.widest_gap.count());
-                        // A gap closed with the wrong neighbour costs the pixels between them, and no row
-                        // spills.
-                        CHECK(difference.pixels <= 0.01 * intact.mask.lit_area());
-                        CHECK(difference.longest_run <= layer.contours.cracks.widest_gap.count() / 0.05 + 2);
-                      });
+      at_some_heights(
+          patient, 5, dice,
+          [&](const Difference& difference, const CutLayer& intact, const CutLayer& layer, double z) {
+            CAPTURE(damage.name, seed, z, layer.contours.cracks.open_chains,
+                    layer.contours.cracks.widest_gap.count());
+            // A gap closed with the wrong neighbour costs the pixels between them, and no row
+            // spills.
+            CHECK(difference.pixels <= 0.01 * intact.mask.lit_area());
+            CHECK(difference.longest_run <= layer.contours.cracks.widest_gap.count() / 0.05 + 2);
+          });
     }
   }
 }
@@ -351,7 +355,7 @@ TEST_CASE("Vertices that move alike in all their facets leave nothing to repair"
       Dice dice(seed);
       models::shake_vertices(patient.broken, kReachMm, dice);
       at_some_heights(patient, 5, dice,
-                      [&](const Difference& difference, const Layer&, const Layer& layer, double z) {
+                      [&](const Difference& difference, const CutLayer&, const CutLayer& layer, double z) {
                         CAPTURE(whole.size(), seed, z);
                         CHECK(difference.pixels == 0);
                         CHECK(layer.contours.cracks.gaps_closed == 0);
@@ -390,7 +394,7 @@ TEST_CASE("The report counts a gap for every cracked side of a box and limits th
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     const Patient patient = patient_of(whole, kDamages[0], seed);
     Dice dice(seed);
-    at_some_heights(patient, 5, dice, [&](const Difference&, const Layer&, const Layer& layer, double) {
+    at_some_heights(patient, 5, dice, [&](const Difference&, const CutLayer&, const CutLayer& layer, double) {
       // A crack at every side that the plane crosses; some are closed together with a segment shorter than
       // they are.
       CHECK(layer.contours.cracks.gaps_closed > 100);
@@ -404,10 +408,11 @@ TEST_CASE("A side split at its middle leaves only gaps of rounding, which do not
   for (const Facets& whole : {models::sphere(8, 24), models::gyroid_sphere(8, 5, 30)}) {
     const Patient patient = patient_of(whole, kDamages[2], 7);
     Dice dice(7);
-    at_some_heights(patient, 10, dice, [&](const Difference&, const Layer&, const Layer& layer, double) {
-      CHECK(layer.contours.cracks == LayerCracks{});
-      ++layers;
-    });
+    at_some_heights(patient, 10, dice,
+                    [&](const Difference&, const CutLayer&, const CutLayer& layer, double) {
+                      CHECK(layer.contours.cracks == LayerCracks{});
+                      ++layers;
+                    });
   }
   CHECK(layers == 20);
 }
@@ -429,7 +434,7 @@ TEST_CASE("Damaged real models spill no light") {
       Dice dice(1);
       at_some_heights(
           patient, 4, dice,
-          [&](const Difference& difference, const Layer& intact, const Layer& layer, double z) {
+          [&](const Difference& difference, const CutLayer& intact, const CutLayer& layer, double z) {
             CAPTURE(name, damage.name, z, layer.contours.cracks.open_chains,
                     layer.contours.cracks.widest_gap.count());
             // A hole of millimetres among cracks everywhere may be closed with another wall's ends.

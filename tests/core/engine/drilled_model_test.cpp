@@ -7,17 +7,14 @@
 #include "core/engine/contour_engine.hpp"
 #include "core/support/support_structure.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/engine_fixture.hpp"
 #include "tests/core/section_fixture.hpp"
 
 using namespace contourd;
+using testing::kCoarseDisplay;
+using testing::mm;
 
 namespace {
-
-const DisplayGeometry kDisplay{Pixels{240}, Pixels{220}, Micrometers{100.0}};
-
-constexpr Nanometers mm(std::int64_t count) {
-  return Nanometers{count * 1'000'000};
-}
 
 std::shared_ptr<const SectionSource> structure(std::vector<SupportPrimitive> primitives) {
   return std::make_shared<const SupportStructure>(std::move(primitives));
@@ -33,7 +30,7 @@ PlateModel block(std::vector<Point> centers, Elevation elevation,
   PlateModel model{{std::make_shared<const HeightIndex>(models::box({-3, -3, 10}, {3, 3, 14})), elevation},
                    {}};
   for (const Point& center : centers)
-    model.copies.push_back(PixelMap::true_scale(kDisplay, {-center.x, -center.y}));
+    model.copies.push_back(PixelMap::true_scale(kCoarseDisplay, {-center.x, -center.y}));
   model.holes = std::move(holes);
   return model;
 }
@@ -42,7 +39,7 @@ PlateModel block(std::vector<Point> centers, Elevation elevation,
 
 TEST_CASE("A hole is dark at its own heights in every copy and nowhere else") {
   for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
-    const EngineSettings settings{kDisplay, mode};
+    const EngineSettings settings{kCoarseDisplay, mode};
     for (const Elevation elevation : {Elevation(), Elevation(mm(5))}) {
       const Nanometers up = elevation.above_plate();
       const auto hole = structure({upright(1, 0, 11, 13, 1)});
@@ -68,7 +65,7 @@ TEST_CASE("A hole is dark at its own heights in every copy and nowhere else") {
 }
 
 TEST_CASE("A hole removes nothing from the supports beside the models") {
-  const EngineSettings settings{kDisplay, AntiAliasing::On};
+  const EngineSettings settings{kCoarseDisplay, AntiAliasing::On};
   const auto pillar = structure({upright(0, 0, 0, 5, 0.5)});
   ContourEngine engine({block({{0, 0}}, {}, structure({upright(0, 0, 9, 15, 2)}))}, settings, pillar);
   const Mask& mask = engine.mask_at(mm(2));
@@ -79,13 +76,13 @@ TEST_CASE("A hole removes nothing from the supports beside the models") {
 
 TEST_CASE("A hole is cut at the model's own z too") {
   ContourEngine engine({block({{0, 0}}, Elevation(mm(5)), structure({upright(0, 0, 12, 15, 2)}))},
-                       EngineSettings{kDisplay, AntiAliasing::On});
+                       EngineSettings{kCoarseDisplay, AntiAliasing::On});
   CHECK(engine.mask_at_z(Millimeters{11}).row(110)[120] == 255);
   CHECK(engine.mask_at_z(Millimeters{13}).row(110)[120] == 0);
 }
 
 TEST_CASE("Holes are dark in corrected masks too") {
-  EngineSettings settings{kDisplay, AntiAliasing::On};
+  EngineSettings settings{kCoarseDisplay, AntiAliasing::On};
   settings.tone = {2.2, 10};
   ContourEngine engine({block({{0, 0}}, {}, structure({upright(0, 0, 9, 15, 1)}))}, settings);
   const Mask& mask = engine.mask_at(mm(2));

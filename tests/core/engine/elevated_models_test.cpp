@@ -8,26 +8,25 @@
 #include "core/engine/contour_engine.hpp"
 #include "core/layers/print_layers.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/engine_fixture.hpp"
 #include "tests/core/section_fixture.hpp"
 
 using namespace contourd;
 using namespace std::chrono_literals;
+using testing::kCoarseDisplay;
+using testing::kCoarseLayer;
+using testing::plate_model;
+using testing::shared_index;
 
 namespace {
 
-const DisplayGeometry kDisplay{Pixels{240}, Pixels{220}, Micrometers{100.0}};
-constexpr Nanometers kLayer{100'000};
 constexpr Nanometers kRaised{5'000'000};
-
-std::shared_ptr<const HeightIndex> shared_index(models::Facets facets) {
-  return std::make_shared<const HeightIndex>(std::move(facets));
-}
 
 // A model with slopes, a flat face inside and a part that begins in the air; its lowest point is not at 0.
 std::shared_ptr<const HeightIndex> model() {
   models::Facets ball = models::sphere(4, 16);
   models::translate(ball, 0, 0, 2.3F);
-  return shared_index(testing::together(ball, models::box({5, 5, 1.5F}, {8, 8, 4})));
+  return shared_index(models::together(ball, models::box({5, 5, 1.5F}, {8, 8, 4})));
 }
 
 // A cracked model: a box without one of its facets.
@@ -37,16 +36,17 @@ std::shared_ptr<const HeightIndex> cracked_model() {
   return shared_index(facets);
 }
 
-ContourEngine engine_for(const std::shared_ptr<const HeightIndex>& model, Elevation elevation,
-                         EngineSettings settings = {}) {
-  settings.display = kDisplay;
-  return ContourEngine({PlateModel{{model, elevation}, {PixelMap::true_scale(kDisplay, {0, 0})}}}, settings);
+ContourEngine elevated_engine(const std::shared_ptr<const HeightIndex>& model, Elevation elevation,
+                              EngineSettings settings = {}) {
+  settings.display = kCoarseDisplay;
+  return ContourEngine({plate_model(model, elevation)}, settings);
 }
 
 PrintFindings analyze(const std::shared_ptr<const HeightIndex>& model, Elevation elevation) {
-  ContourEngine engine = engine_for(model, elevation);
-  const LayerStack layers = layers_for(engine.models().front().top(), kLayer);
-  return analyze_print(engine, kDisplay, PrintLayers(layers).all(), [](std::int32_t) { return 0s; }).value();
+  ContourEngine engine = elevated_engine(model, elevation);
+  const LayerStack layers = layers_for(engine.models().front().top(), kCoarseLayer);
+  return analyze_print(engine, kCoarseDisplay, PrintLayers(layers).all(), [](std::int32_t) { return 0s; })
+      .value();
 }
 
 }  // namespace
@@ -58,8 +58,8 @@ TEST_CASE("A model above the plate has the masks of the model on the plate, high
         EngineSettings settings;
         settings.anti_aliasing = mode;
         settings.compensation.growth = growth;
-        ContourEngine low = engine_for(shape, {}, settings);
-        ContourEngine high = engine_for(shape, Elevation(kRaised), settings);
+        ContourEngine low = elevated_engine(shape, {}, settings);
+        ContourEngine high = elevated_engine(shape, Elevation(kRaised), settings);
         CHECK(high.mask_at(Nanometers{0}).lit_pixels() == 0);
         CHECK(high.mask_at(kRaised - Nanometers{1}).lit_pixels() == 0);
         for (Nanometers height{0}; height < Nanometers{9'000'000}; height += Nanometers{333'333}) {
@@ -74,7 +74,7 @@ TEST_CASE("A model above the plate has the masks of the model on the plate, high
 }
 
 TEST_CASE("A model above the plate has the contours of the model on the plate, higher by its elevation") {
-  ContourEngine low = engine_for(model(), {}), high = engine_for(model(), Elevation(kRaised));
+  ContourEngine low = elevated_engine(model(), {}), high = elevated_engine(model(), Elevation(kRaised));
   CHECK(high.contours_at(kRaised - Nanometers{1}).loops.empty());
   for (Nanometers height{0}; height < Nanometers{8'000'000}; height += Nanometers{333'333}) {
     const Contours contours = low.contours_at(height);
@@ -86,7 +86,8 @@ TEST_CASE("The elephant foot is at the plate, and a model above the plate has no
   EngineSettings settings;
   settings.compensation = {Micrometers{0}, Micrometers{300}, Nanometers{6'000'000}};
   const auto box = shared_index(models::box({-4, -4, 0}, {4, 4, 8}));
-  ContourEngine low = engine_for(box, {}, settings), high = engine_for(box, Elevation(kRaised), settings);
+  ContourEngine low = elevated_engine(box, {}, settings),
+                high = elevated_engine(box, Elevation(kRaised), settings);
   // 0.3 mm less on each side at the plate; a sixth of that 5 mm above it, and none from 6 mm on.
   const auto area_mm2 = [](const Mask& mask) { return mask.lit_area() * 0.01; };
   const double tolerance = 32 * 0.1 / 255;  // mm2: half a grey value along the outline, twice
@@ -100,14 +101,14 @@ TEST_CASE("The elephant foot is at the plate, and a model above the plate has no
 
 TEST_CASE("Models of different elevations unite at the heights above the plate") {
   const auto box = shared_index(models::box({0, 0, 0}, {4, 4, 2}));
-  const PixelMap left = PixelMap::true_scale(kDisplay, {8, 2}),
-                 right = PixelMap::true_scale(kDisplay, {-4, 2});
+  const PixelMap left = PixelMap::true_scale(kCoarseDisplay, {8, 2}),
+                 right = PixelMap::true_scale(kCoarseDisplay, {-4, 2});
   std::vector<PlateModel> models(2);
   models[0].model = models[1].model = box;
   models[1].elevation = Elevation(Nanometers{1'000'000});
   models[0].copies = {left};
   models[1].copies = {right};
-  ContourEngine engine(std::move(models), {.display = kDisplay});
+  ContourEngine engine(std::move(models), {.display = kCoarseDisplay});
   const double one = 40 * 40;
   CHECK(engine.mask_at(Nanometers{500'000}).lit_area() == one);
   CHECK(engine.mask_at(Nanometers{1'500'000}).lit_area() == 2 * one);

@@ -5,9 +5,10 @@
 
 #include "core/contour/contour_offset.hpp"
 #include "core/engine/contour_engine.hpp"
-#include "tests/allocation_counter.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/engine_fixture.hpp"
 #include "tests/core/random_contours.hpp"
+#include "tests/core/warm_allocations.hpp"
 #include "tests/models/damage.hpp"
 #include "tests/models/models.hpp"
 
@@ -16,23 +17,15 @@ using namespace contourd::testing;
 
 namespace {
 
-const DisplayGeometry kDisplay{Pixels{320}, Pixels{240}, Micrometers{100.0}};
-
 ContourEngine engine_of(models::Facets facets, Micrometers growth) {
-  const Bounds bounds = bounds_of(facets);
-  EngineSettings settings{.display = kDisplay};
-  settings.compensation.growth = growth;
-  return {HeightIndex(std::move(facets)), settings, {PixelMap::true_scale(kDisplay, bounds.center())}};
+  const Point center = bounds_of(facets).center();
+  return engine_for(std::move(facets), {.display = kCoarseDisplay, .compensation = {.growth = growth}},
+                    center);
 }
 
-models::Facets soup(std::size_t count) {
+models::Facets dense_soup(std::size_t count) {
   models::Dice dice(7);
-  models::Facets facets(count);
-  for (Facet& facet : facets) {
-    for (Vertex& v : facet.vertices)
-      v = dice.in_ball(10);
-  }
-  return facets;
+  return models::soup(count, 10, dice);
 }
 
 // Returns a plate with n by n square holes and walls of 10 um between them.
@@ -61,13 +54,13 @@ double steps_to_move(const Contours& contours, double distance) {
 TEST_CASE("A mask that overruns its budget is abandoned, and the next one is correct") {
   for (const double growth : {0.0, 40.0, -40.0}) {
     CAPTURE(growth);
-    ContourEngine engine = engine_of(soup(3000), Micrometers{growth});
+    ContourEngine engine = engine_of(dense_soup(3000), Micrometers{growth});
     const Nanometers height{7'000'000}, lower{100'000};
     MaskBudget few_sides(std::nullopt, 5000), no_time(MaskBudget::Clock::now());
     CHECK(engine.mask_within(height, few_sides) == nullptr);
     CHECK(few_sides.overrun());
     CHECK(engine.mask_within(height, no_time) == nullptr);
-    ContourEngine fresh = engine_of(soup(3000), Micrometers{growth});
+    ContourEngine fresh = engine_of(dense_soup(3000), Micrometers{growth});
     CHECK(engine.mask_at(lower) == fresh.mask_at(lower));
     MaskBudget enough;
     const Mask* mask = engine.mask_within(height, enough);
@@ -78,7 +71,7 @@ TEST_CASE("A mask that overruns its budget is abandoned, and the next one is cor
 
 TEST_CASE("The search for partners of open ends stops when the budget is overrun") {
   // Facets without neighbours: each end is compared with hundreds of others.
-  ContourEngine engine = engine_of(soup(20'000), Micrometers{});
+  ContourEngine engine = engine_of(dense_soup(20'000), Micrometers{});
   const auto steps_within = [&engine](MaskBudget::Clock::duration time) {
     MaskBudget budget(MaskBudget::Clock::now() + time);
     CHECK(engine.mask_within(Nanometers{10'000'000}, budget) == nullptr);
@@ -124,17 +117,14 @@ TEST_CASE("Twice the loops in each other take twice the steps") {
 }
 
 TEST_CASE("A mask of overlapping solids allocates nothing once warm") {
-  models::Facets facets = models::sphere(7, 14);
   models::Facets other = models::sphere(6, 14);
   models::translate(other, 5, 1, 2);
-  facets.insert(facets.end(), other.begin(), other.end());
+  const models::Facets facets = models::together(models::sphere(7, 14), other);
   for (const double growth : {0.0, -40.0}) {
     ContourEngine engine = engine_of(facets, Micrometers{growth});
-    for (int pass = 0; pass < 2; ++pass) {
-      const long before = allocations();
-      for (int i = 1; i < 12; ++i)
-        (void)engine.mask_at(Nanometers{i * 1'000'000});
-      if (pass == 1) CHECK(allocations() == before);
-    }
+    CHECK(allocations_when_warm(2, [&engine] {
+            for (int i = 1; i < 12; ++i)
+              (void)engine.mask_at(Nanometers{i * 1'000'000});
+          }) == 0);
   }
 }

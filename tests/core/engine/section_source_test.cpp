@@ -8,13 +8,16 @@
 
 #include "core/engine/contour_engine.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/engine_fixture.hpp"
 #include "tests/core/section_fixture.hpp"
 
 using namespace contourd;
+using testing::kCoarseDisplay;
+using testing::mm;
+using testing::plate_model;
 
 namespace {
 
-const DisplayGeometry kDisplay{Pixels{240}, Pixels{220}, Micrometers{100.0}};
 constexpr double kPixelMm2 = 0.01;
 
 // Upright boxes on the plate, in millimetres from its centre.
@@ -43,24 +46,14 @@ class Boxes final : public SectionSource {
   std::vector<Box> boxes_;
 };
 
-constexpr Nanometers mm(std::int64_t count) {
-  return Nanometers{count * 1'000'000};
-}
-
-// A model alone on the plate, its point (0, 0) on the plate's centre.
-PlateModel plate_model(const models::Facets& facets, Elevation elevation = {},
-                       const DisplayGeometry& display = kDisplay) {
-  return {{std::make_shared<const HeightIndex>(facets), elevation}, {PixelMap::true_scale(display, {0, 0})}};
-}
-
-ContourEngine engine_for(std::vector<PlateModel> models, std::vector<Box> boxes,
-                         EngineSettings settings = {}) {
-  if (settings.display.width == Pixels{1920}) settings.display = kDisplay;
+ContourEngine boxed_engine(std::vector<PlateModel> models, std::vector<Box> boxes,
+                           EngineSettings settings = {}) {
+  if (settings.display.width == Pixels{1920}) settings.display = kCoarseDisplay;
   return {std::move(models), settings, std::make_shared<const Boxes>(std::move(boxes))};
 }
 
 EngineSettings with(AntiAliasing anti_aliasing, Micrometers growth = {}) {
-  EngineSettings settings{kDisplay, anti_aliasing};
+  EngineSettings settings{kCoarseDisplay, anti_aliasing};
   settings.compensation.growth = growth;
   return settings;
 }
@@ -73,7 +66,7 @@ double area_mm2(const Mask& mask) {
 
 TEST_CASE("A source's sections are exposed at their place and heights") {
   for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
-    ContourEngine engine = engine_for({}, {{-3, 1, -1, 4, mm(1), mm(3)}}, with(mode));
+    ContourEngine engine = boxed_engine({}, {{-3, 1, -1, 4, mm(1), mm(3)}}, with(mode));
     CHECK(engine.mask_at(Nanometers{999'999}).lit_pixels() == 0);
     const Mask mask = engine.mask_at(mm(1));
     CHECK(mask.lit_pixels() == 20 * 30);
@@ -87,11 +80,11 @@ TEST_CASE("A source's sections are exposed at their place and heights") {
 }
 
 TEST_CASE("A mirrored display mirrors a source's sections like the models") {
-  DisplayGeometry mirrored = kDisplay;
+  DisplayGeometry mirrored = kCoarseDisplay;
   mirrored.mirror_x = true;
   const Box box{1, 1, 3, 4, mm(0), mm(5)};
-  for (const DisplayGeometry& display : {kDisplay, mirrored}) {
-    ContourEngine beside = engine_for({}, {box}, {display, AntiAliasing::On});
+  for (const DisplayGeometry& display : {kCoarseDisplay, mirrored}) {
+    ContourEngine beside = boxed_engine({}, {box}, {display, AntiAliasing::On});
     ContourEngine model({plate_model(models::box({1, 1, 0}, {3, 4, 5}), {}, display)},
                         {display, AntiAliasing::On});
     CHECK(beside.mask_at(mm(1)) == model.mask_at(mm(1)));
@@ -104,9 +97,9 @@ TEST_CASE("A pixel has the greater value of the models' and of the source's, whi
   for (const Box& box :
        {Box{2.03, -2, 4.07, 2, mm(0), mm(5)}, Box{1.01, -3.02, 4.07, 1.06, mm(0), mm(5)},
         Box{-1.04, -1, 1.02, 1.06, mm(0), mm(5)}, Box{-4.04, -4, 4.02, 4.06, mm(0), mm(5)}}) {
-    ContourEngine both = engine_for({plate_model(model)}, {box});
-    ContourEngine alone = engine_for({plate_model(model)}, {});
-    ContourEngine beside = engine_for({}, {box}, with(AntiAliasing::Off));
+    ContourEngine both = boxed_engine({plate_model(model)}, {box});
+    ContourEngine alone = boxed_engine({plate_model(model)}, {});
+    ContourEngine beside = boxed_engine({}, {box}, with(AntiAliasing::Off));
     const Mask joined = both.mask_at(mm(1)), one = alone.mask_at(mm(1)), other = beside.mask_at(mm(1));
     CHECK(one.lit_area() != static_cast<double>(one.lit_pixels()));
     CHECK(other.lit_pixels() > 0);
@@ -120,9 +113,9 @@ TEST_CASE("A pixel has the greater value of the models' and of the source's, whi
 TEST_CASE("Without anti-aliasing the mask is the union of both pictures") {
   const models::Facets model = models::sphere(4, 16);
   const Box box{1.01, -3.02, 7.07, 1.05, mm(0), mm(9)};
-  ContourEngine both = engine_for({plate_model(model)}, {box}, with(AntiAliasing::Off));
-  ContourEngine alone = engine_for({plate_model(model)}, {}, with(AntiAliasing::Off));
-  ContourEngine beside = engine_for({}, {box}, with(AntiAliasing::Off));
+  ContourEngine both = boxed_engine({plate_model(model)}, {box}, with(AntiAliasing::Off));
+  ContourEngine alone = boxed_engine({plate_model(model)}, {}, with(AntiAliasing::Off));
+  ContourEngine beside = boxed_engine({}, {box}, with(AntiAliasing::Off));
   for (Nanometers height = mm(0); height < mm(10); height += Nanometers{700'000}) {
     const Mask united = both.mask_at(height), one = alone.mask_at(height), other = beside.mask_at(height);
     for (std::size_t i = 0; i < united.pixels().size(); ++i) {
@@ -133,12 +126,12 @@ TEST_CASE("Without anti-aliasing the mask is the union of both pictures") {
 
 TEST_CASE("A source that does not touch the models does not change their pixels") {
   const models::Facets model =
-      testing::together(models::gyroid_sphere(4, 5, 24), models::box({-4, -4, -4}, {1, 1, 2}));
+      models::together(models::gyroid_sphere(4, 5, 24), models::box({-4, -4, -4}, {1, 1, 2}));
   const Box box{6.03, -3, 8.01, 4, mm(0), mm(9)};
   for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
-    ContourEngine both = engine_for({plate_model(model)}, {box}, with(mode));
-    ContourEngine alone = engine_for({plate_model(model)}, {}, with(mode));
-    ContourEngine beside = engine_for({}, {box}, with(AntiAliasing::Off));
+    ContourEngine both = boxed_engine({plate_model(model)}, {box}, with(mode));
+    ContourEngine alone = boxed_engine({plate_model(model)}, {}, with(mode));
+    ContourEngine beside = boxed_engine({}, {box}, with(AntiAliasing::Off));
     for (Nanometers height = mm(0); height < mm(8); height += Nanometers{700'000}) {
       const Mask united = both.mask_at(height), one = alone.mask_at(height), other = beside.mask_at(height);
       for (std::size_t i = 0; i < united.pixels().size(); ++i) {
@@ -150,10 +143,10 @@ TEST_CASE("A source that does not touch the models does not change their pixels"
 
 TEST_CASE("Compensation moves the models but not a source's sections") {
   for (const Micrometers growth : {Micrometers{200}, Micrometers{-200}}) {
-    ContourEngine engine = engine_for({plate_model(models::box({-4, -4, 0}, {0, 0, 5}))},
-                                      {{2, 2, 5, 5, mm(0), mm(5)}}, with(AntiAliasing::On, growth));
+    ContourEngine engine = boxed_engine({plate_model(models::box({-4, -4, 0}, {0, 0, 5}))},
+                                        {{2, 2, 5, 5, mm(0), mm(5)}}, with(AntiAliasing::On, growth));
     ContourEngine alone =
-        engine_for({plate_model(models::box({-4, -4, 0}, {0, 0, 5}))}, {}, with(AntiAliasing::On, growth));
+        boxed_engine({plate_model(models::box({-4, -4, 0}, {0, 0, 5}))}, {}, with(AntiAliasing::On, growth));
     const double model_mm2 = area_mm2(alone.mask_at(mm(1)));
     CHECK(std::fabs(model_mm2 - 16) > 2);
     CHECK(area_mm2(engine.mask_at(mm(1))) - model_mm2 == contourd::testing::Approx(9.0).epsilon(1e-9));
@@ -161,13 +154,13 @@ TEST_CASE("Compensation moves the models but not a source's sections") {
 }
 
 TEST_CASE("A source's sections are as white as the models, without faint pixels") {
-  EngineSettings settings{kDisplay};
+  EngineSettings settings{kCoarseDisplay};
   settings.tone = {2.2, 255};
-  settings.uniformity = Mask(kDisplay.width, kDisplay.height);
-  for (std::int32_t y = 0; y < kDisplay.height.count(); ++y)
+  settings.uniformity = Mask(kCoarseDisplay.width, kCoarseDisplay.height);
+  for (std::int32_t y = 0; y < kCoarseDisplay.height.count(); ++y)
     std::ranges::fill(settings.uniformity->row(y), static_cast<std::uint8_t>(255 - y / 2));
   const Box box{1.02, -8.03, 9.04, 8.04, mm(0), mm(5)};
-  ContourEngine engine = engine_for({plate_model(models::box({-9, -8, 0}, {-1, 8, 5}))}, {box}, settings);
+  ContourEngine engine = boxed_engine({plate_model(models::box({-9, -8, 0}, {-1, 8, 5}))}, {box}, settings);
   const Mask& mask = engine.mask_at(mm(1));
   for (std::int32_t y = 35; y < 185; ++y) {
     // A pixel inside the model, and the first and the last pixel of the source's section.
@@ -184,9 +177,9 @@ TEST_CASE("A source's sections are as white as the models, without faint pixels"
 TEST_CASE("A source's section is gone in the next mask") {
   const models::Facets model = models::gyroid_sphere(4, 5, 24);
   for (const AntiAliasing mode : {AntiAliasing::On, AntiAliasing::Off}) {
-    ContourEngine engine = engine_for(
+    ContourEngine engine = boxed_engine(
         {plate_model(model)}, {{-9, -9, 9, -3, mm(1), mm(2)}, {-2, -2, 2, 2, mm(2), mm(3)}}, with(mode));
-    ContourEngine alone = engine_for({plate_model(model)}, {}, with(mode));
+    ContourEngine alone = boxed_engine({plate_model(model)}, {}, with(mode));
     for (const Nanometers height : {mm(1), mm(2), mm(3), mm(1), mm(0), mm(2), mm(5)}) {
       const bool same = engine.mask_at(height) == alone.mask_at(height);
       CHECK(same == (height < mm(1) || height >= mm(3)));
@@ -197,8 +190,8 @@ TEST_CASE("A source's section is gone in the next mask") {
 TEST_CASE("Loops, gaps and facets are reported for the models alone") {
   models::Facets cracked = models::box({-4, -4, 0}, {4, 4, 5});
   cracked.erase(cracked.begin() + 5);
-  ContourEngine both = engine_for({plate_model(cracked)}, {{-5, -1, 5, 1, mm(0), mm(5)}});
-  ContourEngine alone = engine_for({plate_model(cracked)}, {});
+  ContourEngine both = boxed_engine({plate_model(cracked)}, {{-5, -1, 5, 1, mm(0), mm(5)}});
+  ContourEngine alone = boxed_engine({plate_model(cracked)}, {});
   (void)both.mask_at(mm(1));
   (void)alone.mask_at(mm(1));
   CHECK(both.cracks() == alone.cracks());
@@ -208,8 +201,8 @@ TEST_CASE("Loops, gaps and facets are reported for the models alone") {
 }
 
 TEST_CASE("A model above the plate meets the supports that stand on the plate") {
-  ContourEngine engine = engine_for({plate_model(models::box({-4, -4, 0}, {4, 4, 5}), Elevation(mm(5)))},
-                                    {{-1, -1, 1, 1, mm(0), Nanometers{5'200'000}}});
+  ContourEngine engine = boxed_engine({plate_model(models::box({-4, -4, 0}, {4, 4, 5}), Elevation(mm(5)))},
+                                      {{-1, -1, 1, 1, mm(0), Nanometers{5'200'000}}});
   CHECK(engine.mask_at(mm(1)).lit_pixels() == 20 * 20);
   CHECK(engine.mask_at(Nanometers{5'100'000}).lit_pixels() == 80 * 80);
   CHECK(engine.mask_at(mm(6)).lit_pixels() == 80 * 80);
@@ -219,7 +212,7 @@ TEST_CASE("A model above the plate meets the supports that stand on the plate") 
 
 TEST_CASE("A budget overrun by a source's sections leaves the engine usable") {
   std::vector<Box> boxes(4000, Box{-5, -5, 5, 5, mm(0), mm(5)});
-  ContourEngine engine = engine_for({plate_model(models::box({-4, -4, 0}, {4, 4, 5}))}, std::move(boxes));
+  ContourEngine engine = boxed_engine({plate_model(models::box({-4, -4, 0}, {4, 4, 5}))}, std::move(boxes));
   MaskBudget small(std::nullopt, 1000);
   CHECK(engine.mask_within(mm(1), small) == nullptr);
   CHECK(small.overrun());

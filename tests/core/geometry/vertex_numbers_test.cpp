@@ -22,11 +22,7 @@ TEST_CASE("Equal vertices have equal numbers, different ones different numbers, 
 
 TEST_CASE("A soup of facets has as many vertices as corners") {
   models::Dice dice(1);
-  models::Facets soup(5000);
-  for (Facet& facet : soup) {
-    for (Vertex& v : facet.vertices)
-      v = dice.in_ball(10);
-  }
+  const models::Facets soup = models::soup(5000, 10, dice);
   const std::vector<Corners> corners = number_vertices(soup);
   for (std::uint32_t i = 0; i < soup.size(); ++i)
     REQUIRE(corners[i] == Corners{3 * i, 3 * i + 1, 3 * i + 2});

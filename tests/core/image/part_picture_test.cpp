@@ -6,15 +6,14 @@
 #include <set>
 #include <vector>
 
+#include "core/image/picture_view.hpp"
 #include "tests/catch.hpp"
 
 using namespace contourd;
 
 namespace {
 
-constexpr Pixels kSide{200};
-// Sine and cosine of the eye's turn to the right.
-constexpr double kSinTurn = 0.573576436, kCosTurn = 0.819152044;
+constexpr Pixels kPictureSide{200};
 
 // Returns a mask that is lit where `is_there` is true for a pixel's column and row.
 Mask mask_of(const PartPicture::Box& box, const std::function<bool(int, int)>& is_there) {
@@ -29,7 +28,7 @@ Mask mask_of(const PartPicture::Box& box, const std::function<bool(int, int)>& i
 // Returns a picture of the part given by `is_there`, a predicate on a column, a row and a share of the
 // height.
 PartPicture picture_of(const PartPicture::Box& box, const std::function<bool(int, int, double)>& is_there) {
-  PartPicture picture(box, kSide);
+  PartPicture picture(box, kPictureSide);
   for (int i = 0; i < picture.masks(); ++i) {
     const double height = picture.next_height();
     picture.add(mask_of(box, [&](int column, int row) { return is_there(column, row, height); }));
@@ -71,17 +70,17 @@ TEST_CASE("A picture of a part is a square around it, no larger than the given s
        {kBlock, PartPicture::Box{Pixels{300}, Pixels{20}, 3}, PartPicture::Box{Pixels{5}, Pixels{5}, 900}}) {
     const Mask picture = drawn(box, everywhere);
     CHECK(picture.width() == picture.height());
-    CHECK(picture.width() <= kSide);
-    CHECK(picture.width().count() >= kSide.count() * 9 / 10);
+    CHECK(picture.width() <= kPictureSide);
+    CHECK(picture.width().count() >= kPictureSide.count() * 9 / 10);
   }
   const Mask corner =
       drawn(kBlock, [](int column, int row, double at) { return column < 20 && row < 20 && at < 0.3; });
-  CHECK(corner.width().count() < kSide.count() / 2);
+  CHECK(corner.width().count() < kPictureSide.count() / 2);
 }
 
 TEST_CASE("A block covers the projected area of its three visible faces") {
   const PartPicture::Box box{Pixels{70}, Pixels{50}, 40};
-  const double scale = PartPicture::scale_of(box, kSide);
+  const double scale = PartPicture::scale_of(box, kPictureSide);
   // Areas times the cosine of each face's angle to the eye, which is turned by 35 degrees and raised by 30.
   const double top = 70 * 50 * 0.5, front = 70 * 40 * 0.819 * 0.866, right = 50 * 40 * 0.574 * 0.866;
   const double expected = (top + front + right) * scale * scale;
@@ -114,7 +113,7 @@ TEST_CASE("A higher part hides lower parts behind it") {
 
 TEST_CASE("A wall as wide as a pixel of the picture has no holes") {
   const PartPicture::Box box{Pixels{140}, Pixels{140}, 90};
-  REQUIRE(PartPicture::scale_of(box, kSide) <= 1);
+  REQUIRE(PartPicture::scale_of(box, kPictureSide) <= 1);
   for (const bool along_x : {true, false}) {
     const Mask picture =
         drawn(box, [&](int column, int row, double) { return (along_x ? row : column) == 70; });
@@ -169,7 +168,7 @@ TEST_CASE("A place is marked where the part at that place is drawn") {
                                             {left_first ? 1 - near_x : near_x, 1 - near_y, 1 - near_z}});
         REQUIRE(drawing.marks.size() == 2);
         for (const PixelPoint& mark : drawing.marks) {
-          const double wide = kSize * (kSinTurn + kCosTurn) / 2 * PartPicture::scale_of(box, kSide);
+          const double wide = kSize * (kSinTurn + kCosTurn) / 2 * PartPicture::scale_of(box, kPictureSide);
           for (const double within : {-0.8, 0.0, 0.8})
             CHECK(is_lit(drawing.picture, mark.x + within * wide, mark.y));
           for (const double beyond : {-1.2, 1.2})
@@ -182,7 +181,7 @@ TEST_CASE("A place is marked where the part at that place is drawn") {
 
 TEST_CASE("Parts that are not present are drawn faint") {
   const auto printed_to = [](double share) {
-    PartPicture picture(kBlock, kSide);
+    PartPicture picture(kBlock, kPictureSide);
     while (true) {
       if (picture.next_height() > share) break;
       picture.add(mask_of(kBlock, [](int, int) { return true; }));
@@ -206,6 +205,6 @@ TEST_CASE("Parts that are not present are drawn faint") {
 }
 
 TEST_CASE("The picture is black without masks, and with dark masks") {
-  CHECK(PartPicture(kBlock, kSide).draw().picture == Mask(kSide, kSide));
-  CHECK(drawn(kBlock, [](int, int, double) { return false; }) == Mask(kSide, kSide));
+  CHECK(PartPicture(kBlock, kPictureSide).draw().picture == Mask(kPictureSide, kPictureSide));
+  CHECK(drawn(kBlock, [](int, int, double) { return false; }) == Mask(kPictureSide, kPictureSide));
 }

@@ -9,11 +9,11 @@ using namespace contourd;
 
 namespace {
 
-constexpr Pixels kWidth{640}, kHeight{400};
+constexpr Pixels kPatternWidth{640}, kPatternHeight{400};
 constexpr Micrometers kPitch{50};
 
 Mask drawn(TestPattern pattern) {
-  return draw_test_pattern(pattern, kWidth, kHeight, kPitch);
+  return draw_test_pattern(pattern, kPatternWidth, kPatternHeight, kPitch);
 }
 
 bool lit(const Mask& mask, int x, int y) {
@@ -88,8 +88,8 @@ TEST_CASE("The border lights the outermost pixels, with a filled square only at 
 
 TEST_CASE("The rulers have the length of ruler_length(), with ticks at millimetres") {
   // 32 mm by 20 mm: nine tenths are 28.8 and 18.
-  CHECK(ruler_length(kWidth, kPitch).count() == 20);
-  CHECK(ruler_length(kHeight, kPitch).count() == 10);
+  CHECK(ruler_length(kPatternWidth, kPitch).count() == 20);
+  CHECK(ruler_length(kPatternHeight, kPitch).count() == 10);
   CHECK(ruler_length(Pixels{100}, kPitch).count() == 4);
   CHECK(ruler_length(Pixels{1}, kPitch).count() == 0);
   const Mask mask = drawn(TestPattern::Dimensions);

@@ -25,16 +25,16 @@ constexpr Nanometers um(std::int64_t count) {
 
 constexpr AdaptiveLayers kLimits{um(20), um(100), um(15)};
 
-struct Layer {
+struct PlacedLayer {
   Nanometers bottom, thickness;
 };
 
-std::vector<Layer> layers_of(const std::vector<models::Facets>& all, const AdaptiveLayers& limits = kLimits,
-                             Elevation elevation = {}) {
+std::vector<PlacedLayer> layers_of(const std::vector<models::Facets>& all,
+                                   const AdaptiveLayers& limits = kLimits, Elevation elevation = {}) {
   std::vector<StandingModel> models;
   for (const models::Facets& facets : all)
     models.push_back({std::make_shared<const HeightIndex>(facets), elevation});
-  std::vector<Layer> layers;
+  std::vector<PlacedLayer> layers;
   Nanometers bottom{};
   for (const Nanometers thickness : PrintLayers(models, limits).all()) {
     layers.push_back({bottom, thickness});
@@ -43,13 +43,13 @@ std::vector<Layer> layers_of(const std::vector<models::Facets>& all, const Adapt
   return layers;
 }
 
-bool has_boundary(const std::vector<Layer>& layers, Nanometers height) {
-  return std::ranges::any_of(layers, [&](const Layer& layer) { return layer.bottom == height; });
+bool has_boundary(const std::vector<PlacedLayer>& layers, Nanometers height) {
+  return std::ranges::any_of(layers, [&](const PlacedLayer& layer) { return layer.bottom == height; });
 }
 
 // Returns the widest cusp of a layer, by the definition and without the index: t |n_z| over all facets with
 // more than half a micrometre of height in the layer, or a flat facet well within it.
-double widest_cusp_um(const models::Facets& facets, double plate_z, const Layer& layer) {
+double widest_cusp_um(const models::Facets& facets, double plate_z, const PlacedLayer& layer) {
   const double low = plate_z + to_millimeters(layer.bottom).count() + 0.00051;
   const double high = plate_z + to_millimeters(layer.bottom + layer.thickness).count() - 0.00051;
   double widest = 0;
@@ -69,9 +69,9 @@ double widest_cusp_um(const models::Facets& facets, double plate_z, const Layer&
 }  // namespace
 
 TEST_CASE("A box has layers of the largest thickness up to its top") {
-  const std::vector<Layer> layers = layers_of({models::box({0, 0, -3}, {5, 5, -1})});
+  const std::vector<PlacedLayer> layers = layers_of({models::box({0, 0, -3}, {5, 5, -1})});
   REQUIRE(layers.size() == 20);
-  for (const Layer& layer : layers)
+  for (const PlacedLayer& layer : layers)
     CHECK(layer.thickness == um(100));
 }
 
@@ -80,11 +80,11 @@ TEST_CASE("A flat face lies at a layer's boundary, and no layer before it is too
     CAPTURE(step_um);
     const auto z = static_cast<float>(static_cast<double>(step_um) / 1e3);
     const auto stairs =
-        testing::together(models::box({0, 0, 0}, {9, 9, z}), models::box({3, 3, z}, {6, 6, 3}));
-    const std::vector<Layer> layers = layers_of({stairs});
+        models::together(models::box({0, 0, 0}, {9, 9, z}), models::box({3, 3, z}, {6, 6, 3}));
+    const std::vector<PlacedLayer> layers = layers_of({stairs});
     CHECK(has_boundary(layers, um(step_um)));
     CHECK(layers.back().bottom + layers.back().thickness == um(3'000));
-    for (const Layer& layer : layers)
+    for (const PlacedLayer& layer : layers)
       CHECK((layer.thickness >= um(20) && layer.thickness <= um(100)));
     // No more layers than needed: ten or eleven below the step, twenty above or one more.
     CHECK(layers.size() <= 32);
@@ -93,15 +93,15 @@ TEST_CASE("A flat face lies at a layer's boundary, and no layer before it is too
 
 TEST_CASE("A flat face too near to the one below gets no layer boundary: the thinnest layer passes it") {
   const auto stairs =
-      testing::together(models::box({0, 0, 0}, {9, 9, 0.005F}), models::box({3, 3, 0.005F}, {6, 6, 1}));
-  const std::vector<Layer> layers = layers_of({stairs});
+      models::together(models::box({0, 0, 0}, {9, 9, 0.005F}), models::box({3, 3, 0.005F}, {6, 6, 1}));
+  const std::vector<PlacedLayer> layers = layers_of({stairs});
   CHECK(layers[0].thickness == um(20));
   CHECK(layers[1].thickness == um(100));
 }
 
 TEST_CASE("Below a model above the plate layers are the thickest, and its own are as on the plate") {
-  const std::vector<Layer> low = layers_of({models::cone(9, 1, 40)});
-  const std::vector<Layer> high = layers_of({models::cone(9, 1, 40)}, kLimits, Elevation(um(5'000)));
+  const std::vector<PlacedLayer> low = layers_of({models::cone(9, 1, 40)});
+  const std::vector<PlacedLayer> high = layers_of({models::cone(9, 1, 40)}, kLimits, Elevation(um(5'000)));
   REQUIRE(high.size() == low.size() + 50);
   for (std::size_t i = 0; i < 50; ++i)
     CHECK(high[i].thickness == um(100));
@@ -110,14 +110,14 @@ TEST_CASE("Below a model above the plate layers are the thickest, and its own ar
 }
 
 TEST_CASE("A layer ends where a model above the plate begins") {
-  const std::vector<Layer> layers =
+  const std::vector<PlacedLayer> layers =
       layers_of({models::box({0, 0, 3}, {5, 5, 4})}, kLimits, Elevation(um(330)));
-  const auto begins = [](const Layer& layer) { return layer.bottom == um(330); };
+  const auto begins = [](const PlacedLayer& layer) { return layer.bottom == um(330); };
   CHECK(std::ranges::any_of(layers, begins));
 }
 
 TEST_CASE("A tip without a flat face gets a last layer of the thinnest thickness, not less") {
-  const std::vector<Layer> layers = layers_of({models::cone(0.1F, 2.01F, 40)});
+  const std::vector<PlacedLayer> layers = layers_of({models::cone(0.1F, 2.01F, 40)});
   REQUIRE(layers.size() == 21);
   CHECK(layers[18].thickness == um(100));
   CHECK(layers[19].thickness == um(90));
@@ -126,18 +126,18 @@ TEST_CASE("A tip without a flat face gets a last layer of the thinnest thickness
 
 TEST_CASE("A sphere's layers are thin at its poles and thick at its equator") {
   const models::Facets sphere = models::globe(5, 200, 64);
-  const std::vector<Layer> layers = layers_of({sphere});
+  const std::vector<PlacedLayer> layers = layers_of({sphere});
   CHECK(layers.front().thickness == um(20));
   CHECK(layers.back().thickness <= um(20));
   const auto equator =
-      std::ranges::find_if(layers, [](const Layer& layer) { return layer.bottom >= um(4'950); });
+      std::ranges::find_if(layers, [](const PlacedLayer& layer) { return layer.bottom >= um(4'950); });
   REQUIRE(equator != layers.end());
   CHECK(equator->thickness == um(100));
   // 20 um at a slope of 15/20, from there t = cusp / |n_z|: in the northern half never thicker than before.
   for (auto layer = equator; layer + 2 < layers.end(); ++layer)
     CHECK((layer + 1)->thickness <= layer->thickness);
   CHECK(std::ranges::count_if(
-            layers, [](const Layer& l) { return l.thickness > um(40) && l.thickness < um(80); }) > 4);
+            layers, [](const PlacedLayer& l) { return l.thickness > um(40) && l.thickness < um(80); }) > 4);
 }
 
 TEST_CASE("No layer's cusp is wider than allowed unless it is the thinnest, and the layers reach the top") {
@@ -160,9 +160,9 @@ TEST_CASE("No layer's cusp is wider than allowed unless it is the thinnest, and 
     turn.up = Direction{draw_real(-1, 1), draw_real(-1, 1), draw_real(-1, 1)};
     if (draw(0, 1) == 1) orient(model, turn);
     const HeightIndex index(model);
-    const std::vector<Layer> layers = layers_of({model}, limits);
+    const std::vector<PlacedLayer> layers = layers_of({model}, limits);
     RC_ASSERT(!layers.empty());
-    for (const Layer& layer : layers) {
+    for (const PlacedLayer& layer : layers) {
       RC_ASSERT(layer.thickness >= limits.thinnest);
       RC_ASSERT(layer.thickness <= limits.thickest);
       RC_ASSERT(layer.thickness.count() % kLayerStep.count() == 0);
@@ -171,7 +171,7 @@ TEST_CASE("No layer's cusp is wider than allowed unless it is the thinnest, and 
       RC_ASSERT(bound_holds || layer.thickness == limits.thinnest);
     }
     const double top_um = index.bounds().size_z() * 1e3;
-    const auto reached = [&](const Layer& layer) {
+    const auto reached = [&](const PlacedLayer& layer) {
       return static_cast<double>((layer.bottom + layer.thickness).count()) / 1e3;
     };
     // Within half a step, or beyond by less than the thinnest layer, and not before the last.
@@ -183,7 +183,7 @@ TEST_CASE("No layer's cusp is wider than allowed unless it is the thinnest, and 
 
 TEST_CASE("Of several models the most demanding one decides, up to its top") {
   const models::Facets box = models::box({0, 0, 0}, {5, 5, 6}), sphere = models::globe(1, 40, 32);
-  const std::vector<Layer> together = layers_of({box, sphere}), alone = layers_of({sphere});
+  const std::vector<PlacedLayer> together = layers_of({box, sphere}), alone = layers_of({sphere});
   REQUIRE(together.size() > alone.size());
   for (std::size_t i = 0; i + 1 < alone.size(); ++i)
     CHECK(together[i].thickness == alone[i].thickness);
@@ -192,10 +192,10 @@ TEST_CASE("Of several models the most demanding one decides, up to its top") {
 }
 
 TEST_CASE("Limits that are not whole micrometres are rounded inwards") {
-  const std::vector<Layer> walls =
+  const std::vector<PlacedLayer> walls =
       layers_of({models::box({0, 0, 0}, {5, 5, 2})}, {Nanometers{20'500}, Nanometers{60'900}, um(15)});
   CHECK(walls.front().thickness == um(60));
-  const std::vector<Layer> slope =
+  const std::vector<PlacedLayer> slope =
       layers_of({models::cone(9, 1, 40)}, {Nanometers{20'500}, Nanometers{60'900}, um(5)});
   CHECK(slope.front().thickness == um(21));
 }

@@ -12,8 +12,8 @@ using testing::contract_broken_by;
 
 namespace {
 
-const std::string kThickness = "a layer's thickness is positive and at most kThickestLayer";
-const std::string kAdaptive = "1 um <= thinnest <= thickest <= kThickestLayer, and the cusp is positive";
+const std::string kBadThickness = "a layer's thickness is positive and at most kThickestLayer";
+const std::string kBadAdaptive = "1 um <= thinnest <= thickest <= kThickestLayer, and the cusp is positive";
 
 // Layers that cannot be printed.
 const AdaptiveLayers kUnprintable[] = {
@@ -32,7 +32,7 @@ TEST_CASE("A layer's thickness must be positive and at most the thickest") {
   CHECK(layers_of(kThickestLayer.count()).empty());
   CHECK(layers_of(1'000).empty());
   for (const std::int64_t nm : {std::int64_t{0}, std::int64_t{-1}, kThickestLayer.count() + 1})
-    CHECK(layers_of(nm) == kThickness);
+    CHECK(layers_of(nm) == kBadThickness);
 }
 
 TEST_CASE("PrintLayers takes uniform layers with a thickness, or no layers") {
@@ -46,8 +46,8 @@ TEST_CASE("PrintLayers takes uniform layers with a thickness, or no layers") {
 TEST_CASE("Adaptive layers require printable bounds and models that are not null") {
   const StandingModel box{std::make_shared<const HeightIndex>(models::box({0, 0, 0}, {1, 1, 1}))};
   for (const AdaptiveLayers& layers : kUnprintable) {
-    CHECK(contract_broken_by([&] { (void)next_thickness(box, Nanometers{0}, layers); }) == kAdaptive);
-    CHECK(contract_broken_by([&] { PrintLayers({box}, layers); }) == kAdaptive);
+    CHECK(contract_broken_by([&] { (void)next_thickness(box, Nanometers{0}, layers); }) == kBadAdaptive);
+    CHECK(contract_broken_by([&] { PrintLayers({box}, layers); }) == kBadAdaptive);
   }
   const AdaptiveLayers good{Nanometers{1'000}, kThickestLayer, Nanometers{1}};
   CHECK(contract_broken_by([&] { (void)next_thickness(box, Nanometers{0}, good); }).empty());

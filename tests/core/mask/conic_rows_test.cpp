@@ -2,38 +2,15 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 #include <optional>
-#include <span>
 
-#include "core/mask/rasterizer.hpp"
 #include "tests/catch.hpp"
-#include "tests/random_shapes.hpp"
+#include "tests/core/mask/conic_fixture.hpp"
 
 using namespace contourd;
 using namespace contourd::testing;
 
 namespace {
-
-constexpr DisplayGeometry kDisplay{Pixels{64}, Pixels{48}, Micrometers{1000.0}};
-
-ConicCut ellipse(Point middle, double degrees, double half_length, double half_width) {
-  const double turn = degrees * std::numbers::pi / 180, narrow = half_width / half_length;
-  return {middle,
-          {std::cos(turn), std::sin(turn)},
-          -half_length,
-          half_length,
-          {half_width, narrow},
-          {half_width, -narrow},
-          true};
-}
-
-Mask lit_by(const ConicCut& cut, const DisplayGeometry& display = kDisplay) {
-  Rasterizer rasterizer(display.width, display.height, AntiAliasing::On);
-  (void)rasterizer.paint();
-  rasterizer.light(std::span(&cut, 1), PixelMap::true_scale(display, {0, 0}));
-  return rasterizer.mask();
-}
 
 // Decides by the ellipse's equation at each centre. Returns nullopt if a centre is too near to the outline to
 // decide.
@@ -49,11 +26,8 @@ std::optional<bool> holds(const ConicCut& cut, const Point& p) {
 
 TEST_CASE("A whole cut and one with ends cut off light the pixels whose centres they contain") {
   CHECK(rc::check([] {
-    DisplayGeometry display = kDisplay;
-    display.mirror_x = draw(0, 1) == 1;
-    display.mirror_y = draw(0, 1) == 1;
-    ConicCut cut = ellipse({draw_real(-40, 40), draw_real(-30, 30)}, draw_real(0, 360), draw_real(0.3, 30),
-                           draw_real(0.3, 30));
+    const DisplayGeometry display = draw_mirrored_display();
+    ConicCut cut = draw_ellipse();
     const bool cut_off = draw(0, 2) == 0;
     if (cut_off) {
       cut.low = draw_real(-30, 0);
@@ -72,9 +46,7 @@ TEST_CASE("A whole cut and one with ends cut off light the pixels whose centres 
     if (cut_off) {
       Contours outline;
       append_outline(cut, outline);
-      Rasterizer painter(display.width, display.height, AntiAliasing::Off);
-      painter.add_loops(outline, PixelMap::true_scale(display, {0, 0}));
-      RC_ASSERT(mask == painter.paint());
+      RC_ASSERT(mask == painted_by_centers(outline, display));
     }
   }));
 }

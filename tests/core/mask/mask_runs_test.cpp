@@ -12,7 +12,7 @@ using testing::draw;
 
 namespace {
 
-bool same(const PixelRun& a, const PixelRun& b) {
+bool same_run(const PixelRun& a, const PixelRun& b) {
   return a.row == b.row && a.first == b.first && a.end == b.end && a.grey == b.grey;
 }
 
@@ -45,7 +45,7 @@ TEST_CASE("A dark mask has no runs, and a fully lit one has one in each row") {
     std::ranges::fill(mask.row(y), std::uint8_t{255});
   runs.extract(mask);
   REQUIRE(runs.runs().size() == 3);
-  CHECK(same(runs.runs()[1], {1, 0, 100, 25500}));
+  CHECK(same_run(runs.runs()[1], {1, 0, 100, 25500}));
   CHECK(runs.in_row(2).size() == 1);
   CHECK(runs.first_in_row(2) == 2);
   CHECK(runs.grey_sum() == 3 * 25500);
@@ -66,7 +66,7 @@ TEST_CASE("Runs equal those found pixel by pixel, at any width and place") {
     MaskRuns runs;
     runs.extract(mask);
     const std::vector<PixelRun> expected = pixel_by_pixel(mask);
-    RC_ASSERT(std::ranges::equal(runs.runs(), expected, same));
+    RC_ASSERT(std::ranges::equal(runs.runs(), expected, same_run));
     RC_ASSERT(runs.grey_sum() ==
               std::accumulate(mask.pixels().begin(), mask.pixels().end(), std::uint64_t{0}));
     for (std::int32_t y = 0; y < mask.height().count(); ++y) {

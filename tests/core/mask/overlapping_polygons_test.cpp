@@ -14,14 +14,14 @@ using namespace contourd::testing;
 
 namespace {
 
-constexpr int kSide = 48;
+constexpr int kDisplaySide = 48;
 
 // Tolerance in grey values. The reference misses the area between two of its lines: two values where one
 // level side ends, four where two do.
-constexpr double kTolerance = 4.5;
+constexpr double kGreyTolerance = 4.5;
 
 double worst_difference(const std::vector<Polygon>& polygons, ReferenceCoverage& reference) {
-  Rasterizer rasterizer(Pixels{kSide}, Pixels{kSide}, AntiAliasing::On);
+  Rasterizer rasterizer(Pixels{kDisplaySide}, Pixels{kDisplaySide}, AntiAliasing::On);
   for (const Polygon& polygon : polygons) {
     for (std::size_t i = 0; i < polygon.size(); ++i)
       rasterizer.add_side(polygon[i], polygon[(i + 1) % polygon.size()]);
@@ -36,12 +36,12 @@ double worst_difference(const std::vector<Polygon>& polygons, ReferenceCoverage&
 }
 
 double worst_difference(const std::vector<Polygon>& polygons) {
-  ReferenceCoverage reference(kSide, kSide);
+  ReferenceCoverage reference(kDisplaySide, kDisplaySide);
   return worst_difference(polygons, reference);
 }
 
 // Towards higher y on the left, as the rasterizer expects of solids.
-Polygon box(double left, double top, double right, double bottom) {
+Polygon solid_box(double left, double top, double right, double bottom) {
   return {{left, top}, {left, bottom}, {right, bottom}, {right, top}};
 }
 
@@ -69,18 +69,19 @@ TEST_CASE("A body with a copy that is a micrometre larger grows by a micrometre"
 TEST_CASE("Walls that lie flush in each other are as bright as a single wall") {
   for (const double edge : {10.25, 10.5, 10.75}) {
     CAPTURE(edge);
-    CHECK(worst_difference({box(5, 5, edge, 30), box(5, 10, edge, 20), box(7, 5, edge, 30)}) < 1.5);
+    CHECK(worst_difference(
+              {solid_box(5, 5, edge, 30), solid_box(5, 10, edge, 20), solid_box(7, 5, edge, 30)}) < 1.5);
   }
 }
 
 TEST_CASE("A shell that faces inwards and touches another leaves no line between them") {
   for (const double wall : {20.0, 20.25, 20.5})
-    CHECK(worst_difference({box(5, 5, wall, 30), turned_round(box(wall, 8, 40, 25))}) < 1.5);
+    CHECK(worst_difference({solid_box(5, 5, wall, 30), turned_round(solid_box(wall, 8, 40, 25))}) < 1.5);
 }
 
 TEST_CASE("A pixel in which corners of bodies overlap is as bright as both together") {
   CHECK(worst_difference({disc({15, 20}, 10, 90), disc({32, 20}, 9, 90)}) < 1.5);
-  CHECK(worst_difference({box(4, 4, 21.75, 21.75), box(20.25, 20.25, 40, 40)}) < 1.5);
+  CHECK(worst_difference({solid_box(4, 4, 21.75, 21.75), solid_box(20.25, 20.25, 40, 40)}) < 1.5);
 }
 
 TEST_CASE("Polygons of any kind cover their non-zero set") {
@@ -99,8 +100,8 @@ TEST_CASE("Polygons of any kind cover their non-zero set") {
           break;
         default: {  // on the pixels' grid, so that walls are shared
           const auto left = static_cast<double>(draw(0, 30)), top = static_cast<double>(draw(0, 30));
-          polygon =
-              box(left, top, left + static_cast<double>(draw(4, 20)), top + static_cast<double>(draw(4, 20)));
+          polygon = solid_box(left, top, left + static_cast<double>(draw(4, 20)),
+                              top + static_cast<double>(draw(4, 20)));
         }
       }
       if (draw(0, 2) == 0) polygon = turned_round(polygon);
@@ -112,9 +113,9 @@ TEST_CASE("Polygons of any kind cover their non-zero set") {
         p = {p.x + draw_real(-0.02, 0.02), p.y + draw_real(-0.02, 0.02)};
       polygons.push_back(again);
     }
-    ReferenceCoverage reference(kSide, kSide);
+    ReferenceCoverage reference(kDisplaySide, kDisplaySide);
     const double worst = worst_difference(polygons, reference);
     // One case in ten thousand overlaps only in slivers that no pixel shows.
-    RC_ASSERT(worst < kTolerance || !(reference.winds_once() || reference.shows_overlap()));
+    RC_ASSERT(worst < kGreyTolerance || !(reference.winds_once() || reference.shows_overlap()));
   }));
 }

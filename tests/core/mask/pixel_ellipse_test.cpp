@@ -2,44 +2,32 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "tests/catch.hpp"
-#include "tests/random_shapes.hpp"
+#include "tests/core/mask/conic_fixture.hpp"
 
 using namespace contourd;
 using namespace contourd::testing;
 
 namespace {
 
-constexpr std::int32_t kWidth = 64;
+constexpr std::int32_t kColumns = kMillimeterDisplay.width.count();
 
-PixelEllipse draw_ellipse() {
-  const DisplayGeometry display{Pixels{kWidth}, Pixels{48}, Micrometers{1000.0}};
-  const double turn = draw_real(0, 2 * std::numbers::pi);
-  const double half_length = draw_real(0.3, 30), half_width = draw_real(0.3, 30);
-  const double narrow = half_width / half_length;
-  const ConicCut cut{{draw_real(-40, 40), draw_real(-30, 30)},
-                     {std::cos(turn), std::sin(turn)},
-                     -half_length,
-                     half_length,
-                     {half_width, narrow},
-                     {half_width, -narrow},
-                     true};
-  return pixel_ellipse(cut, PixelMap::true_scale(display, {0, 0}));
+PixelEllipse draw_pixel_ellipse() {
+  return pixel_ellipse(draw_ellipse(), PixelMap::true_scale(kMillimeterDisplay, {0, 0}));
 }
 
 }  // namespace
 
 TEST_CASE("Row ends are the same with wide vectors and with the instructions of every processor") {
   CHECK(rc::check([] {
-    const PixelEllipse ellipse = draw_ellipse();
+    const PixelEllipse ellipse = draw_pixel_ellipse();
     const auto top = static_cast<std::int32_t>(std::floor(ellipse.middle.y - ellipse.reach_y));
     const auto rows = static_cast<std::size_t>(2 * ellipse.reach_y + 2);
     std::vector<std::int32_t> first(rows), end(rows), baseline_first(rows), baseline_end(rows);
-    find_row_ends(ellipse, top, kWidth, {first, end});
-    find_row_ends_baseline(ellipse, top, kWidth, {baseline_first, baseline_end});
+    find_row_ends(ellipse, top, kColumns, {first, end});
+    find_row_ends_baseline(ellipse, top, kColumns, {baseline_first, baseline_end});
     RC_ASSERT(first == baseline_first);
     RC_ASSERT(end == baseline_end);
   }));
@@ -47,7 +35,7 @@ TEST_CASE("Row ends are the same with wide vectors and with the instructions of 
 
 TEST_CASE("An ellipse reaches as far as its rows do") {
   CHECK(rc::check([] {
-    const PixelEllipse ellipse = draw_ellipse();
+    const PixelEllipse ellipse = draw_pixel_ellipse();
     double farthest = 0;
     for (int i = -1000; i <= 1000; ++i) {
       const double y = ellipse.reach_y * i / 1000;

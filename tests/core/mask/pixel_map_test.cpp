@@ -7,21 +7,16 @@
 #include "core/engine/contour_engine.hpp"
 #include "core/model/placement.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/near.hpp"
 #include "tests/models/models.hpp"
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
 using testing::draw;
 using testing::draw_real;
+using testing::near;
 
 namespace {
-
-// Tolerance for coordinates of some thousand pixels after several roundings of 2^-53 each.
-constexpr double kRoundingPx = 1e-9;
-
-bool near(double a, double b) {
-  return std::fabs(a - b) <= kRoundingPx;
-}
 
 DisplayGeometry display(int width, int height, double pitch_um = 50) {
   return {Pixels{width}, Pixels{height}, Micrometers{pitch_um}};
@@ -60,8 +55,8 @@ TEST_CASE("Fit to display follows the thesis's equations, with row 0 at the larg
     const PixelPoint right = map.to_pixels({p.x + 1, p.y}), back = map.to_pixels({p.x, p.y + 1});
     RC_ASSERT(near(std::fabs(right.x - pixel.x), map.pixels_per_mm()));
     RC_ASSERT(near(std::fabs(back.y - pixel.y), map.pixels_per_mm()));
-    RC_ASSERT(pixel.x >= -kRoundingPx && pixel.x <= width - 1 + kRoundingPx);
-    RC_ASSERT(pixel.y >= -kRoundingPx && pixel.y <= height - 1 + kRoundingPx);
+    RC_ASSERT(pixel.x >= -testing::kRounding && pixel.x <= width - 1 + testing::kRounding);
+    RC_ASSERT(pixel.y >= -testing::kRounding && pixel.y <= height - 1 + testing::kRounding);
   }));
 }
 

@@ -143,17 +143,11 @@ TEST_CASE("A rasterizer has 1 to 16384 pixels a side") {
 
 TEST_CASE("Without anti-aliasing a pixel is lit where its centre's winding number is not zero") {
   CHECK(rc::check([] {
-    constexpr int kWidth = 70, kHeight = 40;  // more than one word of touched bits
     std::vector<Polygon> polygons(static_cast<std::size_t>(draw(1, 4)));
     for (Polygon& polygon : polygons)
       polygon = draw_polygon(-20, 90, -20, 60);
-    const Mask mask = painted(kWidth, kHeight, AntiAliasing::Off, polygons);
-    for (int row = 0; row < kHeight; ++row) {
-      for (int column = 0; column < kWidth; ++column) {
-        const int expected = winding_at_center(polygons, column, row) != 0 ? 255 : 0;
-        RC_ASSERT(static_cast<int>(mask.row(row)[static_cast<std::size_t>(column)]) == expected);
-      }
-    }
+    // More than one word of touched bits.
+    expect_lit_centers(painted(70, 40, AntiAliasing::Off, polygons), polygons);
   }));
 }
 
@@ -179,7 +173,6 @@ TEST_CASE("A centre exactly on a shared side belongs to exactly one of the two p
 // on it.
 TEST_CASE("A centre exactly on a vertex or a side falls to the right and below") {
   CHECK(rc::check([] {
-    constexpr int kWidth = 24, kHeight = 20;
     std::vector<Polygon> polygons(static_cast<std::size_t>(draw(1, 3)));
     for (Polygon& polygon : polygons) {
       polygon.resize(static_cast<std::size_t>(draw(3, 7)));
@@ -187,13 +180,7 @@ TEST_CASE("A centre exactly on a vertex or a side falls to the right and below")
       for (PixelPoint& p : polygon)
         p = {static_cast<double>(draw(-10, 60)) / 2, static_cast<double>(draw(-10, 50)) / 2};
     }
-    const Mask mask = painted(kWidth, kHeight, AntiAliasing::Off, polygons);
-    for (int row = 0; row < kHeight; ++row) {
-      for (int column = 0; column < kWidth; ++column) {
-        const int expected = winding_at_center(polygons, column, row) != 0 ? 255 : 0;
-        RC_ASSERT(static_cast<int>(mask.row(row)[static_cast<std::size_t>(column)]) == expected);
-      }
-    }
+    expect_lit_centers(painted(24, 20, AntiAliasing::Off, polygons), polygons);
   }));
 }
 
@@ -251,7 +238,7 @@ TEST_CASE("Slivers of a thousandth of a pixel lose no light and add none") {
     const Mask mask = painted(kSide, kSide, AntiAliasing::On, {sliver});
     // Half a level for the rounding to bytes, and, as for kOneLevel, 4 * 3 / 2 * 255 / 2^15 = 0.05 for the
     // rounding of the sums: a share below half a level is dark.
-    constexpr double kRounding = 0.55;
+    constexpr double kSliverLevels = 0.55;
     int touched = 0;
     for (int row = 0; row < kSide; ++row) {
       for (int column = 0; column < kSide; ++column) {
@@ -262,11 +249,11 @@ TEST_CASE("Slivers of a thousandth of a pixel lose no light and add none") {
         RC_ASSERT(!far || level == 0);
         if (far) continue;
         const double covered = covered_part_of_pixel(sliver, column, row);
-        RC_ASSERT(std::fabs(level - 255 * covered) <= kRounding);
+        RC_ASSERT(std::fabs(level - 255 * covered) <= kSliverLevels);
         touched += covered > 0;
       }
     }
-    RC_ASSERT(std::fabs(mask.lit_area() - length * width) <= touched * kRounding / 255);
+    RC_ASSERT(std::fabs(mask.lit_area() - length * width) <= touched * kSliverLevels / 255);
   }));
 }
 

@@ -9,7 +9,7 @@
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
-using testing::together;
+using models::together;
 
 namespace {
 

@@ -10,6 +10,7 @@
 #include "tests/models/models.hpp"
 
 using namespace contourd;
+using models::together;
 
 namespace {
 
@@ -19,14 +20,7 @@ OrientationChoice chosen(const models::Facets& facets, OrientationRequest reques
   return choose_orientation(facets, request).value();
 }
 
-models::Facets together(std::initializer_list<models::Facets> parts) {
-  models::Facets all;
-  for (const models::Facets& part : parts)
-    all.insert(all.end(), part.begin(), part.end());
-  return all;
-}
-
-models::Facets table() {
+models::Facets large_table() {
   return together({models::box({0, 0, 20}, {40, 40, 23}), models::box({0, 0, 0}, {3, 3, 23}),
                    models::box({37, 0, 0}, {40, 3, 23}), models::box({0, 37, 0}, {3, 40, 23}),
                    models::box({37, 37, 0}, {40, 40, 23})});
@@ -57,7 +51,7 @@ TEST_CASE("A ball with a flat face stands on that face, however it is drawn") {
 }
 
 TEST_CASE("A table on its legs is turned upside down") {
-  const OrientationChoice choice = chosen(table());
+  const OrientationChoice choice = chosen(large_table());
   CHECK(choice.chosen().up == Direction{0, 0, -1});
   CHECK(choice.chosen().contacts == 0);
 }
@@ -116,13 +110,13 @@ TEST_CASE("A face that is to be kept clean is neither on the plate nor supported
 }
 
 TEST_CASE("An inside-out model is turned like the same model the right way out") {
-  models::Facets facets = table();
+  models::Facets facets = large_table();
   models::invert(facets);
-  CHECK(chosen(facets).chosen() == chosen(table()).chosen());
+  CHECK(chosen(facets).chosen() == chosen(large_table()).chosen());
 }
 
 TEST_CASE("The alternatives are ranked, with the model as it is drawn among them") {
-  const OrientationChoice choice = chosen(table());
+  const OrientationChoice choice = chosen(large_table());
   REQUIRE(choice.ranked.size() > 5);
   CHECK(std::ranges::is_sorted(choice.ranked, {}, &OrientationFigures::score));
   CHECK(std::ranges::count(choice.ranked, Direction{0, 0, 1}, &OrientationFigures::up) == 1);

@@ -7,6 +7,7 @@
 #include "tests/models/models.hpp"
 
 using namespace contourd;
+using models::together;
 
 namespace {
 
@@ -16,13 +17,6 @@ OrientationFigures rated(const models::Facets& facets, const Direction& up, Mesh
                          const OrientationRequest& request = {}) {
   const RatedMesh mesh({.facets = facets, .cell_mm = kContactCellMm, .keep_clean = request.keep_clean});
   return OrientationRating(mesh, request, kind).rate(up);
-}
-
-models::Facets together(std::initializer_list<models::Facets> parts) {
-  models::Facets all;
-  for (const models::Facets& part : parts)
-    all.insert(all.end(), part.begin(), part.end());
-  return all;
 }
 
 // Returns a shelf of this depth and a thickness of 2 that sticks out of a wall at a height of 10, in one

@@ -4,26 +4,10 @@
 #include <vector>
 
 #include "tests/catch.hpp"
+#include "tests/core/text_mask.hpp"
 
 using namespace contourd;
-
-namespace {
-
-// Builds a mask with a row for each text, its lit pixels '#'.
-MaskRuns runs_of(const std::vector<std::string_view>& rows) {
-  Mask mask(Pixels{static_cast<std::int32_t>(rows.front().size())},
-            Pixels{static_cast<std::int32_t>(rows.size())});
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    for (std::size_t column = 0; column < rows[row].size(); ++column) {
-      if (rows[row][column] == '#') mask.row(static_cast<std::int32_t>(row))[column] = 255;
-    }
-  }
-  MaskRuns runs;
-  runs.extract(mask);
-  return runs;
-}
-
-}  // namespace
+using testing::runs_of;
 
 TEST_CASE("Pixels that touch by a side or a corner are one part") {
   const MaskRuns dark = runs_of({"......", "......", "......"});

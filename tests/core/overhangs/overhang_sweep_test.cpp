@@ -18,10 +18,10 @@
 #include "tests/core/section_fixture.hpp"
 
 using namespace contourd;
+using models::together;
 using testing::contacts_of;
 using testing::held_request;
 using testing::prism;
-using testing::together;
 
 namespace {
 

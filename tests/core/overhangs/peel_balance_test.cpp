@@ -1,30 +1,28 @@
 #include "core/overhangs/peel_balance.hpp"
 
+#include <string>
+
 #include "tests/catch.hpp"
+#include "tests/core/text_mask.hpp"
 
 using namespace contourd;
 
 namespace {
 
-// A layer with a single part of that many pixels, in one row.
-struct Rows {
-  explicit Rows(std::int32_t pixels) {
-    Mask mask(Pixels{100}, Pixels{1});
-    for (std::int32_t i = 0; i < pixels; ++i)
-      mask.row(0)[static_cast<std::size_t>(i)] = 255;
-    runs.extract(mask);
-  }
-  MaskRuns runs;
-};
+// Returns the balance of a body whose layer is a row of 80 pixels.
+PeelBalance peel_of_wide_body(double contact_holds) {
+  LayerParts parts;
+  parts.add_layer(testing::runs_of({std::string(80, '#') + std::string(20, '.')}),
+                  testing::runs_of({std::string(100, '.')}));
+  PeelBalance peel(contact_holds);
+  peel.add_layer(parts);
+  return peel;
+}
 
 }  // namespace
 
 TEST_CASE("A body is overloaded while half its layer is more than its contacts hold") {
-  const Rows dark(0), wide(80);
-  LayerParts parts;
-  PeelBalance peel(15);
-  parts.add_layer(wide.runs, dark.runs);
-  peel.add_layer(parts);
+  PeelBalance peel = peel_of_wide_body(15);
   for (int contacts = 0; contacts < 3; ++contacts) {
     CHECK(peel.overloaded(0));
     peel.add_contact({contacts, 0}, 0);
@@ -35,21 +33,13 @@ TEST_CASE("A body is overloaded while half its layer is more than its contacts h
 }
 
 TEST_CASE("A body that stands on the plate is never overloaded") {
-  const Rows dark(0), wide(80);
-  LayerParts parts;
-  PeelBalance peel(1);
-  parts.add_layer(wide.runs, dark.runs);
-  peel.add_layer(parts);
+  PeelBalance peel = peel_of_wide_body(1);
   peel.stand(0);
   CHECK_FALSE(peel.overloaded(0));
 }
 
 TEST_CASE("The place farthest from all contacts is taken, a steep one only if no other is left") {
-  const Rows dark(0), wide(80);
-  LayerParts parts;
-  PeelBalance peel(1);
-  parts.add_layer(wide.runs, dark.runs);
-  peel.add_layer(parts);
+  PeelBalance peel = peel_of_wide_body(1);
   CHECK_FALSE(peel.take_place(0));
   peel.add_place({{10, 0}, 1, false}, 0);
   peel.add_place({{30, 0}, 1, false}, 0);

@@ -15,9 +15,9 @@
 
 using namespace contourd;
 using models::Facets;
+using models::inverted;
+using models::together;
 using testing::Approx;
-using testing::inverted;
-using testing::together;
 
 namespace {
 

@@ -9,12 +9,12 @@
 
 using namespace contourd;
 using models::Facets;
-using testing::inverted;
-using testing::together;
+using models::inverted;
+using models::together;
 
 namespace {
 
-Facets box() {
+Facets cube_of_4() {
   return models::box({0, 0, 0}, {4, 4, 4});
 }
 
@@ -32,7 +32,7 @@ int imbalance(const FacetPatches& mesh, const std::vector<std::int32_t>& winding
 }  // namespace
 
 TEST_CASE("Solids that do not meet are groups of their own, and consistent") {
-  const FacetPatches mesh = patches_of(together(box(), models::box({9, 0, 0}, {12, 3, 3})));
+  const FacetPatches mesh = patches_of(together(cube_of_4(), models::box({9, 0, 0}, {12, 3, 3})));
   const PatchGroups groups = balance_patches(mesh);
   REQUIRE(groups.groups.size() == 2);
   CHECK(groups.windings == std::vector<std::int32_t>{1, 1});
@@ -43,7 +43,7 @@ TEST_CASE("Solids that do not meet are groups of their own, and consistent") {
 }
 
 TEST_CASE("The majority of a patch's facets decides how it is turned") {
-  Facets facets = inverted(box());
+  Facets facets = inverted(cube_of_4());
   std::swap(facets[3].vertices[0], facets[3].vertices[1]);
   const FacetPatches mesh = patches_of(facets);
   const PatchGroups groups = balance_patches(mesh);
@@ -54,7 +54,7 @@ TEST_CASE("The majority of a patch's facets decides how it is turned") {
 }
 
 TEST_CASE("A solid that is there in both directions is double-sided and counts once") {
-  const FacetPatches mesh = patches_of(together(box(), inverted(box())));
+  const FacetPatches mesh = patches_of(together(cube_of_4(), inverted(cube_of_4())));
   const PatchGroups groups = balance_patches(mesh);
   REQUIRE(groups.groups.size() == 1);
   CHECK(groups.groups[0].double_sided);
@@ -62,7 +62,7 @@ TEST_CASE("A solid that is there in both directions is double-sided and counts o
 }
 
 TEST_CASE("A solid that is there twice counts twice") {
-  const PatchGroups groups = balance_patches(patches_of(together(box(), box())));
+  const PatchGroups groups = balance_patches(patches_of(together(cube_of_4(), cube_of_4())));
   CHECK(groups.windings == std::vector<std::int32_t>{2});
   CHECK_FALSE(groups.groups[0].inconsistent);
 }

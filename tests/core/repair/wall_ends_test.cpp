@@ -30,19 +30,19 @@ std::ptrdiff_t kept(const Facets& facets, std::size_t walls) {
 
 TEST_CASE("Walls that end all around stay walls, however many there are") {
   CHECK(kept(wall(0, 0), 1) == 1);
-  CHECK(kept(testing::together(wall(0, 0), wall(0, 5)), 2) == 2);
+  CHECK(kept(models::together(wall(0, 0), wall(0, 5)), 2) == 2);
   CHECK(kept(wall(0, 0), 0) == 0);
 }
 
 TEST_CASE("A wall that continues in another within a pixel is grouped with it") {
   for (const float gap : {0.0F, 0.001F, 0.04F}) {
-    const Facets both = testing::together(wall(0, 0), wall(10, gap));
+    const Facets both = models::together(wall(0, 0), wall(10, gap));
     // Without a gap they share an edge and are one patch.
     const std::size_t patches = gap == 0 ? 1 : 2;
     CHECK(kept(both, patches) == static_cast<std::ptrdiff_t>(patches));
     if (patches == 2) CHECK(kept(both, 1) == 0);
   }
-  CHECK(kept(testing::together(wall(0, 0), wall(10, 0.06F)), 1) == 1);
+  CHECK(kept(models::together(wall(0, 0), wall(10, 0.06F)), 1) == 1);
 }
 
 TEST_CASE("A surface that ends nowhere is no wall, even if none of its facets meets another exactly") {

@@ -7,7 +7,7 @@
 #include "tests/models/damage.hpp"
 
 using namespace contourd;
-using testing::together;
+using models::together;
 
 namespace {
 

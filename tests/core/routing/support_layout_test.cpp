@@ -12,10 +12,10 @@
 #include "tests/random_shapes.hpp"
 
 using namespace contourd;
+using models::together;
 using testing::draw;
 using testing::draw_real;
 using testing::kBuildArea;
-using testing::together;
 
 namespace {
 
@@ -138,7 +138,7 @@ TEST_CASE("The wall of a tilted plate is held along its normal, no flatter than 
 TEST_CASE("An arch over a block has a foot on the block if no path leads to the plate") {
   // A tunnel with a floor, 12 mm long and 8 mm high, closed on all sides.
   const models::Facets room =
-      together(models::box({-8, -8, 0}, {8, 8, 20}), testing::inverted(models::box({-5, -5, 6}, {5, 5, 14})));
+      together(models::box({-8, -8, 0}, {8, 8, 20}), models::inverted(models::box({-5, -5, 6}, {5, 5, 14})));
   const Supports supports = supports_for(room, {contact(0, 0, 14), contact(2, 1, 14)});
   CHECK(supports.contacts.size() == 2);
   CHECK(supports.feet == 0);
@@ -176,7 +176,7 @@ TEST_CASE("A comb's slots are held, its teeth not touched") {
 
 TEST_CASE("Branches under a ring stay clear of the pin in its middle, which is another model") {
   const models::Facets ring = together(models::box({-6, -6, 10}, {6, 6, 13}),
-                                       testing::inverted(models::box({-3, -3, 10}, {3, 3, 13})));
+                                       models::inverted(models::box({-3, -3, 10}, {3, 3, 13})));
   const models::Facets pin = models::box({-1.5F, -1.5F, 0}, {1.5F, 1.5F, 18});
   LitLayers layers;
   testing::stack({ring, pin}, kBuildArea, layers);
@@ -203,7 +203,7 @@ TEST_CASE("Supports at the build area's edge stay inside it") {
 TEST_CASE("A place that no support reaches is reported with its reason") {
   // A gap of 0.15 mm in a box has no room for a support.
   const models::Facets closed = together(models::box({-8, -8, 0}, {8, 8, 20}),
-                                         testing::inverted(models::box({-5, -5, 6}, {5, 5, 6.15F})));
+                                         models::inverted(models::box({-5, -5, 6}, {5, 5, 6.15F})));
   const Supports supports = supports_for(closed, {contact(0, 0, 6.15)});
   CHECK_FALSE(supports.structure);
   REQUIRE(supports.unheld.size() == 1);
@@ -233,7 +233,7 @@ TEST_CASE("A place that no tip reaches is held beside it, where the material is 
 TEST_CASE("An island close beside a wall, with room for no tip, is joined to the wall") {
   // A space as narrow as a tip, with a flake beside one of its walls.
   const models::Facets room = together(models::box({-8, -8, 0}, {8, 8, 20}),
-                                       testing::inverted(models::box({-0.25F, -5, 6}, {0.25F, 5, 18})));
+                                       models::inverted(models::box({-0.25F, -5, 6}, {0.25F, 5, 18})));
   const models::Facets all = together(room, models::box({-0.1F, -0.1F, 12}, {0.1F, 0.1F, 13}));
   SupportContact flake = contact(0, 0, 12);
   CHECK(supports_for(all, {flake}).unheld.size() == 1);

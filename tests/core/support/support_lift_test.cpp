@@ -7,7 +7,7 @@
 #include "tests/models/models.hpp"
 
 using namespace contourd;
-using testing::together;
+using models::together;
 
 namespace {
 

@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "core/engine/contour_engine.hpp"
-#include "tests/allocation_counter.hpp"
 #include "tests/catch.hpp"
+#include "tests/core/engine_fixture.hpp"
 #include "tests/core/section_fixture.hpp"
 #include "tests/core/support/random_primitives.hpp"
+#include "tests/core/warm_allocations.hpp"
 
 using namespace contourd;
 using namespace contourd::testing;
@@ -34,12 +35,6 @@ std::vector<SupportPrimitive> forest(int side) {
     primitives.push_back(Frustum{{x, y, top}, {x + 1, y + 0.5, top + 1.5}, 0.5, 0.2});
   }
   return primitives;
-}
-
-PlateModel standing_on(const DisplayGeometry& display) {
-  return {{std::make_shared<const HeightIndex>(models::gyroid_sphere(10, 6, 24)),
-           Elevation(Nanometers{5'000'000})},
-          {PixelMap::true_scale(display, {0, 0})}};
 }
 
 }  // namespace
@@ -92,18 +87,15 @@ TEST_CASE("Primitives stay in the order in which they were given") {
 TEST_CASE("Warm sections, and masks with them, allocate nothing") {
   const auto structure = std::make_shared<const SupportStructure>(forest(9));
   const DisplayGeometry display{Pixels{640}, Pixels{640}};
-  ContourEngine engine({standing_on(display)}, {display}, structure);
+  ContourEngine engine({plate_model(models::gyroid_sphere(10, 6, 24), Elevation(mm(5)), display)}, {display},
+                       structure);
   Contours contours;
-  long during_second = 0;
-  for (int pass = 0; pass < 2; ++pass) {
-    const long before = testing::allocations();
-    for (Nanometers height{0}; height < Nanometers{26'000'000}; height += Nanometers{300'000}) {
-      structure->section_at(height, contours);
-      (void)engine.mask_at(height);
-    }
-    during_second = testing::allocations() - before;
-  }
-  CHECK(during_second == 0);
+  CHECK(allocations_when_warm(2, [&] {
+          for (Nanometers height{0}; height < Nanometers{26'000'000}; height += Nanometers{300'000}) {
+            structure->section_at(height, contours);
+            (void)engine.mask_at(height);
+          }
+        }) == 0);
 }
 
 TEST_CASE("Supports are lit in a mask at the size of their sections") {

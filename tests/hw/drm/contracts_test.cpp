@@ -12,7 +12,7 @@ using testing::contract_broken_by;
 
 namespace {
 
-alignas(4) std::array<std::byte, 4 * 5 * 3 + 1> memory;
+alignas(4) std::array<std::byte, 4 * 5 * 3 + 1> pixel_memory;
 
 FrameWriter::Layout layout(std::size_t stride_bytes) {
   return {.width = Pixels{5}, .height = Pixels{3}, .stride_bytes = stride_bytes};
@@ -20,7 +20,7 @@ FrameWriter::Layout layout(std::size_t stride_bytes) {
 
 std::string writing(std::size_t stride_bytes, std::size_t begin, std::size_t bytes) {
   return contract_broken_by(
-      [=] { FrameWriter(layout(stride_bytes), std::span(memory).subspan(begin, bytes)); });
+      [=] { FrameWriter(layout(stride_bytes), std::span(pixel_memory).subspan(begin, bytes)); });
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ TEST_CASE("FrameWriter requires memory that holds its rows and is aligned") {
 }
 
 TEST_CASE("FrameWriter requires masks of its size") {
-  FrameWriter writer(layout(20), std::span(memory).first(60));
+  FrameWriter writer(layout(20), std::span(pixel_memory).first(60));
   CHECK(contract_broken_by([&] { writer.write(Mask(Pixels{5}, Pixels{3})); }).empty());
   CHECK(contract_broken_by([&] { writer.write(Mask(Pixels{5}, Pixels{4})); }) ==
         "the mask has the layout's size");

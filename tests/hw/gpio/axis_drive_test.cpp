@@ -25,7 +25,7 @@ namespace {
 using RunKind = AxisDrive::RunKind;
 using Words = std::vector<std::string>;
 
-constexpr MillimetersPerSecond kSpeed{5};
+constexpr MillimetersPerSecond kRunSpeed{5};
 
 GpioAxisConfig drive_config(Nanometers backlash = Nanometers{0}) {
   GpioAxisConfig config;
@@ -64,7 +64,7 @@ struct DriveFixture : testing::VirtualTimeFixture {
     pass(config.enable_settle);
   }
   void run(RunKind kind, std::int64_t steps) {
-    drive.run(kind, Microsteps{steps}, kSpeed, [this] { did.emplace_back("over"); });
+    drive.run(kind, Microsteps{steps}, kRunSpeed, [this] { did.emplace_back("over"); });
   }
   Words done() { return std::exchange(did, {}); }
 
@@ -120,7 +120,7 @@ TEST_CASE_METHOD(DriveFixture,
 TEST_CASE_METHOD(DriveFixture,
                  "A run makes its steps and then calls its callback, which may begin the next run") {
   begin();
-  drive.run(RunKind::Move, Microsteps{300}, kSpeed, [this] { run(RunKind::Move, -100); });
+  drive.run(RunKind::Move, Microsteps{300}, kRunSpeed, [this] { run(RunKind::Move, -100); });
   turn();
   CHECK(engine.position() == 300);
   CHECK(done() == Words{"ready"});
@@ -273,12 +273,12 @@ TEST_CASE("The plate approaches a position from below if the screw has play") {
   DriveFixture fixture(drive_config(Nanometers{50'000}));  // 40 steps
   fixture.position.become_known();
   fixture.begin();
-  fixture.approach.begin(Microsteps{1'000}, kSpeed, [&fixture] { fixture.did.emplace_back("there"); });
+  fixture.approach.begin(Microsteps{1'000}, kRunSpeed, [&fixture] { fixture.did.emplace_back("there"); });
   fixture.turn();
   CHECK(fixture.done() == Words{"ready", "there"});
   CHECK(fixture.position.by_steps().plate() == Microsteps{1'000});
 
-  fixture.approach.begin(Microsteps{500}, kSpeed, [&fixture] { fixture.did.emplace_back("there"); });
+  fixture.approach.begin(Microsteps{500}, kRunSpeed, [&fixture] { fixture.did.emplace_back("there"); });
   fixture.turn();
   CHECK(fixture.engine.position() == 460);
   CHECK(fixture.done().empty());

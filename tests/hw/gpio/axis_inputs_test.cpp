@@ -32,15 +32,15 @@ class Lamp final : public LightCutoff {
   bool cut_ = false;
 };
 
-constexpr Duration kDebounce = 5ms;  // of each contact
+constexpr Duration kInputDebounce = 5ms;
 
 struct InputsFixture {
   InputsFixture() { build(); }
   void build() {
     AxisInputs::Lines lines;
-    lines.contacts[0] = {&limit, kDebounce};
-    lines.contacts[static_cast<std::size_t>(AxisInput::EmergencyStop)] = {&stop, kDebounce};
-    lines.contacts[static_cast<std::size_t>(AxisInput::Lid)] = {&lid, kDebounce};
+    lines.contacts[0] = {&limit, kInputDebounce};
+    lines.contacts[static_cast<std::size_t>(AxisInput::EmergencyStop)] = {&stop, kInputDebounce};
+    lines.contacts[static_cast<std::size_t>(AxisInput::Lid)] = {&lid, kInputDebounce};
     inputs.emplace(engine, lines, testing::test_now);
     inputs->set_light_cutoff(&lamp);
     next = inputs->serve();
@@ -98,7 +98,7 @@ TEST_CASE_METHOD(InputsFixture,
   pass(100ms);
   CHECK(engine.inhibited() == !by_lid);
   set(wire, false);
-  pass(kDebounce - 1ns);
+  pass(kInputDebounce - 1ns);
   (void)told();
   CHECK(lamp.is_cut());
   pass(1ns);
@@ -193,7 +193,7 @@ TEST_CASE_METHOD(
   stop.set(true, test_time);
   pass(20ms);
   CHECK(lamp.is_cut());
-  pass(kDebounce);
+  pass(kInputDebounce);
   CHECK(engine.inhibited());
 }
 
@@ -217,7 +217,7 @@ TEST_CASE_METHOD(InputsFixture,
 
 TEST_CASE_METHOD(InputsFixture, "An emergency stop that stays unreadable inhibits the steps") {
   stop.unreadable = true;
-  pass(20ms + kDebounce);
+  pass(20ms + kInputDebounce);
   CHECK(engine.inhibited());
   CHECK(states_of(told(), AxisInput::EmergencyStop) == States{SafetyState::Debouncing, SafetyState::Unsafe});
 }
@@ -256,11 +256,11 @@ TEST_CASE("After random edges an input is unsafe until a debounce time of quiet,
     const auto settle = [&](std::size_t i, TimePoint now) {
       Truth& truth = truths[i];
       if (!truth.first) return;
-      if (!truth.lasted && (truth.level ? now : truth.last) - *truth.first >= kDebounce) {
+      if (!truth.lasted && (truth.level ? now : truth.last) - *truth.first >= kInputDebounce) {
         truth.lasted = true;
         expected[i].push_back(SafetyState::Unsafe);
       }
-      if (truth.level || now - truth.last < kDebounce) return;
+      if (truth.level || now - truth.last < kInputDebounce) return;
       expected[i].push_back(SafetyState::Safe);
       truth = {};
     };
@@ -303,7 +303,7 @@ TEST_CASE_METHOD(
   for (; !inputs->lost() && bursts < 1'000; ++bursts) {
     set(lid, true);
     set(lid, false);
-    pass(2 * kDebounce);
+    pass(2 * kInputDebounce);
   }
   REQUIRE(inputs->lost());
   CHECK(lamp.is_cut());
@@ -315,7 +315,7 @@ TEST_CASE_METHOD(
   // There is room again, but the inputs stay lost.
   set(lid, true);
   set(lid, false);
-  pass(2 * kDebounce);
+  pass(2 * kInputDebounce);
   CHECK(inputs->take_change());
   inputs->let_go();
   CHECK(inputs->lost());
@@ -326,7 +326,7 @@ TEST_CASE_METHOD(
 TEST_CASE_METHOD(InputsFixture, "A rule halts the steps once, and the cause is queued by then") {
   inputs->set_limit_rule(LimitRule::Beyond, -1);
   set(limit, true);
-  pass(2 * kDebounce);
+  pass(2 * kInputDebounce);
   REQUIRE(engine.interrupted());
   const auto changes = told();
   REQUIRE(changes.size() == 2);

@@ -51,8 +51,7 @@ std::size_t told(const Plant& plant, MachineEvent::Kind kind, const std::string&
 TEST_CASE("An encoder that loses a few counts in every lift does not make the plate drift in 200 layers") {
   for (const bool index : {false, true}) {
     Plant plant(corrected_config(EncoderConfig::Policy::Correct, index));
-    plant.build();
-    REQUIRE(plant.home() == HomingResult::Homed);
+    plant.build_homed();
     std::int64_t steps = 0;
     // 4 counts, 5 um, of the way down: 1 mm in 200 layers.
     plant.loses_count = [&] { return !plant.direction->level && ++steps % 110 == 0; };
@@ -71,8 +70,7 @@ TEST_CASE("However often an encoder loses counts, 200 layers end in a fault or w
   for (const unsigned one_in : {15U, 60U, 200U, 800U, 3'000U}) {
     for (const auto& [up, down] : {std::pair{true, false}, std::pair{false, true}, std::pair{true, true}}) {
       Plant plant(corrected_config(EncoderConfig::Policy::Correct, up && down));
-      plant.build();
-      REQUIRE(plant.home() == HomingResult::Homed);
+      plant.build_homed();
       plant.loses_count = [&, loses_up = up, loses_down = down] {
         return (plant.direction->level ? loses_up : loses_down) && random() % one_in == 0;
       };
@@ -88,8 +86,7 @@ TEST_CASE("However often an encoder loses counts, 200 layers end in a fault or w
 
 TEST_CASE("A correction is reported with its figures, and one beyond the limit is a fault") {
   Plant plant(corrected_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   int lost = 0;
   for (int i = 1; i <= 4; ++i) {
     lost = 0;
@@ -112,8 +109,7 @@ TEST_CASE("A correction is reported with its figures, and one beyond the limit i
 
 TEST_CASE("More lost steps in one move than may be corrected are a fault while the motor turns") {
   Plant plant(corrected_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   plant.pulses.clear();
   plant.dead = true;
   CHECK(plant.move_to(10) == MoveResult::Fault);
@@ -125,8 +121,7 @@ TEST_CASE("Disturbed encoder lines are a fault while the motor turns, but a few 
   for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
     for (const int spikes : {9, 12}) {
       Plant plant(corrected_config(policy));
-      plant.build();
-      REQUIRE(plant.home() == HomingResult::Homed);
+      plant.build_homed();
       std::vector<std::unique_ptr<Timer>> timers;
       for (int i = 0; i < spikes; ++i) {
         timers.push_back(
@@ -151,8 +146,7 @@ TEST_CASE("An encoder whose index agrees causes no report, up and down, reversed
     Plant plant(corrected_config(EncoderConfig::Policy::Fault, true));
     plant.config.encoder->reversed = reversed;
     plant.counts_down = reversed;
-    plant.build();
-    REQUIRE(plant.home() == HomingResult::Homed);
+    plant.build_homed();
     CHECK(prints(plant, 20));
     CHECK(plant.events.empty());
   }
@@ -165,8 +159,7 @@ TEST_CASE("A count that the index finds wrong is a fault, or is corrected to the
       c.encoder->reversed = reversed;
       Plant plant(c);
       plant.counts_down = reversed;
-      plant.build();
-      REQUIRE(plant.home() == HomingResult::Homed);
+      plant.build_homed();
       REQUIRE(plant.move_to(2) == MoveResult::Reached);
       int lost = 0;
       plant.loses_count = [&] { return lost < 60 && ++lost > 0; };  // 0.075 mm

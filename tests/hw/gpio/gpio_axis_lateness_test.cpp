@@ -48,8 +48,7 @@ TEST_CASE(
     for (const Duration held : {100ms, 1'000ms, 4'000ms}) {
       Plant plant(late_config(std::nullopt, s_curve));
       plant.pull_in = kPullIn;
-      plant.build();
-      REQUIRE(plant.home() == HomingResult::Homed);
+      plant.build_homed();
       std::size_t made = 0;
       const auto hold_up = plant.clock.call_after(2s, [&] {
         plant.hold_up_steps(held);
@@ -73,8 +72,7 @@ TEST_CASE(
 TEST_CASE("Up to its pull-in speed a delayed motor ramps up again and its position stays known") {
   Plant plant(late_config());
   plant.pull_in = kPullIn;
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   const auto hold_up = plant.clock.call_after(2s, [&] { plant.hold_up_steps(3s); });
   CHECK(plant.move_to(20, 2.5) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 16'000);
@@ -99,8 +97,7 @@ TEST_CASE("With an encoder a move continues after a delay, and the encoder tells
   for (const double pull_in : {kPullIn, 1e9}) {
     for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
       Plant plant(late_config(policy));
-      plant.build();
-      REQUIRE(plant.home() == HomingResult::Homed);
+      plant.build_homed();
       plant.pull_in = pull_in;
       bool told_at_once = false;
       const auto hold_up = plant.clock.call_after(1s, [&] { plant.hold_up_steps(1s); });
@@ -117,8 +114,7 @@ TEST_CASE("With an encoder a move continues after a delay, and the encoder tells
 TEST_CASE("With an encoder, steps lost in a delay are a fault or are corrected, by policy") {
   for (const auto policy : {EncoderConfig::Policy::Fault, EncoderConfig::Policy::Correct}) {
     Plant plant(late_config(policy));
-    plant.build();
-    REQUIRE(plant.home() == HomingResult::Homed);
+    plant.build_homed();
     int lost = 0;
     const auto hold_up = plant.clock.call_after(1s, [&] {
       plant.hold_up_steps(1s);

@@ -31,7 +31,7 @@ GpioAxisConfig guarded_config() {
   return config;
 }
 
-constexpr Duration kDebounce = 5ms;
+constexpr Duration kAxisDebounce = 5ms;
 
 std::vector<Kind> kinds(const Plant& plant) {
   std::vector<Kind> all;
@@ -69,15 +69,14 @@ constexpr Duration kForGood = 1000s;
 
 TEST_CASE("An emergency stop slows the motor from its first edge on, and halts it if it lasts") {
   Plant plant(guarded_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   bool answered_before = true;
   plant.on_event = [&] { answered_before = !plant.axis->moving(); };
   const Press press(plant, AxisInput::EmergencyStop, 2s, kForGood);
   CHECK(plant.move_to(50) == MoveResult::Fault);
   CHECK_FALSE(answered_before);  // the event comes before the move's answer
   // No step is made after the debounce time and 60 us for the thread to wake.
-  CHECK(plant.pulses.back() - press.at() <= kDebounce + 60us);
+  CHECK(plant.pulses.back() - press.at() <= kAxisDebounce + 60us);
   // Slower from the first edge on: 5 mm/s less 50 mm/s^2 for 5 ms is a twentieth, half of it on average, of
   // 20 steps.
   CHECK(press.steps_since(plant) <= 20);
@@ -92,15 +91,14 @@ TEST_CASE("An emergency stop slows the motor from its first edge on, and halts i
 
 TEST_CASE("An emergency stop halts the motor while the event loop is busy, and the fault is reported later") {
   Plant plant(guarded_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   std::optional<MoveResult> result;
   plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult r) { result = r; });
   plant.run_for(2s);
   const TimePoint pressed = plant.clock.now();
   plant.press(AxisInput::EmergencyStop, true);
   plant.run_threads_for(1s);
-  CHECK(plant.pulses.back() - pressed <= kDebounce + 60us);
+  CHECK(plant.pulses.back() - pressed <= kAxisDebounce + 60us);
   plant.run([&] { return result.has_value(); });
   CHECK(result == MoveResult::Fault);
   CHECK(kinds(plant) == Kinds{Kind::Fault});
@@ -129,8 +127,7 @@ TEST_CASE("While the emergency stop is pressed nothing moves, and after its rele
 
 TEST_CASE("The callback for an emergency stop may abort the move, whose answer is then dropped") {
   Plant plant(guarded_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   bool answered = false;
   plant.on_event = [&] { plant.axis->abort(); };
   plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult) { answered = true; });
@@ -143,8 +140,7 @@ TEST_CASE("The callback for an emergency stop may abort the move, whose answer i
 
 TEST_CASE("A spike on the emergency stop's line stops a move, which then continues with a known position") {
   Plant plant(guarded_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   const Press spike(plant, AxisInput::EmergencyStop, 2s, 1ms);
   CHECK(plant.move_to(20) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 16'000);
@@ -168,8 +164,7 @@ TEST_CASE("A spike on the emergency stop's line stops a move, which then continu
 
 TEST_CASE("No step is made before it is known whether the emergency stop is pressed") {
   Plant plant(guarded_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   const bool lasts = GENERATE(false, true);
   plant.pulses.clear();
   const Press press(plant, AxisInput::EmergencyStop, 1ms, lasts ? kForGood : Duration{2ms});
@@ -181,7 +176,7 @@ TEST_CASE("No step is made before it is known whether the emergency stop is pres
     CHECK(plant.pulses.empty());
     return;
   }
-  CHECK(plant.pulses.front() - press.at() >= 2ms + kDebounce);
+  CHECK(plant.pulses.front() - press.at() >= 2ms + kAxisDebounce);
   CHECK(plate_above_switch(plant) == 800);
 }
 
@@ -189,20 +184,19 @@ TEST_CASE("A move that a spike has stopped does not continue before the spike is
   GpioAxisConfig c = guarded_config();
   c.acceleration = MillimetersPerSecondSquared{5'000};  // at rest from 5 mm/s within a millisecond
   Plant plant(c);
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   const Press spike(plant, AxisInput::EmergencyStop, 2s, 4ms);
   CHECK(plant.move_to(20) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 16'000);
-  const TimePoint rested = spike.at() + 1ms + 1ms, over = spike.at() + 4ms + kDebounce;  // 1 ms of latency
+  const TimePoint rested = spike.at() + 1ms + 1ms,
+                  over = spike.at() + 4ms + kAxisDebounce;  // 1 ms of latency
   for (const TimePoint step : plant.pulses)
     REQUIRE((step <= rested || step >= over));
 }
 
 TEST_CASE("A move that waits for the emergency stop to settle can be stopped and aborted") {
   Plant plant(guarded_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   plant.pulses.clear();
   std::optional<MoveResult> result;
   const Press press(plant, AxisInput::EmergencyStop, 0ms, 4ms);
@@ -219,8 +213,7 @@ TEST_CASE("A move that waits for the emergency stop to settle can be stopped and
 TEST_CASE(
     "A move that is stopped because of a spike ends there, and the next one waits for the spike's end") {
   Plant plant(guarded_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   REQUIRE(plant.move_to(30) == MoveResult::Reached);
   plant.on_event = [&] { plant.axis->stop(); };  // like a print on its way down
   const Press spike(plant, AxisInput::EmergencyStop, 1s, 1ms);
@@ -291,8 +284,7 @@ TEST_CASE(
 
 TEST_CASE("An emergency stop that chatters for longer than its debounce time counts as pressed, once") {
   Plant plant(guarded_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   std::vector<std::unique_ptr<Press>> touches;
   for (int i = 0; i < 1'000; ++i)
     touches.push_back(std::make_unique<Press>(plant, AxisInput::EmergencyStop, 2s + i * 4ms, 300us));
@@ -315,8 +307,7 @@ TEST_CASE("A spike while nothing moves blocks moves until it has settled, and is
 
 TEST_CASE("Lid and emergency stop together are two interruptions and one fault") {
   Plant plant(guarded_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   const Press lid(plant, AxisInput::Lid, 1s, 2s), stop(plant, AxisInput::EmergencyStop, 1s, 2s);
   CHECK(plant.move_to(50) == MoveResult::Fault);
   CHECK(plant.axis->why_not_ready() == Sentences{"the emergency stop is pressed", "the lid is open"});
@@ -327,8 +318,7 @@ TEST_CASE("Lid and emergency stop together are two interruptions and one fault")
 
 TEST_CASE("An open lid is one interruption, which ends when it closes, and the motor does not stop") {
   Plant plant(guarded_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   const Duration lasting = GENERATE(Duration{1ms}, Duration{2s});
   const Press open(plant, AxisInput::Lid, 1s, lasting);
   CHECK(plant.move_to(20) == MoveResult::Reached);
@@ -340,8 +330,7 @@ TEST_CASE("An open lid is one interruption, which ends when it closes, and the m
 
 TEST_CASE("A safety input that cannot be read is reported and prevents a print") {
   Plant plant(guarded_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   plant.lines[static_cast<std::size_t>(AxisInput::Lid)]->unreadable = true;
   plant.run_for(100ms);
   CHECK(kinds(plant) == Kinds{Kind::Interlock});

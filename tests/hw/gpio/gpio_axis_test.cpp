@@ -107,8 +107,7 @@ TEST_CASE("Homing sets the configured switch height, and moves count from there"
   GpioAxisConfig c = screw_config();
   c.switch_height = mm(-0.5);
   Plant plant(c);
-  GpioAxis& axis = plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  GpioAxis& axis = plant.build_homed();
   CHECK(axis.height() == mm(-0.5));
   CHECK(plant.move_to(0) == MoveResult::Reached);
   CHECK(plate_above_switch(plant) == 400);
@@ -120,8 +119,7 @@ TEST_CASE("Homing upwards finds the switch at the top") {
   c.switch_height = mm(100.5);
   Plant plant(c);
   plant.limit.at = 60'000;
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   CHECK(plate_above_switch(plant) == 0);
   CHECK(plant.axis->height() == mm(100.5));
   CHECK(plant.move_to(40) == MoveResult::Reached);
@@ -183,8 +181,7 @@ TEST_CASE("A motor that turns the wrong way is noticed by the second switch") {
 
 TEST_CASE("Homing reports how far the switch has shifted since the last homing, by the steps in between") {
   Plant plant(screw_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   CHECK_FALSE(plant.axis->homing_shift());
   REQUIRE(plant.move_to(20) == MoveResult::Reached);
   REQUIRE(plant.home() == HomingResult::Homed);
@@ -201,8 +198,7 @@ TEST_CASE("Homing reports how far the switch has shifted since the last homing, 
 
 TEST_CASE("Homing from an unknown position reports no shift, nor does one that does not finish") {
   Plant plant(screw_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   SECTION("the position was lost") {
     REQUIRE(plant.nudge(1) == MoveResult::Reached);
     REQUIRE(plant.home() == HomingResult::Homed);
@@ -332,8 +328,7 @@ TEST_CASE("Moves end on the nearest microstep, in any direction and after any nu
 
 TEST_CASE("Moves beyond the travel are refused without a step") {
   Plant plant(screw_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   plant.pulses.clear();
   CHECK(plant.move_to(100.001) == MoveResult::OutsideTravel);
   CHECK(plant.move_to(-0.001) == MoveResult::OutsideTravel);
@@ -343,8 +338,7 @@ TEST_CASE("Moves beyond the travel are refused without a step") {
 
 TEST_CASE("A move takes its predicted time") {
   Plant plant(screw_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   const TimePoint start = plant.clock.now();
   REQUIRE(plant.move_to(10) == MoveResult::Reached);
   const Duration foretold = plant.axis->move_duration(mm(10), MillimetersPerSecond{5});
@@ -354,8 +348,7 @@ TEST_CASE("A move takes its predicted time") {
 
 TEST_CASE("A move is limited to the axis' top speed") {
   Plant plant(screw_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   plant.pulses.clear();
   REQUIRE(plant.move_to(20, 1000) == MoveResult::Reached);
   Duration shortest = 1s;
@@ -370,8 +363,7 @@ TEST_CASE("Pulses, pauses and direction changes keep their minimum times") {
   c.direction_setup = 5ms;
   Plant plant(c);
   plant.latency = 0ns;
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   REQUIRE(plant.move_to(5, 10) == MoveResult::Reached);
   CHECK(plant.shortest_pulse == 10us);
   CHECK(plant.shortest_pause >= 10us);
@@ -422,8 +414,7 @@ TEST_CASE("A step line that cannot be set is a fault") {
 
 TEST_CASE("Stop slows down, and the position stays known") {
   Plant plant(screw_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   plant.pulses.clear();
   TimePoint asked{};
   const auto stop = plant.clock.call_after(2s, [&] {
@@ -462,8 +453,7 @@ TEST_CASE("A stop at any moment of homing ends it soon") {
 
 TEST_CASE("An abort makes no further step and drops the answer and the position") {
   Plant plant(screw_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   bool answered = false;
   plant.axis->move_to(mm(50), MillimetersPerSecond{5}, [&](MoveResult) { answered = true; });
   plant.run_for(1s);
@@ -481,8 +471,7 @@ TEST_CASE("An abort makes no further step and drops the answer and the position"
 
 TEST_CASE("Homing right after the abort of a slow move waits for that move's end") {
   Plant plant(screw_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   plant.axis->move_to(mm(50), MillimetersPerSecond{0.01}, [](MoveResult) {});
   plant.run_for(1s);
   plant.axis->abort();
@@ -491,8 +480,7 @@ TEST_CASE("Homing right after the abort of a slow move waits for that move's end
 
 TEST_CASE("An abort while nothing moves leaves the position known") {
   Plant plant(screw_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   plant.axis->abort();
   CHECK(plant.axis->height() == Nanometers{0});
 }
@@ -502,8 +490,7 @@ TEST_CASE("Backlash is taken up from below") {
   c.backlash = mm(0.05);  // 40 steps
   Plant plant(c);
   plant.slack = 40;
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   CHECK(plate_above_switch(plant) == 0);
   for (const double target : {10.0, 5.0, 7.5, 2.0, 2.0, 0.0, 0.1}) {
     REQUIRE(plant.move_to(target) == MoveResult::Reached);
@@ -535,8 +522,7 @@ TEST_CASE("The plate's height is correct wherever a move with backlash is stoppe
 
 TEST_CASE("The height during a move follows the past and the planned steps") {
   Plant plant(screw_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   std::vector<std::pair<TimePoint, Nanometers>> seen, foretold;
   const TimePoint start = plant.clock.now();
   std::vector<std::unique_ptr<Timer>> looks;
@@ -591,8 +577,7 @@ TEST_CASE("Late steps shift the rest of the move and never come in a burst") {
 
 TEST_CASE("A limit switch that closes in the middle of a move halts it as a fault") {
   Plant plant(screw_config());
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   std::size_t made = 0;
   const auto press = plant.clock.call_after(2s, [&] {
     plant.limit.stuck = true;
@@ -609,8 +594,7 @@ TEST_CASE("A limit switch that closes in the middle of a move halts it as a faul
 TEST_CASE("A limit switch may close at its own height in a move") {
   Plant plant(screw_config());
   plant.limit.hysteresis = 400;
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   CHECK(plant.move_to(10) == MoveResult::Reached);
   CHECK(plant.move_to(0) == MoveResult::Reached);
   CHECK(plant.move_to(10) == MoveResult::Reached);
@@ -620,8 +604,7 @@ TEST_CASE("A limit switch may close at its own height in a move") {
 TEST_CASE("The second switch halts a move as a fault") {
   Plant plant(with_second_switch());
   plant.second.at = 40'000;
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   CHECK(plant.move_to(60) == MoveResult::Fault);
   CHECK(only_event_says(plant, MachineEvent::Kind::Fault, "(line 24 of gpiochip0) closed at 50."));
   plant.events.clear();
@@ -631,8 +614,7 @@ TEST_CASE("The second switch halts a move as a fault") {
 
 TEST_CASE("With an encoder the height is the measured one") {
   Plant plant(with_encoder(EncoderConfig::Policy::Fault));
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   int lost = 0;
   plant.loses_step = [&] { return lost < 20 && ++lost > 0; };  // 25 um: within the tolerance of 50
   CHECK(plant.move_to(10) == MoveResult::Reached);
@@ -643,8 +625,7 @@ TEST_CASE("With an encoder the height is the measured one") {
 
 TEST_CASE("Steps lost beyond the tolerance are a fault while the motor turns") {
   Plant plant(with_encoder(EncoderConfig::Policy::Fault));
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   plant.pulses.clear();
   const auto dies = plant.clock.call_after(2s, [&] { plant.dead = true; });
   CHECK(plant.move_to(50) == MoveResult::Fault);
@@ -665,8 +646,7 @@ TEST_CASE("A dead motor is noticed while homing") {
 
 TEST_CASE("Lost steps are corrected with the policy Correct") {
   Plant plant(with_encoder(EncoderConfig::Policy::Correct));
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   int lost = 0;
   plant.loses_step = [&] { return lost < 100 && ++lost > 0; };
   CHECK(plant.move_to(10) == MoveResult::Reached);
@@ -676,8 +656,7 @@ TEST_CASE("Lost steps are corrected with the policy Correct") {
 
 TEST_CASE("A motor that dies is a fault even with the policy Correct") {
   Plant plant(with_encoder(EncoderConfig::Policy::Correct));
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   plant.dead = true;
   plant.pulses.clear();
   CHECK(plant.move_to(0.2) == MoveResult::Fault);  // short enough for one correction to be tried
@@ -700,8 +679,7 @@ TEST_CASE("Homing and moves with an encoder and backlash agree") {
   c.backlash = mm(0.1);
   Plant plant(c);
   plant.slack = 80;
-  plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  plant.build_homed();
   for (const double target : {10.0, 5.0, 0.0}) {
     CHECK(plant.move_to(target) == MoveResult::Reached);
     CHECK(plate_above_switch(plant) == std::llround(target * 800));
@@ -712,8 +690,7 @@ TEST_CASE("Homing and moves with an encoder and backlash agree") {
 
 TEST_CASE("An axis whose motor was released has no known height until it has homed again") {
   Plant plant(with_enable());
-  GpioAxis& axis = plant.build();
-  REQUIRE(plant.home() == HomingResult::Homed);
+  GpioAxis& axis = plant.build_homed();
   CHECK(axis.release());
   CHECK_FALSE(plant.enable->level);
   CHECK_FALSE(axis.height());
@@ -721,8 +698,7 @@ TEST_CASE("An axis whose motor was released has no known height until it has hom
   CHECK(plant.home() == HomingResult::Homed);
   CHECK(plant.enable->level);
   Plant without(screw_config());
-  GpioAxis& other = without.build();
-  REQUIRE(without.home() == HomingResult::Homed);
+  GpioAxis& other = without.build_homed();
   CHECK_FALSE(other.release());
   CHECK(other.height());
 }

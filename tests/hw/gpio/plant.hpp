@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -139,6 +140,13 @@ class Plant final : public DescriptorWatcher {
       events.push_back(event);
       if (on_event) on_event();
     });
+    return *axis;
+  }
+
+  // Builds an axis and homes it.
+  GpioAxis& build_homed() {
+    build();
+    if (home() != HomingResult::Homed) throw std::runtime_error("the plant's axis was not homed");
     return *axis;
   }
 

@@ -42,8 +42,8 @@ class TellingLine final : public InputLine {
 };
 
 // A whole move, with an encoder edge at every step and a lid that opens and closes.
-struct Machine {
-  Machine() {
+struct TurningMotor {
+  TurningMotor() {
     AxisInputs::Lines lines;
     lines.contacts[static_cast<std::size_t>(AxisInput::Lid)] = {&lid, 1ms};
     lines.encoder_a = &encoder_a;
@@ -75,17 +75,17 @@ struct Machine {
 }  // namespace
 
 TEST_CASE("Neither steps nor edges allocate memory, from the first one on") {
-  Machine machine;
+  TurningMotor motor;
   const MotionLimits trapezoid{4'000, 20'000};
   MotionLimits s_curve = trapezoid;
   s_curve.jerk = 400'000;
   for (const MotionLimits& limits : {trapezoid, s_curve}) {
     const long before = testing::allocations();
-    const bool completed = machine.run(5'000, limits);
+    const bool completed = motor.run(5'000, limits);
     const long taken = testing::allocations() - before;
     CHECK(completed);
     CHECK(taken == 0);
   }
-  CHECK(machine.step.rises == 10'000);
-  CHECK(std::abs(machine.inputs->encoder_count()) >= 10'000);
+  CHECK(motor.step.rises == 10'000);
+  CHECK(std::abs(motor.inputs->encoder_count()) >= 10'000);
 }

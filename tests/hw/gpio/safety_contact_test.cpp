@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr Duration kDebounce = 5ms;
+constexpr Duration kContactDebounce = 5ms;
 
 // Returns the states that the contact reaches by `now`.
 std::vector<SafetyState> states(SafetyContact& contact, Duration now) {
@@ -25,14 +25,14 @@ constexpr SafetyState kSafe = SafetyState::Safe, kDoubtful = SafetyState::Deboun
 }  // namespace
 
 TEST_CASE("A safety contact at rest has no change and nothing due") {
-  SafetyContact contact(kDebounce, false);
+  SafetyContact contact(kContactDebounce, false);
   contact.read(false, TimePoint{1s});
   CHECK_FALSE(contact.due());
   CHECK(states(contact, 2s).empty());
 }
 
 TEST_CASE("A safety contact is unsafe from its first edge and has lasted after the debounce time") {
-  SafetyContact contact(kDebounce, false);
+  SafetyContact contact(kContactDebounce, false);
   contact.edge(true, TimePoint{10ms});
   CHECK(states(contact, 10ms) == States{kDoubtful});
   CHECK(contact.due() == TimePoint{15ms});
@@ -46,7 +46,7 @@ TEST_CASE("A safety contact is unsafe from its first edge and has lasted after t
 }
 
 TEST_CASE("A spike on a safety contact ends after a debounce time of quiet without having lasted") {
-  SafetyContact contact(kDebounce, false);
+  SafetyContact contact(kContactDebounce, false);
   contact.edge(true, TimePoint{10ms});
   contact.edge(false, TimePoint{11ms});
   CHECK(states(contact, 12ms) == States{kDoubtful});
@@ -57,7 +57,7 @@ TEST_CASE("A spike on a safety contact ends after a debounce time of quiet witho
 }
 
 TEST_CASE("A spike and a press are told apart even if their edges are read late") {
-  SafetyContact spike(kDebounce, false), press(kDebounce, false);
+  SafetyContact spike(kContactDebounce, false), press(kContactDebounce, false);
   spike.edge(true, TimePoint{10ms});
   spike.edge(false, TimePoint{11ms});
   CHECK(states(spike, 1s) == States{kDoubtful, kSafe});
@@ -67,7 +67,7 @@ TEST_CASE("A spike and a press are told apart even if their edges are read late"
 }
 
 TEST_CASE("A safety contact that chatters for the debounce time has lasted, however short each pulse is") {
-  SafetyContact contact(kDebounce, false);
+  SafetyContact contact(kContactDebounce, false);
   States all;
   for (int ms = 10; ms < 100; ms += 4) {  // at most 4 ms of quiet
     contact.edge(true, TimePoint{ms * 1ms});
@@ -76,19 +76,19 @@ TEST_CASE("A safety contact that chatters for the debounce time has lasted, howe
       all.push_back(state);
   }
   CHECK(all == States{kDoubtful, kUnsafe});
-  CHECK(contact.due() == TimePoint{98ms + 100us + kDebounce});
-  CHECK(states(contact, 98ms + 100us + kDebounce) == States{kSafe});
+  CHECK(contact.due() == TimePoint{98ms + 100us + kContactDebounce});
+  CHECK(states(contact, 98ms + 100us + kContactDebounce) == States{kSafe});
 }
 
 TEST_CASE("An edge to the safe level of a safe contact shows a missed edge, and counts") {
-  SafetyContact contact(kDebounce, false);
+  SafetyContact contact(kContactDebounce, false);
   contact.edge(false, TimePoint{10ms});
   CHECK(states(contact, 10ms) == States{kDoubtful});
   CHECK(states(contact, 15ms) == States{kSafe});
 }
 
 TEST_CASE("A level that was read before its edge arrived gets the edge's time") {
-  SafetyContact contact(kDebounce, false);
+  SafetyContact contact(kContactDebounce, false);
   contact.read(true, TimePoint{12ms});
   contact.edge(true, TimePoint{10ms});
   CHECK(states(contact, 12ms) == States{kDoubtful});
@@ -96,7 +96,7 @@ TEST_CASE("A level that was read before its edge arrived gets the edge's time") 
 }
 
 TEST_CASE("A safety contact that is unsafe from the start counts as lasting") {
-  SafetyContact contact(kDebounce, true);
+  SafetyContact contact(kContactDebounce, true);
   CHECK(contact.state() == kUnsafe);
   CHECK_FALSE(contact.due());
   contact.edge(false, TimePoint{10ms});

@@ -21,10 +21,6 @@ namespace {
 // The time that the thread needs to read the clock once.
 constexpr Duration kLook{100};
 
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 class Line final : public OutputLine {
  public:
   [[nodiscard]] bool set(bool active) noexcept override {
@@ -123,8 +119,8 @@ TEST_CASE("After a stop the steps end within the profile, however long and where
         for (const Duration asked : {at + held / 2, at + held + 1ms, at + held + 300ms}) {
           Run run;
           run.move({kWay, limits}, {{at, held}}, asked);
-          INFO("held up for " << seconds(held) << " s at " << seconds(at) << " s of " << seconds(whole)
-                              << ", stopped at " << seconds(asked) << " s");
+          INFO("held up for " << in_seconds(held) << " s at " << in_seconds(at) << " s of "
+                              << in_seconds(whole) << ", stopped at " << in_seconds(asked) << " s");
           const auto before = run.made_by(run.start + asked);
           const auto travelled = static_cast<double>(std::ssize(run.step.rises) - before);
           // From the step that is due next; one step more, since the distance is rounded to whole steps.

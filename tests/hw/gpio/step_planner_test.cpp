@@ -22,10 +22,6 @@ std::vector<Duration> times(StepPlanner& plan) {
   return all;
 }
 
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 MotionLimits draw_limits() {
   MotionLimits limits{draw_real(10, 20'000), draw_real(100, 400'000)};
   if (draw(0, 2) != 0) limits.jerk = draw_real(1'000, 20'000'000);
@@ -39,13 +35,13 @@ constexpr double kRounding_s = 1e-9;
 bool within_limits(const std::vector<Duration>& at, const MotionLimits& limits) {
   double last_speed = 0;
   for (std::size_t i = 1; i < at.size(); ++i) {
-    const double interval = seconds(at[i] - at[i - 1]);
+    const double interval = in_seconds(at[i] - at[i - 1]);
     if (interval < 1 / limits.speed - kRounding_s) return false;
     const double speed = 1 / interval;
     // The mean speed of an interval is the speed at some moment within it, and two such moments are at most
     // two intervals apart. A rounding by 1 ns changes a speed by its square times 1 ns.
     if (i > 1) {
-      const double apart = seconds(at[i] - at[i - 2]);
+      const double apart = in_seconds(at[i] - at[i - 2]);
       const double noise = 2 * kRounding_s * std::max(speed * speed, last_speed * last_speed);
       if (std::fabs(speed - last_speed) > limits.acceleration * apart + noise) return false;
     }

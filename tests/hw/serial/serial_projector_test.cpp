@@ -58,16 +58,22 @@ struct SerialProjectorFixture : VirtualTimeFixture {
     }
     REQUIRE(answer);
   }
-  void power_on() {
+  ProjectorReply answer_to_power_on() {
     start_power_on();
     wait_for_answer();
-    REQUIRE(answer == ProjectorReply::Ok);
+    return *answer;
+  }
+  ProjectorReply answer_to_light_on() {
+    start_light_on();
+    wait_for_answer();
+    return *answer;
+  }
+  void power_on() {
+    REQUIRE(answer_to_power_on() == ProjectorReply::Ok);
     channel.sent.clear();
   }
   void light_on() {
-    start_light_on();
-    wait_for_answer();
-    REQUIRE(answer == ProjectorReply::Ok);
+    REQUIRE(answer_to_light_on() == ProjectorReply::Ok);
     channel.sent.clear();
   }
   [[nodiscard]] std::ptrdiff_t times_sent(const std::string& message) const {
@@ -90,9 +96,7 @@ struct SerialProjectorFixture : VirtualTimeFixture {
 TEST_CASE_METHOD(SerialProjectorFixture,
                  "a serial projector that is off is turned on, warmed up, asked again and made dark") {
   light = true;  // as the projector comes up
-  start_power_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Ok);
+  CHECK(answer_to_power_on() == ProjectorReply::Ok);
   CHECK(channel.messages() == Messages{"~00124 1\r", "~0000 1\r", "~0002 1\r", "~00124 1\r", "~0002 1\r"});
   CHECK_FALSE(light);
   CHECK(now() >= 30s);
@@ -131,9 +135,7 @@ TEST_CASE_METHOD(
     if (on_at && message != "~0000 1\r" && clock.now() - *on_at < 29900ms) return;
     behave(message);
   };
-  start_power_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Ok);
+  CHECK(answer_to_power_on() == ProjectorReply::Ok);
   CHECK_FALSE(light);
   CHECK(events.empty());
 }
@@ -143,9 +145,7 @@ TEST_CASE_METHOD(SerialProjectorFixture, "a projector that refuses light off whe
     if (message == "~0002 1\r") return channel.send("F\r");
     behave(message);
   };
-  start_power_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Refused);
+  CHECK(answer_to_power_on() == ProjectorReply::Refused);
   CHECK(now() >= 30s);
   CHECK(now() < 33s);  // an attempt a second
   CHECK(events.size() == 1);
@@ -341,9 +341,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
   projector.light_off();
   pass(4s);
   channel.sent.clear();
-  start_light_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Refused);
+  CHECK(answer_to_light_on() == ProjectorReply::Refused);
   pass(10s);
   for (const std::string& message : channel.messages())
     CHECK(message == "~0002 1\r");
@@ -356,9 +354,7 @@ TEST_CASE_METHOD(SerialProjectorFixture, "light on that is not confirmed is foll
     if (message == "~0002 1\r") behave(message);
     if (message == "~0002 0\r") light = true;  // obeyed, but not answered
   };
-  start_light_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::NoAnswer);
+  CHECK(answer_to_light_on() == ProjectorReply::NoAnswer);
   CHECK(projector.last_problem() ==
         "the projector at /dev/ttyUSB7 did not answer \"light on\" in 1 try of 1000 ms: is it connected, "
         "and set to 9600 baud?");
@@ -506,9 +502,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
 TEST_CASE_METHOD(SerialProjectorFixture,
                  "a silent projector is asked again as often as its table says, then given up") {
   fall_silent();
-  start_power_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::NoAnswer);
+  CHECK(answer_to_power_on() == ProjectorReply::NoAnswer);
   CHECK(channel.messages() ==
         Messages{"~00124 1\r", "~00124 1\r", "~00124 1\r", "~0000 1\r", "~0000 1\r", "~0000 1\r"});
   CHECK(projector.last_problem() ==
@@ -528,9 +522,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
 
 TEST_CASE_METHOD(SerialProjectorFixture, "garbage, as from a wrong baud rate, is shown in the message") {
   answer_always("\x8f\xe0\x03\xff");
-  start_power_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::NoAnswer);
+  CHECK(answer_to_power_on() == ProjectorReply::NoAnswer);
   CHECK(
       projector.last_problem() ==
       "the projector at /dev/ttyUSB7 answered \"power on\" in 3 tries of 1000 ms with "
@@ -544,9 +536,7 @@ TEST_CASE_METHOD(SerialProjectorFixture, "a refusal is distinguished from silenc
   channel.projector = [&](const std::string& message) {
     channel.send(message == "~0002 0\r" ? "F\r" : "P\r");
   };
-  start_light_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Refused);
+  CHECK(answer_to_light_on() == ProjectorReply::Refused);
   CHECK(projector.last_problem() == "the projector at /dev/ttyUSB7 refused \"light on\": it answered \"F\"");
 }
 
@@ -555,9 +545,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
   power_on();
   pass(1s);
   answer_always("P");
-  start_light_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Ok);
+  CHECK(answer_to_light_on() == ProjectorReply::Ok);
   CHECK(channel.sent.size() == 1);
 }
 
@@ -639,9 +627,7 @@ TEST_CASE("after a lost reply to light on the projector is asked, where it can b
       if (message != "~0002 0\r") return fixture.behave(message);
       fixture.light = obeyed;
     };
-    fixture.start_light_on();
-    fixture.wait_for_answer();
-    CHECK(fixture.answer == (obeyed ? ProjectorReply::Ok : ProjectorReply::NoAnswer));
+    CHECK(fixture.answer_to_light_on() == (obeyed ? ProjectorReply::Ok : ProjectorReply::NoAnswer));
     CHECK(fixture.projector.last_light()->on_latest.has_value() == obeyed);
     fixture.pass(3s);
     CHECK(fixture.light == obeyed);
@@ -671,9 +657,8 @@ TEST_CASE("a reply to light on that may be a repeated one to light off does not 
       fixture.projector.light_off();
       fixture.pass(1500ms);
       REQUIRE(fixture.projector.light_off_unconfirmed().empty());
-      fixture.start_light_on();
-      fixture.wait_for_answer();
-      CHECK(fixture.answer == (asked && !obeyed ? ProjectorReply::NoAnswer : ProjectorReply::Ok));
+      CHECK(fixture.answer_to_light_on() ==
+            (asked && !obeyed ? ProjectorReply::NoAnswer : ProjectorReply::Ok));
       CHECK(fixture.projector.last_light()->on_latest.has_value() == (asked && obeyed));
       if (asked && !obeyed)
         CHECK(fixture.projector.last_problem().find("has not confirmed that its light is on") !=
@@ -719,9 +704,7 @@ TEST_CASE_METHOD(SerialProjectorFixture, "a light on is refused while a light of
   power_on();
   light_on();
   projector.light_off();
-  start_light_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Refused);
+  CHECK(answer_to_light_on() == ProjectorReply::Refused);
   CHECK_FALSE(sent_at);
   pass(1s);
   light_on();
@@ -789,9 +772,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
   CHECK_FALSE(is_on);
   const TimePoint off = clock.now() - 1s;
   channel.sent.clear();
-  start_power_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Ok);
+  CHECK(answer_to_power_on() == ProjectorReply::Ok);
   REQUIRE(channel.sent.size() == 5);
   CHECK(channel.sent[1].message == "~0000 1\r");
   CHECK(channel.sent[1].at - off >= 60s);
@@ -806,9 +787,7 @@ TEST_CASE("power on right after power off waits for the cool-down too where a pr
   fixture.projector.power_off();
   fixture.pass(50ms);
   const TimePoint off_at = fixture.clock.now();
-  fixture.start_power_on();
-  fixture.wait_for_answer();
-  CHECK(fixture.answer == ProjectorReply::Ok);
+  CHECK(fixture.answer_to_power_on() == ProjectorReply::Ok);
   CHECK(fixture.is_on);
   const auto on = std::ranges::find(fixture.channel.sent, "~0000 1\r", &ScriptedChannel::Sent::message);
   REQUIRE(on != fixture.channel.sent.end());
@@ -838,18 +817,14 @@ TEST_CASE_METHOD(
     SerialProjectorFixture,
     "a projector that still cools down from before the program ran is turned on again and again") {
   deaf_until = clock.now() + 50s;
-  start_power_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Ok);
+  CHECK(answer_to_power_on() == ProjectorReply::Ok);
   CHECK(is_on);
 }
 
 TEST_CASE_METHOD(SerialProjectorFixture,
                  "a projector that never comes on is given up in less than the time a print waits for it") {
   deaf_until = TimePoint::max();
-  start_power_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Refused);
+  CHECK(answer_to_power_on() == ProjectorReply::Refused);
   CHECK(projector.last_problem() ==
         "the projector at /dev/ttyUSB7 says that it is off, long after it was turned on");
   CHECK(now() < 300s);  // the print process's deadline
@@ -931,9 +906,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
   power_on();
   pass(1s);
   answer_always("INFO1\rP\r");
-  start_light_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Ok);
+  CHECK(answer_to_light_on() == ProjectorReply::Ok);
 }
 
 TEST_CASE_METHOD(SerialProjectorFixture,
@@ -952,9 +925,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
   CHECK(events[0].kind == MachineEvent::Kind::Fault);
   CHECK(events[0].what ==
         "the serial port /dev/ttyUSB7 was lost: it was unplugged; the projector's light may be on");
-  start_power_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::NoAnswer);
+  CHECK(answer_to_power_on() == ProjectorReply::NoAnswer);
   CHECK(projector.last_problem() ==
         "the projector at /dev/ttyUSB7 cannot be reached: the serial line is lost");
 }
@@ -1014,9 +985,7 @@ TEST_CASE("a table without a light has its projector shine as long as it is on")
   table.light_off.reset();
   SerialProjectorFixture fixture(table);
   fixture.power_on();
-  fixture.start_light_on();
-  fixture.wait_for_answer();
-  CHECK(fixture.answer == ProjectorReply::Ok);
+  CHECK(fixture.answer_to_light_on() == ProjectorReply::Ok);
   fixture.projector.light_off();
   fixture.pass(4s);
   CHECK(fixture.channel.sent.empty());
@@ -1063,9 +1032,7 @@ struct SlowStarter : SerialProjectorFixture {
 TEST_CASE("a projector that obeys power on without an answer is made dark and turned off") {
   SlowStarter fixture(15s, "");
   fixture.answers_power_on = false;
-  fixture.start_power_on();
-  fixture.wait_for_answer();
-  CHECK(fixture.answer == ProjectorReply::NoAnswer);
+  CHECK(fixture.answer_to_power_on() == ProjectorReply::NoAnswer);
   fixture.projector.light_off();
   fixture.projector.power_off();
   fixture.pass(60s);
@@ -1115,9 +1082,7 @@ TEST_CASE_METHOD(SerialProjectorFixture,
     if (message == "~00124 1\r") return channel.send("OK0\r");
     channel.send("F\r");
   };
-  start_power_on();
-  wait_for_answer();
-  CHECK(answer == ProjectorReply::Refused);
+  CHECK(answer_to_power_on() == ProjectorReply::Refused);
   projector.light_off();
   projector.power_off();
   pass(120s);
@@ -1145,9 +1110,7 @@ TEST_CASE("a warm-up that was interrupted is waited for to its end") {
       fixture.pass(2s);
       fixture.projector.light_off();
       fixture.pass(3s);
-      fixture.start_power_on();
-      fixture.wait_for_answer();
-      CHECK(fixture.answer == ProjectorReply::Ok);
+      CHECK(fixture.answer_to_power_on() == ProjectorReply::Ok);
       CHECK(fixture.answered_at - on_at >= 30s);
       CHECK(fixture.answered_at - on_at < 32s);
     }
