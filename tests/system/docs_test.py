@@ -11,8 +11,8 @@ import unittest
 ROOT = pathlib.Path(os.environ["CONTOURD_SOURCE"])
 BIN = pathlib.Path(os.environ["CONTOURD_BIN"])
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
-# Where sources lie. What is made by a build or by a run is not there to be looked for.
-ROOMS = ("core", "hw", "daemon", "config", "tests", "docs", "systemd", "packaging", ".ci", ".readme")
+# The folders of the sources. What is made by a build or by a run is not there to be looked for.
+FOLDERS = ("core", "hw", "daemon", "config", "tests", "docs", "systemd", "packaging", ".ci", ".readme")
 MOST_WORDS = 900
 
 
@@ -101,7 +101,7 @@ class DocsTest(unittest.TestCase):
         named = 0
         for page in PAGES:
             for span in code_spans(page):
-                for path in re.findall(rf"(?<![\w/.-])(?:{'|'.join(map(re.escape, ROOMS))})/[\w.*/-]*", span):
+                for path in re.findall(rf"(?<![\w/.-])(?:{'|'.join(map(re.escape, FOLDERS))})/[\w.*/-]*", span):
                     named += 1
                     self.assertTrue(list(ROOT.glob(path.rstrip("/."))), f"{page.name}: {path}")
         self.assertGreater(named, 100)
@@ -151,7 +151,7 @@ class DocsTest(unittest.TestCase):
     def test_every_heading_that_a_source_refers_to_is_there(self):
         """Sources that send their reader to a page and, in quotes behind a comma, to its heading."""
         referred = 0
-        for path in (path for room in ROOMS for path in (ROOT / room).rglob("*")):
+        for path in (path for folder in FOLDERS for path in (ROOT / folder).rglob("*")):
             if path.suffix not in (".cpp", ".hpp", ".py", ".json", ".md", ".service") or not path.is_file():
                 continue
             for page, heading in re.findall(r'((?:docs/[\w-]+|README|CONTRIBUTING)\.md), \\?"([^"\\]+)\\?"', text_of(path)):

@@ -504,7 +504,7 @@ class Daemon:
         return self.environment.get("STATE_DIRECTORY", self.spool + ".state")
 
     def kill(self, while_reading=False):
-        """What is being read then is not read again by itself (daemon/reading_record.hpp): waits for its end, unless told."""
+        """What is being read then is not read again by itself (daemon/spool/reading_record.hpp): waits for its end, unless told."""
         if not while_reading:
             wait_until(lambda: not os.path.exists(os.path.join(self.state_folder, "reading")), "the end of a reading")
         self.process.kill()
